@@ -1,17 +1,17 @@
-//! Shortest paths along edges.
+//! Dijkstra's algorithm on the edges of a mesh.
 
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::queue::MinHeap;
 use geobench_window::{Counter, Probe, Propagate, Solution, Way};
 
-/// The algorithm of Dijkstra (1959) on the edges of a mesh.
+/// The algorithm of Dijkstra (1959) on the edges of a mesh; O(n log n) for n vertices.
 ///
-/// Distances are never too short. How much they are too long depends on the directions of the
-/// edges, not on their lengths: refining a mesh does not help.
+/// Distances are lengths of paths along edges, and never too short. How much too long they are
+/// depends on the directions of the edges, not on their lengths, so refining a mesh does not help.
 #[derive(Clone, Debug)]
 pub struct Dijkstra {
     mesh: Mesh,
-    /// Where the edges of each vertex start in `edges`.
+    /// The start of the edges of each vertex in `edges`.
     starts: Vec<u32>,
     edges: Vec<(VertexId, f64)>,
     queue: MinHeap<VertexId>,
@@ -35,7 +35,7 @@ impl Dijkstra {
         }
     }
 
-    /// Tells `probe` that the path to `to` comes along the edge from `from`.
+    /// Tells `probe` that the path to `to` arrives along the edge from `from`.
     fn trace<P: Probe>(&self, from: VertexId, to: VertexId, probe: &mut P) {
         for &h in self.mesh.outgoing(to) {
             if self.mesh.head(h) == from {

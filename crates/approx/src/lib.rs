@@ -1,4 +1,4 @@
-//! Approximate geodesic distances on triangle meshes: what exact algorithms are compared with.
+//! Approximate geodesic distances on triangle meshes, for comparison with exact algorithms.
 //!
 //! ```
 //! use geobench_approx::Dijkstra;
@@ -11,9 +11,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! None of these algorithms is a reference, and tables mark them as approximate. Each is a
-//! [`Solver`](geobench_window::Solver): set-up is apart from the solves, distances are infinite
-//! where no path leads, and of several sources the nearest counts.
+//! None of these algorithms serves as a reference, and tables mark them as approximate. Each is a
+//! [`Solver`](geobench_window::Solver): set-up is separate from solves, distances are infinite
+//! where no path leads, and several sources give the distance from the nearest.
+//!
+//! | type | method | error |
+//! |---|---|---|
+//! | [`Dijkstra`] | shortest paths along edges | too long, whatever the resolution |
+//! | [`Fmm`], [`FmmUntidy`] | fast marching | about the length of an edge |
+//! | `Heat`, with the feature `heat` | the heat method | about the length of an edge |
+//! | [`SaddleVertexGraph`] | a graph of direct geodesics | too long; none if the graph is complete |
+//! | [`mmp_approx`], [`avtp`] | windows replaced by vertices | too long, at most by the given factor |
 
 mod dijkstra;
 mod fmm;

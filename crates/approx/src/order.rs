@@ -1,11 +1,11 @@
-//! Orders in which vertices have their turns.
+//! Queues that order vertices.
 
 use geobench_mesh::VertexId;
 use geobench_window::queue::{Calendar, Event, EventKind, MinHeap};
 
 /// A queue of vertices by distance. A vertex is pushed anew when its distance falls.
 pub(crate) trait VertexQueue {
-    /// Whether the least distance comes first.
+    /// Whether vertices come in the order of their distances.
     const IS_SORTED: bool;
 
     /// Adds a vertex.
@@ -17,7 +17,7 @@ pub(crate) trait VertexQueue {
     /// Number of entries.
     fn len(&self) -> usize;
 
-    /// Forgets everything.
+    /// Removes all entries.
     fn clear(&mut self);
 }
 
@@ -46,18 +46,18 @@ impl VertexQueue for Tidy {
     }
 }
 
-/// Buckets in order, and within a bucket first in, first out.
+/// Buckets in order; first in, first out within a bucket.
 #[derive(Clone, Debug)]
 pub(crate) struct Untidy {
     later: Calendar,
-    /// The bucket under way, the next entry last.
+    /// The current bucket, the next entry last.
     current: Vec<(f64, Event)>,
-    /// The least label of that bucket.
+    /// A lower bound of the labels in the current bucket.
     least: f64,
 }
 
 impl Untidy {
-    /// With buckets of this width.
+    /// An empty queue with buckets of this width.
     pub(crate) fn new(width: f64) -> Self {
         Self {
             later: Calendar::new(width),
@@ -66,12 +66,12 @@ impl Untidy {
         }
     }
 
-    /// No entry has a lesser label, if none was pushed with a lesser one than that which came last.
+    /// A lower bound of all labels, if no label was pushed that is less than the one taken last.
     pub(crate) const fn bound(&self) -> f64 {
         self.least
     }
 
-    /// The entry that comes next, if it is of the bucket under way.
+    /// The next entry, if it is in the current bucket.
     pub(crate) fn next(&self) -> Option<VertexId> {
         match self.current.last()?.1.kind() {
             EventKind::Vertex(v) => Some(v),
@@ -131,7 +131,7 @@ mod tests {
             .map(|(_, v)| v.raw())
             .collect();
         assert_eq!(order, [1, 2, 0, 3]);
-        // What belongs to a bucket that has passed comes next.
+        // An entry for a bucket that has passed comes next.
         queue.push(0.5, VertexId::new(4));
         queue.push(2.2, VertexId::new(5));
         assert_eq!(queue.bound(), 2.1);

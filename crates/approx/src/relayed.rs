@@ -8,18 +8,18 @@ use geobench_window::VertexFilter;
 use geobench_window::continuous::{Continuous, Relaying};
 use geobench_window::queue::Priority;
 
-/// MMP with windows replaced by vertices.
+/// [`mmp_approx`] on one mesh: MMP with windows replaced by vertices.
 pub type MmpApprox = Continuous<Relaying<Trimming>, Priority>;
 
-/// Windows filtered and split in the order of VTP, and replaced by vertices.
+/// [`avtp`] on one mesh: ICH in the order of VTP, with windows replaced by vertices.
 pub type Avtp = Continuous<Relaying<Splitting>, VertexOrder>;
 
-/// MMP for `mesh` whose distances are at most 1 + `epsilon` times the exact ones and never less;
-/// O(faces).
+/// Sets up MMP for `mesh` with distances that are at most 1 + `epsilon` times the exact ones, and
+/// never less; O(faces).
 ///
-/// Every vertex sends out windows, and has an advantage over those that passed it, as
-/// [`Continuous::with_error`] says. So windows do not gather with the distance: an edge has as many
-/// as `epsilon` asks for. Windows that the wavefront has passed are evicted.
+/// Every vertex sends windows, and is preferred to the windows that passed it, as
+/// [`Continuous::with_error`] defines. The number of windows on an edge then depends on `epsilon`
+/// and does not grow with the distance. Windows that the wavefront has passed are evicted.
 ///
 /// ```
 /// use geobench_approx::mmp_approx;
@@ -39,7 +39,7 @@ pub fn mmp_approx(mesh: &Mesh, epsilon: f64) -> MmpApprox {
     Continuous::new(mesh, Relaying(policy), Priority::new(mesh)).with_error(epsilon)
 }
 
-/// An approximate form of VTP-CH for `mesh`, with the bound of [`mmp_approx`]; O(faces).
+/// Sets up an approximate form of VTP-CH for `mesh`, with the bound of [`mmp_approx`]; O(faces).
 pub fn avtp(mesh: &Mesh, epsilon: f64) -> Avtp {
     let policy = Splitting::new(mesh, VertexFilter::On);
     Continuous::new(mesh, Relaying(policy), VertexOrder::new(mesh)).with_error(epsilon)

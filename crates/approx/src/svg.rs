@@ -1,4 +1,4 @@
-//! Saddle vertex graphs: direct geodesics found once, shortest paths over them for every query.
+//! Saddle vertex graphs: direct geodesics are found once, and queries are shortest paths over them.
 
 use std::ops::Range;
 use std::sync::Mutex;
@@ -13,31 +13,31 @@ use geobench_window::{Counter, Phase, Probe, Propagate, Solution, VertexFilter, 
 
 use crate::order::{Untidy, VertexQueue};
 
-/// The algorithm that finds the direct geodesics around a vertex. The graph is the same up to
-/// rounding and ties.
+/// The algorithm that finds the direct geodesics around a vertex. The graph does not depend on it,
+/// up to rounding and ties.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SvgBuilder {
-    /// ICH, as Ying et al. have it.
+    /// ICH, as in Ying et al. (2013).
     #[default]
     Ich,
-    /// FWP-MMP, as Xu et al. have it.
+    /// FWP-MMP, as in Xu et al. (2015).
     FwpMmp,
 }
 
-/// What can be chosen about a [`SaddleVertexGraph`].
+/// Options of a [`SaddleVertexGraph`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SvgOptions {
-    /// How many of the nearest vertices of each vertex are looked for direct geodesics; all of them
-    /// if `None`, which makes distances exact.
+    /// The number of nearest vertices of each vertex among which direct geodesics are searched.
+    /// `None` means all vertices, which makes distances exact.
     pub k: Option<usize>,
-    /// What finds them.
+    /// The algorithm that finds the geodesics.
     pub builder: SvgBuilder,
-    /// Threads of the set-up; 0 counts as 1. The graph does not depend on it.
+    /// Threads for set-up; 0 counts as 1. The graph does not depend on their number.
     pub threads: usize,
 }
 
 impl Default for SvgOptions {
-    /// The papers' k of 50, found by ICH, on one thread.
+    /// As in the papers: k = 50, ICH, one thread.
     fn default() -> Self {
         Self {
             k: Some(50),
@@ -51,14 +51,14 @@ impl Default for SvgOptions {
 /// to the discrete geodesic problem" (2013).
 ///
 /// A geodesic is *direct* if it turns at no vertex. A shortest path is a chain of direct geodesics
-/// that meet at saddle vertices. So a graph of all direct geodesics has all distances, and of all
-/// vertices only the saddles relay paths. With a finite k the graph holds direct geodesics to
-/// some of the nearest k vertices only, and each vertex relays: distances are lengths of paths on
-/// the surface, never too short.
+/// that meet at saddle vertices. So the graph of all direct geodesics gives exact distances, and
+/// only saddle vertices relay paths. With a finite k, the graph has direct geodesics to some of the
+/// k nearest vertices only, and every vertex relays paths. Distances are lengths of paths on the
+/// surface, and never too short.
 ///
-/// Set-up runs a window algorithm around each vertex, in time for the windows that it propagates.
-/// A query is Dijkstra's algorithm on the graph, with vertices in buckets rather than in a heap. The
-/// distances are the same to the bit.
+/// Set-up runs a window algorithm around each vertex, whose time depends on the windows that it
+/// propagates. A query is Dijkstra's algorithm on the graph, with vertices in buckets instead of a
+/// heap. The distances are the same bit for bit.
 ///
 /// ```
 /// use geobench_approx::{SaddleVertexGraph, SvgOptions};
@@ -75,21 +75,21 @@ impl Default for SvgOptions {
 /// ```
 #[derive(Clone, Debug)]
 pub struct SaddleVertexGraph {
-    /// Where the edges of each vertex start, and behind the last one.
+    /// The start of the edges of each vertex, and one past the last edge.
     starts: Vec<usize>,
-    /// The other end of each edge, nearest first. Every edge stands at both of its ends.
+    /// The other end of each edge, nearest first. Every edge is stored at both of its ends.
     ends: Vec<u32>,
     lengths: Vec<f64>,
     /// Whether paths may turn at a vertex.
     relays: Vec<bool>,
-    /// Vertices by distance. One whose distance falls after its turn has another one.
+    /// Vertices by distance. A vertex whose distance falls after its turn has another turn.
     queue: Untidy,
 }
 
 impl SaddleVertexGraph {
     /// Builds the graph of `mesh`.
     pub fn new(mesh: &Mesh, options: SvgOptions) -> Self {
-        // Buckets suit the number of vertices that a run reaches, not that of the mesh.
+        // The bucket width suits the number of vertices that a run reaches, not that of the mesh.
         let vertices = mesh.vertex_count() as f64;
         let width = (vertices / options.k.map_or(vertices, |k| (k as f64).max(1.0))).sqrt();
         let found = match options.builder {
@@ -114,7 +114,8 @@ impl SaddleVertexGraph {
 
     fn of_edges(mesh: &Mesh, found: &[DirectGeodesics], relays: Vec<bool>) -> Self {
         let vertices = mesh.vertex_count();
-        // From one end, or from both. Those of the mesh keep the graph of a small k connected.
+        // Edges may be found from one end or from both. The edges of the mesh keep the graph
+        // connected for a small k.
         let edges = || {
             let of_mesh = |v: VertexId| {
                 mesh.neighbours(v)
@@ -159,7 +160,7 @@ impl SaddleVertexGraph {
         for v in 0..vertices {
             own.clear();
             own.extend_from_slice(&both[starts[v]..starts[v + 1]]);
-            // Of the two lengths of an edge, which rounding may make differ, the lesser.
+            // Keeps the lesser of the two lengths of an edge, which may differ by rounding.
             own.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
             own.dedup_by_key(|&mut (end, _)| end);
             own.sort_unstable_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
@@ -172,7 +173,7 @@ impl SaddleVertexGraph {
         graph
     }
 
-    /// Asks for the memory of the first edges of `v`.
+    /// Prefetches the first edges of `v`.
     fn announce(&self, v: VertexId) {
         let start = self.starts[v.index()];
         for i in 0..4 {
@@ -181,7 +182,7 @@ impl SaddleVertexGraph {
         }
     }
 
-    /// Number of its edges.
+    /// Number of edges of the graph.
     pub fn edges(&self) -> usize {
         self.ends.len() / 2
     }
@@ -195,19 +196,19 @@ impl SaddleVertexGraph {
     }
 }
 
-/// The width of the buckets of a query, in mean edge lengths of the mesh: so little that few vertices
-/// have a second turn.
+/// The bucket width of a query, in mean edge lengths of the mesh: so small that few vertices have a
+/// second turn.
 const BUCKET: f64 = 0.25;
 
 /// The direct geodesics from a range of vertices.
 struct DirectGeodesics {
     vertices: Range<usize>,
-    /// Where those of each vertex start, and behind the last one.
+    /// The start of the geodesics of each vertex, and one past the last.
     starts: Vec<usize>,
     neighbours: Vec<Neighbour>,
 }
 
-/// So many vertices are given to a thread at once. The time that one takes varies a hundredfold.
+/// Number of vertices that a thread takes at once. The time for one vertex varies a hundredfold.
 const BLOCK: usize = 64;
 
 fn explore<W: Policy, Q: Discipline>(
@@ -243,7 +244,7 @@ fn explore<W: Policy, Q: Discipline>(
         }
     };
     std::thread::scope(|scope| {
-        // A thread that the system does not start leaves its work to the others.
+        // If the system does not start a thread, the others do its work.
         for _ in 1..options.threads.min(vertices.div_ceil(BLOCK)) {
             let _ = std::thread::Builder::new().spawn_scoped(scope, work);
         }

@@ -1,4 +1,4 @@
-//! The bound of the error that a run is given, against exact distances.
+//! The given bound of the error, compared with exact distances.
 
 mod support;
 

@@ -1,4 +1,4 @@
-//! Errors: how they fall as meshes are refined, and which sign they have.
+//! Errors of the approximate algorithms: their order under refinement, and their sign.
 
 use geobench_approx::{Dijkstra, Fmm, FmmUntidy};
 use geobench_mesh::Mesh;
@@ -21,7 +21,7 @@ fn round(mesh: &Mesh) -> Vec<f64> {
     positions.iter().map(away).collect()
 }
 
-/// Mean relative error, the source apart.
+/// Mean relative error without the source.
 fn mean_error(found: &[f64], exact: &[f64]) -> f64 {
     let others = found.iter().zip(exact).skip(1);
     let errors = others.map(|(found, exact)| (found - exact).abs() / exact);
@@ -49,7 +49,7 @@ fn spheres() -> Vec<String> {
     [3, 4, 5, 6].map(|n| format!("sphere,subdiv={n}")).into()
 }
 
-/// That halving the edges multiplies the error by a factor in these bounds, each time.
+/// Asserts that halving the edges multiplies the error by a factor within these bounds, each time.
 fn assert_rate(errors: &[f64], least: f64, most: f64) {
     for pair in errors.windows(2) {
         let rate = pair[1] / pair[0];
@@ -60,8 +60,8 @@ fn assert_rate(errors: &[f64], least: f64, most: f64) {
 #[test]
 fn fast_marching_is_of_first_order() {
     let fmm = |mesh: &Mesh| Fmm::new(mesh, true).distances_from(0).unwrap();
-    // From a point the error is h log(1/h): halving h multiplies it by 0.5 and a little more, which
-    // grows less.
+    // From a point source the error is h log(1/h): halving h multiplies it by slightly more than
+    // 0.5, approaching 0.5.
     for errors in [
         errors(&grids(), straight, fmm),
         errors(&spheres(), round, fmm),
@@ -180,8 +180,8 @@ mod heat {
         assert_rate(&errors(&spheres(), round, heat(options)), 0.3, 0.75);
     }
 
-    /// With t = h² the fronts on a grid of right angles stay those of its stencil, at every
-    /// resolution; with t ~ h they become round.
+    /// With t = h² the fronts on a right-angled grid keep the shape of its stencil at every
+    /// resolution. With t ~ h they become round.
     #[test]
     fn heat_converges_on_the_plane_if_it_flows_longer_than_an_edge() {
         let default = heat(HeatOptions::default());

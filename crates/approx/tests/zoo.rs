@@ -1,5 +1,5 @@
-//! Small surfaces with everything that breaks geodesic programs: no method panics, and what it
-//! returns is a distance.
+//! Small surfaces with all features that break geodesic programs: no method panics, and all results
+//! are distances.
 
 use geobench_approx::{Boundary, Dijkstra, Fmm, FmmUntidy, Heat, HeatOptions};
 use geobench_mesh::{Mesh, TriangleSoup, VertexId};

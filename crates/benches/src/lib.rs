@@ -1,4 +1,4 @@
-//! What the benches of the solver crates share: the models, and how whole solves on them are timed.
+//! Shared code of the benches of the solver crates: models, and timing of whole solves.
 
 use std::hint::black_box;
 
@@ -7,30 +7,30 @@ use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::Solver;
 
-/// A smooth closed surface, one with many saddles, and one with a border and rough ground.
+/// A smooth closed surface, a closed surface with many saddles, and a rough one with a boundary.
 const MODELS: [&str; 3] = [
     "gen:sphere,subdiv=5",
     "gen:torus,faces=50000,bump=0.1,seed=7",
     "gen:terrain,n=150,seed=1",
 ];
 
-/// Times of one solver: too few for fine differences, but some models take seconds.
+/// Samples of one solver: too few for small differences, because some models take seconds.
 const SAMPLES: usize = 10;
 
-/// A solver that is set up, and what its times are called.
+/// The name of a series of times, and the solver.
 pub type Named = (String, Box<dyn Solver>);
 
-/// Calls `solver` by a name.
+/// Gives `solver` a name.
 pub fn named(name: impl Into<String>, solver: impl Solver + 'static) -> Named {
     (name.into(), Box::new(solver))
 }
 
-/// Times whole solves from vertex 0 of three generated models, without set-up, by each of the
+/// Times whole solves from vertex 0 of three generated models, without set-up, for each of the
 /// solvers that `set_up` makes for a mesh.
 ///
 /// # Panics
 ///
-/// If there is no such model any more.
+/// If the generators no longer accept the specs of the models.
 pub fn whole_solves(criterion: &mut Criterion, set_up: impl Fn(&Mesh) -> Vec<Named>) {
     for spec in MODELS {
         let mesh = mesh(spec);
@@ -46,7 +46,7 @@ pub fn whole_solves(criterion: &mut Criterion, set_up: impl Fn(&Mesh) -> Vec<Nam
     }
 }
 
-/// The mesh that a generator makes.
+/// The mesh of a spec.
 fn mesh(spec: &str) -> Mesh {
     let soup = spec.parse().map(|spec| generate(&spec));
     let Ok(Ok(soup)) = soup else {

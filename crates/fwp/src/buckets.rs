@@ -6,39 +6,39 @@ use geobench_window::{Counter, Probe};
 
 use crate::weights::Weights;
 
-/// How many of the events that come next are known, as far as so many are left in a round.
+/// Number of next events to keep in order, if so many are left in a round.
 const KNOWN: usize = 16;
 
-/// Room for them and for some that have been taken.
+/// Capacity for these and for some that have been taken.
 const ROOM: usize = 256;
 
-/// How many events, K, a round of [`Buckets`] takes at least.
+/// The least number of events, K, that a round of [`Buckets`] takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BatchSize {
-    /// K starts as the number of events that wait. From round to round it grows by the number of
-    /// events that came to lie beyond the buckets of the round, a sign that the wavefront is
-    /// smooth, and shrinks by those that fell into or before them; it never exceeds `max`.
+    /// K starts as the number of waiting events. From round to round it grows by the number of
+    /// events that arrived beyond the buckets of the round, a sign of a smooth wavefront, and
+    /// shrinks by the number of those that arrived in or before them. It never exceeds `max`.
     Adaptive {
         /// The limit, `K_max` in the paper.
         max: u32,
     },
-    /// Always this many. The paper's figure 10 shows why not: the best number differs by a factor
-    /// of forty between models.
+    /// Always this many. The best number differs between models by a factor of forty (Xu et al.
+    /// 2015, figure 10).
     Fixed(u32),
 }
 
 /// Options of [`Buckets`]. Distances do not depend on them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BucketOptions {
-    /// Width of a bucket as a multiple of h/√n, for h the mean length of the edges and n the number
-    /// of vertices. One that is not positive, or not finite, puts all events into one bucket.
+    /// Width of a bucket as a multiple of h/√n, where h is the mean length of the edges and n the
+    /// number of vertices. All events share one bucket if it is not positive or not finite.
     pub width: f64,
-    /// Events for each round; 0 counts as 1.
+    /// The number of events of a round; 0 counts as 1.
     pub batch: BatchSize,
 }
 
 impl Default for BucketOptions {
-    /// The paper's: width 1, K adaptive and at most 20,000.
+    /// The paper's options: width 1, and K adaptive with at most 20,000.
     fn default() -> Self {
         Self {
             width: 1.0,
@@ -49,23 +49,23 @@ impl Default for BucketOptions {
 
 /// The queue of the fast wavefront propagation framework (Xu et al. 2015, section 4).
 ///
-/// Labels are divided into buckets of equal width, first in, first out, and events are taken in
+/// Labels are divided into buckets of equal width, each first in, first out. Events are taken in
 /// rounds. A round counts buckets from the first non-empty one, `P1`, until they hold at least K
-/// events. `P_end` is the bucket behind the last one counted, as algorithm 1 prints it: its events
-/// are taken, too. The round takes from the buckets `P1` to `P_end` the events that were there
-/// before it. Events that arrive during the round wait for the next; each is *beyond* or *near*,
-/// depending on whether its bucket is behind `P_end`. [`BatchSize::Adaptive`] tells how K follows
+/// events. `P_end` is the bucket behind the last one counted; as algorithm 1 prints it, its events
+/// are taken as well. The round takes the events that were in the buckets `P1` to `P_end` before it
+/// began. Events that arrive during the round wait for the next one. Each is *beyond* or *near*,
+/// depending on whether its bucket is behind `P_end`. [`BatchSize::Adaptive`] defines how K follows
 /// from these counts.
 ///
-/// The paper marks every window with its birth, the round in which it was made. Here a round takes
-/// the events out of its buckets when it begins, so that all events that are in the buckets
-/// afterwards were born in the round. That is the same rule without a mark.
+/// The paper marks every window with its birth, the round in which it was made. Here a round
+/// removes the events from its buckets when it begins, so all events found there later were born in
+/// the round. The rule is the same.
 ///
 /// Algorithm 1 never resets the counts of near and beyond. The text does (section 4.2: they are
-/// counts of the children of one round), and so does this queue. A label below `P1`, by rounding,
-/// counts as in `P1`. The paper does not say what becomes of an event whose window has been trimmed
-/// or dropped: it stays where it is, counts among the K, and is skipped by the policy; a trimmed
-/// window waits under its new label, too.
+/// counts of the children of one round), and so does this queue. A label that rounding puts below
+/// `P1` counts as in `P1`. The paper does not say what becomes of an event whose window has been
+/// trimmed or dropped. Here it stays, counts towards K, and is skipped by the policy; a trimmed
+/// window is queued under its new label as well.
 ///
 /// # Cost
 ///
@@ -90,16 +90,16 @@ pub struct Buckets {
     batch: BatchSize,
     calendar: Calendar,
     round: Round,
-    /// Those of its events that are still linked.
+    /// Events of the round that are still in the linked list.
     linked: Chain,
-    /// Those before them, of which the ones from `next` on are still to be taken.
+    /// The events before them. Those from `next` on have not been taken.
     events: Vec<(f64, Event)>,
     next: usize,
-    /// The windows in lists, if its events are lists.
+    /// The numbers of windows, if the events are lists.
     weights: Option<Weights>,
 }
 
-/// The round under way.
+/// The current round.
 #[derive(Clone, Copy, Debug, Default)]
 struct Round {
     /// K; 0 before the first round.
@@ -108,14 +108,14 @@ struct Round {
     end: u64,
     /// The [place](Calendar::place) at which that bucket ends.
     limit: f64,
-    /// Events that came into a bucket up to `end`.
+    /// Events that arrived in buckets up to `end`.
     near: i64,
-    /// Events that came beyond it.
+    /// Events that arrived beyond `end`.
     beyond: i64,
 }
 
 impl Buckets {
-    /// Empty buckets whose width suits `mesh`; O(edges).
+    /// An empty queue whose bucket width suits `mesh`; O(edges).
     pub fn new(mesh: &Mesh, options: BucketOptions) -> Self {
         Self {
             batch: options.batch,
@@ -128,10 +128,10 @@ impl Buckets {
         }
     }
 
-    /// The same for events that are lists of windows: K is still a number of windows. A round takes
-    /// from the lists in its buckets what is due when their turn comes: a window which comes to
-    /// such a list during the round, and belongs in it, does not wait for the next, for which it
-    /// counts all the same. That makes a fourth more rounds than with windows one by one.
+    /// The same queue for events that are lists of windows; K is still a number of windows. A round
+    /// takes from the lists in its buckets the windows that are due at their turn. A window that
+    /// arrives at such a list during the round and belongs in the round does not wait for the next
+    /// one, although it counts for it. This makes a fourth more rounds than with single windows.
     #[must_use]
     pub(crate) fn of_lists(self) -> Self {
         Self {
@@ -145,15 +145,15 @@ impl Buckets {
         self.calendar.len() + self.events.len() - self.next
     }
 
-    /// The bucket for `label`.
+    /// The bucket of `label`, at least the first.
     #[inline]
     fn bucket(&self, label: f64) -> u64 {
         self.calendar.bucket(label).max(self.calendar.first())
     }
 
-    /// A window, or a vertex, comes to wait in `bucket`.
+    /// Counts a window or vertex that arrives in `bucket`.
     #[inline]
-    fn welcome(&mut self, bucket: u64) {
+    fn count_arrival(&mut self, bucket: u64) {
         if bucket > self.round.end {
             self.round.beyond += 1;
         } else {
@@ -171,8 +171,7 @@ impl Buckets {
         probe.raise(Counter::QueuePeak, self.len() as u64);
     }
 
-    /// Begins a round when all events of the last one are taken; `None` if there is nothing to
-    /// take.
+    /// Begins a round when all events of the last one have been taken; `None` if no event is left.
     #[cold]
     fn begin<P: Probe>(&mut self, probe: &mut P) -> Option<()> {
         let first = self.calendar.advance()?;
@@ -198,7 +197,7 @@ impl Buckets {
         Some(())
     }
 
-    /// K of the round to come.
+    /// The K of the next round.
     fn next_size(&self) -> i64 {
         let waiting = match &self.weights {
             Some(weights) => weights.total(),
@@ -218,8 +217,8 @@ impl Buckets {
         wanted.min(limit).min(waiting).max(1)
     }
 
-    /// Takes the events out of the buckets from `first` on until they are K, or to the last bucket
-    /// of the ring, and those of the bucket behind it.
+    /// Removes the events of the buckets from `first` on until they are K, or up to the last bucket
+    /// of the ring, and those of the bucket behind.
     fn empty_buckets(&mut self, first: u64) {
         let size = self.round.size.unsigned_abs();
         let mut taken = 0;
@@ -237,7 +236,7 @@ impl Buckets {
         }
     }
 
-    /// Takes the events out of `bucket`; returns the number of windows that they count as.
+    /// Removes the events of `bucket`; returns the number of windows that they count as.
     fn empty_bucket(&mut self, bucket: u64) -> u64 {
         let before = self.linked.len();
         self.calendar.detach(bucket, &mut self.linked);
@@ -247,10 +246,10 @@ impl Buckets {
         }
     }
 
-    /// Moves one event of the round to those that are known.
+    /// Moves one event of the round from the linked list to `events`.
     ///
-    /// An event tells where the next one lies. One is read for each that is taken, so that the
-    /// memory of the next, which is asked for, has time to come.
+    /// Each link has to be loaded before the next one is known. One is moved for each event taken,
+    /// so that the prefetched memory of the next has time to arrive.
     #[inline]
     fn unlink(&mut self) {
         if let Some(event) = self.calendar.take(&mut self.linked) {
@@ -274,7 +273,7 @@ impl Discipline for Buckets {
     #[inline]
     fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
         let bucket = self.bucket(label);
-        self.welcome(bucket);
+        self.count_arrival(bucket);
         self.put(bucket, label, event, probe);
     }
 
@@ -285,7 +284,7 @@ impl Discipline for Buckets {
 
     #[inline]
     fn weigh(&mut self, label: f64) {
-        self.welcome(self.bucket(label));
+        self.count_arrival(self.bucket(label));
     }
 
     #[inline]
@@ -299,7 +298,7 @@ impl Discipline for Buckets {
         Some(taken)
     }
 
-    /// Where the first bucket of the round starts: no label is below it but by rounding.
+    /// The lower end of the round's first bucket. Labels are below it only by rounding.
     #[inline]
     fn bound(&self, _: f64) -> Option<f64> {
         let first = self.calendar.first();

@@ -8,9 +8,9 @@ use geobench_window::{Counter, Probe};
 /// Options of [`LabelCorrecting`]. Distances do not depend on them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LabelCorrectingOptions {
-    /// β, which sets the threshold between the least label that waits (0) and the mean of those
-    /// that wait (1). Small values come near to a priority queue and sift what waits
-    /// more often; with an infinite one, no threshold is left. Negative values and NaN count as 0.
+    /// β, which sets the threshold between the least waiting label (0) and the mean of the waiting
+    /// labels (1). Small values approach a priority queue, and scan the waiting events more often.
+    /// With an infinite value there is no threshold. Negative values and NaN count as 0.
     pub beta: f64,
 }
 
@@ -20,24 +20,24 @@ impl Default for LabelCorrectingOptions {
     }
 }
 
-/// The label correcting queue SLF-LLL-THR of Bertsekas (1993), which Xu et al. 2015, section 7.4,
-/// compare their buckets with.
+/// The label correcting queue SLF-LLL-THR of Bertsekas (1993), with which Xu et al. (2015, section
+/// 7.4) compare their buckets.
 ///
 /// * *Small label first*: an event goes to the front of a double-ended queue if its label is less
 ///   than that of the first event, else to the back.
-/// * *Large label last*: before one is taken, first events with labels above the queue's mean are
-///   moved to the back, at most once round the queue: where rounding puts a mean of equal labels
-///   below them, an unbounded rotation would go on for ever.
-/// * *Threshold*: events with labels above a threshold wait apart. When the queue is empty the
-///   threshold becomes m + β (a - m), for m the least and a the mean of the labels that wait, and
-///   the events that are not above it move into the queue.
+/// * *Large label last*: before an event is taken, events at the front with labels above the
+///   queue's mean are moved to the back, at most once around the queue. Without this limit the
+///   rotation would never end if rounding puts the mean of equal labels below them.
+/// * *Threshold*: events with labels above a threshold wait apart. When the queue is empty, the
+///   threshold becomes m + β (a - m), where m is the least and a the mean of the waiting labels.
+///   The events that are not above it move into the queue.
 ///
-/// The sources print neither β nor how the threshold follows the labels; this is our form.
+/// The sources give neither β nor the rule for the threshold. This rule is ours.
 ///
 /// # Cost
 ///
-/// O(1) for each event without the rotations and the sifting, which have no useful bound in general
-/// and cost little in practice. An event takes 16 bytes.
+/// O(1) for each event, without the rotations and scans. These have no useful general bound and
+/// cost little in practice. An event takes 16 bytes.
 ///
 /// ```
 /// use geobench_fwp::{LabelCorrecting, LabelCorrectingOptions};
@@ -57,13 +57,13 @@ impl Default for LabelCorrectingOptions {
 pub struct LabelCorrecting {
     beta: f64,
     queue: VecDeque<(f64, Event)>,
-    /// Of the labels in the queue, up to rounding.
+    /// Sum of the labels in the queue, up to rounding.
     sum: f64,
     threshold: f64,
     apart: Vec<(f64, Event)>,
 }
 
-/// Below all labels: whatever comes before the first event is taken waits apart.
+/// Below all labels: events that are pushed before the first one is taken wait apart.
 const UNSET: f64 = f64::NEG_INFINITY;
 
 impl LabelCorrecting {
@@ -78,7 +78,7 @@ impl LabelCorrecting {
         }
     }
 
-    /// Small label first.
+    /// Applies "small label first".
     #[inline]
     fn put(&mut self, label: f64, event: Event) {
         match self.queue.front() {
@@ -88,7 +88,8 @@ impl LabelCorrecting {
         self.sum += label;
     }
 
-    /// Raises the threshold and brings in what lies below it; returns whether anything does.
+    /// Raises the threshold and moves the events below it into the queue; returns whether there are
+    /// any.
     fn refill<P: Probe>(&mut self, probe: &mut P) -> bool {
         if self.apart.is_empty() {
             return false;
@@ -98,8 +99,8 @@ impl LabelCorrecting {
             (label.min(least), sum + label)
         });
         let excess = sum / self.apart.len() as f64 - least;
-        // Rounding may put the mean below the least label, and ∞ · 0 is NaN: both mean equal
-        // labels.
+        // Rounding may put the mean below the least label, and ∞ · 0 is NaN. Both mean that the
+        // labels are equal.
         self.threshold = f64::max(least + self.beta * excess, least);
         self.sum = 0.0;
         let mut apart = std::mem::take(&mut self.apart);
@@ -115,7 +116,7 @@ impl LabelCorrecting {
         true
     }
 
-    /// Large label last.
+    /// Applies "large label last".
     #[inline]
     fn rotate(&mut self) {
         let mean = self.sum / self.queue.len() as f64;
@@ -212,7 +213,7 @@ mod tests {
 
     #[test]
     fn small_labels_go_in_front() {
-        // Into the queue 5; then 7 behind it, 3 in front, and 4 at the back. When 7 comes to the
+        // 5 enters the queue, then 7 behind it, 3 in front, and 4 at the back. When 7 comes to the
         // front it is above the mean of 7 and 4.
         let queue = filled(f64::INFINITY, &[5.0, 7.0, 3.0, 4.0]);
         assert_eq!(order(queue), [2, 0, 3, 1]);
@@ -228,8 +229,8 @@ mod tests {
         assert_eq!(queue.pop(&mut ()), Some((8.0, window(2))));
     }
 
-    /// With the mean off by rounding, or by 1e300 that came and went, every label is above it; a
-    /// public program never stops rotating then.
+    /// Every label is above the mean if that is off by rounding, or by 1e300 that came and went. A
+    /// public program then never stops rotating.
     #[test]
     fn rotation_ends_when_all_labels_are_above_the_mean() {
         let mut queue = filled(f64::INFINITY, &[1.0, 1.0, 1e300, 1.0]);

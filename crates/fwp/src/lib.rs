@@ -1,16 +1,15 @@
 //! Disciplines that cost less than a priority queue: buckets in rounds (FWP), label correcting, and
 //! the vertex order of VTP.
 //!
-//! The distances of a window algorithm do not depend on the order in which it takes its windows
-//! (Xu et al. 2015, proposition 1): every window that provides a shortest path descends from such
-//! windows only, and none of these is ever discarded. The order decides how many windows are
-//! propagated in vain. Nearest first propagates the fewest and costs O(log k) for each, in a heap
-//! of a hundred thousand entries, larger than the caches. First in, first out costs O(1) and
-//! propagates several times as many. The disciplines of this crate cost O(1) and propagate nearly
-//! as few.
+//! The distances of a window algorithm do not depend on the order in which it takes its windows (Xu
+//! et al. 2015, proposition 1). Every window that provides a shortest path descends from such
+//! windows only, and none of these is deleted. The order decides how many windows are propagated
+//! without need. Nearest first propagates the fewest, and costs O(log k) for each in a heap of a
+//! hundred thousand entries, larger than the caches. First in, first out costs O(1) and propagates
+//! several times as many. The disciplines of this crate cost O(1) and propagate nearly as few as
+//! nearest first.
 //!
-//! Each is a [`Discipline`](geobench_window::queue::Discipline) and knows nothing about the policy
-//! that it orders:
+//! Each is a [`Discipline`](geobench_window::queue::Discipline), which works with any policy:
 //!
 //! | discipline | algorithms | source | takes next | memory beside the policy's |
 //! |---|---|---|---|---|
@@ -20,7 +19,7 @@
 //!
 //! The MMP kinds take windows one at a time, without a filter, and store all of them, as their
 //! papers do ([`Trimming`]). Each has a batched form, such as [`fwp_mmp_batched`], which propagates
-//! the due windows of a half-edge together ([`Batched`]) and can filter and evict windows. The CH
+//! the due windows of a half-edge together ([`Batched`]), and can filter and evict windows. The CH
 //! kinds use the policy of ICH ([`Splitting`]).
 //!
 //! # Which one to choose
@@ -28,12 +27,12 @@
 //! * Buckets are the choice of Xu et al. and have a bound: O(n²) windows for n vertices of bounded
 //!   degree, in O(n² log n) time with MMP's lists and O(n²) with ICH's records (proposition 2).
 //! * Label correcting needs no width and no limit. It has no such bound: there are meshes on which
-//!   it takes Ω(n³) windows. The papers compare with it.
-//! * Vertex order keeps the fewest things in order. It separates what VTP owes to its schedule from
-//!   what it owes to its rules: the schedule alone saves time and no windows.
+//!   it propagates Ω(n³) windows. The papers compare with it.
+//! * Vertex order keeps only vertices in order. It separates the effect of VTP's schedule from that
+//!   of its rules: the schedule alone saves time, but no windows.
 //!
-//! [`vtp`](https://doi.org/10.1145/2897824.2925930) itself, which compares whole lists of windows,
-//! is faster than any of them.
+//! [VTP](https://doi.org/10.1145/2897824.2925930) itself, which compares whole lists of windows, is
+//! faster than all of them; see `geobench-vtp`.
 //!
 //! References: Xu, Wang, Liu, Liu and He, "Fast wavefront propagation (FWP) for computing exact
 //! geodesic distances on meshes" (2015); Bertsekas, "A simple and fast label correcting algorithm
@@ -57,8 +56,8 @@ pub use buckets::{BatchSize, BucketOptions, Buckets};
 pub use label_correcting::{LabelCorrecting, LabelCorrectingOptions};
 pub use vertex_order::VertexOrder;
 
-/// FWP-MMP for `mesh`: windows stored and trimmed on half-edges, taken one at a time from buckets
-/// in rounds; O(faces).
+/// Sets up FWP-MMP for `mesh`: windows are stored and trimmed on half-edges, and taken one at a
+/// time from buckets in rounds; O(faces).
 ///
 /// Time O(n² log n), space O(n²) (proposition 2 of Xu et al. 2015).
 ///
@@ -77,7 +76,7 @@ pub fn fwp_mmp(mesh: &Mesh, options: BucketOptions) -> Continuous<Trimming, Buck
     Continuous::new(mesh, trimming(mesh), Buckets::new(mesh, options))
 }
 
-/// [`fwp_mmp`] with the due windows of a half-edge taken together; O(faces).
+/// [`fwp_mmp`] with the due windows of a half-edge propagated together; O(faces).
 ///
 /// The rounds are those of [`fwp_mmp`], except that a window that arrives at a list before the list
 /// is taken in the same round does not wait for the next round. That makes more rounds.
@@ -96,9 +95,10 @@ pub fn fwp_mmp_batched(mesh: &Mesh, options: BucketOptions) -> Batched<Buckets> 
     Batched::new(mesh, Buckets::new(mesh, options).of_lists())
 }
 
-/// FWP-CH for `mesh`: windows filtered and not kept, taken from buckets in rounds; O(faces).
+/// Sets up FWP-CH for `mesh`: windows are filtered and not stored, and taken from buckets in
+/// rounds; O(faces).
 ///
-/// Time O(n²), space O(n) beside the waiting windows (proposition 2 of Xu et al. 2015).
+/// Time O(n²), space O(n) in addition to the waiting windows (proposition 2 of Xu et al. 2015).
 ///
 /// ```
 /// use geobench_fwp::{BucketOptions, fwp_ch};
@@ -114,8 +114,8 @@ pub fn fwp_ch(mesh: &Mesh, options: BucketOptions) -> Continuous<Splitting, Buck
     Continuous::new(mesh, splitting(mesh), Buckets::new(mesh, options))
 }
 
-/// LC-MMP for `mesh`: windows stored and trimmed on half-edges, taken one at a time from a label
-/// correcting queue; O(faces).
+/// Sets up LC-MMP for `mesh`: windows are stored and trimmed on half-edges, and taken one at a time
+/// from a label correcting queue; O(faces).
 ///
 /// No useful bound on time; space O(n²).
 ///
@@ -136,14 +136,15 @@ pub fn lc_mmp(
     Continuous::new(mesh, trimming(mesh), LabelCorrecting::new(options))
 }
 
-/// [`lc_mmp`] with the waiting windows of a half-edge taken together; O(faces).
+/// [`lc_mmp`] with the waiting windows of a half-edge propagated together; O(faces).
 pub fn lc_mmp_batched(mesh: &Mesh, options: LabelCorrectingOptions) -> Batched<LabelCorrecting> {
     Batched::new(mesh, LabelCorrecting::new(options))
 }
 
-/// LC-CH for `mesh`: windows filtered and not kept, in a label correcting queue; O(faces).
+/// Sets up LC-CH for `mesh`: windows are filtered and not stored, and taken from a label correcting
+/// queue; O(faces).
 ///
-/// No useful bound on time; space O(n) beside the waiting windows.
+/// No useful bound on time; space O(n) in addition to the waiting windows.
 ///
 /// ```
 /// use geobench_fwp::{LabelCorrectingOptions, lc_ch};
@@ -162,8 +163,8 @@ pub fn lc_ch(
     Continuous::new(mesh, splitting(mesh), LabelCorrecting::new(options))
 }
 
-/// VTP-MMP for `mesh`: windows stored and trimmed on half-edges, released around the nearest vertex
-/// and taken one at a time; O(faces).
+/// Sets up VTP-MMP for `mesh`: windows are stored and trimmed on half-edges, released around the
+/// nearest vertex, and taken one at a time; O(faces).
 ///
 /// Space O(n²).
 ///
@@ -181,14 +182,15 @@ pub fn vtp_mmp(mesh: &Mesh) -> Continuous<Trimming, VertexOrder> {
     Continuous::new(mesh, trimming(mesh), VertexOrder::new(mesh))
 }
 
-/// [`vtp_mmp`] with the windows of a half-edge taken together; O(faces).
+/// [`vtp_mmp`] with the windows of a half-edge propagated together; O(faces).
 pub fn vtp_mmp_batched(mesh: &Mesh) -> Batched<VertexOrder> {
     Batched::new(mesh, VertexOrder::new(mesh))
 }
 
-/// VTP-CH for `mesh`: windows filtered and not kept, released around the nearest vertex; O(faces).
+/// Sets up VTP-CH for `mesh`: windows are filtered and not stored, and released around the nearest
+/// vertex; O(faces).
 ///
-/// About the time of [`fwp_ch`], and space O(n) beside the waiting windows.
+/// Takes about the time of [`fwp_ch`], and O(n) space in addition to the waiting windows.
 ///
 /// ```
 /// use geobench_fwp::vtp_ch;

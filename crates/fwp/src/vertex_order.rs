@@ -1,4 +1,4 @@
-//! Vertices by distance: the schedule of VTP for windows that are taken one by one or list by list.
+//! Vertices by distance: the schedule of VTP for single windows or lists.
 
 use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
 use geobench_window::continuous::Surface;
@@ -6,23 +6,23 @@ use geobench_window::queue::{Arena, Chain, Discipline, Event, EventKind, MinHeap
 use geobench_window::trimming::ThinFaces;
 use geobench_window::{Counter, Probe};
 
-/// The vertex-sorted queue of VTP (Qin et al. 2016, sections 5.2 and 6.2), for windows one by one
-/// or lists of them.
+/// The vertex-sorted queue of VTP (Qin et al. 2016, sections 5.2 and 6.2), for single windows or
+/// lists.
 ///
-/// Vertices are taken by distance. Each puts the faces around it into the *traversed area*. A
-/// window waits on its half-edge until the face that it is about to enter belongs to the area; then
-/// it is *released*, and released windows come first in, first out, before the next vertex.
+/// Vertices are taken by distance. At its turn a vertex adds the faces around it to the *traversed
+/// area*. A window waits on its half-edge until the face that it enters belongs to the area; then
+/// it is *released*. Released windows are taken first in, first out, before the next vertex.
 ///
-/// Windows beside [thin faces](ThinFaces) are released into a queue by distance that they share
-/// with the vertices. First in, first out, they would wind around a needle before the windows that
-/// beat them have come. Hardly any mesh has such faces.
+/// Windows beside [thin faces](ThinFaces) are released into a queue by distance, shared with the
+/// vertices. In first-in, first-out order they would wind around a needle before the windows that
+/// beat them have arrived. Few meshes have such faces.
 ///
-/// Only vertices have to be kept in order, so the heap is about as long as the wavefront has
-/// vertices, a fiftieth of its windows and less.
+/// Only vertices have to be kept in order. The heap has about as many entries as the wavefront has
+/// vertices: a fiftieth of its windows or less.
 ///
 /// # Cost
 ///
-/// O(1) for each window, O(log n) for each time that a vertex improves. A window takes 24 bytes, a
+/// O(1) for each window, O(log n) for each improvement of a vertex. A window takes 24 bytes, a
 /// half-edge 12, a face 4.
 ///
 /// ```
@@ -41,13 +41,13 @@ use geobench_window::{Counter, Probe};
 #[derive(Clone, Debug)]
 pub struct VertexOrder {
     mesh: Mesh,
-    /// From the mesh's faces to those of events.
+    /// The numbering of faces in events.
     numbering: Numbering,
-    /// All vertices whose distances have improved, those with outdated labels included: such a one
-    /// comes after its vertex has had its turn, and changes nothing.
+    /// All vertices whose distances have improved. An outdated entry comes after the turn of its
+    /// vertex and has no effect.
     vertices: MinHeap<VertexId>,
     arena: Arena,
-    /// For each half-edge the windows that wait on it for its face.
+    /// For each half-edge, the windows that wait on it for its face.
     waiting: Vec<Chain>,
     released: Chain,
     thin: ThinFaces,
@@ -55,7 +55,7 @@ pub struct VertexOrder {
     nearest: MinHeap<Event>,
     /// For each face the step in which it joined the traversed area; 0 if it has not.
     joined: Vec<u32>,
-    /// Vertices whose turn has come.
+    /// Number of turns of vertices so far.
     step: u32,
 }
 
@@ -81,7 +81,7 @@ impl VertexOrder {
         }
     }
 
-    /// Puts the faces around `v` into the traversed area.
+    /// Adds the faces around `v` to the traversed area.
     fn pass(&mut self, v: VertexId) {
         self.step = self.step.saturating_add(1);
         for h in self.mesh.outgoing(v) {

@@ -1,29 +1,28 @@
 //! Counts of the windows that wait in each bucket.
 
-/// The most buckets that are counted apart; windows further up are not counted until they are near.
+/// The most buckets that are counted. Windows further up are not counted until the first bucket
+/// comes near them.
 const MOST: u64 = 1 << 18;
 
-/// Numbers of windows, by the bucket of their label, from a first bucket on that only moves
-/// upwards.
+/// Numbers of windows by the bucket of their label. The first bucket only moves upwards.
 ///
-/// A queue whose events are whole lists does not see its windows, but the rounds of Xu et al. 2015
-/// are so many windows long. Counted as there, a window that has been trimmed counts under its old
-/// label as well until the round of that comes.
+/// A queue of lists does not see single windows, but K of Xu et al. (2015) is a number of windows.
+/// As there, a trimmed window also counts under its old label until the round of that label.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Weights {
-    /// That of bucket b stands at b modulo their number, which is 0 or a power of two.
+    /// The count of bucket b is at index b modulo the length, which is 0 or a power of two.
     counts: Vec<u32>,
     first: u64,
     total: u64,
 }
 
 impl Weights {
-    /// Windows in all buckets.
+    /// Number of windows in all buckets.
     pub(crate) fn total(&self) -> u64 {
         self.total
     }
 
-    /// One more window in `bucket`, which is not below the first one.
+    /// Counts one more window in `bucket`, which must not be below the first.
     #[inline]
     pub(crate) fn add(&mut self, bucket: u64) {
         let place = bucket - self.first;
@@ -38,7 +37,7 @@ impl Weights {
         self.total += 1;
     }
 
-    /// Makes this the first bucket: those below are empty.
+    /// Makes `first` the first bucket. Those below must be empty.
     pub(crate) fn advance(&mut self, first: u64) {
         let passed = (first - self.first).min(self.counts.len() as u64);
         for bucket in self.first..self.first + passed {
@@ -47,7 +46,7 @@ impl Weights {
         self.first = first;
     }
 
-    /// Empties a bucket; returns how many windows it held.
+    /// Empties `bucket`; returns the number of windows in it.
     #[inline]
     pub(crate) fn take(&mut self, bucket: u64) -> u64 {
         if bucket - self.first >= self.counts.len() as u64 {
@@ -59,7 +58,7 @@ impl Weights {
         count
     }
 
-    /// Makes all buckets empty, and the first one number 0.
+    /// Empties all buckets and makes number 0 the first.
     pub(crate) fn clear(&mut self) {
         self.counts.fill(0);
         (self.first, self.total) = (0, 0);
@@ -67,11 +66,11 @@ impl Weights {
 
     #[inline]
     fn index(&self, bucket: u64) -> usize {
-        // Their number is a power of two.
+        // The length is a power of two.
         bucket as usize & (self.counts.len() - 1)
     }
 
-    /// Makes room for the bucket that lies so far behind the first one.
+    /// Makes room for bucket number `place`, counted from the first.
     #[cold]
     fn grow(&mut self, place: u64) {
         let room = (place + 1).next_power_of_two().max(64) as usize;
@@ -92,7 +91,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Against a map, with buckets further up than are counted.
+        /// Compares with a map; some buckets are beyond those that are counted.
         #[test]
         fn every_window_counts_until_its_bucket_is_taken_or_passed(
             steps in prop::collection::vec((prop_oneof![0..9u64, 0..900u64, Just(1 << 40)], 0..4u8), 0..300),

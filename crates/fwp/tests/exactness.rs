@@ -1,9 +1,8 @@
 //! Every discipline under both policies against the priority queue, at parameters far from the
 //! defaults.
 //!
-//! The suite's own exactness tests run each algorithm with its defaults on every surface there is.
-//! Here the parameters vary, since an order of windows that the defaults never bring can still be
-//! the one that loses a window.
+//! The suite's exactness tests run each algorithm with its defaults on all surfaces. Here the
+//! parameters vary: an order of windows that the defaults never produce may still lose a window.
 
 use std::env;
 use std::io::Write;
@@ -80,8 +79,8 @@ fn nearest_lists(slack: f64, filter: VertexFilter) -> Vec<Recipe> {
     )]
 }
 
-/// All disciplines with defaults, without the filter for MMP as well, and each parameter at its
-/// extremes and between.
+/// All disciplines with defaults, MMP also without the filter, and each parameter at its extremes
+/// and in between.
 fn recipes() -> Vec<Recipe> {
     let default = VertexFilter::On;
     let adaptive = |width, max| BucketOptions {
@@ -134,7 +133,7 @@ fn generated(spec: &str) -> Mesh {
     Mesh::from_soup(soup).unwrap().0
 }
 
-/// Runs `recipes` from `source` and complains of every one that differs from MMP.
+/// Runs `recipes` from `source` and reports every one that differs from MMP.
 fn compare(model: &str, mesh: &Mesh, source: u32, recipes: &[Recipe]) {
     let sources = [VertexId::new(source)];
     let expected = mmp(mesh).solve(&sources).unwrap().distances;
@@ -145,7 +144,7 @@ fn compare(model: &str, mesh: &Mesh, source: u32, recipes: &[Recipe]) {
         let found = build(mesh).solve(&sources).unwrap().distances;
         let wrong = |(found, expected): (&f64, &f64)| {
             let allowed = (ROUNDING * expected).max(floor);
-            // Written so that NaN is wrong; two infinities are equal.
+            // In this form NaN is a failure, and two infinities are equal.
             !(found == expected || (found - expected).abs() <= allowed)
         };
         let count = found
@@ -184,7 +183,7 @@ fn generated_models_at_all_parameters() {
     }
 }
 
-/// The surfaces that have broken a geodesic program before.
+/// The surfaces that have broken geodesic programs.
 #[test]
 fn small_surfaces_of_every_kind() {
     let [on, off] = [VertexFilter::On, VertexFilter::Off];
@@ -223,7 +222,7 @@ fn shared(model: &str) -> Option<Mesh> {
     );
     let path = root.join("models").join(model);
     if !path.exists() {
-        // Past the capture of test output, which would hide it.
+        // Written directly, because the test harness captures other output.
         let _ = writeln!(
             std::io::stderr(),
             "SKIPPED: {} is missing; set GEOBENCH_SHARED to the folder with models/",
@@ -244,9 +243,8 @@ fn models_at_all_parameters() {
     }
 }
 
-/// One public MMP lost windows on the horse (5e-3) and on igea (vertices left unset) with buckets
-/// of one width only: a window that was trimmed while it waited was not found in its bucket any
-/// more.
+/// One public MMP lost windows on the horse (5e-3) and on igea (vertices left unset), with buckets
+/// of one width only: a window that was trimmed while it waited was no longer found in its bucket.
 #[test]
 #[ignore = "takes minutes"]
 fn no_width_of_buckets_loses_windows_on_scans() {
@@ -269,7 +267,7 @@ fn no_width_of_buckets_loses_windows_on_scans() {
     }
 }
 
-/// A mesh of any size takes the same course: widths and labels scale alike.
+/// Scaled meshes take the same course: widths and labels scale alike.
 #[test]
 fn scale_changes_nothing() {
     let counts = |scale: f64| {
@@ -282,14 +280,13 @@ fn scale_changes_nothing() {
         };
         [default(&recipes[0]), default(&recipes[1])]
     };
-    // Powers of two, so that rounding is the same.
+    // Powers of two keep the rounding the same.
     let unit = counts(1.0);
     assert_eq!(counts(2f64.powi(-20)), unit);
     assert_eq!(counts(2f64.powi(20)), unit);
 }
 
-/// One edge of a million times the others' length: its label is further from the rest than a ring
-/// of buckets reaches.
+/// One edge is a million times as long as the others. Its label is beyond the ring of buckets.
 #[test]
 fn one_long_edge_among_short_ones() {
     let grid = generate(&"gen:grid,n=12".parse().unwrap()).unwrap();
@@ -308,7 +305,7 @@ fn one_long_edge_among_short_ones() {
     }
 }
 
-/// A solver answers the same, and counts the same, whatever it was asked before.
+/// Distances and counts do not depend on earlier solves.
 #[test]
 fn runs_leave_nothing_behind() {
     let mesh = generated("gen:torus,faces=600,bump=0.2,seed=1");
@@ -321,9 +318,9 @@ fn runs_leave_nothing_behind() {
     }
 }
 
-/// What the disciplines are for: nearly as few windows as nearest first. Buckets do worse on meshes
-/// this small, where a round takes half of the wavefront; on the horse it is 3 % with windows one
-/// by one and under 1 % with lists.
+/// The purpose of the disciplines: nearly as few windows as nearest first. Buckets do worse on such
+/// small meshes, where a round takes half of the wavefront. On the horse it is 3 % with single
+/// windows and under 1 % with lists.
 #[test]
 fn windows_are_nearly_as_few_as_nearest_first() {
     let mesh = generated("gen:torus,faces=5000,bump=0.1,seed=7");
@@ -344,7 +341,7 @@ fn windows_are_nearly_as_few_as_nearest_first() {
     }
 }
 
-/// The queue of the batched form holds as many times fewer entries as there are windows in a batch.
+/// The queue of the batched form has fewer entries, by the number of windows in a batch.
 #[test]
 fn mmp_queues_windows_and_its_batched_form_lists() {
     let mesh = generated("gen:torus,faces=5000,bump=0.1,seed=7");
@@ -371,7 +368,7 @@ fn mmp_queues_windows_and_its_batched_form_lists() {
     );
 }
 
-/// What the filter is for: windows that no shortest path has are not stored, nor are their
+/// The purpose of the filter: windows without a shortest path are not stored, nor are their
 /// children.
 #[test]
 fn the_vertex_filter_saves_windows_of_every_discipline() {

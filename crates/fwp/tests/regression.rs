@@ -1,5 +1,4 @@
-//! Defects of the disciplines that were mended, each with a test that is named after what went
-//! wrong.
+//! Fixed defects of the disciplines, each as a test named after what went wrong.
 
 use geobench_fwp::{
     BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_batched, lc_ch, lc_mmp,
@@ -60,7 +59,7 @@ fn windows_in_the_order_of_vertices_wound_around_needles() {
     }
 }
 
-/// Windows that came around a needle again did not meet those that had come first.
+/// Windows that arrived around a needle again did not meet those that had arrived before.
 #[test]
 fn lists_beside_thin_faces_were_forgotten() {
     let solvers = |mesh: &Mesh| -> Solvers {
@@ -91,8 +90,8 @@ fn lists_beside_thin_faces_were_forgotten() {
     }
 }
 
-/// Of two equal windows the first one stayed and was filtered later, since it was longer by 3e-15
-/// on an edge of length 1.
+/// The first of two equal windows was stored and later filtered, because it was longer by 3e-15 on
+/// an edge of length 1.
 #[test]
 fn the_first_of_equal_windows_was_filtered_on_a_short_edge() {
     let unbounded = |mesh: &Mesh| -> Solvers {
@@ -105,7 +104,8 @@ fn the_first_of_equal_windows_was_filtered_on_a_short_edge() {
     seeds::check(52057, u64::MAX, unbounded);
 }
 
-/// One distance of 9e-14 or 1.5e-10 beside edges 1e13 times as long. It is off, and said to be.
+/// A distance of 9e-14 or 1.5e-10 beside edges 1e13 times as long. It is wrong, and reported as
+/// doubtful.
 #[test]
 fn distances_without_a_certain_digit_are_in_doubt() {
     for seed in [14619, 89644] {

@@ -1,4 +1,4 @@
-//! Distances with the proof that they are right.
+//! Distances with a proof of their error.
 
 use geobench_certify::{Bound, Claim, ClaimError, Failure, PathPoint, WindowData};
 use geobench_mesh::{HalfEdgeId, Mesh, Refined, VertexId};
@@ -6,8 +6,8 @@ use geobench_mmp::{Mmp, mmp, windows_of};
 use geobench_paths::{Path, Paths, Place};
 use geobench_window::{Goal, SolveError, Sources};
 
-/// Distances, and by how much they may be wrong: proven in interval arithmetic, which assumes
-/// nothing about the solver.
+/// Distances with a bound of their error, proven in interval arithmetic. The proof assumes nothing
+/// about the solver.
 ///
 /// ```
 /// use geodesic::{Certificate, Distances, Mesh};
@@ -28,9 +28,9 @@ use geobench_window::{Goal, SolveError, Sources};
 pub struct Certificate {
     /// The distance of every vertex from the nearest source, by MMP.
     pub distances: Vec<f64>,
-    /// How much too long they may be.
+    /// Upper bound of the amount by which a distance is too long.
     pub too_long: Bound,
-    /// How much too short they may be.
+    /// Upper bound of the amount by which a distance is too short.
     pub too_short: Bound,
 }
 
@@ -41,19 +41,19 @@ pub enum CertificateError {
     /// The run did not start.
     #[error(transparent)]
     Solve(#[from] SolveError),
-    /// The distances cannot be looked at.
+    /// The distances do not belong to the mesh.
     #[error(transparent)]
     Claim(#[from] ClaimError),
 }
 
 impl Certificate {
-    /// Finds the distances of all vertices from the nearest of `sources`, and proves them.
+    /// Computes the distances of all vertices from the nearest of `sources`, and proves them.
     ///
-    /// O(w²) for the w windows of a face, after a run of MMP, which keeps all windows.
+    /// After a run of MMP that stores all windows, it takes O(w²) time for the w windows of a face.
     ///
     /// # Errors
     ///
-    /// When there is no source, or one that is not on the mesh.
+    /// If there is no source, or one that is not on the mesh.
     pub fn of(mesh: &Mesh, sources: impl Sources) -> Result<Self, CertificateError> {
         let sources = sources.into_vertices();
         let mut solver: Mmp = mmp(mesh);
@@ -70,21 +70,21 @@ impl Certificate {
         })
     }
 
-    /// By how much a distance may be wrong, in units of the mesh; infinite if nothing is proven.
+    /// Upper bound of the error of a distance, in units of the mesh; infinite if nothing is proven.
     pub const fn absolute(&self) -> f64 {
         self.too_long.absolute.max(self.too_short.absolute)
     }
 
-    /// The same as a fraction of the distance.
+    /// Upper bound of the error as a fraction of the distance.
     pub const fn relative(&self) -> f64 {
         self.too_long.relative.max(self.too_short.relative)
     }
 
-    /// Compares other distances, of vertices by number, with the proven ones.
+    /// Compares other distances, given with vertex numbers, with the proven ones.
     ///
     /// # Panics
     ///
-    /// When a vertex does not exist.
+    /// If a vertex does not exist.
     pub fn compare(&self, given: impl IntoIterator<Item = (usize, f64)>) -> Comparison {
         let proven = &self.distances;
         let difference = |(v, d): (usize, f64)| {
@@ -106,19 +106,19 @@ impl Certificate {
     }
 }
 
-/// Where a proof on a refined mesh fails, on the mesh that was refined.
+/// The place of a failed proof on a refined mesh, converted to the original mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OriginalFailure {
-    /// The face or the vertex; an added vertex is in a face.
+    /// The face or vertex. An added vertex is converted to its face.
     pub place: geobench_certify::Place,
-    /// The edge of the face, if it is one of the original mesh.
+    /// The edge of the face, if it is an edge of the original mesh.
     pub edge: Option<[VertexId; 2]>,
-    /// By how much, in units of the mesh; infinite if there is no bound.
+    /// The amount of the failure, in units of the mesh; infinite if there is no bound.
     pub violation: f64,
 }
 
 impl OriginalFailure {
-    /// The failure of a proof on `refined`, which was made of `mesh`.
+    /// Converts the failure of a proof on `refined`, which was made from `mesh`.
     ///
     /// ```
     /// use geodesic::certify::{Claim, Place};
@@ -143,7 +143,7 @@ impl OriginalFailure {
     ///
     /// # Panics
     ///
-    /// When the refined mesh has no such place.
+    /// If the refined mesh has no such place.
     pub fn new(failure: &Failure, refined: &Refined, mesh: &Mesh) -> Self {
         use geobench_certify::Place;
         let is_original = |v: VertexId| v.index() < mesh.vertex_count();
@@ -167,7 +167,7 @@ impl OriginalFailure {
     }
 }
 
-/// Distances beside the proven ones.
+/// The differences of distances from the proven ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// The greatest difference, in units of the mesh.
@@ -190,7 +190,7 @@ fn points(path: Path) -> Vec<PathPoint> {
     let point = |place: Place| match place {
         Place::Vertex(v) => Some(PathPoint::Vertex(v)),
         Place::Edge { ends, t } => Some(PathPoint::Edge(ends, t)),
-        // A path between vertices has none inside faces.
+        // A path between vertices has no vertices inside faces.
         Place::Face => None,
     };
     let places = path.points.into_iter();

@@ -1,7 +1,8 @@
 //! Exact geodesic distances on triangle meshes.
 //!
-//! A [`Mesh`] comes from a file, from arrays or from a generator. [`Distances::distances_from`]
-//! gives the length of the shortest path over the surface from a vertex to every vertex:
+//! A [`Mesh`] is read from a file, built from arrays or made by a generator.
+//! [`Distances::distances_from`] returns the length of the shortest path over the surface from a
+//! vertex to every vertex:
 //!
 //! ```
 //! use geodesic::{Distances, Mesh};
@@ -15,7 +16,7 @@
 //! ```
 //!
 //! [`Distances::path`] gives such a path, as points on vertices and edges:
-//!
+//! [`Distances::path`] returns such a path, as points on vertices and edges:
 //! ```
 //! use geodesic::{Distances, Mesh};
 //!
@@ -28,7 +29,7 @@
 //! ```
 //!
 //! [`Distances::isolines`] gives the points at given distances, as arcs of circles in faces:
-//!
+//! [`Distances::isolines`] returns the points at given distances, as arcs of circles in faces:
 //! ```
 //! use geodesic::{Distances, Mesh};
 //!
@@ -42,8 +43,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! For more than one question keep a solver. It is set up once for a mesh, owns what it needs, and
-//! answers for one source after another, or for the nearest of several:
+//! For several queries keep a solver. It is set up once for a mesh, owns its data, and solves for
+//! one source after another, or for the nearest of several:
 //!
 //! ```
 //! use geodesic::{Mesh, Solver, VtpFast};
@@ -56,8 +57,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Sources need not be vertices. A [`SurfacePoint`] lies on an edge, in a face, or next to a
-//! position in space:
+//! Sources need not be vertices. A [`SurfacePoint`] is at a vertex, on an edge or in a face. It can
+//! be the point nearest to a position in space:
 //!
 //! ```
 //! use geodesic::{Distances, Mesh, SurfacePoint};
@@ -76,8 +77,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Diagram`] divides the surface among several sources, and [`Certificate`] proves distances
-//! right:
+//! [`Diagram`] divides the surface among several sources. [`Certificate`] proves the error of
+//! distances:
 //!
 //! ```
 //! use geodesic::{Certificate, Diagram, FieldSolver, Mesh, WindowVtp};
@@ -91,7 +92,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`remesh`] makes a mesh with evenly spread vertices:
+//! [`remesh`] builds a mesh with evenly spread vertices:
 //!
 //! ```
 //! use geodesic::{Mesh, Quality, RemeshOptions, remesh};
@@ -106,33 +107,33 @@
 //!
 //! # Contents
 //!
-//! * [`Mesh`]: reading, building, asking. [`io`] reads and writes files, [`generate`] makes models,
-//!   [`Mesh::from_soup`] reports every defect that it found or repaired.
+//! * [`Mesh`]: reading, building and querying meshes. [`io`] reads and writes files, [`generate`]
+//!   makes models, [`Mesh::from_soup`] reports every defect that it finds or repairs.
 //! * [`VtpFast`], the fastest solver, and [`Pvtp`], the same on several threads.
-//! * [`solvers`]: all of them, under the names of the papers.
-//! * [`Paths`]: the shortest paths to many vertices, of one run of any solver.
-//! * [`Diagram`]: geodesic Voronoi diagrams. [`remesh`], [`Quality`] and [`Deviation`]: new meshes,
-//!   and how good they are. [`Certificate`]: proofs of distances. [`Field`]: the
-//!   distance of all points of a surface, for isolines.
+//! * [`solvers`]: all solvers, with the names of the papers.
+//! * [`Paths`]: the shortest paths to many vertices, from one run of a solver.
+//! * [`Diagram`]: geodesic Voronoi diagrams. [`remesh`]: new meshes; [`Quality`] and [`Deviation`]
+//!   measure them. [`Certificate`]: proofs of distances. [`Field`]: the distance of every point of
+//!   a surface, for isolines.
 //! * [`Solver`]: the interface of all solvers. It also counts windows and samples phases.
 //! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`], [`paths`], [`isolines`],
-//!   [`voronoi`], [`certify`]: the crates behind this one, with the parts from which solvers are
-//!   made.
-//! * [`approx`]: approximate solvers to compare with, such as fast marching; the heat method with
+//!   [`voronoi`], [`certify`]: the crates of the suite, with the parts from which solvers are
+//!   built.
+//! * [`approx`]: approximate solvers for comparison, such as fast marching; the heat method with
 //!   the feature `heat`.
 //!
-//! # What to expect
+//! # Accuracy, errors and time
 //!
-//! * Distances are exact up to rounding, about 1e-12 of their size. They are never NaN, and
+//! * Distances are exact up to rounding, about 1e-12 of their size. They are never NaN. They are
 //!   infinite where no path leads.
 //! * Vertex numbers are those of the file, from 0.
-//! * Boundaries, several components, isolated and pinched vertices are handled. An edge with more
-//!   than two faces, or a surface that cannot be oriented, is a [`MeshError`] that names its
+//! * Boundaries, several components, isolated and pinched vertices are supported. An edge with more
+//!   than two faces, or a surface that cannot be oriented, is a [`MeshError`] that names the
 //!   elements.
-//! * A source that is not on the mesh, or no source at all, is a [`SolveError`]; a point that does
+//! * A source that is not on the mesh, or no source at all, is a [`SolveError`]. A point that does
 //!   not exist is a [`PointError`].
-//! * The time of a solve grows with the windows, up to the power 1.5 of the faces: some 20 ms for
-//!   20,000 faces, a second or several for a million.
+//! * The time of a solve grows with the number of windows, up to the power 1.5 of the number of
+//!   faces: some 20 ms for 20,000 faces, one to several seconds for a million.
 
 mod certificate;
 
@@ -162,11 +163,11 @@ pub use geobench_voronoi::{
 pub use geobench_vtp::{Pvtp, VtpFast};
 pub use geobench_window::{Goal, Solution, SolveError, Solver, Sources, Stop};
 
-/// Every solver, named as in its paper and in the benchmark.
+/// All exact solvers, named as in their papers and in the benchmark.
 ///
-/// Each does what its paper says; `mmp_fast`, [`VtpFast`] and [`Pvtp`] are faster forms, and
-/// `..._batched` takes the windows of a half-edge together. All are exact. They differ in time,
-/// memory and the windows they propagate; `docs/algorithms` has a page for each.
+/// Each follows its paper. `mmp_fast`, [`VtpFast`] and [`Pvtp`] are faster forms, and
+/// `..._batched` propagates the windows of a half-edge together. They differ in time, memory and
+/// the number of windows. `docs/algorithms` has a page for each.
 ///
 /// ```
 /// use geodesic::solvers::{BucketOptions, Vtp, fwp_ch, ich, mmp};
@@ -198,8 +199,8 @@ pub mod solvers {
     pub use geobench_window::simd::Instructions;
 }
 
-/// One point of a surface or several: a vertex number, a [`VertexId`], a [`SurfacePoint`], or a
-/// list of any of these.
+/// One point of a surface or several: a vertex number, a [`VertexId`], a [`SurfacePoint`], or an
+/// array or slice of any of these.
 pub trait Points {
     /// The points.
     fn into_points(self) -> Vec<SurfacePoint>;
@@ -230,20 +231,20 @@ points!(&[P; N], P: Copy + Into<SurfacePoint>, const N: usize);
 points!(&[P], P: Copy + Into<SurfacePoint>);
 points!(&Vec<P>, P: Copy + Into<SurfacePoint>);
 
-/// Distances, paths and isolines on a mesh without a solver to keep.
+/// Distances, paths and isolines of a mesh, for a single query.
 pub trait Distances {
-    /// Length of the shortest path over the surface from the nearest of `sources`, a vertex,
-    /// another point or several, to every vertex; infinite where no path leads.
+    /// Length of the shortest path over the surface from the nearest of `sources` to every vertex,
+    /// in the units of the mesh; infinite where no path leads.
     ///
-    /// It sets [`VtpFast`] up for this one question, which adds about a third to the time.
+    /// Sets up [`VtpFast`] for this one query, which adds about a third to the time.
     ///
     /// # Errors
     ///
-    /// When there is no source, or one that is not on the mesh.
+    /// If there is no source, or one that is not on the mesh.
     fn distances_from(&self, sources: impl Points) -> Result<Vec<f64>, SolveError>;
 
-    /// The shortest path over the surface from the nearest of `sources` to `target`, each a vertex
-    /// or another point; `None` if none leads there. The search ends when the target is reached.
+    /// The shortest path over the surface from the nearest of `sources` to `target`; `None` if no
+    /// path leads there. The search ends when the distance of the target is final.
     ///
     /// ```
     /// use geodesic::{Distances, Mesh};
@@ -257,23 +258,22 @@ pub trait Distances {
     ///
     /// # Errors
     ///
-    /// When there is no source, or a source or the target is not on the mesh.
+    /// If there is no source, or a source or the target is not on the mesh.
     fn path(
         &self,
         sources: impl Points,
         target: impl Into<SurfacePoint>,
     ) -> Result<Option<Path>, PathError>;
 
-    /// The points at each of `levels` from the nearest of `sources`, a vertex, another point or
-    /// several; a level that is not positive, or farther than all points, has no lines.
+    /// The lines of points at each distance in `levels` from the nearest of `sources`. A level that
+    /// is not positive, or greater than all distances, has no lines.
     ///
-    /// It keeps all windows of MMP, which takes several times as long and much more memory than
-    /// distances of vertices: about a gigabyte for 300,000 faces. For more levels later keep a
-    /// [`Field`].
+    /// This stores all windows of MMP. It takes several times as long as distances of vertices, and
+    /// much more memory: about a gigabyte for 300,000 faces. For several queries keep a [`Field`].
     ///
     /// # Errors
     ///
-    /// When there is no source, or one that is not on the mesh.
+    /// If there is no source, or one that is not on the mesh.
     fn isolines(&self, sources: impl Points, levels: &[f64]) -> Result<Vec<Isoline>, FieldError>;
 }
 

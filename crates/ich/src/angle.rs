@@ -1,4 +1,4 @@
-//! One angle, one split: which window may have two children at a corner.
+//! One angle, one split: which window may have two children at an apex.
 
 use geobench_mesh::HalfEdgeId;
 
@@ -6,15 +6,15 @@ use geobench_window::{Side, prefetch};
 
 use crate::tree::Guard;
 
-/// Distance, relative to the half-edge, within which two rays to an apex count as one: which of
-/// them is further left is then a matter of rounding.
+/// Distance, relative to the half-edge, within which two rays to an apex count as one. Which of
+/// them is further left is then decided by rounding.
 const TIE: f64 = 1e-9;
 
-/// The best window so far to see an apex through one half-edge, its *occupant*.
+/// The *occupant* of an angle: the best window so far to see an apex through one half-edge.
 #[derive(Clone, Copy, Debug)]
 struct Angle {
     best: f64,
-    /// Where its ray to the apex comes in, as a fraction of the half-edge.
+    /// The fraction of the half-edge at which its ray to the apex enters.
     entry: f64,
 }
 
@@ -25,19 +25,20 @@ impl Angle {
     };
 }
 
-/// Which children a window that covers the apex may have.
+/// The children that a window that covers the apex may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Split {
-    /// It is the new occupant: both, guarded by the angle in its present state.
+    /// The window is the new occupant: both children, guarded by the angle as it is now.
     Occupies,
-    /// Its ray is that of the occupant: both.
+    /// The window's ray is that of the occupant: both children.
     Ties,
-    /// It loses: only the child that does not cross the occupant's ray.
+    /// The window is longer than the occupant: only the child that does not cross the occupant's
+    /// ray.
     Only(Side),
 }
 
-/// The occupants of all angles of a mesh. The angle at an apex is numbered by the half-edge
-/// opposite it, through which windows come.
+/// The occupants of all angles of a mesh. The angle at an apex has the number of the half-edge
+/// opposite to the apex, through which windows enter.
 #[derive(Clone, Debug)]
 pub(crate) struct Angles {
     angles: Vec<Angle>,
@@ -58,18 +59,18 @@ impl Angles {
         self.angles[h.index()] = Angle::FREE;
     }
 
-    /// A window reaches the apex at distance `d`, its ray meeting `h` at the fraction `entry` of
-    /// its length; NaN if rounding blurs that.
+    /// Decides the split of a window that reaches the apex at distance `d`. Its ray meets `h` at
+    /// the fraction `entry` of its length, which is NaN if rounding leaves it undetermined.
     ///
-    /// The shortest of two straight paths to one apex kills every ray of the other window that
-    /// crosses it, which are those on its far side. Where both paths enter at one point there is no
-    /// telling which side that is, and the loser keeps both children, however much longer it is:
-    /// the occupant may stand on the border ray of the window (a saddle that has been reached by a
-    /// shorter path since), and then crosses none of its rays.
+    /// The shorter of two straight paths to an apex makes every ray of the other window useless
+    /// that crosses it. These are the rays on its far side. If both paths enter at the same point,
+    /// that side is undetermined, and the longer window keeps both children, however much longer it
+    /// is. The occupant may be on the border ray of the window (a saddle that has since been
+    /// reached by a shorter path). It then crosses none of the window's rays.
     pub(crate) fn split(&mut self, h: HalfEdgeId, d: f64, entry: f64) -> Split {
         let angle = &mut self.angles[h.index()];
         if entry.is_nan() {
-            // Nothing tells on which side of another ray it is.
+            // The side on which the ray lies of other rays is undetermined.
             Split::Ties
         } else if d < angle.best {
             angle.best = d;
@@ -84,16 +85,16 @@ impl Angles {
         }
     }
 
-    /// Asks for the memory of the angle of `guard`.
+    /// Prefetches the angle of `guard`.
     #[inline]
     pub(crate) fn announce(&self, guard: &Guard) {
         prefetch(&self.angles, guard.angle_index());
     }
 
-    /// Whether the angle of `guard` has a new occupant whose ray cuts the guarded subtree off.
+    /// Whether the angle of `guard` has a new occupant whose ray cuts off the guarded subtree.
     ///
-    /// A new ray further left cuts off the left child, one further right the right child. As long
-    /// as the occupant is the same its ray is, too.
+    /// A new ray further left cuts off the left child, one further right the right child. While the
+    /// occupant is the same, its ray is the same.
     #[inline]
     pub(crate) fn cuts_off(&self, guard: &Guard) -> bool {
         let angle = &self.angles[guard.angle_index()];
@@ -124,8 +125,8 @@ mod tests {
         assert_eq!(angles.split(H, 2.0, 0.5 + 1e-16), Split::Ties);
     }
 
-    /// An occupant that is shorter by 3e-5 on the border ray of a window made it lose all its rays
-    /// on integer terrain, because its ray was taken to be further right by 1e-16 of the edge.
+    /// On integer terrain a window once lost all its rays to an occupant that was shorter by 3e-5
+    /// on its border ray: the occupant's ray seemed to be further right by 1e-16 of the edge.
     #[test]
     fn a_shorter_path_along_the_border_ray_takes_no_side() {
         let mut angles = Angles::new(3);

@@ -1,13 +1,14 @@
-//! The ICH algorithm: continuous Dijkstra on windows that are filtered and split, never kept.
+//! The CH family: CH, ICH1, ICH and PCH, which filter and split windows and do not store them.
 //!
-//! Xin and Wang, "Improving Chen and Han's algorithm on the discrete geodesic problem" (2009),
-//! improve the sequence tree of Chen and Han (1990) in two ways: a window is dropped when a path
-//! through a known vertex beats all of it ([`geobench_window::is_beaten_from_ends`]), and windows
-//! are taken by their least distance. Of all windows that cover the apex of a triangle from one
-//! of its half-edges only the best may have two children ("one angle, one split"). Nothing but
-//! the queue and a record for each angle and vertex is stored: memory is the peak of the queue.
+//! Chen and Han (1990) grow a sequence tree of windows. Of all windows that cover the apex of a
+//! triangle from one of its half-edges, only the best may have two children ("one angle, one
+//! split"). Xin and Wang, "Improving Chen and Han's algorithm on the discrete geodesic problem"
+//! (2009), improve it in two ways. A window is dropped if a path through a known vertex beats all
+//! of its rays ([`geobench_window::is_beaten_from_ends`]). Windows are taken by their least
+//! distance. Only the queue and a record for each angle and vertex are stored, so memory is the
+//! peak of the queue.
 //!
-//! Time is O(n² log n) for n faces in the worst case, space O(n).
+//! ICH takes O(n² log n) time for n faces in the worst case, and O(n) space.
 
 mod angle;
 mod parallel;
@@ -22,17 +23,17 @@ use geobench_window::queue::{Fifo, Priority};
 pub use parallel::Pch;
 pub use splitting::Splitting;
 
-/// CH on one mesh: no filter, breadth first.
+/// CH or ICH1: windows are taken breadth first.
 pub type Ch = Continuous<Splitting, Fifo>;
 
-/// An algorithm of the CH family that takes windows by least distance.
+/// ICH: windows are taken by least distance.
 pub type Ich = Continuous<Splitting, Priority>;
 
 /// Sets up the algorithm of Chen and Han for `mesh`; O(faces).
 ///
-/// The sequence tree grows level by level, and to as many levels as the mesh has faces, since
-/// nothing but one angle, one split ends a branch. It is for small meshes: some 10,000 faces take
-/// half a minute and 300 million windows.
+/// The sequence tree grows level by level, to as many levels as the mesh has faces, because only
+/// one angle, one split ends a branch. It is for small meshes: some 10,000 faces take half a minute
+/// and 300 million windows. Time O(n²), space O(n) for n faces.
 ///
 /// ```
 /// use geobench_ich::ch;
@@ -52,10 +53,10 @@ pub fn ch(mesh: &Mesh) -> Ch {
     )
 }
 
-/// Sets up ICH1 of Xin and Wang for `mesh`, the algorithm of Chen and Han with the vertex filter;
-/// O(faces).
+/// Sets up ICH1 of Xin and Wang (2009) for `mesh`: the algorithm of Chen and Han with the vertex
+/// filter; O(faces).
 ///
-/// It needs no priority queue, and takes one to three times the windows of [`ich`].
+/// It needs no priority queue, and propagates one to three times as many windows as [`ich`].
 ///
 /// ```
 /// use geobench_ich::ich1;
@@ -75,8 +76,8 @@ pub fn ich1(mesh: &Mesh) -> Ch {
     )
 }
 
-/// Sets up ICH, which is ICH2 of Xin and Wang, for `mesh`: the filter, and windows by least
-/// distance; O(faces).
+/// Sets up ICH for `mesh`, which is ICH2 of Xin and Wang (2009): the vertex filter, and windows by
+/// least distance; O(faces).
 ///
 /// ```
 /// use geobench_ich::ich;

@@ -1,4 +1,4 @@
-//! Chen and Han's algorithm in parallel: rounds of windows that cross at the same time.
+//! Chen and Han's algorithm in parallel: rounds of windows that are propagated at the same time.
 
 use std::collections::BTreeMap;
 
@@ -18,26 +18,25 @@ use crate::angle::{Angles, Split};
 use crate::splitting::is_beaten_beside_thin_faces;
 use crate::tree::{Guard, Lineage};
 
-/// The greatest number of threads.
+/// The largest number of threads.
 const MOST_THREADS: usize = 1024;
 
-/// So many windows are one task. Results depend on it, by the order in which windows wait, and not
+/// Number of windows of a task. Results depend on it through the order of waiting windows, but not
 /// on the number of threads.
 const CHUNK: usize = 512;
 
 /// The algorithm of Chen and Han on several threads, with the filter of ICH.
 ///
-/// Ying, Xin and He, "Parallel Chen-Han (PCH) algorithm for discrete geodesics" (2014). Windows
-/// are taken in rounds, all of one bucket of distances together, and a round has four steps:
+/// Ying, Xin and He, "Parallel Chen-Han (PCH) algorithm for discrete geodesics" (2014). Windows are
+/// taken in rounds, each with all windows of one bucket of distances. A round has four steps:
 ///
-/// 1. All windows find the apex of their faces, in parallel.
-/// 2. Distances of vertices and the records of one angle, one split are brought up to date, on one
-///    thread.
-/// 3. All windows are split, and their children filtered by the new distances, in parallel.
-/// 4. Children come to wait in the buckets of their distances.
+/// 1. All windows compute their paths to the apices of their faces, in parallel. 2. One thread
+///    updates the distances of vertices and the records of one angle, one split. 3. All windows are
+///    split, and their children are filtered by the new distances, in parallel. 4. The children are
+///    put into the buckets of their distances.
 ///
-/// Distances and counts do not depend on the number of threads. The bound is that of ICH1: O(n²)
-/// time and no bound on the wave, which is why windows are filtered.
+/// Distances and counts do not depend on the number of threads. As for ICH1, the time is O(n²), and
+/// the wavefront has no bound; hence the filter.
 ///
 /// ```
 /// use geobench_ich::{Pch, ich};
@@ -57,7 +56,7 @@ pub struct Pch {
     kept: KeptWindows,
     buckets: DistanceBuckets,
     threads: usize,
-    /// `None` for one thread, and if the system does not start so many.
+    /// `None` for one thread, or if the system did not start the threads.
     pool: Option<ThreadPool>,
 }
 
@@ -65,13 +64,14 @@ impl Pch {
     /// Width of a bucket, in mean edge lengths.
     pub const BUCKET: f64 = 0.1;
 
-    /// Sets up for `mesh` and a number of threads, from 1 to 1024; O(faces).
+    /// Sets up for `mesh`; O(faces). `threads` is clamped to 1..=1024. If the system does not start
+    /// them, solving returns an error.
     pub fn new(mesh: &Mesh, threads: usize) -> Self {
         Self::with_bucket(mesh, threads, Self::BUCKET)
     }
 
-    /// The same with buckets of another width, in mean edge lengths. Wider ones make fewer rounds
-    /// of more windows, some of which shorter ones would have beaten.
+    /// As [`new`](Self::new), with another bucket width, in mean edge lengths. Wider buckets mean
+    /// fewer rounds of more windows, some of which shorter ones would have beaten.
     pub fn with_bucket(mesh: &Mesh, threads: usize, bucket: f64) -> Self {
         let threads = threads.clamp(1, MOST_THREADS);
         let order = Surface::order(mesh);
@@ -97,7 +97,7 @@ impl Pch {
         self.threads
     }
 
-    /// A path of length `d` reaches `v`; returns whether it is the shortest so far.
+    /// Offers `v` a path of length `d`; returns whether it is the shortest so far.
     fn offer(&mut self, v: VertexId, d: f64) -> bool {
         let improves = self.surface.offer(v, d);
         if improves && self.mesh.is_pseudo_source(v) {
@@ -106,7 +106,7 @@ impl Pch {
         improves
     }
 
-    /// Sends out paths along the edges of `v` and windows across its faces.
+    /// Offers distances along the edges of `v` and sends windows across its faces.
     fn spawn<P: Probe>(&mut self, v: VertexId, probe: &mut P) {
         probe.add(Counter::PseudoSources, 1);
         let sigma = self.surface.distance(v);
@@ -137,7 +137,7 @@ impl Pch {
         }
     }
 
-    /// Lets a window wait for its turn; returns whether anything of it is left.
+    /// Puts a window into its bucket; returns whether any part of it is left.
     fn wait(&mut self, mut waiting: WaitingWindow) -> bool {
         let place = waiting.h.index();
         if self.kept.holds(place) {
@@ -152,7 +152,7 @@ impl Pch {
         true
     }
 
-    /// Takes `windows` across their faces.
+    /// Propagates `windows`: steps 1 to 4 of a round.
     fn cross<P: Probe>(
         &mut self,
         windows: &[WaitingWindow],
@@ -205,7 +205,7 @@ impl Pch {
         }
     }
 
-    /// The second step of a round, for one window.
+    /// Step 2 of a round, for one window.
     fn settle<P: Probe>(&mut self, waiting: &WaitingWindow, step: &mut Examination, probe: &mut P) {
         if step.way == CrossingKind::Void {
             probe.add(Counter::Filtered, 1);
@@ -224,12 +224,12 @@ impl Pch {
                 Split::Ties => CrossingKind::Covers,
                 Split::Only(side) => CrossingKind::Past(side),
             };
-            // Of a window that covers the apex one child may be left: it is no only child.
+            // Even if only one child is left, it is one of a window that covers the apex.
             step.covers = true;
         }
     }
 
-    /// The fourth step of a round, for one task.
+    /// Step 4 of a round, for one task.
     fn gather<P: Probe>(&mut self, part: TaskChildren, probe: &mut P) {
         probe.add(Counter::Propagated, part.tried);
         probe.add(Counter::Children, part.made);
@@ -257,8 +257,8 @@ struct WaitingWindow {
     lineage: Lineage,
 }
 
-/// Whether a path through one of the vertices around beats all of a window, beyond the doubt that
-/// thin faces leave.
+/// Whether a path through one of the vertices around beats all rays of a window, by more than the
+/// doubt beside thin faces.
 fn is_beaten(
     waiting: &WaitingWindow,
     edge: &EdgeView,
@@ -270,10 +270,10 @@ fn is_beaten(
         && (kept.is_empty() || is_beaten_beside_thin_faces(h, window, kept, surface))
 }
 
-/// How a window crosses a face.
+/// The way in which a window crosses a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum CrossingKind {
-    /// Not at all: it cannot matter any more.
+    /// Not at all: the window is stale.
     #[default]
     Void,
     /// On one side of the apex.
@@ -284,20 +284,20 @@ enum CrossingKind {
     Occupies,
 }
 
-/// The first pass of a round over one of its windows.
+/// The result of step 1 for one window.
 #[derive(Clone, Copy, Debug, Default)]
 struct Examination {
-    /// The distance that it offers to the apex.
+    /// The distance that the window offers to the apex.
     d: f64,
-    /// Where its ray to the apex enters, if it covers that.
+    /// The fraction of the half-edge at which its ray to the apex enters, if it covers the apex.
     entry: f64,
     way: CrossingKind,
     covers: bool,
 }
 
 impl Examination {
-    /// The first step of a round. Where windows are kept beside thin faces each one `goes_on`,
-    /// since it may have taken the place of others that were equal to it.
+    /// Step 1 of a round. Beside thin faces, where windows are stored, every window `goes_on`: it
+    /// may have replaced equal windows.
     fn of(waiting: &WaitingWindow, surface: &Surface, angles: &Angles, goes_on: bool) -> Self {
         let WaitingWindow { h, window, lineage } = waiting;
         let is_stale = surface.distance(lineage.root) < window.sigma;
@@ -328,7 +328,7 @@ impl Examination {
 #[derive(Debug)]
 struct TaskChildren {
     width: f64,
-    /// Those that the filter lets pass, by bucket, in no order.
+    /// The children that pass the filter, by bucket, in no order.
     buckets: Vec<(u64, Vec<WaitingWindow>)>,
     tried: u64,
     made: u64,
@@ -346,7 +346,7 @@ impl TaskChildren {
         }
     }
 
-    /// The third step of a round, for one window.
+    /// Step 3 of a round, for one window.
     fn split(
         &mut self,
         waiting: &WaitingWindow,
@@ -370,7 +370,8 @@ impl TaskChildren {
                 CrossingKind::Past(only) => only == side,
                 _ => true,
             };
-            // Of a window that passes the apex on one side the other exit counts as tried, too.
+            // For a window that passes the apex on one side, the other exit counts as tried as
+            // well.
             self.tried += u64::from(exit.half_edge.is_some() && (takes || !step.covers));
             if !takes {
                 continue;
@@ -420,7 +421,7 @@ fn bucket(label: f64, width: f64) -> u64 {
     (label / width) as u64
 }
 
-/// Waiting windows and pseudo-sources, by distance.
+/// Waiting windows and pseudo-sources in buckets of distance.
 #[derive(Clone, Debug, Default)]
 struct DistanceBuckets {
     width: f64,
@@ -432,7 +433,7 @@ struct DistanceBuckets {
 #[derive(Clone, Debug, Default)]
 struct Bucket {
     windows: Vec<WaitingWindow>,
-    /// Pseudo-sources, with the distances at which they wait.
+    /// Pseudo-sources, with the distances under which they wait.
     vertices: Vec<(f64, VertexId)>,
 }
 
@@ -512,7 +513,7 @@ impl Propagate for Pch {
                 probe.sample(windows.iter().chain(later).map(|w| w.window.min_distance()));
             }
             for (d, v) in vertices {
-                // A vertex waits anew whenever it improves.
+                // A vertex is queued anew whenever it improves; older entries are void.
                 if self.surface.distance(v) == d {
                     self.spawn(v, probe);
                 }

@@ -1,5 +1,5 @@
-//! The policy of the CH family: windows pass a filter, wait, split once at each angle, and are
-//! forgotten.
+//! The policy of the CH family: windows are filtered, wait, are split once at each angle, and are
+//! not stored.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Child, Dequeued, Policy, Surface};
@@ -11,7 +11,7 @@ use geobench_window::{
 use crate::angle::{Angles, Split};
 use crate::tree::{Guard, Leaf, Leaves, Lineage};
 
-/// One split at each angle, with or without the vertex filter on arrival.
+/// The policy of the CH family: one angle, one split, with or without the vertex filter.
 ///
 /// ```
 /// use geobench_ich::Splitting;
@@ -51,11 +51,11 @@ impl Splitting {
         }
     }
 
-    /// Whether a window cannot matter any more, since its root was reached by a shorter path or a
-    /// better window took the angle above it.
+    /// Whether a window is stale: its root has been reached by a shorter path, or a better window
+    /// has occupied the angle above it.
     ///
-    /// Where windows are kept, each of them goes on: it may have taken the place of others that
-    /// were equal to it, even of the one that took the angle.
+    /// Where windows are stored, none is stale: it may have replaced windows equal to it, even the
+    /// one that occupied the angle.
     #[inline]
     #[allow(clippy::needless_bitwise_bool)] // Neither is likely: one branch for both.
     fn is_stale(&self, sigma: f64, lineage: &Lineage, surface: &Surface) -> bool {
@@ -64,13 +64,14 @@ impl Splitting {
     }
 }
 
-/// Whether a window that is beaten is so beyond the doubt that thin faces leave about it.
+/// Whether a beaten window is beaten by more than the doubt beside thin faces.
 ///
-/// Of windows that are equal to the rounding of a long edge the first one was kept, whose σ may
-/// be greater by as much: too much for the margin of the short edges that it comes to next.
+/// Of windows that are equal within the rounding of a long edge, the first one was stored. Its σ
+/// may be greater by that much, which is too much for the margin of the short edges at which it
+/// arrives next.
 #[cold]
 #[inline(never)]
-#[allow(clippy::large_types_passed_by_value)] // The caller's is not to pass through memory.
+#[allow(clippy::large_types_passed_by_value)] // Keeps the caller's value in registers.
 pub(crate) fn is_beaten_beside_thin_faces(
     h: HalfEdgeId,
     w: Window,
@@ -117,7 +118,7 @@ impl Policy for Splitting {
     }
 
     #[inline(always)]
-    #[allow(clippy::inline_always)] // The window is not to pass through memory.
+    #[allow(clippy::inline_always)] // Keeps the window in registers.
     fn arrive<P: Probe>(
         &mut self,
         arrival: &Arrival<Lineage>,
@@ -153,7 +154,7 @@ impl Policy for Splitting {
     }
 
     #[inline(always)]
-    #[allow(clippy::inline_always)] // The window is not to pass through memory.
+    #[allow(clippy::inline_always)] // Keeps the window in registers.
     fn admit<P: Probe>(
         &mut self,
         child: &Child<Lineage>,
@@ -203,7 +204,7 @@ impl Policy for Splitting {
     }
 
     #[inline(always)]
-    #[allow(clippy::inline_always)] // It is called in one place, and nothing of it is to pass through memory.
+    #[allow(clippy::inline_always)] // Called in one place; keeps its values in registers.
     fn release<P: Probe>(&mut self, id: u32, surface: &Surface, probe: &mut P) -> Option<Lineage> {
         let (sigma, lineage) = self.leaves.remove(id);
         if self.is_stale(sigma, &lineage, surface) {

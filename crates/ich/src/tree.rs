@@ -3,25 +3,26 @@
 use geobench_mesh::{HalfEdgeId, VertexId};
 use geobench_window::{Side, Window, prefetch};
 
-/// The nearest split above a window: if another window has taken that angle since, the subtree on
-/// its wrong side is dead.
+/// The nearest split above a window. If another window has occupied that angle since, the subtree
+/// on its far side is dead.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Guard {
-    /// Where the split window's ray to the apex met the half-edge, as a fraction of its length.
+    /// The fraction of the half-edge at which the split window's ray to the apex entered.
     entry: f64,
-    /// Twice the number of the half-edge through which that window came, which is the angle's, and
-    /// 1 more for the right child of the split.
+    /// Twice the number of the half-edge through which the split window came, which is that of the
+    /// angle, plus 1 for the right child.
     place: u32,
 }
 
 impl Guard {
-    /// Of a window above which there is no split. It compares with no ray, of whatever angle.
+    /// The guard of a window without a split above it. Comparisons with it are false for every
+    /// angle.
     pub(crate) const NONE: Self = Self {
         entry: f64::NAN,
         place: 0,
     };
 
-    /// Of the child on this side of a window that was split at `angle`.
+    /// The guard of the child on one side of a window that was split at `angle`.
     pub(crate) const fn new(angle: HalfEdgeId, entry: f64, side: Side) -> Self {
         let side = match side {
             Side::Left => 0,
@@ -39,17 +40,17 @@ impl Guard {
         self.place as usize / 2
     }
 
-    /// How far the ray that enters at `entry` comes in on the child's side of the ray of the split:
-    /// left of it for the left child, right of it for the right one. NaN if there is no split.
+    /// How far the ray that enters at `entry` is on the child's side of the ray of the split: left
+    /// of it for the left child, right of it for the right child. NaN if there is no split.
     #[inline]
     pub(crate) fn beyond(self, entry: f64) -> f64 {
-        // The difference, negated for the right child, in a way that needs no branch.
+        // The difference, negated without a branch for the right child.
         let sign = u64::from(self.place) << 63;
         f64::from_bits((self.entry - entry).to_bits() ^ sign)
     }
 }
 
-/// The data that decides whether a window still matters when it comes out of the queue.
+/// The data that decides whether a window is stale when it leaves the queue.
 #[derive(Clone, Copy, Debug)]
 pub struct Lineage {
     /// The (pseudo-)source.
@@ -59,7 +60,7 @@ pub struct Lineage {
     pub(crate) guard: Guard,
 }
 
-/// A window that waits to be propagated: one cache line.
+/// A window that waits to be propagated, in one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct Leaf {
@@ -74,7 +75,7 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug)]
 pub(crate) struct Leaves {
     nodes: Vec<Leaf>,
-    /// The slot that was left last; its level is the number of the one that was left before it.
+    /// The slot freed last. Its level is the number of the slot freed before it.
     free: u32,
     len: usize,
 }
@@ -104,7 +105,7 @@ impl Leaves {
         }
     }
 
-    /// Gives up a slot; returns the σ of its window, and what that has inherited.
+    /// Frees a slot; returns the σ and the lineage of its window.
     #[inline]
     pub(crate) fn remove(&mut self, slot: u32) -> (f64, Lineage) {
         let place = &mut self.nodes[slot as usize];
@@ -115,19 +116,19 @@ impl Leaves {
         (sigma, lineage)
     }
 
-    /// The window in this slot.
+    /// The window in a slot.
     #[inline]
     pub(crate) fn window(&self, slot: u32) -> &Window {
         &self.nodes[slot as usize].window
     }
 
-    /// Asks for the node that is to be [removed](Self::remove) soon.
+    /// Prefetches a slot that is to be [removed](Self::remove) soon.
     #[inline]
     pub(crate) fn announce(&self, slot: u32) {
         prefetch(&self.nodes, slot as usize);
     }
 
-    /// What the node that is to be removed soon has inherited.
+    /// The lineage of the window in a slot.
     #[inline]
     pub(crate) fn lineage(&self, slot: u32) -> &Lineage {
         &self.nodes[slot as usize].lineage

@@ -1,4 +1,4 @@
-//! Defects of the CH kinds that were mended, each with a test that is named after what went wrong.
+//! Fixed defects of the CH kinds, each as a test named after what went wrong.
 
 use geobench_ich::{Pch, ich, ich1};
 use geobench_mesh::Mesh;

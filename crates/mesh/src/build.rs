@@ -1,4 +1,4 @@
-//! From oriented triangles with edge lengths to a [`Mesh`].
+//! Builds a [`Mesh`] from oriented triangles with edge lengths.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -9,14 +9,15 @@ use crate::ids::{HalfEdgeId, VertexId};
 use crate::mesh::{Extremes, Mesh, MeshData, VertexFlags};
 use crate::precision::SLIVER_HEIGHT;
 
-/// Excess angle in radians that a vertex may have before it counts as a saddle. Ignoring an
-/// excess of δ lengthens a path by at most about δ²/2 of itself.
+/// Excess angle in radians that a vertex may have without being a saddle. Ignoring an excess of δ
+/// lengthens a path by at most about δ²/2 of itself.
 const SADDLE_SLACK: f64 = 1e-8;
 
 /// Builds the mesh of manifold, consistently oriented `triangles`.
 ///
-/// `lengths[t][k]` is the length of the edge from corner `k` of triangle `t` to the next corner,
-/// equal in both triangles of an edge; `twins` pairs their half-edges. `positions` may be empty.
+/// `lengths[t][k]` is the length of the edge from corner `k` of triangle `t` to the next corner. It
+/// is the same in both triangles of an edge. `twins` pairs the half-edges. `positions` may be
+/// empty.
 pub(crate) fn build(
     vertex_count: usize,
     positions: Vec<[f64; 3]>,
@@ -58,8 +59,8 @@ impl MeshData {
     }
 }
 
-/// Builds a mesh of `data` with the angles and flags that it has, which rounding in split faces
-/// must not change; the corners of new slivers are flagged.
+/// Builds a mesh of `data`, keeping its angles and flags: rounding in the parts of split faces must
+/// not change them. Corners of new slivers are flagged.
 pub(crate) fn build_refined(data: MeshData) -> Mesh {
     let (angles, flags) = (data.total_angles.clone(), data.flags.clone());
     let mut mesh = Mesh {
@@ -73,12 +74,12 @@ pub(crate) fn build_refined(data: MeshData) -> Mesh {
     mesh
 }
 
-/// The data of a mesh that nothing shares yet, so that nothing is copied.
+/// The data of a mesh that is not shared yet, so that nothing is copied.
 fn data_of(mesh: &mut Mesh) -> &mut MeshData {
     Arc::make_mut(&mut mesh.data)
 }
 
-/// Flags the corners of faces of next to no area, and finds the extremes of all.
+/// Flags the corners of slivers and sets the extremes of all faces.
 fn mark_slivers(mesh: &mut Mesh) {
     let mut extremes = Extremes::default();
     for face in mesh.faces() {
@@ -95,12 +96,12 @@ fn mark_slivers(mesh: &mut Mesh) {
     data_of(mesh).extremes = extremes;
 }
 
-/// Whether a fan of these angles makes its vertex a saddle.
+/// Whether a fan with this sum of angles makes its vertex a saddle.
 pub(crate) fn is_saddle(fan_angle: f64, open: bool) -> bool {
     fan_angle > if open { PI } else { 2.0 * PI } + SADDLE_SLACK
 }
 
-/// Orders the half-edges around every vertex, and derives its angle and flags.
+/// Orders the half-edges around every vertex and sets its angle and flags.
 fn link_fans(mesh: &mut Mesh) {
     let mut all_flags = std::mem::take(&mut data_of(mesh).flags);
     let tails = &mesh.data.tails;
@@ -121,7 +122,7 @@ fn link_fans(mesh: &mut Mesh) {
         .faces()
         .map(|face| mesh.apexes(face).map(corner_angle))
         .collect();
-    // Open fans first, each from its clockwise end; what is left then are closed ones.
+    // Open fans first, each from its clockwise end. All remaining fans are closed.
     for open in [true, false] {
         for h in (0..tails.len() as u32).map(HalfEdgeId::new) {
             if seen[h.index()] || open && mesh.twin(h).is_some() {

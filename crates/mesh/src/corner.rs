@@ -20,11 +20,11 @@ const ATAN: [f64; 11] = [
     0.016_285_820_115_365_782,
 ];
 
-/// The angle at the tail of a half-edge whose apex is `[x, y]`, in radians: that of the vector from
-/// the x-axis, with y > 0. Both may be scaled by the same factor.
+/// The angle at the tail of a half-edge whose apex is `[x, y]`, in radians. y must be positive.
+/// Both coordinates may be scaled by the same factor.
 ///
-/// `atan2` without its special cases: one division and no branch, so that loops over corners become
-/// vector instructions. It errs by at most 9e-16, and by 6e-16 of the angle where x > 0.
+/// This is `atan2` without its special cases. One division and no branch let loops over corners
+/// compile to vector instructions. The error is at most 9e-16, and 6e-16 of the angle where x > 0.
 #[inline]
 pub(crate) fn corner_angle([x, y]: [f64; 2]) -> f64 {
     let across = x.abs();

@@ -1,46 +1,47 @@
-//! Defects of a model: fatal, repaired, or worth knowing.
+//! Defects of a model: fatal, repaired or noted.
 
 use std::fmt;
 
-/// Longest edge, in the model's units, that a mesh may have. The products of up to four lengths
-/// that windows are computed with must stay finite.
+/// Longest edge, in the model's units, that a mesh may have. Up to this length the products of up
+/// to four lengths, with which windows are computed, stay finite.
 pub const LONGEST_EDGE: f64 = 1e60;
 
-/// Shortest edge, in the model's units, that a mesh may have. The products of up to four lengths
-/// that windows are computed with must stay above the smallest numbers.
+/// Shortest edge, in the model's units, that a mesh may have. Down to this length the products of
+/// up to four lengths, with which windows are computed, do not underflow.
 pub const SHORTEST_EDGE: f64 = 1e-60;
 
-/// How much a [`Defect`] matters.
+/// How severe a [`Defect`] is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
     /// No mesh can be built.
     Fatal,
     /// The defect was repaired, so the mesh differs from the model.
     Repaired,
-    /// The model is used as it is and distances are exact, but it may not be what was meant.
+    /// The model is used as it is, and distances are exact. It may not be what the user intended.
     Noted,
 }
 
 /// A defect of a model, with the elements concerned.
 ///
-/// Vertices and faces carry the file's own numbers, counted from 0; where the file's polygons
-/// were cut into triangles, a face is the polygon. A triangle that names a vertex which does
-/// not exist, or one vertex twice, is left out while the rest is checked.
+/// Vertices and faces have the file's numbers, counted from 0. Where polygons of the file were cut
+/// into triangles, a face is the polygon. A triangle is left out of the other checks if it names a
+/// vertex that does not exist, or one vertex twice.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Defect {
-    /// Fatal: there is not a single vertex.
+    /// Fatal: the model has no vertex.
     NoVertices,
-    /// Fatal: there is not a single face, as in a point cloud.
+    /// Fatal: the model has no face, as in a point cloud.
     NoFaces,
-    /// Fatal: more elements than 4-byte numbers can tell apart.
+    /// Fatal: there are more elements than 4-byte numbers can address.
     TooLarge {
         /// Number of vertices, at most 2³² - 1.
         vertices: usize,
         /// Number of triangles, at most (2³² - 1) / 3.
         triangles: usize,
     },
-    /// Fatal: a mesh given by its lengths has not one triple of them for each triangle.
+    /// Fatal: in a mesh given by its lengths, the number of triples of lengths is not the number of
+    /// triangles.
     LengthCount {
         /// Number of triangles.
         triangles: usize,
@@ -68,7 +69,7 @@ pub enum Defect {
         /// The vertex it repeats.
         vertex: u32,
     },
-    /// Fatal: both ends of an edge lie at the same place.
+    /// Fatal: both ends of an edge have the same position.
     ZeroLengthEdge {
         /// The ends.
         vertices: [u32; 2],
@@ -87,13 +88,13 @@ pub enum Defect {
     UnequalLengths {
         /// The ends.
         vertices: [u32; 2],
-        /// The two lengths, each by the triangle at the same place of `faces`.
+        /// The two lengths, each given by the triangle at the same index of `faces`.
         lengths: [f64; 2],
         /// The triangles.
         faces: [u32; 2],
     },
-    /// Fatal: in a mesh given by its lengths, one side of a triangle is longer than the two
-    /// others together, by more than rounding errors can explain (1e-12 of it).
+    /// Fatal: in a mesh given by its lengths, one side of a triangle is longer than the sum of the
+    /// others, by more than rounding explains (1e-12 of it).
     TriangleInequality {
         /// The triangle.
         face: u32,
@@ -107,8 +108,8 @@ pub enum Defect {
         /// All faces along the edge.
         faces: Vec<u32>,
     },
-    /// Fatal: a surface with one side only, such as a Möbius strip. Reported once for each part
-    /// that hangs together by its edges, at one of the edges where its faces cannot agree.
+    /// Fatal: a surface has one side only, such as a Möbius strip. Reported once for each part
+    /// connected across edges, with an edge at which the orientations of its faces contradict.
     NotOrientable {
         /// The ends of such an edge.
         vertices: [u32; 2],
@@ -116,46 +117,47 @@ pub enum Defect {
         faces: [u32; 2],
     },
     /// Noted: a face has the same vertices as an earlier one. Two such faces alone make a closed
-    /// two-sided surface, which is used as it is; in a larger surface they also make
-    /// [non-manifold edges](Defect::NonManifoldEdge).
+    /// two-sided surface, which is used as it is. In a larger surface they also make [non-manifold
+    /// edges](Defect::NonManifoldEdge).
     DuplicateFace {
         /// The later face.
         face: u32,
         /// The first one with these vertices.
         first: u32,
     },
-    /// Repaired: a face was wound the other way round than most of its surface, and is used
-    /// turned over. Where both windings are equally frequent, the first face of the part stays.
+    /// Repaired: a face was oriented against the majority of its part of the surface, and is used
+    /// turned over. If both orientations are equally frequent, that of the first face of the part
+    /// is kept.
     FlippedFace {
         /// The face.
         face: u32,
     },
-    /// Noted: a face has fewer than three corners, as a line that was cut off may; it is left out.
+    /// Noted: a face has fewer than three corners. It is left out.
     ShortFace {
         /// The face.
         face: u32,
     },
-    /// Noted: the corners of a face lie on a line, within rounding errors. Its edges keep their
-    /// lengths, and paths may run along them.
+    /// Noted: the corners of a face are collinear within rounding. Its edges keep their lengths,
+    /// and paths may run along them.
     FlatFace {
         /// The face.
         face: u32,
     },
-    /// Noted: several fans of faces meet in a vertex and in nothing else there. A path may pass
-    /// from any of them into any other. Faces around a non-manifold edge count as one fan.
+    /// Noted: several fans of faces meet at a vertex and share no edge there. A path may pass from
+    /// any of them into any other. Faces around a non-manifold edge count as one fan.
     PinchedVertex {
         /// The vertex.
         vertex: u32,
         /// How many fans meet there.
         fans: u32,
     },
-    /// Noted: the surface has parts that have no vertex in common. From a source in one of
-    /// them the others cannot be reached.
+    /// Noted: the surface has components that share no vertex. From a source in one component the
+    /// others cannot be reached.
     SeveralComponents {
-        /// How many triangles each part has, in the order of their first vertices.
+        /// The number of triangles of each component, in the order of their first vertices.
         triangles: Vec<u32>,
     },
-    /// Noted: a vertex is in no face. It is kept, and can be reached from nowhere but itself.
+    /// Noted: a vertex is in no face. It is kept. No other vertex reaches it.
     IsolatedVertex {
         /// The vertex.
         vertex: u32,
@@ -164,7 +166,7 @@ pub enum Defect {
 
 /// The kind of a [`Defect`], without its elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[allow(missing_docs)] // Each is documented at the variant of `Defect` with the same name.
+#[allow(missing_docs)] // Documented at the variants of `Defect`.
 #[non_exhaustive]
 pub enum DefectKind {
     NoVertices,
@@ -190,7 +192,7 @@ pub enum DefectKind {
 }
 
 impl Defect {
-    /// What kind of defect this is.
+    /// The kind of this defect.
     pub fn kind(&self) -> DefectKind {
         match self {
             Self::NoVertices => DefectKind::NoVertices,
@@ -216,12 +218,12 @@ impl Defect {
         }
     }
 
-    /// How much this defect matters.
+    /// The severity of this defect.
     pub fn severity(&self) -> Severity {
         self.kind().severity()
     }
 
-    /// Places defects of one kind in the order of their elements.
+    /// The key that sorts defects by kind and then by elements.
     pub(crate) fn sort_key(&self) -> (DefectKind, [u32; 2]) {
         let elements = match *self {
             Self::NoVertices
@@ -251,7 +253,7 @@ impl Defect {
 }
 
 impl DefectKind {
-    /// How much defects of this kind matter.
+    /// The severity of defects of this kind.
     pub fn severity(self) -> Severity {
         match self {
             Self::NoVertices
@@ -277,7 +279,7 @@ impl DefectKind {
         }
     }
 
-    /// A name for programs, such as `non-manifold-edge`.
+    /// The name in machine-readable output, such as `non-manifold-edge`.
     pub fn code(self) -> &'static str {
         match self {
             Self::NoVertices => "no-vertices",
@@ -304,7 +306,7 @@ impl DefectKind {
     }
 }
 
-/// The elements of the defect, to stand behind a headline that says what is wrong with them.
+/// Lists the elements of the defect. A headline that names the defect goes before the list.
 impl fmt::Display for Defect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -372,7 +374,7 @@ impl fmt::Display for Ends<'_> {
     }
 }
 
-/// Some faces, in full if they are few.
+/// Some faces. Long lists are shortened.
 struct Faces<'a>(&'a [u32]);
 
 impl fmt::Display for Faces<'_> {

@@ -6,26 +6,27 @@ pub(crate) struct DisjointSets {
 }
 
 impl DisjointSets {
-    /// Every element alone. `n` must be at most 2³².
+    /// `n` sets of one element each. `n` must be at most 2³².
     pub(crate) fn new(n: usize) -> Self {
         Self {
             parents: (0..n as u32).collect(),
         }
     }
 
-    /// Each element with its parent, which is not greater.
+    /// The partition given by the parent of each element, which must not be greater than the
+    /// element.
     pub(crate) fn of(parents: Vec<u32>) -> Self {
         Self { parents }
     }
 
-    /// The smallest element of the set that holds `x`.
+    /// The smallest element of the set of `x`.
     pub(crate) fn find(&mut self, mut x: u32) -> u32 {
         loop {
             let parent = self.parents[x as usize];
             if parent == x {
                 return x;
             }
-            // Path halving: later searches take half as many steps.
+            // Path halving, which makes later searches shorter.
             let grandparent = self.parents[parent as usize];
             self.parents[x as usize] = grandparent;
             x = grandparent;

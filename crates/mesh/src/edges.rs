@@ -1,9 +1,9 @@
 //! Half-edges sorted into undirected edges, in linear time.
 
-/// The half-edges of a list of triangles, grouped by the pair of vertices they join.
+/// The half-edges of a list of triangles, grouped by the pair of vertices that they join.
 ///
 /// Half-edge `3 * t + k` runs from corner `k` of triangle `t` to the next corner. A group has one
-/// member at a boundary, two inside a surface, more where the surface is not a manifold.
+/// member at a boundary, two inside a surface, and more at a non-manifold edge.
 pub(crate) struct EdgeGroups {
     /// `(larger vertex, half-edge)`, bucketed by the smaller vertex and sorted within a bucket.
     entries: Vec<(u32, u32)>,
@@ -21,9 +21,9 @@ pub(crate) struct Edge<'a> {
 }
 
 impl EdgeGroups {
-    /// Sorts the half-edges of `triangles`; every vertex must be less than `vertex_count`.
+    /// Groups the half-edges of `triangles`. Every vertex must be less than `vertex_count`.
     ///
-    /// Takes O(n + Σ k log k) time, k being the number of edges at a vertex.
+    /// Takes O(n + Σ k log k) time, where k is the number of edges at a vertex.
     pub(crate) fn new(vertex_count: usize, triangles: &[[u32; 3]]) -> Self {
         let ends = |t: &[u32; 3], k: usize| {
             let (a, b) = (t[k], t[(k + 1) % 3]);
@@ -54,7 +54,7 @@ impl EdgeGroups {
         Self { entries, starts }
     }
 
-    /// Each edge once, by rising smaller and then larger vertex.
+    /// Every edge once, in ascending order of the smaller and then the larger vertex.
     pub(crate) fn iter(&self) -> impl Iterator<Item = Edge<'_>> {
         self.starts.windows(2).enumerate().flat_map(|(low, range)| {
             self.entries[range[0] as usize..range[1] as usize]
@@ -74,13 +74,13 @@ impl Edge<'_> {
         self.entries.len()
     }
 
-    /// The half-edges along the edge, in either direction, by rising number.
+    /// The half-edges along the edge, in either direction, in ascending order.
     pub(crate) fn half_edges(&self) -> impl Iterator<Item = u32> + Clone {
         self.entries.iter().map(|entry| entry.1)
     }
 
-    /// The two half-edges of an edge inside the surface; `None` at a boundary and where more than
-    /// two triangles meet.
+    /// The two half-edges of an edge inside the surface; `None` at a boundary and at a non-manifold
+    /// edge.
     pub(crate) fn pair(&self) -> Option<[u32; 2]> {
         match *self.entries {
             [a, b] => Some([a.1, b.1]),

@@ -1,17 +1,18 @@
-//! The shape of one triangle, laid out in the frames of its half-edges.
+//! The shape of a triangle in the frames of its half-edges.
 //!
 //! Frames are computed from coordinates where there are any, not from edge lengths. A length has a
-//! rounding error of its own, and in a triangle with an angle near π it moves the apex by the
-//! square root of that error: 1e-8 of an edge instead of 1e-16.
+//! rounding error of its own. In a triangle with an angle near π this error moves the apex by its
+//! square root: 1e-8 of an edge instead of 1e-16.
 
 use crate::corner::corner_angle;
 use crate::vector::{cross, dot, norm, sub};
 
 /// Least height of a face over its longest edge, as a fraction of its shortest edge. It is far
-/// below rounding, so no distance changes, but a ray passes each vertex on a definite side.
+/// below rounding, so no distance changes. It ensures that a ray passes each vertex on a definite
+/// side.
 const LEAST_HEIGHT: f64 = 1.0 / (1u128 << 100) as f64;
 
-/// A face whose height is at most this fraction of its longest edge has no area that can be told
+/// Height of a face, as a fraction of its longest edge, up to which its area is indistinguishable
 /// from rounding errors.
 pub(crate) const FLAT_HEIGHT: f64 = 16.0 * f64::EPSILON;
 
@@ -23,8 +24,8 @@ pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// Position of the third vertex in the frame of each half-edge of the triangle `corners` with
 /// the edge lengths `lengths`.
 ///
-/// x is a dot product over the length; y twice the area over the length, the area from the cross
-/// product of the two shorter edges, whose error is the smallest.
+/// x is a dot product over the length. y is twice the area over the length. The area comes from the
+/// cross product of the two shorter edges, which has the smallest error.
 pub(crate) fn apexes_from_positions(corners: [[f64; 3]; 3], lengths: [f64; 3]) -> [[f64; 2]; 3] {
     let [a, b, c] = corners;
     let edges = [sub(b, a), sub(c, b), sub(a, c)];
@@ -37,14 +38,14 @@ pub(crate) fn apexes_from_positions(corners: [[f64; 3]; 3], lengths: [f64; 3]) -
     })
 }
 
-/// The shapes of `N` faces, side by side; see [`Mesh::shapes`](crate::Mesh::shapes).
+/// The shapes of `N` faces in structures of arrays; see [`Mesh::shapes`](crate::Mesh::shapes).
 #[derive(Clone, Copy, Debug)]
 pub struct FaceShapes<const N: usize> {
-    /// Lengths of the half-edges of each.
+    /// Lengths of the half-edges of each face.
     pub lengths: [[f64; N]; 3],
     /// Abscissa of the apex in the frame of each half-edge.
     pub apexes_x: [[f64; N]; 3],
-    /// Its ordinate times the length of the half-edge.
+    /// Ordinate of the apex times the length of the half-edge, which is the same for all three.
     pub twice_areas: [f64; N],
     /// The angle at the tail of each half-edge, in radians.
     pub angles: [[f64; N]; 3],
@@ -64,7 +65,7 @@ impl<const N: usize> Default for FaceShapes<N> {
 }
 
 impl<const N: usize> FaceShapes<N> {
-    /// Gives face `i` these lengths and apexes.
+    /// Sets the lengths and apexes of face `i`.
     pub(crate) fn set(&mut self, i: usize, lengths: [f64; 3], apexes: [[f64; 2]; 3]) {
         for k in 0..3 {
             self.lengths[k][i] = lengths[k];
@@ -76,7 +77,8 @@ impl<const N: usize> FaceShapes<N> {
     }
 }
 
-/// The shapes of `N` triangles; `corners[k][axis][i]` is a coordinate of corner `k` of the `i`th.
+/// The shapes of `N` triangles. `corners[k][axis][i]` is a coordinate of corner `k` of triangle
+/// `i`.
 #[inline]
 pub(crate) fn measure<const N: usize>(corners: &[[[f64; N]; 3]; 3]) -> FaceShapes<N> {
     let mut shapes = FaceShapes::default();
@@ -87,7 +89,7 @@ pub(crate) fn measure<const N: usize>(corners: &[[[f64; N]; 3]; 3]) -> FaceShape
         let lengths = edges.map(norm);
         let [p, q, r] = lengths;
         let (first, second) = (p >= q && p >= r, q >= r);
-        // The two shorter edges, without a branch.
+        // Selects the two shorter edges without a branch.
         let select = |if_first: [f64; 3], if_second: [f64; 3], if_third: [f64; 3]| {
             [0, 1, 2].map(|axis| {
                 let other = if second {
@@ -121,9 +123,9 @@ pub(crate) fn measure<const N: usize>(corners: &[[[f64; N]; 3]; 3]) -> FaceShape
 
 /// As [`apexes_from_positions`], for a triangle known by its edge lengths alone.
 ///
-/// With l the half-edge, a the side from its tail and b the side from its head,
-/// x = (l² + (a-b)(a+b)) / 2l and y = 2S / l, the area S by Kahan's arrangement of Heron's
-/// formula, which stays accurate on needles.
+/// Let l be the length of the half-edge, a that of the side from its tail and b that of the side
+/// from its head. Then x = (l² + (a-b)(a+b)) / 2l and y = 2S / l. The area S comes from Kahan's
+/// form of Heron's formula, which stays accurate on needles.
 pub(crate) fn apexes_from_lengths(lengths: [f64; 3]) -> [[f64; 2]; 3] {
     let twice_area = twice_area_from_lengths(lengths);
     [0, 1, 2].map(|k| {
@@ -134,8 +136,8 @@ pub(crate) fn apexes_from_lengths(lengths: [f64; 3]) -> [[f64; 2]; 3] {
     })
 }
 
-/// Whether a triangle with these edge lengths and `apex` in the frame of the first has no area
-/// beyond rounding errors.
+/// Whether a triangle with these edge lengths, and `apex` in the frame of its first edge, has no
+/// area beyond rounding errors.
 pub(crate) fn is_flat(lengths: [f64; 3], apex: [f64; 2]) -> bool {
     let longest = lengths[longest_side(lengths)];
     lengths[0] * apex[1] <= FLAT_HEIGHT * longest * longest
@@ -145,13 +147,14 @@ fn twice_area_from_lengths(lengths: [f64; 3]) -> f64 {
     let mut sides = lengths;
     sides.sort_unstable_by(f64::total_cmp);
     let [c, b, a] = sides;
-    // Factors of 16 S², scaled by the longest side so that their product cannot under- or overflow.
+    // The factors of 16 S² are scaled by the longest side. Their product then cannot under- or
+    // overflow.
     let (p, q, r, s) = (a + (b + c), c - (a - b), c + (a - b), a + (b - c));
     let sixteen_s2 = (p / a) * (q / a) * (r / a) * (s / a);
     at_least_a_sliver(sixteen_s2.max(0.0).sqrt() / 2.0 * a * a, lengths)
 }
 
-/// `twice_area`, but enough to keep a triangle with these sides upright.
+/// `twice_area`, raised if needed to keep [`LEAST_HEIGHT`] in a triangle with these sides.
 pub(crate) fn at_least_a_sliver(twice_area: f64, [a, b, c]: [f64; 3]) -> f64 {
     let (longest, shortest) = (a.max(b).max(c), a.min(b).min(c));
     twice_area.max(LEAST_HEIGHT * longest * shortest)
@@ -201,7 +204,7 @@ mod tests {
         let height = 2f64.powi(-30);
         let corners = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, height, 0.0]];
         assert_eq!(from_positions(corners)[0], [1.0, height]);
-        // Both shorter edges round to 1: to lengths this cap is a straight line.
+        // Both shorter edges round to 1. By its lengths this cap is a straight line.
         assert!(apexes_from_lengths(lengths_of(corners))[0][1] < height / 2.0);
     }
 

@@ -16,13 +16,13 @@ macro_rules! id {
                 Self(index)
             }
 
-            /// The number behind the id.
+            /// The number.
             #[inline]
             pub const fn raw(self) -> u32 {
                 self.0
             }
 
-            /// The number behind the id, ready to index an array.
+            /// The number as an index of arrays.
             #[inline]
             pub const fn index(self) -> usize {
                 self.0 as usize
@@ -44,17 +44,17 @@ macro_rules! id {
 }
 
 id!(
-    /// A vertex, by its 0-based place in the file.
+    /// A vertex: its 0-based number in the file.
     VertexId,
     "vertex"
 );
 id!(
-    /// A face, by its 0-based place among the triangles of the mesh.
+    /// A face: its 0-based number among the triangles of the mesh.
     FaceId,
     "face"
 );
 id!(
-    /// A half-edge: number `3 * face + corner`, running from that corner to the next one.
+    /// A half-edge. Half-edge `3 * face + corner` runs from that corner to the next one.
     HalfEdgeId,
     "half-edge"
 );
@@ -80,19 +80,19 @@ impl FaceId {
 }
 
 impl HalfEdgeId {
-    /// The face that lies to the left of this half-edge.
+    /// The face of this half-edge, which lies on its left.
     #[inline]
     pub const fn face(self) -> FaceId {
         FaceId(self.0 / 3)
     }
 
-    /// The corner of its face at which this half-edge starts.
+    /// The corner of the face at which this half-edge starts.
     #[inline]
     pub const fn corner(self) -> u32 {
         self.0 % 3
     }
 
-    /// The half-edge that follows around the face.
+    /// The next half-edge around the face.
     #[inline]
     #[must_use]
     pub const fn next(self) -> Self {
@@ -103,7 +103,7 @@ impl HalfEdgeId {
         })
     }
 
-    /// The half-edge that precedes around the face.
+    /// The previous half-edge around the face.
     #[inline]
     #[must_use]
     pub const fn prev(self) -> Self {

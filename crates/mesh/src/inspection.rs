@@ -1,4 +1,4 @@
-//! The checks that validation is made of.
+//! The checks of validation.
 
 use std::borrow::Cow;
 
@@ -9,21 +9,21 @@ use crate::frames::{apexes_from_lengths, apexes_from_positions, distance, is_fla
 use crate::mesh::NO_TWIN;
 use crate::orient::orient;
 
-/// Relative excess that a side may have over the sum of the two others. Lengths that a program
-/// computed for a triangle without area can break the triangle inequality by rounding.
+/// Relative excess that a side may have over the sum of the others. Rounding can break the triangle
+/// inequality in lengths computed for a triangle without area.
 const INEQUALITY_SLACK: f64 = 1e-12;
 
-/// Where the lengths of edges come from.
+/// The source of the edge lengths.
 #[derive(Clone, Copy)]
 pub(crate) enum Metric<'a> {
     Positions(&'a [[f64; 3]]),
     Lengths(&'a [[f64; 3]]),
 }
 
-/// The triangles that have three different vertices which exist.
+/// The triangles with three different vertices that exist.
 pub(crate) struct Usable<'a> {
     pub(crate) triangles: Cow<'a, [[u32; 3]]>,
-    /// Where each of them stands in the soup, unless all of the soup's triangles are usable.
+    /// The index of each in the soup; `None` if all of the soup's triangles are usable.
     places: Option<Vec<u32>>,
 }
 
@@ -79,14 +79,14 @@ pub(crate) struct Inspection<'a> {
     pub(crate) usable: Usable<'a>,
     file_faces: &'a [u32],
     pub(crate) defects: Vec<Defect>,
-    /// The other half-edge along the edge of each, where there is exactly one.
+    /// The other half-edge along each edge, where there is exactly one.
     pub(crate) mates: Vec<u32>,
-    /// Length of each half-edge; not a number where a position is not finite.
+    /// Length of each half-edge; NaN where a position is not finite.
     pub(crate) lengths: Vec<[f64; 3]>,
 }
 
 impl<'a> Inspection<'a> {
-    /// Drops the triangles that cannot be used; no other check has run yet.
+    /// Drops unusable triangles. Runs no other check yet.
     pub(crate) fn new(
         vertex_count: usize,
         triangles: &'a [[u32; 3]],
@@ -106,7 +106,7 @@ impl<'a> Inspection<'a> {
         }
     }
 
-    /// Place in the soup of usable triangle `t`.
+    /// The index in the soup of usable triangle `t`.
     fn place(&self, t: u32) -> u32 {
         self.usable
             .places
@@ -114,7 +114,7 @@ impl<'a> Inspection<'a> {
             .map_or(t, |places| places[t as usize])
     }
 
-    /// The number in the file of the face that usable triangle `t` belongs to.
+    /// The number in the file of the face of usable triangle `t`.
     fn face(&self, t: u32) -> u32 {
         let place = self.place(t);
         self.file_faces
@@ -122,7 +122,7 @@ impl<'a> Inspection<'a> {
             .map_or(place, |&face| face)
     }
 
-    /// The file's faces along `edge`, each once.
+    /// The file's faces along `edge`, without repeats.
     fn faces_along(&self, edge: &Edge<'_>) -> Vec<u32> {
         let mut faces: Vec<u32> = edge.half_edges().map(|h| self.face(h / 3)).collect();
         faces.sort_unstable();
@@ -130,7 +130,8 @@ impl<'a> Inspection<'a> {
         faces
     }
 
-    /// Finds vertices without finite coordinates or without faces, and models without either.
+    /// Finds vertices without finite coordinates or without faces, and models without vertices or
+    /// faces.
     pub(crate) fn check_vertices(&mut self, triangles: &[[u32; 3]]) {
         if self.vertex_count == 0 {
             self.defects.push(Defect::NoVertices);
@@ -158,7 +159,7 @@ impl<'a> Inspection<'a> {
         }
     }
 
-    /// Pairs half-edges, measures edges, and finds what is wrong with either.
+    /// Pairs half-edges, measures edges, and finds the defects of both.
     pub(crate) fn check_edges(&mut self, edges: &EdgeGroups) {
         let triangle_count = self.usable.triangles.len();
         self.mates = vec![NO_TWIN; 3 * triangle_count];
@@ -182,7 +183,8 @@ impl<'a> Inspection<'a> {
         }
     }
 
-    /// Gives all half-edges along `edge` its length, computed once so that all get the same bits.
+    /// Sets the length of all half-edges along `edge`. It is computed once, so that all get the
+    /// same bits.
     fn measure(&mut self, edge: &Edge<'_>) {
         let vertices = [edge.low, edge.high];
         let length = match self.metric {
@@ -201,7 +203,8 @@ impl<'a> Inspection<'a> {
                 if length.is_finite() && length > 0.0 {
                     length
                 } else {
-                    // Its square overflows or vanishes, but the report names the length.
+                    // The square of the length overflows or vanishes, but the report needs the
+                    // length.
                     let [dx, dy, dz] = [0, 1, 2].map(|i| ends[1][i] - ends[0][i]);
                     libm::hypot(libm::hypot(dx, dy), dz)
                 }
@@ -236,7 +239,7 @@ impl<'a> Inspection<'a> {
         }
     }
 
-    /// Finds faces along `edge` that have all their vertices in common.
+    /// Finds faces along `edge` with the same three vertices.
     fn find_duplicate_faces(&mut self, edge: &Edge<'_>) {
         let tails = self.usable.triangles.as_flattened();
         let apex = |h: u32| tails[h as usize / 3 * 3 + (h as usize + 2) % 3];
@@ -245,7 +248,7 @@ impl<'a> Inspection<'a> {
         {
             return;
         }
-        // The other edges find them again; the report drops repeats.
+        // The faces' other edges find them again. The report drops repeats.
         let mut sides: Vec<(u32, u32)> = edge.half_edges().map(|h| (apex(h), h / 3)).collect();
         sides.sort_unstable();
         for same in sides.chunk_by(|x, y| x.0 == y.0) {
@@ -307,7 +310,7 @@ impl<'a> Inspection<'a> {
                 }
                 Metric::Lengths(_) => {
                     let longest = lengths.iter().copied().fold(0.0, f64::max);
-                    // Written so that the sum of the two others keeps its small terms.
+                    // This order of the terms keeps the small ones.
                     let [a, b, c] = lengths;
                     let excess = [a - b - c, b - c - a, c - a - b]
                         .into_iter()
@@ -335,7 +338,7 @@ impl<'a> Inspection<'a> {
         }
     }
 
-    /// Finds the faces to turn over, and surfaces that have one side only.
+    /// Finds the faces to turn over, and one-sided surfaces.
     pub(crate) fn check_orientation(&mut self) -> Vec<u32> {
         let orientation = orient(&self.usable.triangles, &self.mates);
         for &h in &orientation.contradictions {
@@ -357,8 +360,8 @@ impl<'a> Inspection<'a> {
     }
 }
 
-/// How many triangles each part has that shares no vertex with others, in the order of their first
-/// vertices.
+/// The number of triangles of each component, in the order of their first vertices. Components
+/// share no vertex.
 pub(crate) fn component_sizes(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut parts = DisjointSets::new(vertex_count);
     for &[a, b, c] in triangles {

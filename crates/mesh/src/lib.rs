@@ -1,9 +1,9 @@
 //! Half-edge triangle meshes for geodesic distances: files, validation, generators.
 //!
-//! A model comes in as a [`TriangleSoup`], from a file ([`io::read`]) or a generator
-//! ([`generate::generate`]), in the numbering of the file and at the full precision of its
-//! numbers. [`Mesh::from_soup`] finds every [`Defect`] in one pass, repairs the orientation where
-//! that is possible, and builds a [`Mesh`], or refuses with the elements named:
+//! A model is read from a file ([`io::read`]) or made by a generator ([`generate::generate`]) as a
+//! [`TriangleSoup`], in the numbering of the file and at the full precision of its numbers.
+//! [`Mesh::from_soup`] finds every [`Defect`] in one pass and repairs the orientation where that is
+//! possible. It builds a [`Mesh`], or returns an error that names the elements:
 //!
 //! ```
 //! use geobench_mesh::{Mesh, TriangleSoup};
@@ -17,14 +17,14 @@
 //! # Ok::<(), geobench_mesh::InvalidMesh>(())
 //! ```
 //!
-//! Shortest paths are intrinsic: they depend on the lengths of edges and on which faces share
-//! them. So a mesh holds the length of every half-edge, and can be built from lengths alone
-//! ([`Mesh::from_lengths`]), for surfaces that do not fit into space. Half-edges are numbered
-//! `3 * face + corner`, so the twin is the only link to store. A mesh never changes.
+//! Shortest paths are intrinsic: they depend only on the lengths of edges and on which faces share
+//! them. So a mesh stores the length of every half-edge. It can also be built from lengths alone
+//! ([`Mesh::from_lengths`]), for surfaces without an embedding in space. A half-edge has the number
+//! `3 * face + corner`, so only the twin is stored as a link. A mesh is immutable.
 //!
-//! Surfaces need not be closed, connected or manifold at every vertex. Components that no path
-//! reaches are infinitely far. Paths pass through a *pinched* vertex, in which several fans of
-//! faces meet. Edges with more than two faces, and surfaces that cannot be oriented, are refused.
+//! Surfaces need not be closed, connected or manifold at every vertex. Components without a source
+//! are at infinite distance. Paths pass through a *pinched* vertex, at which several fans of faces
+//! meet. Edges with more than two faces, and surfaces that cannot be oriented, are errors.
 
 mod build;
 mod corner;

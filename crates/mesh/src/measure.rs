@@ -1,4 +1,4 @@
-//! Counts and sizes of a mesh, for `info` and result files.
+//! Counts and sizes of a mesh.
 
 use crate::disjoint_sets::DisjointSets;
 use crate::frames::is_flat;
@@ -17,7 +17,7 @@ use crate::mesh::Mesh;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshMeasures {
-    /// Vertices, isolated ones included.
+    /// Number of vertices, including isolated ones.
     pub vertices: usize,
     /// Triangles.
     pub faces: usize,
@@ -25,36 +25,36 @@ pub struct MeshMeasures {
     pub edges: usize,
     /// Edges with a face on one side only.
     pub boundary_edges: usize,
-    /// Boundary loops; a disk has one. Loops that meet in a pinched vertex count separately.
+    /// Boundary loops; a disk has one. Loops that meet at a pinched vertex count separately.
     pub boundary_loops: usize,
-    /// Connected components, by vertices; isolated vertices do not count.
+    /// Connected components of faces that share vertices.
     pub components: usize,
     /// Vertices in no face.
     pub isolated_vertices: usize,
-    /// Vertices where several fans meet.
+    /// Vertices at which several fans meet.
     pub pinched_vertices: usize,
-    /// Vertices in faces - edges + faces. A sphere has 2, a disk 1, a torus 0.
+    /// Vertices in faces - edges + faces: 2 for a sphere, 1 for a disk, 0 for a torus.
     pub euler_characteristic: i64,
-    /// Number of handles, over all components; pinched vertices are pulled apart, and holes are
-    /// closed, before they are counted.
+    /// Number of handles, over all components. Pinched vertices are split and holes are closed
+    /// before handles are counted.
     pub genus: usize,
     /// Vertices at which a shortest path can bend ([`Mesh::is_saddle`]).
     pub saddles: usize,
-    /// Faces whose area cannot be told from 0.
+    /// Faces whose area is indistinguishable from 0.
     pub flat_faces: usize,
-    /// Shortest edge, infinite without any edge.
+    /// Length of the shortest edge; infinite without edges.
     pub min_edge_length: f64,
-    /// Mean over the edges, each once; 0 without any edge.
+    /// Mean length of the edges; 0 without edges.
     pub mean_edge_length: f64,
-    /// Longest edge, 0 without any edge.
+    /// Length of the longest edge; 0 without edges.
     pub max_edge_length: f64,
     /// Sum of the areas of the faces.
     pub area: f64,
     /// Least and greatest x, y and z over all vertices; `None` for a mesh built from lengths.
     pub bounding_box: Option<[[f64; 3]; 2]>,
-    /// Mean over the faces of g = P·H / (2·√3·S), with P half the perimeter, H the longest edge
-    /// and S the area: 1 if all faces are equilateral, large if they are slender. Faces without
-    /// area are left out; 1 if there are no others.
+    /// Mean over the faces of g = P·H / (2·√3·S), where P is half the perimeter, H the longest edge
+    /// and S the area (Xu et al. 2015, section 5): 1 if all faces are equilateral, large if they
+    /// are slender. Faces without area are left out; 1 if no others exist.
     pub anisotropy: f64,
 }
 
@@ -69,8 +69,8 @@ impl MeshMeasures {
         let isolated_vertices = count(|mesh, v| mesh.outgoing(v).is_empty());
         let boundary_loops = boundary_loops(mesh);
         let (edges, faces) = (lengths.edges, mesh.face_count());
-        // Pulled apart, every fan has a vertex of its own, and each part, its b holes closed with
-        // disks, has vertices - edges + faces + b = 2 - 2 genus.
+        // With pinched vertices split, every fan has a vertex of its own. Each part, with its b
+        // holes closed by disks, then has vertices - edges + faces + b = 2 - 2 genus.
         let genus = (2 * patch_count(mesh) + edges)
             .saturating_sub(fan_count(mesh) + faces + boundary_loops)
             / 2;
@@ -184,7 +184,7 @@ fn boundary_loops(mesh: &Mesh) -> usize {
     loops
 }
 
-/// The boundary half-edge that starts where boundary half-edge `h` ends, in the same fan.
+/// The boundary half-edge that starts at the head of boundary half-edge `h`, in the same fan.
 fn next_along_boundary(mesh: &Mesh, h: HalfEdgeId) -> HalfEdgeId {
     let mut g = h.next();
     while let Some(twin) = mesh.twin(g) {
@@ -193,7 +193,8 @@ fn next_along_boundary(mesh: &Mesh, h: HalfEdgeId) -> HalfEdgeId {
     g
 }
 
-/// Number of fans over all vertices. A vertex has one, an isolated one none, a pinched one more.
+/// Number of fans over all vertices: 0 at an isolated vertex, 1 at others, more at a pinched
+/// vertex.
 fn fan_count(mesh: &Mesh) -> usize {
     let fans = |v| {
         let outgoing = mesh.outgoing(v);
@@ -206,7 +207,7 @@ fn fan_count(mesh: &Mesh) -> usize {
     mesh.vertices().map(fans).sum()
 }
 
-/// Number of parts connected across edges.
+/// Number of parts that are connected across edges.
 fn patch_count(mesh: &Mesh) -> usize {
     let mut patches = DisjointSets::new(mesh.face_count());
     for h in mesh.half_edges() {
@@ -217,7 +218,7 @@ fn patch_count(mesh: &Mesh) -> usize {
     patches.count()
 }
 
-/// Number of parts connected by vertices, isolated vertices included.
+/// Number of parts that are connected through vertices, including isolated vertices.
 fn component_count(mesh: &Mesh) -> usize {
     let mut parts = DisjointSets::new(mesh.vertex_count());
     for h in mesh.half_edges() {
@@ -226,7 +227,7 @@ fn component_count(mesh: &Mesh) -> usize {
     parts.count()
 }
 
-/// A count of elements as a signed number; there are fewer than 2³² of any kind.
+/// A count as a signed number. There are fewer than 2³² elements of any kind.
 fn signed(count: usize) -> i64 {
     i64::try_from(count).unwrap_or(i64::MAX)
 }

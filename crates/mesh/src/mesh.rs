@@ -13,16 +13,17 @@ use crate::soup::TriangleSoup;
 
 /// A triangulated 2-manifold, with or without boundary, immutable after construction.
 ///
-/// Half-edge `3 * face + corner` starts at that corner; [`HalfEdgeId::next`] and
-/// [`HalfEdgeId::prev`] are arithmetic and only the twin is stored. In the *frame* of a half-edge
-/// the tail is the origin, the head lies on the positive x-axis, and the face lies above (y > 0).
-/// [`apex`](Mesh::apex) is the position of the third vertex there. Geodesics depend only on lengths
-/// and frames; a mesh built from lengths alone has no positions.
+/// Half-edge `3 * face + corner` starts at that corner. [`HalfEdgeId::next`] and
+/// [`HalfEdgeId::prev`] are arithmetic; only the twin is stored. In the *frame* of a half-edge the
+/// tail is the origin, the head lies on the positive x-axis, and the face lies above (y > 0).
+/// [`apex`](Mesh::apex) is the position of the third vertex in this frame. Geodesics depend only on
+/// lengths and frames. A mesh built from lengths alone has no positions.
 ///
-/// Vertex numbers are the file's.
+/// Vertices have the numbers of the file. Methods that take a vertex, face or half-edge panic if
+/// the mesh has no such element.
 ///
-/// A clone shares the data and costs next to nothing, so solvers keep one of the mesh they were set
-/// up for.
+/// Clones share the data, so cloning is O(1). Solvers keep a clone of the mesh that they are set up
+/// for.
 ///
 /// ```
 /// use geobench_mesh::{FaceId, Mesh, TriangleSoup, VertexId};
@@ -60,11 +61,11 @@ pub(crate) struct MeshData {
     pub(crate) total_angles: Vec<f64>,
     pub(crate) flags: Vec<VertexFlags>,
     pub(crate) extremes: Extremes,
-    /// The apexes of parts of split faces, which no positions determine as well.
+    /// The apexes of the parts of split faces. Positions would give them less accurately.
     pub(crate) frames: BTreeMap<FaceId, [[f64; 2]; 3]>,
 }
 
-/// Bounds that hold for all faces.
+/// Extreme values over all faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Extremes {
     pub(crate) longest_edge: f64,
@@ -82,7 +83,7 @@ impl Default for Extremes {
 }
 
 impl Extremes {
-    /// Those of a set and of another one.
+    /// The extremes of both sets of faces.
     pub(crate) fn with(self, other: Self) -> Self {
         Self {
             longest_edge: self.longest_edge.max(other.longest_edge),
@@ -90,7 +91,7 @@ impl Extremes {
         }
     }
 
-    /// Those of one face.
+    /// The extremes of one face.
     pub(crate) fn of(longest: f64, twice_area: f64) -> Self {
         Self {
             longest_edge: longest,
@@ -99,7 +100,7 @@ impl Extremes {
     }
 }
 
-/// What is special about a vertex; see the accessors of [`Mesh`] for the meanings.
+/// Properties of a vertex; see the accessors of [`Mesh`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[allow(clippy::struct_excessive_bools)] // Four independent facts, one byte each.
 pub(crate) struct VertexFlags {
@@ -109,23 +110,23 @@ pub(crate) struct VertexFlags {
     pub(crate) beside_sliver: bool,
 }
 
-/// Stands in `twins` at a boundary half-edge.
+/// The entry of `twins` for a boundary half-edge.
 pub(crate) const NO_TWIN: u32 = u32::MAX;
 
-/// Why there is no mesh.
+/// Why a mesh could not be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
     /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] FileError),
-    /// The spec names no model.
+    /// The spec is invalid.
     #[error(transparent)]
     Generate(#[from] GenerateError),
-    /// The file has defects that no algorithm can work with.
+    /// The file has fatal defects.
     #[error("{path}: {error}")]
     Invalid {
-        /// The file.
+        /// The path of the file.
         path: PathBuf,
         /// All defects.
         #[source]
@@ -134,25 +135,24 @@ pub enum MeshError {
 }
 
 impl Mesh {
-    /// The mesh of `triangles`, which name their corners by the places of `positions`.
+    /// Builds the mesh of `triangles`, whose corners are indices of `positions`.
     ///
-    /// What was repaired or is worth knowing is not said; [`from_soup`](Self::from_soup) reports
-    /// it.
+    /// Repairs and notes are not returned; [`from_soup`](Self::from_soup) returns them.
     ///
     /// # Errors
     ///
-    /// When it cannot be used, with every defect and its elements.
+    /// If the mesh is invalid. The error has every defect with its elements.
     pub fn new(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, InvalidMesh> {
         Self::from_soup(TriangleSoup::new(positions, triangles)).map(|(mesh, _)| mesh)
     }
 
-    /// Reads an OBJ, PLY, OFF or STL file, compressed with gzip or not; as [`io::read`] and
-    /// [`new`](Self::new).
+    /// Reads an OBJ, PLY, OFF or STL file, which may be compressed with gzip, and builds its mesh.
+    /// Combines [`io::read`] and [`from_soup`](Self::from_soup).
     ///
     /// # Errors
     ///
-    /// When the file cannot be read or its mesh cannot be used; the message names the file, and
-    /// the line or the elements.
+    /// If the file cannot be read or its mesh is invalid. The message names the file, and the line
+    /// or the elements.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, MeshError> {
         let path = path.as_ref();
         let invalid = |error| MeshError::Invalid {
@@ -163,8 +163,7 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// Makes the model of a generator, such as `torus,faces=5000`; see
-    /// [`generate`](crate::generate).
+    /// Makes the model of a spec, such as `torus,faces=5000`; see [`generate`](crate::generate).
     ///
     /// ```
     /// let mesh = geobench_mesh::Mesh::generate("sphere,subdiv=2")?;
@@ -174,7 +173,7 @@ impl Mesh {
     ///
     /// # Errors
     ///
-    /// When the spec names no model.
+    /// If the spec is invalid.
     pub fn generate(spec: &str) -> Result<Self, MeshError> {
         let spec: Spec = spec.parse()?;
         let invalid = |error| MeshError::Invalid {
@@ -185,7 +184,7 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// Number of vertices, isolated ones included.
+    /// Number of vertices, including isolated ones.
     pub fn vertex_count(&self) -> usize {
         self.data.flags.len()
     }
@@ -200,7 +199,7 @@ impl Mesh {
         self.data.tails.len()
     }
 
-    /// All vertices in the file's order.
+    /// All vertices, in the file's order.
     pub fn vertices(&self) -> impl ExactSizeIterator<Item = VertexId> + Clone + use<> {
         (0..self.vertex_count() as u32).map(VertexId::new)
     }
@@ -215,12 +214,12 @@ impl Mesh {
         (0..self.half_edge_count() as u32).map(HalfEdgeId::new)
     }
 
-    /// Coordinates of every vertex; empty for a mesh that was built from edge lengths alone.
+    /// Coordinates of every vertex; empty for a mesh built from edge lengths alone.
     pub fn positions(&self) -> &[[f64; 3]] {
         &self.data.positions
     }
 
-    /// The vertex from which `h` starts.
+    /// The vertex at which `h` starts.
     #[inline]
     pub fn tail(&self, h: HalfEdgeId) -> VertexId {
         self.data.tails[h.index()]
@@ -238,7 +237,7 @@ impl Mesh {
         self.data.tails[h.prev().index()]
     }
 
-    /// The three vertices of `face`, in its orientation.
+    /// The three vertices of `face`, counter-clockwise.
     #[inline]
     pub fn face_vertices(&self, face: FaceId) -> [VertexId; 3] {
         let i = face.half_edge(0).index();
@@ -256,29 +255,28 @@ impl Mesh {
         (twin != NO_TWIN).then(|| HalfEdgeId::new(twin))
     }
 
-    /// Length of `h`, the same bits as that of its twin; from
+    /// Length of `h`, bitwise equal to that of its twin, from
     /// [`SHORTEST_EDGE`](crate::SHORTEST_EDGE) to [`LONGEST_EDGE`](crate::LONGEST_EDGE).
     #[inline]
     pub fn length(&self, h: HalfEdgeId) -> f64 {
         self.data.lengths[h.index()]
     }
 
-    /// Length of the longest edge; 0 without any.
+    /// Length of the longest edge; 0 without edges.
     pub fn longest_edge(&self) -> f64 {
         self.data.extremes.longest_edge
     }
 
-    /// Least height of a face, relative to its longest edge, up to rounding; infinite without any
-    /// face.
+    /// Least height of a face relative to its longest edge, up to rounding; infinite without faces.
     pub fn least_relative_height(&self) -> f64 {
         self.data.extremes.least_height
     }
 
-    /// Position of the apex vertex in the frame of `h`. Its y is positive; in a face without area
+    /// Position of the apex vertex in the frame of `h`. Its y is positive. In a face without area
     /// it is about 1e-30 of the shorter edges.
     ///
-    /// Computed on each call. Solvers keep apexes in their own layout; stored here as well they
-    /// would be a third of the mesh. [`apexes`](Self::apexes) computes those of a whole face.
+    /// Computed on each call: stored apexes would take a third of the mesh, and solvers keep them
+    /// in their own layout. [`apexes`](Self::apexes) computes those of a whole face.
     pub fn apex(&self, h: HalfEdgeId) -> [f64; 2] {
         self.apexes(h.face())[h.corner() as usize]
     }
@@ -301,7 +299,8 @@ impl Mesh {
         }
     }
 
-    /// Several faces at once, which takes a fraction of the time of one after the other.
+    /// The shapes of several faces, computed together in a fraction of the time that single faces
+    /// take.
     pub fn shapes<const N: usize>(&self, faces: [FaceId; N]) -> FaceShapes<N> {
         let mut shapes = FaceShapes::<N>::default();
         if self.data.positions.is_empty() || !self.data.frames.is_empty() {
@@ -325,8 +324,8 @@ impl Mesh {
 
     /// The half-edges that start at `v`, counter-clockwise within each fan, fan after fan.
     ///
-    /// Empty for an isolated vertex. A fan that ends at the boundary starts with the half-edge
-    /// that has no twin, and ends with the one whose `prev` has none.
+    /// Empty for an isolated vertex. An open fan starts with the half-edge that has no twin, and
+    /// ends with the half-edge whose `prev` has no twin.
     #[inline]
     pub fn outgoing(&self, v: VertexId) -> &[HalfEdgeId] {
         let i = v.index();
@@ -334,7 +333,7 @@ impl Mesh {
             [self.data.outgoing_starts[i] as usize..self.data.outgoing_starts[i + 1] as usize]
     }
 
-    /// The vertices joined to `v` by an edge, each once, with the lengths of those edges.
+    /// The vertices joined to `v` by an edge, without repeats, with the lengths of those edges.
     pub fn neighbours(&self, v: VertexId) -> impl Iterator<Item = (VertexId, f64)> {
         self.outgoing(v).iter().flat_map(move |&h| {
             let back = h.prev();
@@ -346,7 +345,7 @@ impl Mesh {
         })
     }
 
-    /// Sum of the corner angles at `v` in radians, over all its fans; 0 for an isolated vertex.
+    /// Sum of the corner angles at `v` in radians, over all fans; 0 for an isolated vertex.
     #[inline]
     pub fn total_angle(&self, v: VertexId) -> f64 {
         self.data.total_angles[v.index()]
@@ -358,30 +357,31 @@ impl Mesh {
         self.data.flags[v.index()].boundary
     }
 
-    /// Whether a shortest path can bend at `v` inside one fan: that fan spans more than 2π, or
-    /// more than π if it is open (with a slack of 1e-8, which costs less than 1e-16 of a path).
+    /// Whether a shortest path can bend at `v` within one fan: the fan spans more than 2π, or more
+    /// than π if it is open. A slack of 1e-8 changes the length of a path by less than 1e-16 of it.
     #[inline]
     pub fn is_saddle(&self, v: VertexId) -> bool {
         self.data.flags[v.index()].saddle
     }
 
-    /// Whether several fans of faces meet in `v` and share no edge there.
+    /// Whether several fans of faces meet at `v` without a common edge.
     #[inline]
     pub fn is_pinched(&self, v: VertexId) -> bool {
         self.data.flags[v.index()].pinched
     }
 
     /// Whether `v` is a corner of a sliver: a face whose height is below
-    /// [`SLIVER_HEIGHT`](crate::precision::SLIVER_HEIGHT) of its longest edge. There rounding may
-    /// decide on which side of `v` a ray passes.
+    /// [`SLIVER_HEIGHT`](crate::precision::SLIVER_HEIGHT) of its longest edge. Rounding may decide
+    /// on which side of such a corner a ray passes.
     #[inline]
     pub fn is_beside_sliver(&self, v: VertexId) -> bool {
         self.data.flags[v.index()].beside_sliver
     }
 
-    /// Whether `v` becomes a pseudo-source when a path reaches it: at a saddle, where a shortest
-    /// path may bend; at a pinched vertex, where it may pass from one fan into another; and beside
-    /// slivers, where rounding can lose a whole angle of rays between two triangles.
+    /// Whether `v` becomes a pseudo-source when a path reaches it. This is the case at a saddle,
+    /// where a shortest path may bend, at a pinched vertex, where it may pass from one fan into
+    /// another, and beside slivers, where rounding can lose all rays of an angle between two
+    /// triangles.
     #[inline]
     pub fn is_pseudo_source(&self, v: VertexId) -> bool {
         let flags = self.data.flags[v.index()];

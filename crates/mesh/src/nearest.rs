@@ -5,11 +5,11 @@ use crate::mesh::Mesh;
 use crate::point::{PointError, SurfacePoint};
 use crate::vector::{cross, dot, norm, sub};
 
-/// Faces of a leaf of the tree.
+/// Most faces of a leaf of the tree.
 const LEAF: usize = 4;
 
-/// Finds the points of a surface nearest to positions: a tree of boxes around faces, built once for
-/// many questions.
+/// Finds the points of a surface nearest to positions, by a tree of boxes around faces that is
+/// built once.
 ///
 /// ```
 /// use geobench_mesh::{Mesh, NearestPoint};
@@ -24,28 +24,29 @@ const LEAF: usize = 4;
 #[derive(Clone, Debug)]
 pub struct NearestPoint {
     mesh: Mesh,
-    /// The faces, those of a box next to each other.
+    /// The faces, ordered so that those of a box are contiguous.
     faces: Vec<FaceId>,
-    /// The tree in order: a box of more than [`LEAF`] faces is followed by the tree of its first
+    /// The tree in preorder: a box of more than [`LEAF`] faces is followed by the tree of its first
     /// half.
     boxes: Vec<Box3>,
-    /// The nearest thing of a mesh without faces, and a part of the others: vertices of no face.
+    /// Vertices in no face, which may be nearest as well.
     isolated: Vec<VertexId>,
 }
 
-/// A box along the axes, and what is in it.
+/// An axis-aligned box with its content.
 #[derive(Clone, Copy, Debug)]
 struct Box3 {
     low: [f64; 3],
     high: [f64; 3],
-    /// Its faces, by their places.
+    /// The range of its faces in `faces`.
     faces: [usize; 2],
-    /// The box of its second half; none of a leaf.
+    /// The index of the box of its second half; `None` for a leaf.
     second: Option<usize>,
 }
 
 impl Box3 {
-    /// Least distance from `position`, never more than that of a face in it, even rounded.
+    /// A lower bound, also under rounding, of the distances from `position` to the faces in the
+    /// box.
     fn distance(&self, position: [f64; 3]) -> f64 {
         let outside = |i: usize| {
             (self.low[i] - position[i])
@@ -56,7 +57,7 @@ impl Box3 {
     }
 }
 
-/// The length of a vector, which may be long.
+/// The length of a vector, without overflow.
 fn length([x, y, z]: [f64; 3]) -> f64 {
     libm::hypot(libm::hypot(x, y), z)
 }
@@ -66,7 +67,7 @@ impl NearestPoint {
     ///
     /// # Errors
     ///
-    /// When the mesh has no positions.
+    /// If the mesh has no positions.
     pub fn new(mesh: &Mesh) -> Result<Self, PointError> {
         if mesh.positions().is_empty() {
             return Err(PointError::NoPositions);
@@ -89,8 +90,8 @@ impl NearestPoint {
         self.mesh.face_vertices(face).map(|v| positions[v.index()])
     }
 
-    /// Adds the box of the faces at these places, and those below it. They are as deep as the
-    /// number of faces has digits, in the base 2.
+    /// Adds the box of a range of faces, and the boxes below it. The recursion depth is the binary
+    /// logarithm of the number of faces.
     fn add_box(&mut self, first: usize, end: usize) -> usize {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for &face in &self.faces[first..end] {
@@ -128,12 +129,14 @@ impl NearestPoint {
         place
     }
 
-    /// The point of the surface nearest to `position`, and its distance from there. Of points
-    /// equally near it takes that of the face with the lowest number.
+    /// The point of the surface nearest to `position`, and its distance from there. Of several
+    /// nearest points the one in the face with the lowest number is returned.
+    ///
+    /// Takes O(log n) time for n faces as a rule, and O(n) at worst.
     ///
     /// # Errors
     ///
-    /// When a coordinate is not finite.
+    /// If a coordinate is not finite.
     pub fn to(&self, position: [f64; 3]) -> Result<(SurfacePoint, f64), PointError> {
         if let Some(&value) = position.iter().find(|x| !x.is_finite()) {
             return Err(PointError::Position { value });
@@ -151,7 +154,7 @@ impl NearestPoint {
             if let Some(second) = node.second {
                 let mut halves =
                     [place + 1, second].map(|half| (self.boxes[half].distance(position), half));
-                // The nearer one comes first.
+                // The nearer half is searched first.
                 if halves[0].0 < halves[1].0 {
                     halves.swap(0, 1);
                 }
@@ -178,19 +181,19 @@ impl NearestPoint {
 }
 
 impl Mesh {
-    /// The point of the surface nearest to `position`, and its distance from there. For more than
-    /// one question keep a [`NearestPoint`].
+    /// The point of the surface nearest to `position`, and its distance from there, in O(n log n)
+    /// time. For more than one position use a [`NearestPoint`].
     ///
     /// # Errors
     ///
-    /// When the mesh has no positions or a coordinate is not finite.
+    /// If the mesh has no positions or a coordinate is not finite.
     pub fn nearest_point(&self, position: [f64; 3]) -> Result<(SurfacePoint, f64), PointError> {
         NearestPoint::new(self)?.to(position)
     }
 }
 
-/// The distance of a triangle from a position, and the barycentric coordinates of its nearest
-/// point: the foot of the perpendicular if that is inside, else the nearest point of a side.
+/// The distance from a position to a triangle, and the barycentric coordinates of the nearest
+/// point: the foot of the perpendicular if it is inside, else the nearest point of a side.
 fn nearest_in_triangle(corners: [[f64; 3]; 3], position: [f64; 3]) -> (f64, [f64; 3]) {
     let mut best = (f64::INFINITY, [1.0, 0.0, 0.0]);
     for k in 0..3 {
@@ -217,8 +220,8 @@ fn nearest_in_triangle(corners: [[f64; 3]; 3], position: [f64; 3]) -> (f64, [f64
     best
 }
 
-/// The place of the point of the segment from `a` to `b` that is nearest to `position`: its
-/// fractions of the way from `a` and from `b`, each accurate near its end.
+/// The point of the segment from `a` to `b` nearest to `position`: its fractions of the way from
+/// `a` and from `b`, each accurate near its end.
 fn along(a: [f64; 3], b: [f64; 3], position: [f64; 3]) -> (f64, f64) {
     let edge = sub(b, a);
     let scale = length(edge);
@@ -236,8 +239,8 @@ fn along(a: [f64; 3], b: [f64; 3], position: [f64; 3]) -> (f64, f64) {
     }
 }
 
-/// The distance of the plane of a triangle from a position, and the foot of the perpendicular, if
-/// it is inside the triangle.
+/// The distance from a position to the plane of a triangle, and the foot of the perpendicular;
+/// `None` if the foot is outside the triangle.
 fn foot(corners: [[f64; 3]; 3], position: [f64; 3]) -> Option<(f64, [f64; 3])> {
     let scale = (0..3)
         .map(|k| length(sub(corners[(k + 1) % 3], corners[k])))
@@ -251,7 +254,7 @@ fn foot(corners: [[f64; 3]; 3], position: [f64; 3]) -> Option<(f64, [f64; 3])> {
     }
     let unit = normal.map(|x| x / twice_area);
     let from = corners.map(|corner| sub(position, corner).map(|x| x / scale));
-    // The weight of a corner is the area over the opposite side.
+    // The weight of a corner is proportional to the area over the opposite side.
     let mut weights = [0, 1, 2].map(|k| {
         let opposite = (k + 1) % 3;
         dot(cross(edges[opposite], from[opposite]), unit) / twice_area

@@ -1,13 +1,14 @@
-//! An order of vertices and faces in which neighbours are near each other in memory.
+//! An order of vertices and faces that keeps neighbours near each other in memory.
 
 use crate::{FaceId, HalfEdgeId, Mesh, VertexId};
 
-/// Maps a mesh's numbers of vertices and faces to *new* numbers, and back.
+/// A bijection between a mesh's numbers of vertices and faces and *new* numbers.
 ///
-/// A solver with a layout of its own orders it as a wavefront meets the elements, whatever the
-/// order of the file. New numbers stay inside the solver. The corners of a face keep their order.
+/// A solver with its own layout orders elements as a wavefront meets them, whatever the order of
+/// the file. New numbers are used inside the solver only. The corners of a face keep their order.
 ///
-/// Elements without a new number keep the mesh's, also after a map has been dropped.
+/// Without a map, numbers stay the same. This holds for [`same`](Self::same) and after
+/// [`keep_new_vertices`](Self::keep_new_vertices) or [`keep_new_faces`](Self::keep_new_faces).
 ///
 /// ```
 /// use geobench_mesh::{Mesh, Numbering, VertexId};
@@ -20,18 +21,18 @@ use crate::{FaceId, HalfEdgeId, Mesh, VertexId};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Numbering {
-    /// All empty if the numbers are the same.
+    /// All maps are empty if the numbers stay the same.
     old_vertices: Vec<u32>,
     new_vertices: Vec<u32>,
     old_faces: Vec<u32>,
     new_faces: Vec<u32>,
 }
 
-/// Not numbered yet.
+/// The new number of elements that have none yet.
 const NONE: u32 = u32::MAX;
 
 impl Numbering {
-    /// The mesh's own order.
+    /// The numbering that changes nothing.
     pub fn same() -> Self {
         Self {
             old_vertices: vec![],
@@ -42,7 +43,7 @@ impl Numbering {
     }
 
     /// Breadth first from the first vertex of each component: close to the order in which a
-    /// wavefront meets them, wherever it starts. O(faces).
+    /// wavefront meets the elements, wherever it starts. O(faces).
     pub fn breadth_first(mesh: &Mesh) -> Self {
         let mut vertices = Order::new(mesh.vertex_count());
         let mut faces = Order::new(mesh.face_count());
@@ -56,7 +57,7 @@ impl Numbering {
                 for &h in ring {
                     faces.take(h.face().raw());
                     vertices.take(mesh.head(h).raw());
-                    // In a fan it is the next head, except for the last half-edge.
+                    // In a fan the apex is the next head, except for the last half-edge.
                     if mesh.is_pinched(v) {
                         vertices.take(mesh.apex_vertex(h).raw());
                     }
@@ -84,7 +85,7 @@ impl Numbering {
             .map_or(v, |&v| VertexId::new(v))
     }
 
-    /// The new number of a vertex of the mesh.
+    /// The new number of vertex `v` of the mesh.
     #[inline]
     pub fn new_vertex(&self, v: VertexId) -> VertexId {
         self.new_vertices
@@ -98,31 +99,32 @@ impl Numbering {
         self.old_faces.get(f.index()).map_or(f, |&f| FaceId::new(f))
     }
 
-    /// The new number of a face of the mesh.
+    /// The new number of face `f` of the mesh.
     #[inline]
     pub fn new_face(&self, f: FaceId) -> FaceId {
         self.new_faces.get(f.index()).map_or(f, |&f| FaceId::new(f))
     }
 
-    /// The new number of a half-edge of the mesh: the same corner of its face.
+    /// The new number of half-edge `h` of the mesh: the same corner of the renumbered face.
     #[inline]
     pub fn new_half_edge(&self, h: HalfEdgeId) -> HalfEdgeId {
         self.new_face(h.face()).half_edge(h.corner())
     }
 
-    /// Keeps the map of vertices and drops the rest, which only set-up needs.
+    /// Keeps the map from vertices to new numbers and drops the other maps, which only set-up
+    /// needs.
     pub fn keep_new_vertices(&mut self) {
         (self.old_faces, self.new_faces) = (Vec::new(), Vec::new());
         self.old_vertices = Vec::new();
     }
 
-    /// Keeps the map of faces and drops the rest.
+    /// Keeps the map from faces to new numbers and drops the other maps.
     pub fn keep_new_faces(&mut self) {
         (self.old_vertices, self.new_vertices) = (Vec::new(), Vec::new());
         self.old_faces = Vec::new();
     }
 
-    /// `values` of the vertices, in the order of their new numbers, in the mesh's order.
+    /// Reorders the `values` of vertices from new numbers to the mesh's numbers.
     ///
     /// # Panics
     ///
@@ -136,9 +138,9 @@ impl Numbering {
     }
 }
 
-/// Elements that get numbers one after the other.
+/// Numbers elements in the order in which they are taken.
 struct Order {
-    /// By new number, and one more place.
+    /// Elements by new number, with one more entry.
     old: Vec<u32>,
     new: Vec<u32>,
     count: usize,
@@ -153,8 +155,8 @@ impl Order {
         }
     }
 
-    /// Gives `element` the next number if it has none. Without a branch: whether it has one is hard
-    /// to predict.
+    /// Gives `element` the next number if it has none. Whether it has one is hard to predict, so
+    /// there is no branch.
     #[inline]
     fn take(&mut self, element: u32) {
         let new = &mut self.new[element as usize];
@@ -164,7 +166,7 @@ impl Order {
         self.count += usize::from(is_next);
     }
 
-    /// From new numbers to old ones, and back.
+    /// The maps from new numbers to elements, and back.
     fn maps(mut self) -> [Vec<u32>; 2] {
         self.old.truncate(self.count);
         [self.old, self.new]

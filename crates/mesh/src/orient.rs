@@ -1,22 +1,22 @@
-//! Orients the faces of a surface consistently.
+//! Consistent orientation of the faces of a surface.
 
 use crate::mesh::NO_TWIN;
 
 /// The faces to turn over so that all agree with their neighbours.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Orientation {
-    /// Their numbers in rising order: in every patch the smaller part, so that most faces stay.
+    /// Their numbers in ascending order. In every patch this is the smaller part, so that most
+    /// faces stay.
     pub(crate) flipped: Vec<u32>,
-    /// For every patch that cannot be oriented, a half-edge across which its faces disagree
-    /// however they are turned.
+    /// For every patch that cannot be oriented, a half-edge at which the orientations of its faces
+    /// contradict.
     pub(crate) contradictions: Vec<u32>,
 }
 
 /// Finds the faces to turn over, patch by patch. A patch is a set of faces connected by `mates`.
 ///
-/// `mates[h]` is the other half-edge along the edge of `h`, or [`NO_TWIN`] where a patch ends.
-/// Where two parts of a patch are of the same size, the one with its first face stays.
-/// Takes linear time.
+/// `mates[h]` is the other half-edge along the edge of `h`, or [`NO_TWIN`] where a patch ends. If
+/// both parts of a patch have the same size, the one with the first face stays. Takes linear time.
 pub(crate) fn orient(triangles: &[[u32; 3]], mates: &[u32]) -> Orientation {
     let tails = triangles.as_flattened();
     let mut sides: Vec<Option<bool>> = vec![None; triangles.len()];
@@ -39,7 +39,8 @@ pub(crate) fn orient(triangles: &[[u32; 3]], mates: &[u32]) -> Orientation {
                 if mate == NO_TWIN {
                     continue;
                 }
-                // Neighbours that agree run along their common edge in opposite directions.
+                // Consistently oriented neighbours have opposite directions along their common
+                // edge.
                 let wanted = side ^ (tails[h as usize] == tails[mate as usize]);
                 match &mut sides[mate as usize / 3] {
                     Some(there) if *there == wanted => {}
@@ -66,8 +67,8 @@ pub(crate) fn orient(triangles: &[[u32; 3]], mates: &[u32]) -> Orientation {
     result
 }
 
-/// Turns `flipped` faces over, by swapping their last two corners, in the triangles, in the
-/// lengths along their half-edges and in the pairing of half-edges.
+/// Turns the `flipped` faces over: swaps their last two corners in the triangles, and updates the
+/// lengths along their half-edges and the pairing of half-edges.
 pub(crate) fn turn_over(
     flipped: &[u32],
     triangles: &mut [[u32; 3]],

@@ -4,18 +4,18 @@ use crate::defect::SHORTEST_EDGE;
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 
-/// A point this close to an edge or a vertex, as a fraction of the longest edge of its face, is
-/// taken for a point of that edge or for that vertex.
+/// The distance from an edge or a vertex, as a fraction of the longest edge of the face, within
+/// which a point is moved to that edge or vertex.
 pub(crate) const SNAP: f64 = 1e-12;
 
-/// How far the sum of three barycentric coordinates may be from 1.
+/// Tolerance of the sum of three barycentric coordinates, which must be 1.
 const SUM_SLACK: f64 = 1e-9;
 
 /// A point of the surface of a mesh.
 ///
 /// [`Mesh::point_on_edge`] and [`Mesh::point_in_face`] check their arguments and recognise points
-/// that lie on edges and vertices; a vertex converts by itself. [`Mesh::nearest_point`] finds the
-/// one next to a position.
+/// on edges and vertices. A [`VertexId`] or a vertex number converts into a point.
+/// [`Mesh::nearest_point`] returns the point nearest to a position.
 ///
 /// ```
 /// use geobench_mesh::{FaceId, Mesh, Place, PointError, VertexId};
@@ -39,31 +39,31 @@ pub struct SurfacePoint {
     moved: f64,
 }
 
-/// Where a [`SurfacePoint`] is.
+/// The location of a [`SurfacePoint`] in the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
     /// At a vertex.
     Vertex(VertexId),
-    /// Inside an edge: the weights of the tail and of the head of this half-edge, which has a
-    /// lower number than its twin. Both are positive, and their sum is 1.
+    /// Inside an edge: a half-edge, whose number is lower than that of its twin, and the weights of
+    /// its tail and head. Both weights are positive, and their sum is 1.
     Edge(HalfEdgeId, [f64; 2]),
-    /// Inside a face: its barycentric coordinates, which are positive and have the sum 1.
+    /// Inside a face: its barycentric coordinates. They are positive, and their sum is 1.
     Face(FaceId, [f64; 3]),
 }
 
 impl SurfacePoint {
-    /// Where it is.
+    /// The location in the mesh.
     pub const fn place(&self) -> Place {
         self.place
     }
 
-    /// How far it was moved to an edge or a vertex next to it, at most 1e-12 of the longest edge of
-    /// its face; 0 if it is exactly where it was asked for.
+    /// The distance by which the point was moved to an edge or vertex, at most 1e-12 of the longest
+    /// edge of its face; 0 if it was not moved.
     pub const fn moved(&self) -> f64 {
         self.moved
     }
 
-    /// The vertex at which it is, if any.
+    /// The vertex at which the point is; `None` elsewhere.
     pub const fn vertex(&self) -> Option<VertexId> {
         match self.place {
             Place::Vertex(vertex) => Some(vertex),
@@ -87,7 +87,7 @@ impl From<u32> for SurfacePoint {
     }
 }
 
-/// Why there is no such point.
+/// Why a point does not exist.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PointError {
@@ -113,7 +113,7 @@ pub enum PointError {
         /// The ends asked for.
         ends: [VertexId; 2],
     },
-    /// The place on an edge is outside of it, or no number.
+    /// The fraction of an edge is not from 0 to 1.
     #[error("{value} is not a place on an edge: give a number from 0 to 1")]
     Parameter {
         /// The value.
@@ -137,10 +137,10 @@ pub enum PointError {
         /// The value.
         value: f64,
     },
-    /// The mesh was built from lengths: its points have no positions.
+    /// The mesh was built from lengths, so its points have no positions.
     #[error("the mesh is known by its edge lengths alone, so no position is near it")]
     NoPositions,
-    /// The mesh has no room for the vertices of so many points.
+    /// So many points would exceed the 32-bit numbers of vertices and faces.
     #[error("{points} points are more than the mesh can have vertices for")]
     TooMany {
         /// Number of points.
@@ -148,7 +148,7 @@ pub enum PointError {
     },
 }
 
-/// `weights`, so that their sum is 1; the largest takes what rounding leaves.
+/// `weights` scaled to the sum 1. The largest one takes the rounding error.
 fn normalised<const N: usize>(weights: [f64; N]) -> [f64; N] {
     let sum: f64 = weights.iter().sum();
     if sum == 1.0 {
@@ -161,7 +161,7 @@ fn normalised<const N: usize>(weights: [f64; N]) -> [f64; N] {
     weights
 }
 
-/// The place of the largest of `weights`.
+/// The index of the largest of `weights`.
 pub(crate) fn largest<const N: usize>(weights: [f64; N]) -> usize {
     (0..N).fold(
         0,
@@ -174,7 +174,7 @@ impl Mesh {
     ///
     /// # Errors
     ///
-    /// When there is no such vertex.
+    /// If there is no such vertex.
     pub fn point_at_vertex(&self, vertex: VertexId) -> Result<SurfacePoint, PointError> {
         let vertices = self.vertex_count();
         if vertex.index() >= vertices {
@@ -187,7 +187,7 @@ impl Mesh {
     ///
     /// # Errors
     ///
-    /// When a vertex or the edge does not exist, or `t` is not from 0 to 1.
+    /// If a vertex or the edge does not exist, or `t` is not from 0 to 1.
     pub fn point_on_edge(&self, ends: [VertexId; 2], t: f64) -> Result<SurfacePoint, PointError> {
         for end in ends {
             self.point_at_vertex(end)?;
@@ -214,8 +214,8 @@ impl Mesh {
     ///
     /// # Errors
     ///
-    /// When there is no such face, a coordinate is negative or not finite, or their sum is not 1
-    /// (up to 1e-9; it is made 1).
+    /// If there is no such face, a coordinate is negative or not finite, or their sum is not 1
+    /// within 1e-9. The coordinates are then scaled to the sum 1.
     pub fn point_in_face(
         &self,
         face: FaceId,
@@ -248,7 +248,8 @@ impl Mesh {
             });
         }
         let h = face.half_edge(k as u32).next();
-        // The foot of the perpendicular: in a thin face the weight of the far corner may be large.
+        // Moves to the foot of the perpendicular: in a thin face the weight of the far corner may
+        // be large.
         let (l, [x, _]) = (self.length(h), self.apex(h));
         let tail = weights[(k + 1) % 3] + weights[k] * ((l - x) / l);
         let head = weights[(k + 2) % 3] + weights[k] * (x / l);
@@ -256,8 +257,8 @@ impl Mesh {
         Ok(self.snapped_on_edge(h, on_edge, snap, height(k)))
     }
 
-    /// The point on `h` with these weights, which was moved there by `moved` from inside its face;
-    /// the end of `h` within `snap`, if there is one.
+    /// The point on `h` with these weights, or the end of `h` within `snap`. It was moved there by
+    /// `moved` from inside its face.
     fn snapped_on_edge(
         &self,
         h: HalfEdgeId,
@@ -282,7 +283,7 @@ impl Mesh {
         SurfacePoint { place, moved }
     }
 
-    /// A face that holds `point`, and its barycentric coordinates there; `None` at an isolated
+    /// A face that contains `point`, and its barycentric coordinates there; `None` at an isolated
     /// vertex and for a point of another mesh.
     pub fn face_of(&self, point: &SurfacePoint) -> Option<(FaceId, [f64; 3])> {
         let at = |h: HalfEdgeId, weights: [f64; 2]| {
@@ -301,8 +302,8 @@ impl Mesh {
         }
     }
 
-    /// The position of `point`; `None` for a mesh that was built from lengths alone and for a point
-    /// of another mesh.
+    /// The position of `point`; `None` for a mesh built from lengths alone and for a point of
+    /// another mesh.
     pub fn position_of(&self, point: &SurfacePoint) -> Option<[f64; 3]> {
         if let Some(vertex) = point.vertex() {
             return self.positions().get(vertex.index()).copied();
@@ -349,7 +350,7 @@ mod tests {
         let [_, y, _] = mesh.position_of(&point).unwrap();
         assert!((y - 1.0).abs() < 1e-15, "{y}");
         assert!(point.moved() < 1e-14);
-        // Beyond the end of the side, it is that end.
+        // Beyond the end of the side the point moves to that end.
         let skew = vec![[0.0; 3], [4.0, 0.0, 0.0], [5.0, 1e-14, 0.0]];
         let mesh = Mesh::new(skew, vec![[0, 1, 2]]).unwrap();
         let point = mesh.point_in_face(face, [0.125, 0.5, 0.375]).unwrap();
@@ -380,13 +381,13 @@ mod tests {
         assert_eq!(near.vertex(), Some(VertexId::new(2)));
         assert!(near.moved() > 0.0);
         assert!(on_edge(0, 1, 1.0 - 1e-13).unwrap().moved() > 0.0);
-        // A little further away they stay.
+        // Points slightly further away stay.
         assert!(matches!(
             in_face(0, [1e-11, 0.5, 0.5 - 1e-11]).unwrap().place(),
             Place::Face(..)
         ));
         assert_eq!(on_edge(0, 1, 1e-11).unwrap().vertex(), None);
-        // A sum that rounding left is made 1, exactly.
+        // A sum with a rounding error becomes 1 exactly.
         let Place::Face(_, sum) = in_face(0, [0.1, 0.2, 0.7 + 1e-10]).unwrap().place() else {
             panic!("not inside");
         };

@@ -3,8 +3,8 @@
 /// `SplitMix64` (Steele, Lea, Flood 2014): a counter stepped by an odd constant, and a mixing
 /// function that turns the counter into the output.
 ///
-/// The specs of generated models and the random sources of a benchmark promise the same numbers for
-/// ever; the next version of a dependency might draw others.
+/// The specs of generated models and the random sources of a benchmark must give the same numbers
+/// in all versions. A dependency might change its numbers.
 ///
 /// ```
 /// let mut random = geobench_mesh::SplitMix64::new(1_234_567);
@@ -15,7 +15,7 @@ pub struct SplitMix64 {
     counter: u64,
 }
 
-/// 2^64 divided by the golden ratio, made odd.
+/// 2^64 divided by the golden ratio, rounded to an odd number.
 const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
 const fn mix(mut z: u64) -> u64 {
@@ -30,7 +30,7 @@ impl SplitMix64 {
         Self { counter: seed }
     }
 
-    /// The sequence for one use of `seed`; different uses draw unrelated numbers.
+    /// The sequence for one use of `seed`. Different uses draw unrelated numbers.
     pub(crate) const fn for_use(seed: u64, usage: u64) -> Self {
         Self::new(mix(mix(seed.wrapping_add(STEP)) ^ usage))
     }
@@ -41,7 +41,7 @@ impl SplitMix64 {
         mix(self.counter)
     }
 
-    /// A number from 0 to `n - 1`; `n` is positive. The bias of about n/2^64 is negligible.
+    /// A number from 0 to `n - 1`; 0 if `n` is 0. Its bias of about n/2^64 is negligible.
     pub const fn below(&mut self, n: usize) -> usize {
         ((self.next() as u128 * n as u128) >> 64) as usize
     }
@@ -56,7 +56,8 @@ impl SplitMix64 {
         2.0 * self.unit() - 1.0
     }
 
-    /// Uniform in [-1, 1), a function of `place` alone that leaves the generator as it was.
+    /// Uniform in [-1, 1), as a function of the seed and `place` alone. Does not advance the
+    /// generator.
     pub(crate) fn signed_at(&self, place: u64) -> f64 {
         Self::new(mix(self.counter ^ mix(place))).signed()
     }

@@ -1,4 +1,4 @@
-//! Meshes refined so that points of their surface are vertices.
+//! Refinement of a mesh so that given points are vertices.
 
 mod patch;
 #[cfg(test)]
@@ -14,26 +14,27 @@ use patch::{Neighbour, Patch};
 
 /// A mesh with the same surface as another one, in which given points are vertices.
 ///
-/// Every solver finds the same distances on both, up to rounding: the surface and its lengths are
-/// the same, and the angle at an added vertex is 2π, or π on the boundary.
+/// Solvers find the same distances on both, up to rounding. All lengths are the same, and the angle
+/// at an added vertex is 2π, or π on the boundary.
 #[derive(Clone, Debug)]
 pub struct Refined {
-    /// The refined mesh. The vertices of the original keep their numbers, and the added ones
-    /// follow; so do faces, of which split ones leave one part in their place.
+    /// The refined mesh. The vertices of the original keep their numbers, and added ones follow. So
+    /// do faces: one part of a split face keeps its number.
     pub mesh: Mesh,
-    /// The vertex at each point, in the order of the points; one for all points of the same place.
+    /// The vertex at each point, in the order of the points. Points at the same place share a
+    /// vertex.
     pub vertices: Vec<VertexId>,
     original_faces: usize,
-    /// Parents of the added faces.
+    /// The original face of each added face.
     parents: Vec<FaceId>,
 }
 
 impl Refined {
-    /// The face of the original mesh of which `face` is the whole or a part.
+    /// The face of the original mesh that contains `face`.
     ///
     /// # Panics
     ///
-    /// When the refined mesh has no such face.
+    /// If the refined mesh has no such face.
     pub fn parent(&self, face: FaceId) -> FaceId {
         match face.index().checked_sub(self.original_faces) {
             None => face,
@@ -41,9 +42,9 @@ impl Refined {
         }
     }
 
-    /// The barycentric coordinates in the [parent](Self::parent) of `face` of a point of `face`. The
-    /// refined mesh was made of `mesh` [with](Mesh::with_points) `points`. A coordinate that is
-    /// nothing is 0 to the bit.
+    /// Converts the barycentric coordinates of a point of `face` to those in its
+    /// [parent](Self::parent). `mesh` and `points` must be the original mesh and the points that
+    /// were passed to [`Mesh::with_points`]. A coordinate of 0 is exactly 0.
     ///
     /// ```
     /// use geobench_mesh::{FaceId, Mesh};
@@ -61,7 +62,7 @@ impl Refined {
     ///
     /// # Panics
     ///
-    /// When the refined mesh has no such face, or `mesh` or `points` are others.
+    /// If the refined mesh has no such face, or `mesh` or `points` are different ones.
     pub fn in_parent(
         &self,
         mesh: &Mesh,
@@ -120,7 +121,7 @@ struct Stop {
     vertex: u32,
 }
 
-/// The distance along an edge of two places on it, as a fraction of it; exact for close ones.
+/// The distance of two points of an edge, as a fraction of the edge; accurate for close ones.
 fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
     let near_head = a[1].min(b[1]) > 0.5;
     let k = usize::from(!near_head);
@@ -128,13 +129,13 @@ fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 impl Mesh {
-    /// The mesh with a vertex at each of `points`; see [`Refined`].
+    /// Builds a mesh with a vertex at each of `points`; see [`Refined`].
     ///
     /// A face is split into the Delaunay triangulation of its points, which avoids slivers where
-    /// that is possible. New lengths follow from barycentric coordinates and the lengths of the
-    /// face, not from positions in space. Points closer to each other than 1e-12 of the longest
-    /// edge of their face get one vertex. It takes time linear in the size of the mesh, and
-    /// quadratic in the number of points of one face.
+    /// possible. New lengths follow from barycentric coordinates and the lengths of the face, not
+    /// from positions in space. Points closer to each other than 1e-12 of the longest edge of their
+    /// face share a vertex. Takes time linear in the size of the mesh, and quadratic in the number
+    /// of points of one face.
     ///
     /// ```
     /// use geobench_mesh::{FaceId, Mesh};
@@ -150,8 +151,7 @@ impl Mesh {
     ///
     /// # Errors
     ///
-    /// When a point is not one of this mesh, or the numbers of vertices or faces do not fit into 32
-    /// bits.
+    /// If a point is not one of this mesh, or the numbers of vertices or faces exceed 32 bits.
     pub fn with_points(&self, points: &[SurfacePoint]) -> Result<Refined, PointError> {
         let mut edges: BTreeMap<HalfEdgeId, Vec<Stop>> = BTreeMap::new();
         let mut faces: BTreeMap<FaceId, Vec<([f64; 3], u32)>> = BTreeMap::new();
@@ -228,25 +228,25 @@ impl Mesh {
     }
 }
 
-/// What is added to a mesh.
+/// The vertices to add to a mesh.
 struct Refinement<'m> {
     mesh: &'m Mesh,
     /// Vertices inside edges, by the half-edge with the lower number.
     edges: BTreeMap<HalfEdgeId, Vec<Stop>>,
     /// Vertices inside faces, with their barycentric coordinates.
     faces: BTreeMap<FaceId, Vec<([f64; 3], u32)>>,
-    /// Where the added vertices are.
+    /// The points of the added vertices.
     places: Vec<SurfacePoint>,
 }
 
 impl Refinement<'_> {
-    /// The refined mesh, and the parents of the faces that it has more.
+    /// The refined mesh, and the parents of the added faces.
     fn build(mut self) -> (Mesh, Vec<FaceId>) {
         if self.places.is_empty() {
             return (self.mesh.clone(), Vec::new());
         }
         for stops in self.edges.values_mut() {
-            // From the tail on. Near the head the weight of the tail tells places apart.
+            // From the tail to the head. Near the head the weight of the tail distinguishes points.
             stops.sort_by(|a, b| {
                 let by_head = a.weights[1].total_cmp(&b.weights[1]);
                 by_head.then(b.weights[0].total_cmp(&a.weights[0]))
@@ -262,8 +262,8 @@ impl Refinement<'_> {
         let mut twins = self.mesh.data.twins.clone();
         let mut parents = Vec::new();
         let mut frames = self.mesh.data.frames.clone();
-        // Half-edges along the edges of the original, by their half-edge there and their place on
-        // it from its tail on.
+        // Half-edges along the edges of the original, by the original half-edge and the rank of the
+        // part from its tail.
         let mut along: BTreeMap<(HalfEdgeId, usize), u32> = BTreeMap::new();
         for (&face, patch) in &patches {
             let first = faces.len();
@@ -300,7 +300,7 @@ impl Refinement<'_> {
                 let rank = parts - 1 - rank;
                 along.get(&(twin, rank)).copied().unwrap_or(twin.raw())
             });
-            // The neighbour may be whole.
+            // The neighbour may be a face that is not split.
             if twins[h as usize] != NO_TWIN {
                 let twin = twins[h as usize] as usize;
                 twins[twin] = h;
@@ -327,7 +327,7 @@ impl Refinement<'_> {
         (build_refined(data), parents)
     }
 
-    /// The faces that are split.
+    /// The parts of the faces that are split.
     fn patches(&self) -> BTreeMap<FaceId, Patch> {
         let mut patches = BTreeMap::new();
         let mut touched: Vec<FaceId> = self.faces.keys().copied().collect();
@@ -358,7 +358,7 @@ impl Refinement<'_> {
         patch
     }
 
-    /// The added vertices on `h` from its tail on, with the weights of its tail and its head.
+    /// The added vertices on `h`, from its tail to its head, with the weights of its tail and head.
     fn stops(&self, h: HalfEdgeId) -> Vec<Stop> {
         let turned = self.mesh.twin(h).filter(|&twin| twin < h);
         let Some(stops) = self.edges.get(&turned.unwrap_or(h)) else {
@@ -374,8 +374,8 @@ impl Refinement<'_> {
         stops.iter().rev().map(turn).collect()
     }
 
-    /// Length of a part of a side of `face`, counted from the tail of the side on: the same bits
-    /// from both faces of the edge.
+    /// Length of a part of a side of `face`; `rank` counts from the tail of the side. It is the
+    /// same number from both faces of the edge.
     fn part(&self, face: FaceId, side: usize, rank: usize) -> f64 {
         let h = face.half_edge(side as u32);
         let turned = self.mesh.twin(h).filter(|&twin| twin < h);

@@ -1,10 +1,10 @@
-//! The report of validation, for people and for programs.
+//! The report of validation.
 
 use std::fmt;
 
 use crate::defect::{Defect, DefectKind, LONGEST_EDGE, SHORTEST_EDGE, Severity};
 
-/// Every defect found in a model, each with its elements.
+/// All defects of a model, with their elements.
 ///
 /// ```
 /// use geobench_mesh::{DefectKind, Mesh};
@@ -18,7 +18,7 @@ use crate::defect::{Defect, DefectKind, LONGEST_EDGE, SHORTEST_EDGE, Severity};
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
-    /// Every defect found, in the order of their kinds and then of their elements.
+    /// The defects, ordered by kind and then by elements.
     pub defects: Vec<Defect>,
 }
 
@@ -27,19 +27,19 @@ pub struct Report {
 pub struct Summary {
     /// The kind.
     pub kind: DefectKind,
-    /// How many there are; of [`SeveralComponents`](DefectKind::SeveralComponents), how many
+    /// Number of defects. For [`SeveralComponents`](DefectKind::SeveralComponents), the number of
     /// components.
     pub count: usize,
-    /// The defect, with the number of elements and the first few of them.
+    /// A sentence that names the defect, the number of elements and the first few of them.
     pub text: String,
     /// A remedy; empty if none is needed.
     pub advice: String,
 }
 
-/// A model that no exact algorithm can work on.
+/// The error for a model with fatal defects.
 ///
 /// The message has one line: for each fatal kind the number of defects, the first elements and a
-/// remedy. `report` has all of them.
+/// remedy. `report` lists all defects.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct InvalidMesh {
     /// All defects, fatal and others.
@@ -47,28 +47,27 @@ pub struct InvalidMesh {
 }
 
 impl Report {
-    /// Sorts `defects` and drops repeats: the edges of a repeated face and the triangles of one
-    /// polygon name the same elements.
+    /// Sorts `defects` and drops repeats. The edges of a duplicate face, and the triangles of one
+    /// polygon, report the same elements.
     pub(crate) fn new(mut defects: Vec<Defect>) -> Self {
         defects.sort_by_key(Defect::sort_key);
         defects.dedup();
         Self { defects }
     }
 
-    /// Whether some defect makes the model unusable.
+    /// Whether a defect is fatal.
     pub fn is_fatal(&self) -> bool {
         self.with_severity(Severity::Fatal).next().is_some()
     }
 
-    /// The defects of one severity.
+    /// The defects of this severity.
     pub fn with_severity(&self, severity: Severity) -> impl Iterator<Item = &Defect> {
         self.defects
             .iter()
             .filter(move |defect| defect.severity() == severity)
     }
 
-    /// One sentence for each kind of defect found, in the order of [`DefectKind`]: the fatal
-    /// ones first.
+    /// One sentence for each kind of defect, in the order of [`DefectKind`], fatal ones first.
     pub fn summaries(&self) -> Vec<Summary> {
         self.defects
             .chunk_by(|x, y| x.kind() == y.kind())
@@ -82,7 +81,7 @@ impl fmt::Display for InvalidMesh {
         let mut separator = "the mesh cannot be used: ";
         let mut names_elements = false;
         for summary in self.report.summaries() {
-            // Faces that occur twice are why edges have too many faces.
+            // Duplicate faces explain why edges have too many faces.
             let explains = summary.kind == DefectKind::DuplicateFace;
             if summary.kind.severity() == Severity::Fatal || explains {
                 write!(f, "{separator}{}", summary.text)?;
@@ -103,7 +102,7 @@ impl fmt::Display for InvalidMesh {
     }
 }
 
-/// Puts defects of one kind into one sentence. There must be at least one.
+/// Summarises defects of one kind. There must be at least one.
 fn summarize(defects: &[Defect]) -> Summary {
     const SHOWN: usize = 3;
     let kind = defects[0].kind();
@@ -129,7 +128,7 @@ fn summarize(defects: &[Defect]) -> Summary {
     }
 }
 
-/// What is wrong with `count` elements.
+/// The text that names the defect, for `count` elements.
 fn headline(kind: DefectKind, count: usize) -> String {
     let (one, many) = match kind {
         DefectKind::NoVertices => return "it has no vertices".to_owned(),
@@ -200,7 +199,7 @@ fn headline(kind: DefectKind, count: usize) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
-/// What a user can do about defects of this kind.
+/// The remedy for defects of this kind.
 fn advice(kind: DefectKind) -> String {
     match kind {
         DefectKind::NoVertices | DefectKind::ShortFace => "check that the file is complete",

@@ -1,4 +1,4 @@
-//! The promises a mesh makes to solvers, as a check for tests and fuzzers.
+//! The invariants of a mesh, as a check for tests and fuzzers.
 
 use std::f64::consts::PI;
 
@@ -6,11 +6,12 @@ use crate::ids::{HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 
 impl Mesh {
-    /// Checks everything a mesh promises about itself, in linear time.
+    /// Checks all invariants of the mesh, in linear time.
     ///
     /// # Errors
     ///
-    /// The first promise that is not kept: a bug of this crate, never of a model.
+    /// The first invariant that does not hold. This is a bug of this crate, not a defect of a
+    /// model.
     pub fn sanity_check(&self) -> Result<(), String> {
         self.check_array_lengths()?;
         for h in self.half_edges() {
@@ -76,7 +77,7 @@ impl Mesh {
         }
         let [x, y] = self.apex(h);
         let from_tail = self.length(h.prev());
-        // An apex known by lengths alone is uncertain by their errors times the slenderness.
+        // The error of an apex computed from lengths is their error times the slenderness.
         let tolerance = 1e-11 * from_tail * (from_tail / length).max(1.0);
         let fits = (libm::hypot(x, y) - from_tail).abs() <= tolerance;
         if !(y > 0.0 && y.is_finite() && fits) {
@@ -104,7 +105,7 @@ impl Mesh {
             let size = 1 + rest.windows(2).take_while(|pair| follows(pair)).count();
             let (fan, others) = rest.split_at(size);
             rest = others;
-            // A fan is whole if it comes back to its start, or begins and ends at the boundary.
+            // A fan is complete if it returns to its start, or begins and ends at the boundary.
             let (start, end) = (self.twin(first), self.twin(fan[size - 1].prev()));
             if end.map_or(start.is_some(), |next| next != first) {
                 return Err(not_its_fans());

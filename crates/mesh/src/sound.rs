@@ -1,14 +1,15 @@
-//! The quick way to a mesh, for triangles without defects.
+//! A fast path for triangles without defects.
 //!
-//! Models are sound as a rule. A few passes find that out and build the mesh; one that meets
-//! anything else gives up, and the checks of [`inspection`](crate::inspection) start afresh and
-//! name every defect. Two notes are made here: vertices in no face, and several components.
+//! Most models are sound. A few passes establish that and build the mesh. If a pass finds anything
+//! else, this module returns `None`, and the checks of [`inspection`](crate::inspection) start from
+//! the beginning and name every defect. Two notes are made here: isolated vertices and several
+//! components.
 //!
-//! Around each vertex the half-edges that leave it are matched with those that come to it. Where
-//! all match and make one fan, every edge has at most two faces, which agree in orientation, and no
-//! vertex is pinched.
+//! Around each vertex the half-edges that leave it are matched with those that arrive at it. If all
+//! of them match and form one fan, every edge has at most two faces, which agree in orientation,
+//! and no vertex is pinched.
 //!
-//! In a pool of threads (`rayon`) each pass is shared out, with the same result.
+//! In a thread pool (`rayon`) each pass runs in parallel, with the same result.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -25,7 +26,7 @@ use crate::mesh::{Extremes, Mesh, MeshData, NO_TWIN, VertexFlags};
 use crate::precision::SLIVER_HEIGHT;
 use crate::threads;
 
-/// What a mesh has beside its positions and triangles.
+/// The data of a sound mesh, without its positions and triangles.
 pub(crate) struct Sound {
     pub(crate) twins: Vec<u32>,
     pub(crate) lengths: Vec<[f64; 3]>,
@@ -34,12 +35,12 @@ pub(crate) struct Sound {
     pub(crate) total_angles: Vec<f64>,
     pub(crate) flags: Vec<VertexFlags>,
     extremes: Extremes,
-    /// What is worth knowing.
+    /// Defects of severity [`Noted`](crate::Severity::Noted).
     pub(crate) notes: Vec<Defect>,
 }
 
 impl Sound {
-    /// `None` if anything is wrong with the triangles, or nearly so.
+    /// The data of the mesh; `None` if any triangle is defective or nearly so.
     pub(crate) fn of(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Option<Self> {
         let fit = positions.len() < NO_TWIN as usize && triangles.len() < NO_TWIN as usize / 3;
         if !fit || triangles.is_empty() || !are_usable(positions.len(), triangles) {
@@ -88,7 +89,7 @@ impl Sound {
         })
     }
 
-    /// The mesh of the positions and triangles that were looked at.
+    /// Builds the mesh of the positions and triangles that were checked.
     pub(crate) fn into_mesh(self, positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
         let tails = triangles.into_flattened().into_iter();
         let data = MeshData {
@@ -112,7 +113,7 @@ impl Sound {
 /// Whether each triangle has three different vertices that exist.
 fn are_usable(vertex_count: usize, triangles: &[[u32; 3]]) -> bool {
     let usable = |range: Range<usize>| {
-        // Without an early end, which would keep it from being vector instructions.
+        // Without an early exit, which would prevent vectorisation.
         let mut highest = 0;
         let mut repeats = false;
         for &[a, b, c] in &triangles[range] {
@@ -126,11 +127,10 @@ fn are_usable(vertex_count: usize, triangles: &[[u32; 3]]) -> bool {
         .all(|ok| ok)
 }
 
-/// Where the half-edges that start at each vertex stand in a list of all, and that list, ascending
-/// at each vertex.
+/// The half-edges grouped by tail, ascending in each group, and the start of each group.
 fn group_by_tail(vertex_count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<HalfEdgeId>) {
     let tails = triangles.as_flattened();
-    // Each thread looks at all half-edges, and takes those of its vertices.
+    // Each thread reads all half-edges and takes those that start at its vertices.
     let ranges = threads::ranges(vertex_count, 1);
     let mut starts = vec![0u32; vertex_count + 1];
     let counts = threads::cut(&mut starts, ranges.iter().map(ExactSizeIterator::len));
@@ -165,19 +165,19 @@ fn group_by_tail(vertex_count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<
     (starts, outgoing)
 }
 
-/// The triangles as figures.
+/// Measures of the triangles.
 struct Shapes {
     lengths: Vec<[f64; 3]>,
-    /// Sum of the angles at each vertex, in the order of half-edges; not yet if there are `corners`.
+    /// Sum of the angles at each vertex, in the order of half-edges. Not set if `corners` is used.
     total_angles: Vec<f64>,
-    /// The angle of each corner, if there are several threads.
+    /// The angle of each corner; used with several threads.
     corners: Vec<[f64; 3]>,
-    /// Those of next to no area.
+    /// Slivers.
     slivers: Vec<FaceId>,
     extremes: Extremes,
 }
 
-/// How many triangles are measured together.
+/// Number of triangles that are measured together.
 const TOGETHER: usize = 8;
 
 impl Shapes {
@@ -230,8 +230,8 @@ impl Shapes {
     }
 }
 
-/// Measures `triangles`, of which the first is number `first`; returns slivers and extremes, `None`
-/// if one cannot be used or may be flat.
+/// Measures `triangles`, whose first one has the number `first`. Returns slivers and extremes, or
+/// `None` if a triangle may be flat or has an edge of invalid length.
 fn measure_all(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
@@ -272,16 +272,17 @@ fn measure_all(
     Some((slivers, extremes))
 }
 
-/// What the fans around all vertices tell.
+/// The result of linking the fans of all vertices.
 struct Fans {
     twins: Vec<u32>,
     flags: Vec<VertexFlags>,
-    /// A vertex with the lowest number beside each, or itself.
+    /// The lowest vertex adjacent to each vertex, or the vertex itself.
     nearby: Vec<u32>,
 }
 
-/// Sorts the half-edges that start at each vertex counter-clockwise and pairs all half-edges; `None`
-/// if they do not make one fan at each vertex, or one of two faces that have the same vertices.
+/// Sorts the half-edges that start at each vertex counter-clockwise and pairs all half-edges.
+/// `None` if they do not form one fan at each vertex, or if a fan consists of two faces with the
+/// same vertices.
 fn link_fans(
     triangles: &[[u32; 3]],
     starts: &[u32],
@@ -342,25 +343,25 @@ fn link_fans(
     })
 }
 
-/// The half-edges that start at one vertex.
+/// The half-edges that start at one vertex, in ascending order: the *ring*.
 #[derive(Default)]
 struct Fan {
     heads: Ends,
     apexes: Ends,
-    /// Places in the ring, in the order of the fan.
+    /// Indices into the ring, in the order of the fan.
     order: Vec<u32>,
     sorted: Vec<HalfEdgeId>,
 }
 
-/// The vertices at one side of the half-edges of a ring.
+/// The other vertices of the half-edges of a ring, on one side.
 #[derive(Default)]
 struct Ends {
     list: Vec<u32>,
-    /// With their places, if there are many.
+    /// The vertices with their indices, sorted; used for long lists.
     sorted: Vec<(u32, u32)>,
 }
 
-/// Lists up to this length are searched from end to end.
+/// Lists up to this length are searched linearly.
 const FEW: usize = 24;
 
 impl Ends {
@@ -374,7 +375,7 @@ impl Ends {
         }
     }
 
-    /// The only place at which `x` stands, if it stands there.
+    /// The only index at which `x` occurs.
     #[inline]
     fn only(&self, x: u32) -> Found {
         let (mut count, mut place) = (0, 0);
@@ -385,7 +386,7 @@ impl Ends {
                 place = entry.1;
             }
         } else {
-            // Without an early end, which is hard to predict.
+            // Without an early exit, which is hard to predict.
             for (i, &y) in self.list.iter().enumerate() {
                 let same = x == y;
                 count += u32::from(same);
@@ -407,14 +408,14 @@ enum Found {
 }
 
 impl Fan {
-    /// The lowest vertex around the vertex of the ring.
+    /// The lowest vertex adjacent to the vertex of the ring.
     fn lowest(&self) -> u32 {
         let beside = self.heads.list.iter().chain(&self.apexes.list);
         beside.copied().min().unwrap_or(NO_TWIN)
     }
 
-    /// Sorts a ring, which is ascending, into one fan, and pairs the half-edges that come to its
-    /// vertex; returns whether the fan is open.
+    /// Orders an ascending ring as one fan and pairs the half-edges that arrive at its vertex.
+    /// Returns whether the fan is open.
     fn link(
         &mut self,
         triangles: &[[u32; 3]],
@@ -444,8 +445,8 @@ impl Fan {
         Some(open)
     }
 
-    /// Finds the order of the fan, from its first half-edge if it is closed; returns whether it is
-    /// open.
+    /// Finds the order of the fan. A closed fan starts with its first half-edge. Returns whether
+    /// the fan is open.
     fn arrange(&mut self) -> Option<bool> {
         let Self {
             heads,
@@ -487,8 +488,8 @@ impl Fan {
     }
 }
 
-/// Whether all vertices but `isolated` ones, which have no triangle, hang together; `nearby` names a
-/// vertex beside each, of a lower number if there is one.
+/// Whether all vertices that have a triangle are connected. `isolated` is the number of those that
+/// have none. `nearby` gives a vertex adjacent to each, with a lower number if there is one.
 fn is_connected(mut nearby: Vec<u32>, triangles: &[[u32; 3]], isolated: usize) -> bool {
     let mut roots = 0;
     for v in 0..nearby.len() {
@@ -514,7 +515,7 @@ mod tests {
     use crate::report::Report;
     use crate::{DefectKind, InvalidMesh, SplitMix64, TriangleSoup};
 
-    /// Whether the quick way is taken; then it must lead where the checks lead.
+    /// Whether the fast path accepts the soup. If so, it must give the same mesh as the checks.
     fn is_quick(soup: &TriangleSoup) -> bool {
         let checked = Mesh::from_inspected(soup.clone());
         let Some(mut sound) = Sound::of(&soup.positions, &soup.triangles) else {
@@ -542,7 +543,7 @@ mod tests {
             assert!((a - b).abs() <= 1e-14 * b, "{a} {b}");
         }
         (found.total_angles, expected.total_angles) = (Vec::new(), Vec::new());
-        // Found from areas of which one is rounded once more.
+        // Computed from areas of which one has one rounding more.
         let least =
             [&mut found, &mut expected].map(|data| std::mem::take(&mut data.extremes.least_height));
         assert!((least[0] / least[1] - 1.0).abs() < 1e-14);
@@ -571,7 +572,7 @@ mod tests {
         generate(&spec.parse::<Spec>().unwrap()).unwrap()
     }
 
-    /// Puts triangles and their corners out of order.
+    /// Shuffles triangles and rotates their corners.
     fn shuffled(mut soup: TriangleSoup, random: &mut SplitMix64) -> TriangleSoup {
         for i in (1..soup.triangles.len()).rev() {
             soup.triangles.swap(i, random.below(i + 1));
@@ -594,7 +595,7 @@ mod tests {
                 let left = soup.triangles.len().saturating_sub(holes * holes % 97);
                 soup.triangles.truncate(left.max(10));
                 assert!(is_quick(&soup) || holes > 0, "{spec}");
-                // A fault in each.
+                // One defect in each.
                 let count = soup.triangles.len();
                 match random.below(5) {
                     0 => soup.triangles[random.below(count)].swap(0, 1),

@@ -1,9 +1,10 @@
-//! Triangles as a file or a generator delivers them, unchecked.
+//! Triangles from a file or a generator, unchecked.
 
 /// Vertex positions and triangles, unchecked.
 ///
-/// `positions[i]` belongs to vertex `i` of the file. Triangles may name vertices that do not exist,
-/// repeat themselves, or meet in any way: [`Mesh::from_soup`](crate::Mesh::from_soup) reports it.
+/// `positions[i]` is the position of vertex `i` of the file. Triangles may name vertices that do
+/// not exist, repeat each other, or meet in any way: [`Mesh::from_soup`](crate::Mesh::from_soup)
+/// reports it.
 ///
 /// ```
 /// use geobench_mesh::{Mesh, TriangleSoup};
@@ -17,17 +18,17 @@
 pub struct TriangleSoup {
     /// Coordinates of each vertex, in the model's own units.
     pub positions: Vec<[f64; 3]>,
-    /// The three vertices of each triangle, as places in `positions`.
+    /// The three vertices of each triangle, as indices of `positions`.
     pub triangles: Vec<[u32; 3]>,
-    /// For each triangle the number of the file's face from which it was cut. Empty if every face
-    /// of the file is a triangle.
+    /// For each triangle, the number of the face in the file from which it was cut. Empty if every
+    /// face of the file is a triangle.
     pub file_faces: Vec<u32>,
-    /// The file's faces with fewer than three corners, which have no triangle.
+    /// The numbers of the file's faces with fewer than three corners, which have no triangle.
     pub short_faces: Vec<u32>,
 }
 
 impl TriangleSoup {
-    /// A soup whose triangles are the file's own faces.
+    /// A soup whose triangles are the faces of the file.
     pub fn new(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Self {
         Self {
             positions,
@@ -37,7 +38,7 @@ impl TriangleSoup {
         }
     }
 
-    /// The number of the file's face from which triangle `triangle` was cut.
+    /// The number of the face in the file from which triangle `triangle` was cut.
     pub fn file_face(&self, triangle: u32) -> u32 {
         self.file_faces
             .get(triangle as usize)

@@ -1,16 +1,16 @@
-//! Work shared by the threads of a pool.
+//! Parallel loops in a pool of `rayon`.
 
 use std::ops::Range;
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-/// How many threads there are to share work: those of the pool of `rayon` in which the caller runs,
-/// outside of any pool one.
+/// The number of threads that share work: those of the `rayon` pool of the caller, or one outside
+/// of any pool.
 pub fn count() -> usize {
     rayon::current_thread_index().map_or(1, |_| rayon::current_num_threads())
 }
 
-/// Does `work` for each of `parts`, in any order; the results are in theirs.
+/// Applies `work` to each of `parts`, in any order. The results are in the order of the parts.
 pub fn each<T: Send, R: Send>(parts: Vec<T>, work: impl Fn(T) -> R + Sync + Send) -> Vec<R> {
     if count() == 1 {
         parts.into_iter().map(work).collect()
@@ -19,8 +19,8 @@ pub fn each<T: Send, R: Send>(parts: Vec<T>, work: impl Fn(T) -> R + Sync + Send
     }
 }
 
-/// `0..n` in parts of equal size, to one: `pieces` for each thread; one for a single thread, or where
-/// there is little to do.
+/// Divides `0..n` into ranges of nearly equal size: `pieces` for each thread, or one range for a
+/// single thread or a small `n`.
 pub fn ranges(n: usize, pieces: usize) -> Vec<Range<usize>> {
     const LITTLE: usize = 20_000;
     let threads = if n < LITTLE { 1 } else { count() };
@@ -30,7 +30,7 @@ pub fn ranges(n: usize, pieces: usize) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// Cuts `items` into parts of these lengths.
+/// Cuts `items` into consecutive slices of these lengths.
 ///
 /// # Panics
 ///

@@ -1,9 +1,9 @@
-//! Finds everything that is wrong with a triangle soup in one pass, and builds its mesh. Where
-//! nothing is wrong, [`Sound`] has found that out before, and nothing is done here.
+//! Validation: finds all defects of a triangle soup in one pass and builds its mesh. Soups without
+//! defects take the fast path of [`Sound`] instead.
 //!
-//! No check hides another: faces whose vertices cannot be used are left out and the rest is still
-//! checked, so that one run reports every [`Defect`]. All checks take time linear in the size of
-//! the model, up to the sorting of the edges at a vertex.
+//! No check hides another: triangles with unusable vertices are left out, and the rest is still
+//! checked. One run reports every [`Defect`]. All checks take time linear in the size of the model,
+//! up to the sorting of the edges at a vertex.
 
 use crate::build::build;
 use crate::defect::Defect;
@@ -18,13 +18,12 @@ use crate::soup::TriangleSoup;
 impl Mesh {
     /// Checks `soup` and builds its mesh.
     ///
-    /// Vertices keep their numbers and triangles their places; faces that are wound against the
-    /// majority of their surface are turned over. The report lists repairs and notes. Takes linear
-    /// time.
+    /// Vertices and triangles keep their numbers. Faces that are oriented against the majority of
+    /// their surface are turned over. The report lists repairs and notes. Takes linear time.
     ///
     /// # Errors
     ///
-    /// Where the model cannot be used, with every [`Defect`] found and its elements.
+    /// If the model has a fatal defect. The error lists all defects with their elements.
     pub fn from_soup(soup: TriangleSoup) -> Result<(Self, Report), InvalidMesh> {
         let Some(mut sound) = Sound::of(&soup.positions, &soup.triangles) else {
             return Self::from_inspected(soup);
@@ -34,7 +33,7 @@ impl Mesh {
         Ok((sound.into_mesh(soup.positions, soup.triangles), report))
     }
 
-    /// The same, by checks that name every defect.
+    /// As [`from_soup`](Self::from_soup), without the fast path.
     pub(crate) fn from_inspected(soup: TriangleSoup) -> Result<(Self, Report), InvalidMesh> {
         let mut checked = check(
             soup.positions.len(),
@@ -49,15 +48,25 @@ impl Mesh {
         Ok(checked.into_mesh(soup.positions, soup.triangles))
     }
 
-    /// Builds a mesh from edge lengths alone: `lengths[t][k]` belongs to the edge from corner `k`
-    /// of triangle `t` to the next corner, in any unit. Such a surface need not exist in space.
+    /// Builds a mesh from edge lengths alone. `lengths[t][k]` is the length of the edge from corner
+    /// `k` of triangle `t` to the next corner, in any unit. Such a surface need not have an
+    /// embedding in space.
     ///
-    /// Otherwise as [`from_soup`](Mesh::from_soup).
+    /// ```
+    /// use geobench_mesh::Mesh;
+    ///
+    /// // Two triangles with the same edges: a closed surface without an embedding as a polyhedron.
+    /// let lengths = [[3.0, 4.0, 5.0], [5.0, 4.0, 3.0]];
+    /// let (mesh, _report) = Mesh::from_lengths(3, &[[0, 1, 2], [0, 2, 1]], &lengths)?;
+    /// assert!(mesh.positions().is_empty());
+    /// assert_eq!(mesh.length(geobench_mesh::HalfEdgeId::new(1)), 4.0);
+    /// # Ok::<(), geobench_mesh::InvalidMesh>(())
+    /// ```
     ///
     /// # Errors
     ///
-    /// As [`from_soup`](Mesh::from_soup); also where lengths are not positive, not the same bits
-    /// in both triangles of an edge, or break the triangle inequality.
+    /// As [`from_soup`](Mesh::from_soup). Also if a length is not positive, differs between both
+    /// triangles of an edge, or breaks the triangle inequality.
     pub fn from_lengths(
         vertex_count: usize,
         triangles: &[[u32; 3]],
@@ -68,13 +77,13 @@ impl Mesh {
     }
 }
 
-/// The faces that were left out.
+/// The defects for faces that were left out.
 fn short_faces(soup: &TriangleSoup) -> impl Iterator<Item = Defect> {
     let faces = soup.short_faces.iter();
     faces.map(|&face| Defect::ShortFace { face })
 }
 
-/// A soup without fatal defects, ready to be built.
+/// A soup without fatal defects.
 struct Checked {
     vertex_count: usize,
     report: Report,
@@ -106,7 +115,7 @@ impl Checked {
     }
 }
 
-/// Runs every check over a soup whose vertices and triangles fit into 4-byte numbers.
+/// Runs all checks on a soup whose vertices and triangles have 4-byte numbers.
 fn check(
     vertex_count: usize,
     triangles: &[[u32; 3]],
@@ -117,7 +126,7 @@ fn check(
         report: Report::new(defects),
     };
     let mut defects = Vec::new();
-    // One number stays free at the top, to stand for "none".
+    // The largest number is reserved for "none".
     if vertex_count >= u32::MAX as usize || triangles.len() >= u32::MAX as usize / 3 {
         defects.push(Defect::TooLarge {
             vertices: vertex_count,

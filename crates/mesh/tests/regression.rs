@@ -1,4 +1,4 @@
-//! Defects that were mended, each with a test that is named after what went wrong.
+//! Fixed defects, each as a test named after what went wrong.
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -84,8 +84,8 @@ fn a_polygon_of_many_corners_took_hours() {
     assert!(start.elapsed() < Duration::from_secs(60));
 }
 
-/// Splits a face of which one side, `short`, is far shorter than the others at `points`, which are
-/// weights of its corners; whichever corner is the first one.
+/// Splits a face with one side, `short`, far shorter than the others at `points`, given as weights
+/// of its corners, for each choice of the first corner.
 fn check_split_of_a_needle(short: [f64; 2], points: &[[f64; 3]]) {
     let [x, y] = short;
     let positions = [[0.0; 3], [1.0, 0.0, 0.0], [1.0 + x, y, 0.0]];
@@ -100,8 +100,8 @@ fn check_split_of_a_needle(short: [f64; 2], points: &[[f64; 3]]) {
     }
 }
 
-/// The direction of the short side was the difference of the two long ones, so that the parts had
-/// other angles than the face: a distance behind it came out a thousandth too short.
+/// The direction of the short side was the difference of the two long ones. The parts then had
+/// other angles than the face, and a distance behind it was a thousandth too short.
 #[test]
 fn a_point_on_a_long_side_of_a_needle_changed_its_angles() {
     for x in [-2e-14, 1e-15, 2e-14] {
@@ -110,7 +110,7 @@ fn a_point_on_a_long_side_of_a_needle_changed_its_angles() {
     }
 }
 
-/// Its area was the difference of two products that are equal to nine digits.
+/// The area was the difference of two products that agree to nine digits.
 #[test]
 fn a_part_beside_a_corner_had_another_area() {
     let beside = [6e-10, 0.0, 1.0 - 6e-10];
@@ -118,7 +118,7 @@ fn a_part_beside_a_corner_had_another_area() {
     check_split_of_a_needle([5e-11, 1.4e-10], &[[0.0, 0.37, 0.63], beside]);
 }
 
-/// It was the sum of two long vectors that are nearly opposite.
+/// The direction was the sum of two nearly opposite long vectors.
 #[test]
 fn a_short_line_across_a_needle_had_another_length() {
     let (a, b) = (0.008_062_796_637_315_572, 0.008_062_796_638_285_685);

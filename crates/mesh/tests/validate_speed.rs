@@ -1,4 +1,4 @@
-//! How long checking and building take. Run with
+//! Times of checking and building. Run with
 //! `cargo test --release -p geobench-mesh --test validate_speed -- --ignored --nocapture`.
 
 mod validate_support;

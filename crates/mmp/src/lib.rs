@@ -13,18 +13,18 @@
 //! | [`mmp_batched`] | all due windows of a half-edge at a time | all windows | none |
 //! | [`mmp_fast`] | the same with every improvement of time and memory | the windows around the wavefront | that of ICH |
 //!
-//! Distances are the same in all forms, because they do not depend on the order in which windows
-//! are taken; only the number of windows does. [`Trimming`] is the policy of the single form, and
-//! [`Batched`] the solver of the other; each runs under any
-//! [`Discipline`](geobench_window::queue::Discipline), which is how `geobench-fwp` makes its
-//! algorithms.
+//! All forms find the same distances, because these do not depend on the order in which windows are
+//! taken. Only the number of windows depends on it. [`Trimming`] is the policy of the single form,
+//! and [`Batched`] the solver of the other. Each runs under any
+//! [`Discipline`](geobench_window::queue::Discipline); `geobench-fwp` makes its algorithms that
+//! way.
 //!
 //! # Parts
 //!
 //! * **Retention** ([`Retention`]). The papers store every window until the end, so that the
 //!   distance is known along every edge: O(n²) windows in the worst case, about n^1.5 in practice.
 //!   Vertex distances do not need them. With [`Retention::Wavefront`] the windows of an edge are
-//!   evicted once the wavefront has passed it, which leaves a twentieth of them on the horse.
+//!   evicted once the wavefront has passed it. On the horse a twentieth of the windows remains.
 //! * **Filter** ([`Batched::filtering`]). Drops windows that a path through an end of their edge
 //!   beats, as ICH does, before the list is searched. It saves a twelfth of the propagations on the
 //!   horse, and a third of propagations and time on models of some thousands of faces with many
@@ -32,7 +32,7 @@
 //! * **Batches** ([`Batched`]). With the windows of a half-edge taken together, a run on a scan
 //!   takes a quarter to a half of the time, and propagates 0.3 to 1 % more windows.
 //!
-//! Nearest first, time is O(n² log n) for n faces. No bound is known for batches with slack.
+//! Nearest first, the time is O(n² log n) for n faces. No bound is known for batches with slack.
 
 mod batched;
 mod blocks;
@@ -52,8 +52,8 @@ pub use single::{Carrier, Trimming, windows_of};
 /// MMP one window at a time, nearest first.
 pub type Mmp = Continuous<Trimming, Priority>;
 
-/// Sets MMP up for `mesh` as its papers describe it: windows are taken one by one, nearest first,
-/// compared with those of their half-edge, and all stored; O(faces).
+/// Sets up MMP for `mesh` as in its papers: windows are taken one at a time, nearest first, trimmed
+/// against those of their half-edge, and all stored; O(faces).
 ///
 /// Time O(n² log n), space O(n²) for n faces.
 ///
@@ -72,9 +72,9 @@ pub fn mmp(mesh: &Mesh) -> Mmp {
     single(mesh, Carrier::HalfEdge)
 }
 
-/// Sets the edge-based variant of [`mmp`] up for `mesh`; O(faces).
+/// Sets up the edge-based variant of [`mmp`] for `mesh`; O(faces).
 ///
-/// It stores fewer windows than [`mmp`], and needs more work for each.
+/// It stores fewer windows than [`mmp`], and does more work for each.
 ///
 /// ```
 /// use geobench_mmp::mmp_edge;
@@ -94,9 +94,9 @@ fn single(mesh: &Mesh, carrier: Carrier) -> Mmp {
     Continuous::new(mesh, Trimming::new(mesh, carrier), Priority::new(mesh))
 }
 
-/// Sets MMP up for `mesh` with batches, the filter and eviction; O(faces).
+/// Sets up MMP for `mesh` with batches, the filter and eviction; O(faces).
 ///
-/// The fastest form, with the least memory. Its distances are those of [`mmp`].
+/// This is the fastest form, with the least memory. Its distances are those of [`mmp`].
 ///
 /// ```
 /// use geobench_mesh::Mesh;
@@ -114,12 +114,13 @@ pub fn mmp_fast(mesh: &Mesh) -> Batched<NearestLists> {
         .retaining(Retention::Wavefront)
 }
 
-/// [`mmp`] in batches: with the nearest window, those of its half-edge that are at most `slack`
-/// mean edge lengths further; O(faces).
+/// [`mmp`] in batches: the nearest window is propagated together with those of its half-edge that
+/// are at most `slack` mean edge lengths further; O(faces).
 ///
 /// At a slack of 1, the [default](NearestLists::SLACK) of [`mmp_fast`], it propagates 0.3 to 1 %
-/// more windows in half of the time on scans. At 0 the order is that of [`mmp`] but for windows
-/// equally near, and a run takes 1.1 to 1.8 times as long. A negative slack and NaN count as 0.
+/// more windows in half the time on scans. At a slack of 0 the order is that of [`mmp`], except for
+/// windows at equal distances, and a run takes 1.1 to 1.8 times as long. A negative slack and NaN
+/// count as 0.
 ///
 /// ```
 /// use geobench_mmp::mmp_batched;

@@ -20,7 +20,7 @@ pub(crate) enum OverlapRange {
 impl OverlapRange {
     /// Compares `new` with `behind`, the stored windows from the first one on that it may overlap.
     #[inline(always)]
-    #[allow(clippy::inline_always)] // The window is not to pass through memory.
+    #[allow(clippy::inline_always)] // Keeps the window in registers.
     pub(crate) fn of<'a>(behind: impl Iterator<Item = &'a Window>, new: &Window, l: f64) -> Self {
         // The interval won so far; empty while it has no width.
         let (mut start, mut end) = (new.b0, new.b0);

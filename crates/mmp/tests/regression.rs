@@ -1,4 +1,4 @@
-//! Defects of the MMP kinds that were mended, each with a test that is named after what went wrong.
+//! Fixed defects of the MMP kinds, each as a test named after what went wrong.
 
 use geobench_mesh::Mesh;
 use geobench_mmp::{mmp, mmp_batched, mmp_edge, mmp_fast};
@@ -48,7 +48,7 @@ regression_tests! {
     a_tie_was_lost_where_sources_were_equal_up_to_rounding
 }
 
-/// The denominators of the places on an exit cancel where the source is close to the edge.
+/// The denominators of the positions on an exit cancel where the source is close to the edge.
 #[test]
 fn a_source_close_to_a_ray_moved_the_ends_of_windows() {
     meshes::data::SOURCE_CLOSE_TO_A_RAY.check_relative(of_half_edges);

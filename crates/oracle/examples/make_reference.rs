@@ -1,8 +1,8 @@
-//! Writes the distances of the slow models of the zoo, found in double-double, to `data/`.
+//! Writes the distances of the zoo's slow models, computed in double-double, to `data/`.
 //!
 //! `cargo run --release -p geobench-oracle --example make_reference [PART OF A NAME]`
 //!
-//! With an argument, only of the models whose names contain it.
+//! With an argument, only the models whose names contain it.
 
 use std::io::{BufWriter, Write};
 use std::path::Path;

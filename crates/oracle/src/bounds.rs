@@ -1,4 +1,4 @@
-//! Bounds on geodesic distances that involve no unfolding.
+//! Bounds on geodesic distances that use no unfolding.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -6,16 +6,17 @@ use std::collections::BinaryHeap;
 use crate::scalar::Scalar;
 use crate::surface::{PreciseSurface, next, prev};
 
-/// An upper bound: the shortest ways along edges only, infinite where there is none.
+/// An upper bound: the lengths of shortest paths along edges; infinite where no path leads.
 ///
 /// # Panics
 ///
-/// When a source is not a vertex.
+/// If a source is not a vertex.
 pub fn edge_graph_distances<S: Scalar>(surface: &PreciseSurface<S>, sources: &[u32]) -> Vec<f64> {
     crate::rounded(&edge_graph(surface, sources))
 }
 
-/// Dijkstra over the edges, by search for the nearest open vertex: quadratic, and plain.
+/// Dijkstra's algorithm on the edges, with a linear search for the nearest open vertex: quadratic
+/// and simple.
 pub(crate) fn edge_graph<S: Scalar>(
     surface: &PreciseSurface<S>,
     sources: &[u32],
@@ -43,11 +44,11 @@ pub(crate) fn edge_graph<S: Scalar>(
     }
 }
 
-/// A lower bound: straight through space from the nearest of `sources`, whatever lies between.
+/// A lower bound: the Euclidean distances from the nearest of `sources`.
 ///
 /// # Panics
 ///
-/// When a source is not a vertex, or there is none.
+/// If a source is not a vertex, or there is none.
 pub fn euclidean_distances(positions: &[[f64; 3]], sources: &[u32]) -> Vec<f64> {
     assert!(!sources.is_empty(), "a distance needs a source");
     let distance = |a: [f64; 3], b: [f64; 3]| {
@@ -63,15 +64,15 @@ pub fn euclidean_distances(positions: &[[f64; 3]], sources: &[u32]) -> Vec<f64> 
         .collect()
 }
 
-/// An upper bound that falls towards the truth: the shortest ways over `points_per_edge` further
+/// An upper bound that converges to the distance: shortest paths over `points_per_edge` further
 /// points on each edge, straight within each triangle.
 ///
-/// The bound exceeds the distance by a part of some 1 / `points_per_edge`², more across needles.
-/// Takes 3 · (3 · `points_per_edge`)² steps for each triangle.
+/// The relative error is some 1 / `points_per_edge`², and greater across needles. Takes 3 · (3 ·
+/// `points_per_edge`)² steps for each triangle.
 ///
 /// # Panics
 ///
-/// When a source is not a vertex.
+/// If a source is not a vertex.
 pub fn steiner_distances(
     surface: &PreciseSurface<f64>,
     sources: &[u32],
@@ -85,7 +86,7 @@ pub fn steiner_distances(
         queue.push(Reverse((0_u64, source as usize)));
     }
     while let Some(Reverse((key, node))) = queue.pop() {
-        // Floats that are not negative order as their bits do.
+        // Non-negative floats have the order of their bits.
         if key != best[node].to_bits() {
             continue;
         }
@@ -107,7 +108,7 @@ pub fn steiner_distances(
     best
 }
 
-/// The points on each triangle, placed in the frame of its first side.
+/// The points of each triangle, in the frame of its first side.
 struct SteinerGraph {
     extra: usize,
     nodes_of: Vec<Vec<(usize, [f64; 2])>>,

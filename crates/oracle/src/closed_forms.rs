@@ -1,4 +1,4 @@
-//! Surfaces on which every geodesic distance is known by a formula.
+//! Surfaces on which a formula gives every geodesic distance.
 
 mod plane;
 mod round;
@@ -7,7 +7,7 @@ use crate::model::Model;
 
 /// A surface and the formula for its distances.
 pub struct ClosedForm {
-    /// The surface; the formula holds from each of its [`sources`](Model::sources) at least.
+    /// The surface. The formula holds at least from each of its [`sources`](Model::sources).
     pub model: Model,
     formula: Formula,
 }
@@ -25,7 +25,7 @@ impl ClosedForm {
         }
     }
 
-    /// The distance between two vertices, with a relative error of some 1e-15; `None` for the pairs
+    /// The distance between two vertices, with a relative error of some 1e-15; `None` for pairs
     /// that the formula does not cover.
     pub fn distance(&self, from: u32, to: u32) -> Option<f64> {
         (self.formula)(from, to)

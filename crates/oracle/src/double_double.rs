@@ -1,15 +1,15 @@
-//! A number kept as the unevaluated sum of two `f64`, good for about 31 digits.
+//! A number as the unevaluated sum of two `f64`, with about 31 digits.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The sum `high + low`, where `low` is at most half a unit in the last place of `high`.
 ///
-/// Sums, products, quotients and square roots are good to some 1e-31 of the result, within the
-/// exponents of `f64`. Built on the error-free sum and product (the latter by fused multiply-add),
-/// as analysed by Joldes, Muller and Popescu, "Tight and rigorous error bounds for basic building
-/// blocks of double-word arithmetic", 2017. Own code because the division of the `twofloat` crate
-/// (0.8.4) is good to 1e-16 only.
+/// Sums, products, quotients and square roots have relative errors of some 1e-31, within the
+/// exponent range of `f64`. They use the error-free sum and product (the latter by fused
+/// multiply-add), as analysed by Joldes, Muller and Popescu, "Tight and rigorous error bounds for
+/// basic building blocks of double-word arithmetic" (2017). The `twofloat` crate (0.8.4) is not
+/// used, because its division is accurate to 1e-16 only.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DoubleDouble {
     high: f64,
@@ -30,7 +30,7 @@ impl DoubleDouble {
         self.high
     }
 
-    /// What [`high`](Self::high) leaves, rounded to `f64`.
+    /// The difference from [`high`](Self::high), rounded to `f64`.
     pub const fn low(self) -> f64 {
         self.low
     }
@@ -63,13 +63,13 @@ impl DoubleDouble {
         Self::ordered_sum(product.high, self.low.mul_add(factor, product.low))
     }
 
-    /// The square root; 0 for 0, NaN below.
+    /// The square root; 0 for 0, NaN for negative numbers.
     #[must_use]
     pub fn sqrt(self) -> Self {
         if self.high == 0.0 {
             return Self::default();
         }
-        // One Newton step from the root in f64 doubles its digits.
+        // One Newton step from the root in f64 doubles the number of correct digits.
         let root = self.high.sqrt();
         let rest = self - Self::product(root, root);
         Self::ordered_sum(root, rest.high / (2.0 * root))
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn quotients_and_roots_match_known_digits() {
-        // Each expected value is the nearest double and the rest, from an arbitrary-precision
+        // Each expected value is the nearest double and the remainder, from an arbitrary-precision
         // calculator.
         let [one, two, three] = [1.0, 2.0, 3.0].map(DoubleDouble::new);
         assert_is(one / three, 1.0 / 3.0, 1.850_371_707_708_594_3e-17);

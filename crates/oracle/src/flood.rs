@@ -1,4 +1,4 @@
-//! The oracle: every straight line from every point where a shortest path can start or bend.
+//! The oracle: all straight lines from every point where a shortest path can start or bend.
 
 use std::error::Error;
 use std::fmt;
@@ -7,12 +7,12 @@ use crate::bounds::edge_graph;
 use crate::scalar::Scalar;
 use crate::surface::{PreciseSurface, next, prev};
 
-/// How far beyond the largest distance still wanted a line is followed.
+/// The factor of the largest distance still wanted, up to which a line is followed.
 const MARGIN: f64 = 1.0 + 1e-9;
 
-/// Straight lines from one point that cross one side next to each other.
+/// Adjacent straight lines from one point that cross one side.
 ///
-/// They come from below the side's frame and are about to cross the side's triangle.
+/// They arrive from below the side's frame, and cross the side's triangle next.
 #[derive(Clone, Copy)]
 struct Beam<S> {
     side: usize,
@@ -21,28 +21,28 @@ struct Beam<S> {
     origin: [S; 2],
 }
 
-/// How the oracle searches.
+/// Options of the search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Search {
-    /// Follow lines from every vertex, not only from those where a shortest path can bend.
+    /// Whether lines start at every vertex, not only where a shortest path can bend.
     pub everywhere: bool,
-    /// Drop lines that are longer, all along the side that they reach, than a path found to an end
-    /// of that side and on along it; and in space those that meet a triangle again. No distance
-    /// changes.
+    /// Whether lines are dropped that are longer, everywhere on the side that they reach, than a
+    /// known path to an end of the side and on along it; and, for surfaces in space, lines that
+    /// meet a triangle again. Distances do not change.
     pub prune: bool,
-    /// Give up after so many beams.
+    /// The number of beams after which the search gives up.
     pub most_beams: u64,
 }
 
 impl Search {
-    /// Every line from every vertex where a path can bend, however many there are.
-    pub const EXHAUSTIVE: Self = Self {
+    /// All lines from every vertex where a path can bend.
+    pub(crate) const EXHAUSTIVE: Self = Self {
         everywhere: false,
         prune: false,
         most_beams: u64::MAX,
     };
 
-    /// As [`EXHAUSTIVE`](Self::EXHAUSTIVE), but pruned and for at most `most_beams` beams.
+    /// Lines from every vertex where a path can bend, pruned, in at most `most_beams` beams.
     pub const fn pruned(most_beams: u64) -> Self {
         Self {
             prune: true,
@@ -51,7 +51,7 @@ impl Search {
         }
     }
 
-    /// The same with lines from every vertex.
+    /// The same search with lines from every vertex.
     #[must_use]
     pub const fn from_everywhere(self) -> Self {
         Self {
@@ -61,7 +61,7 @@ impl Search {
     }
 }
 
-/// The search took more beams than it was allowed.
+/// The search needs more beams than it is allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GaveUp;
 
@@ -75,18 +75,18 @@ impl Error for GaveUp {}
 
 /// The distance of every vertex from the nearest of `sources`; `None` where no path leads.
 ///
-/// Exact but for rounding. Dijkstra's algorithm over the vertices at which a path can bend, where
-/// the "edges" are all straight lines between them: when such a vertex has its final
-/// distance, all lines from it are followed, depth first, until they are longer than any distance
-/// that could still improve. A line that runs exactly into a vertex is caught by the beams on
-/// either side of it, whose end rays are offered to the vertices near them as well.
+/// Exact up to rounding. This is Dijkstra's algorithm on the vertices at which a path can bend,
+/// where all straight lines between these vertices are the edges. When such a vertex is final, all
+/// lines from it are followed, depth first, until they are longer than any distance that could
+/// still improve. A line that runs exactly into a vertex is covered by the beams on both sides of
+/// it, whose end rays are also offered to the vertices near them.
 ///
-/// Time and the number of lines grow with the number of bends and, on curved surfaces, much
-/// faster than the number of triangles; memory stays small.
+/// The number of lines, and the time, grow with the number of bends. On curved surfaces they grow
+/// much faster than the number of triangles. Memory stays small.
 ///
 /// # Panics
 ///
-/// When a source is not a vertex.
+/// If a source is not a vertex.
 pub fn distances<S: Scalar>(surface: &PreciseSurface<S>, sources: &[u32]) -> Vec<Option<S>> {
     match search(surface, sources, Search::EXHAUSTIVE) {
         Ok(distances) => distances,
@@ -94,7 +94,7 @@ pub fn distances<S: Scalar>(surface: &PreciseSurface<S>, sources: &[u32]) -> Vec
     }
 }
 
-/// As [`distances`], by a search that may prune and may give up.
+/// As [`distances`], with a search that may prune and may give up.
 ///
 /// ```
 /// use geobench_oracle::{DoubleDouble, Search, rounded, search, zoo};
@@ -107,11 +107,11 @@ pub fn distances<S: Scalar>(surface: &PreciseSurface<S>, sources: &[u32]) -> Vec
 ///
 /// # Errors
 ///
-/// When it takes more beams than `search` allows.
+/// If the search needs more beams than allowed.
 ///
 /// # Panics
 ///
-/// When a source is not a vertex.
+/// If a source is not a vertex.
 pub fn search<S: Scalar>(
     surface: &PreciseSurface<S>,
     sources: &[u32],
@@ -171,7 +171,7 @@ struct Lines<'a, S> {
     surface: &'a PreciseSurface<S>,
     /// Distance of the vertex.
     start: S,
-    /// Distance up to which they are followed.
+    /// The distance up to which lines are followed.
     limit: S,
     prune: bool,
     best: &'a mut [Option<S>],
@@ -184,8 +184,8 @@ impl<S: Scalar> Lines<'_, S> {
         let mut waiting: Vec<(usize, Beam<S>)> = surface.leaving[vertex]
             .iter()
             .filter_map(|&leaving| {
-                // Seen from the neighbour across the opposite side, that side's frame is turned by
-                // half a turn about its middle.
+                // In the frame of the neighbour across the opposite side, that side is rotated by
+                // half a turn about its midpoint.
                 let opposite = surface.sides[next(leaving)];
                 let beam = Beam {
                     side: opposite.twin?,
@@ -196,9 +196,9 @@ impl<S: Scalar> Lines<'_, S> {
                 Some((0, beam))
             })
             .collect();
-        // The triangles that the present beam has crossed.
+        // The triangles that the current beam has crossed.
         let mut crossed: Vec<usize> = Vec::new();
-        // Depth first, few beams wait at any time.
+        // In depth-first order few beams wait at any time.
         while let Some((depth, beam)) = waiting.pop() {
             let [x, y] = beam.origin;
             let nearest = beam.from.max(beam.to.min(x));
@@ -221,18 +221,18 @@ impl<S: Scalar> Lines<'_, S> {
         Ok(())
     }
 
-    /// Whether a beam that has `crossed` triangles meets one of them again. Two points of a
-    /// triangle in space have no shorter way between them than the straight one within it.
+    /// Whether a beam that has `crossed` triangles meets one of them again. Between two points of a
+    /// triangle in space no path is shorter than the straight one within it.
     fn returns(&self, triangle: usize, crossed: &[usize]) -> bool {
         self.surface.in_space && crossed.contains(&triangle)
     }
 
-    /// Whether a path to an end of the side and along it is shorter wherever `beam` crosses the
+    /// Whether a path to an end of the side and along it is shorter than `beam` everywhere on the
     /// side.
     ///
-    /// The lead of the path through the tail falls along the side, since no length grows faster
-    /// than the place on the side; so its least value is at the beam's far end. Likewise for the
-    /// head.
+    /// The advantage of the path through the tail decreases along the side, because no length grows
+    /// faster than the position on the side. Its least value is therefore at the far end of the
+    /// beam. The head is symmetric.
     fn is_beaten(&self, beam: &Beam<S>) -> bool {
         let entered = &self.surface.sides[beam.side];
         let head = self.surface.sides[next(beam.side)].tail;
@@ -246,8 +246,9 @@ impl<S: Scalar> Lines<'_, S> {
     }
 }
 
-/// Where the line to the apex crosses the beam's side, and the length of the shortest way to the
-/// apex through the beam: straight if the crossing lies within the beam, else along its end ray.
+/// The position at which the line to the apex crosses the beam's side, and the length of the
+/// shortest path to the apex through the beam: straight if the position is within the beam, else
+/// along its end ray.
 fn reach_apex<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>) -> (S, S) {
     let [cx, cy] = surface.sides[beam.side].apex;
     let [px, py] = beam.origin;
@@ -261,7 +262,7 @@ fn reach_apex<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>) -> (S, S) 
     (split, through)
 }
 
-/// The lines that leave through the side from the tail to the apex.
+/// The lines that leave through the side from tail to apex.
 fn left_part<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>, split: S) -> Option<Beam<S>> {
     let entered = surface.sides[beam.side];
     let left = surface.sides[prev(beam.side)];
@@ -271,7 +272,7 @@ fn left_part<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>, split: S) -
     }
     let ([cx, cy], [px, py]) = (entered.apex, beam.origin);
     let length = left.length;
-    // The side is divided into the parts n : m, neither of them negative: no digits are lost.
+    // The side is divided as n : m, with non-negative parts, so their sum has no cancellation.
     let at = |s: S| {
         let (n, m) = (-(py * s), (split - s).max(S::zero()) * (cy - py));
         clamp(length * n / (n + m), length)
@@ -289,7 +290,7 @@ fn left_part<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>, split: S) -
     })
 }
 
-/// The lines that leave through the side from the apex to the head.
+/// The lines that leave through the side from apex to head.
 fn right_part<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>, split: S) -> Option<Beam<S>> {
     let entered = surface.sides[beam.side];
     let right = surface.sides[next(beam.side)];
@@ -319,9 +320,8 @@ fn right_part<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>, split: S) 
     })
 }
 
-/// How far the foot of the apex of a side lies before the head: the length less the abscissa, which
-/// would lose the digits of a short side there. The side from the head on and this one project on
-/// each other alike.
+/// The distance from the foot of the apex to the head of a side. Subtracting the abscissa from the
+/// length would cancel on a short side. Two adjacent sides project on each other instead.
 fn from_head<S: Scalar>(surface: &PreciseSurface<S>, side: usize) -> S {
     let ahead = &surface.sides[next(side)];
     ahead.apex[0] * ahead.length / surface.sides[side].length
@@ -331,8 +331,8 @@ fn clamp<S: Scalar>(x: S, length: S) -> S {
     x.max(S::zero()).min(length)
 }
 
-/// The beam, if it has any width and comes from below its side; where rounding says otherwise, it
-/// consists of one line at most.
+/// The beam, if it has a width and comes from below its side. A beam for which rounding says
+/// otherwise has at most one line.
 fn kept<S: Scalar>(beam: Beam<S>) -> Option<Beam<S>> {
     (beam.from < beam.to && beam.origin[1] < S::zero()).then_some(beam)
 }

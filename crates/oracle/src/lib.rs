@@ -1,24 +1,24 @@
-//! Slow, plain geodesic distances to judge the solvers by.
+//! Slow and simple geodesic distances, to test solvers against.
 //!
-//! A solver is fast because it discards windows; each rule by which it does so can be wrong. The
-//! oracle of this crate discards nothing that could still matter: from every point where a shortest
-//! path can start or bend it follows *all* straight lines over the surface, triangle after
-//! triangle, and keeps the smallest length that it meets at each vertex. It is exact, takes
-//! exponentially longer than the solvers on rough surfaces, and is meant for meshes of up to some
-//! thousand vertices.
+//! A solver is fast because it deletes windows, and each of its rules can be wrong. The oracle of
+//! this crate deletes nothing that could still matter. From every point where a shortest path can
+//! start or bend it follows *all* straight lines over the surface, triangle after triangle, and
+//! keeps the least length found at each vertex. It is exact. On rough surfaces it takes
+//! exponentially longer than the solvers, so it is meant for meshes of up to some thousand
+//! vertices.
 //!
-//! To be a judge it shares no code with what it judges: it builds its own adjacency, its own
-//! unfolded triangles and its own test for the points where a path bends, from bare triangles with
-//! either positions or edge lengths. It is generic over the scalar, [`f64`] or [`DoubleDouble`]
-//! with some 31 digits, which tells rounding errors from mistakes.
+//! The oracle shares no code with the solvers. From bare triangles with positions or edge lengths
+//! it builds its own adjacency, its own unfolded triangles, and its own test for points where a
+//! path bends. It is generic over the scalar: [`f64`], or [`DoubleDouble`] with some 31 digits,
+//! which separates rounding errors from mistakes.
 //!
 //! * [`PreciseSurface`]: the triangles, from positions or from edge lengths.
-//! * [`distances`]: the oracle; [`search`] is the same with a bound on its work.
-//! * [`edge_graph_distances`], [`steiner_distances`], [`euclidean_distances`]: bounds from above,
-//!   from above and from below that share nothing with unfolding.
-//! * [`closed_forms`]: surfaces whose distances are known by formulas.
-//! * [`zoo`]: small surfaces with every feature that has broken a geodesic program.
-//! * [`nasty`]: random meshes of the sorts that break such programs.
+//! * [`distances`]: the oracle; [`search`] is the same with a limit on its work.
+//! * [`edge_graph_distances`], [`steiner_distances`], [`euclidean_distances`]: two upper bounds and
+//!   a lower bound that use no unfolding.
+//! * [`closed_forms`]: surfaces with formulas for their distances.
+//! * [`zoo`]: small surfaces with all features that have broken geodesic programs.
+//! * [`nasty`]: random meshes of kinds that break such programs.
 
 mod bounds;
 pub mod closed_forms;
@@ -42,7 +42,7 @@ pub use scalar::Scalar;
 pub use subdivide::{Subdivision, subdivide};
 pub use surface::PreciseSurface;
 
-/// Distances rounded to `f64`, infinite where there is no path.
+/// Distances rounded to `f64`; infinite where no path leads.
 pub fn rounded<S: Scalar>(distances: &[Option<S>]) -> Vec<f64> {
     distances
         .iter()

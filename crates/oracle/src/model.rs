@@ -1,4 +1,4 @@
-//! A named surface to test on.
+//! A named surface for tests.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use crate::random::Random;
 use crate::scalar::Scalar;
 use crate::surface::PreciseSurface;
 
-/// What fixes the shape of a [`Model`].
+/// The data that determine the shape of a [`Model`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Geometry {
     /// A point of space for each vertex.
@@ -15,24 +15,24 @@ pub enum Geometry {
     Lengths(Vec<[f64; 3]>),
 }
 
-/// A named surface to test on, with the vertices worth starting from.
+/// A named surface for tests, with suitable sources.
 #[derive(Clone, PartialEq)]
 pub struct Model {
-    /// The name under which a failure is reported.
+    /// The name in test failures.
     pub name: String,
-    /// Number of vertices, isolated ones included.
+    /// Number of vertices, including isolated ones.
     pub vertex_count: usize,
     /// The three vertices of each triangle, consistently oriented.
     pub triangles: Vec<[u32; 3]>,
     /// Positions or edge lengths.
     pub geometry: Geometry,
-    /// At least five vertices (all of them, if there are fewer): first those that the model was
-    /// made for, then some at random.
+    /// At least five vertices, or all if there are fewer: first those that the model was made for,
+    /// then random ones.
     pub sources: Vec<u32>,
 }
 
 impl fmt::Debug for Model {
-    /// The name, which tells how the model was made, and the sizes; not the thousands of numbers.
+    /// Prints the name, which describes the model, and the sizes instead of all numbers.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Model")
             .field("name", &self.name)
@@ -58,7 +58,7 @@ impl Model {
         )
     }
 
-    /// A surface that is known by the lengths of its edges.
+    /// A surface given by its edge lengths.
     pub fn from_lengths(
         name: impl Into<String>,
         vertex_count: usize,
@@ -89,9 +89,9 @@ impl Model {
         model.starting_at(&[])
     }
 
-    /// The same surface with `sources` put before some at random.
+    /// The same surface with `sources` before some random ones.
     #[must_use]
-    pub fn starting_at(mut self, sources: &[u32]) -> Self {
+    pub(crate) fn starting_at(mut self, sources: &[u32]) -> Self {
         const ENOUGH: usize = 5;
         self.sources = sources.to_vec();
         let mut random = Random::new(self.vertex_count as u64);
@@ -104,7 +104,7 @@ impl Model {
         self
     }
 
-    /// The same surface with no other sources than `sources`.
+    /// The same surface with `sources` only.
     #[must_use]
     pub fn only_from(mut self, sources: &[u32]) -> Self {
         self.sources = sources.to_vec();
@@ -130,7 +130,7 @@ impl Model {
         }
     }
 
-    /// What the oracle works on.
+    /// The surface for the oracle.
     pub fn surface<S: Scalar>(&self) -> PreciseSurface<S> {
         match &self.geometry {
             Geometry::Positions(positions) => {

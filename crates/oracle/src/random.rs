@@ -1,13 +1,14 @@
 //! Random numbers that are the same on every machine and in every release.
 
-/// The splitmix64 generator (Steele, Lea and Flood 2014): enough for test data, in three lines.
+/// The splitmix64 generator (Steele, Lea and Flood 2014). Not that of `geobench-mesh`, which the
+/// oracle tests.
 #[derive(Clone, Debug)]
 pub struct Random {
     state: u64,
 }
 
 impl Random {
-    /// The sequence number `seed`.
+    /// The sequence of `seed`.
     pub const fn new(seed: u64) -> Self {
         Self { state: seed }
     }
@@ -20,13 +21,13 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// A number from `from` to `to`, evenly spread.
+    /// A number from `from` to `to`, uniform.
     pub fn between(&mut self, from: f64, to: f64) -> f64 {
         let unit = (self.bits() >> 11) as f64 / (1_u64 << 53) as f64;
         from + unit * (to - from)
     }
 
-    /// A whole number below `end`.
+    /// An integer below `end`.
     pub fn below(&mut self, end: u32) -> u32 {
         (self.bits() % u64::from(end)) as u32
     }

@@ -1,11 +1,11 @@
-//! Stored distances of the models on which the oracle is slow.
+//! Stored distances of models on which the oracle is slow.
 
 use std::path::Path;
 use std::{fs, io};
 
 use crate::model::Model;
 
-/// For how many of its sources the distances of each slow model are stored.
+/// The number of sources of each slow model whose distances are stored.
 pub const SOURCES: usize = 3;
 
 /// The name of the file with the distances of `model`.
@@ -21,12 +21,12 @@ pub fn file_name(model: &Model) -> String {
     format!("{}.csv", name.replace("--", "-"))
 }
 
-/// The stored fields of `model`: for each source the distances of all vertices, computed in
+/// The stored distances of `model`: for each source those of all vertices, computed in
 /// double-double and rounded to the nearest `f64`.
 ///
 /// # Errors
 ///
-/// When the file cannot be read or is not as `make_reference` writes it.
+/// If the file cannot be read or was not written by `make_reference`.
 pub fn read(model: &Model) -> io::Result<Vec<(u32, Vec<f64>)>> {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
     let path = directory.join(file_name(model));

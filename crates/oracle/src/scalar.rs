@@ -1,4 +1,4 @@
-//! The two number types that the oracle computes with.
+//! The two number types of the oracle.
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -18,16 +18,17 @@ pub trait Scalar:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// Excess angle in radians above which a vertex is a saddle: well above the rounding of this
-    /// type, and small enough that half its square, the part of a path lost by ignoring it, is
-    /// below that rounding.
+    /// Excess angle in radians above which a vertex is a saddle. It is well above the rounding of
+    /// this type. Ignoring a smaller excess changes the length of a path by half its square, which
+    /// is below that rounding.
     const SADDLE_SLACK: f64;
 
-    /// Height of a triangle, as a part of its longest side, below which places on its sides cannot
-    /// be told apart well enough to aim by: rounding, as seen over that height, is a visible angle.
+    /// Height of a triangle, relative to its longest side, below which its corners count as points
+    /// where paths bend: seen over that height, the rounding of a position on a side is a
+    /// noticeable angle.
     const THIN: f64;
 
-    /// The relative excess of length from which a path is dropped for another: well above the
+    /// Relative excess of length from which a path is dropped in favour of another: well above the
     /// rounding of both.
     const LEAD: f64;
 
@@ -37,7 +38,7 @@ pub trait Scalar:
     /// The nearest `f64`.
     fn to_f64(self) -> f64;
 
-    /// The square root; of a number that is not negative.
+    /// The square root of a non-negative number.
     #[must_use]
     fn sqrt(self) -> Self;
 

@@ -1,18 +1,18 @@
-//! The same surface in smaller triangles.
+//! Subdivision of a surface into smaller triangles.
 
 use std::collections::HashMap;
 
 use crate::model::{Geometry, Model};
 
-/// Triangles cut evenly, each side into the same number of parts.
+/// Triangles cut evenly, with the same number of parts on each side.
 #[derive(Clone, Debug)]
 pub struct Subdivision {
-    /// For each vertex its place between the old vertices: pairs of old vertex and weight, by
-    /// vertex; the weights sum to the number of parts. Old vertices keep their numbers.
+    /// For each vertex, pairs of old vertex and weight, ordered by vertex. The sum of the weights
+    /// is the number of parts. Old vertices keep their numbers.
     pub weights: Vec<Vec<(u32, u32)>>,
-    /// The small triangles. Side `k` of each is parallel to side `k` of the one it was cut from.
+    /// The small triangles. Side `k` of each is parallel to side `k` of its parent.
     pub triangles: Vec<[u32; 3]>,
-    /// For each small triangle the one it was cut from.
+    /// For each small triangle, the triangle from which it was cut.
     pub parents: Vec<usize>,
 }
 
@@ -56,7 +56,7 @@ pub fn subdivide(vertex_count: usize, triangles: &[[u32; 3]], parts: u32) -> Sub
 }
 
 impl Model {
-    /// The same surface with each triangle cut into `parts`² similar ones; old vertices keep their
+    /// The same surface with each triangle cut into `parts`² similar ones. Old vertices keep their
     /// numbers.
     #[must_use]
     pub fn subdivided(&self, parts: u32) -> Self {

@@ -1,4 +1,4 @@
-//! Triangles glued along edges, each unfolded into the frame of each of its sides.
+//! Triangles joined along edges, each unfolded into the frames of its sides.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -7,12 +7,12 @@ use crate::scalar::Scalar;
 
 /// Height of a triangle without area, as a fraction of its longest side.
 ///
-/// Such a triangle is raised by less than any rounding error, so that the surface stays the same
-/// to every digit kept, yet a line still has two sides on which to pass its vertices.
+/// A triangle without area is raised to this height. That changes no digit of the result, but a
+/// line then has two sides on which to pass the vertices of the triangle.
 const LIFT: f64 = 1.0 / (1_u128 << 120) as f64 / (1_u64 << 40) as f64;
 
-/// Side `3 * triangle + corner`, in its own frame: tail at the origin, head at `(length, 0)`, the
-/// third vertex of its triangle at `apex`, above.
+/// Side `3 * triangle + corner` in its own frame: tail at the origin, head at `(length, 0)`, third
+/// vertex of the triangle at `apex`, above.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SideFrame<S> {
     pub(crate) tail: usize,
@@ -21,14 +21,15 @@ pub(crate) struct SideFrame<S> {
     pub(crate) apex: [S; 2],
 }
 
-/// A surface of triangles, with every number in the precision of `S`.
+/// A surface of triangles, with all numbers in the precision of `S`.
 #[derive(Clone, Debug)]
 pub struct PreciseSurface<S> {
     pub(crate) sides: Vec<SideFrame<S>>,
     /// The sides that leave each vertex, in no order.
     pub(crate) leaving: Vec<Vec<usize>>,
     bends: Vec<bool>,
-    /// Whether the triangles lie in space, so that every edge is the shortest way between its ends.
+    /// Whether the triangles are embedded in space, so that every edge is the shortest path between
+    /// its ends.
     pub(crate) in_space: bool,
 }
 
@@ -43,20 +44,20 @@ pub(crate) const fn prev(side: usize) -> usize {
 }
 
 impl<S: Scalar> PreciseSurface<S> {
-    /// The surface of `triangles` between points of space. Triangles may have no area; vertices
-    /// may be isolated; several fans may meet in a vertex.
+    /// The surface of `triangles` with vertices at `positions`. Triangles may have no area.
+    /// Vertices may be isolated. Several fans may meet at a vertex.
     ///
     /// # Panics
     ///
-    /// When a triangle names a vertex that does not exist, or two triangles run through an edge in
-    /// the same direction (an edge that is not manifold, or triangles oriented differently).
+    /// If a triangle names a vertex that does not exist, or two triangles have the same direction
+    /// along an edge (a non-manifold edge, or triangles with different orientations).
     pub fn from_positions(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
         let mut surface = Self::new(positions.len(), triangles, |t| {
             let corners = triangles[t].map(|v| positions[v as usize].map(S::from_f64));
             let sides = [0, 1, 2].map(|k| minus(corners[(k + 1) % 3], corners[k]));
             let lengths = sides.map(norm);
-            // The same area for all three frames: where it is mere rounding, only then do they
-            // agree.
+            // One area for all three frames: if it consists of rounding errors only, the frames are
+            // consistent nevertheless.
             let twice_area = raised(norm(cross(sides[0], sides[1])), lengths);
             [0, 1, 2].map(|k| {
                 let x = -dot(sides[(k + 2) % 3], sides[k]) / lengths[k];
@@ -67,8 +68,9 @@ impl<S: Scalar> PreciseSurface<S> {
         surface
     }
 
-    /// The surface of `triangles` whose sides have these lengths: `lengths[t][k]` is the side from
-    /// corner `k` of triangle `t` to the next corner. The surface need not fit into space.
+    /// The surface of `triangles` with these side lengths: `lengths[t][k]` is the length of the
+    /// side from corner `k` of triangle `t` to the next corner. The surface need not have an
+    /// embedding in space.
     ///
     /// # Panics
     ///
@@ -131,22 +133,22 @@ impl<S: Scalar> PreciseSurface<S> {
         self.leaving.len()
     }
 
-    /// Whether a shortest path may turn at `vertex`: several fans meet there, or a fan has more
-    /// than a full turn (more than half a turn if it is open). Also taken to be so at the
-    /// corners of triangles with hardly any area, where lines pass too close to aim past.
+    /// Whether a shortest path may bend at `vertex`: several fans meet there, or a fan has more
+    /// than a full turn (more than half a turn if it is open). Also true at the corners of
+    /// triangles of nearly no area, where a line cannot pass reliably.
     ///
     /// # Panics
     ///
-    /// When there is no such vertex.
+    /// If there is no such vertex.
     pub fn bends_at(&self, vertex: u32) -> bool {
         self.bends[vertex as usize]
     }
 
-    /// Whether `vertex` lies on an edge with one triangle only.
+    /// Whether `vertex` is on an edge of a single triangle.
     ///
     /// # Panics
     ///
-    /// When there is no such vertex.
+    /// If there is no such vertex.
     pub fn is_boundary(&self, vertex: u32) -> bool {
         let open = |side: usize| self.sides[side].twin.is_none();
         let leaving = &self.leaving[vertex as usize];
@@ -196,10 +198,10 @@ impl<S: Scalar> PreciseSurface<S> {
         (fan, true)
     }
 
-    /// Whether the angles of a fan sum to more than 2π, or more than π for an open one.
+    /// Whether the angles of a fan have a sum above 2π, or above π for an open fan.
     ///
-    /// The sum in f64 tells the number of turns; the product of the directions as complex numbers
-    /// tells what is beyond them, in the full precision of `S`.
+    /// The sum in f64 gives the number of full turns. The product of the directions as complex
+    /// numbers gives the rest, in the full precision of `S`.
     fn exceeds_straight(&self, fan: &[usize], open: bool) -> bool {
         let limit = if open { PI } else { 2.0 * PI };
         let mut sum = 0.0;
@@ -220,7 +222,7 @@ impl<S: Scalar> PreciseSurface<S> {
     }
 }
 
-/// Twice the area of a triangle, by Kahan's stable form of Heron's formula.
+/// Twice the area of a triangle, by Kahan's form of Heron's formula.
 fn heron<S: Scalar>([a, b, c]: [S; 3]) -> S {
     let longest = a.max(b).max(c);
     let shortest = a.min(b).min(c);
@@ -232,7 +234,7 @@ fn heron<S: Scalar>([a, b, c]: [S; 3]) -> S {
     product.max(S::zero()).sqrt() * S::from_f64(0.5)
 }
 
-/// Twice the area of a triangle with these sides, at least that of the lowest one allowed.
+/// `twice_area`, raised if needed to that of the least height of a triangle with these sides.
 fn raised<S: Scalar>(twice_area: S, [a, b, c]: [S; 3]) -> S {
     let longest = a.max(b).max(c);
     twice_area.max(S::from_f64(LIFT) * longest * longest)

@@ -1,8 +1,8 @@
-//! Small surfaces with every feature that has broken a geodesic program.
+//! Small surfaces with all features that have broken geodesic programs.
 //!
-//! [`small`] are those on which the oracle takes a moment; [`slow`] those on which it takes seconds
-//! to minutes, whose distances are therefore stored beside this crate. The functions that make
-//! them are public for tests that want others of their kind.
+//! [`small`] has surfaces on which the oracle takes a moment. [`slow`] has those on which it takes
+//! seconds to minutes; their distances are stored in this crate. Tests that need variants make them
+//! with the other functions.
 
 use crate::model::Model;
 use crate::random::Random;
@@ -13,15 +13,17 @@ mod plane;
 mod rough;
 mod solids;
 
-pub use intrinsic::{EQUILATERAL, SADDLE_FANS, cone, flat_torus};
+pub use intrinsic::cone;
+pub(crate) use intrinsic::{EQUILATERAL, SADDLE_FANS, flat_torus};
 pub use joined::{pinched, side_by_side, with_isolated_vertices};
-pub use plane::{Diagonal, Rectangle, dog_ear, grid, plate, staircase, with_flat_faces};
-pub use rough::{caps, double_cone, needles, star, stretched, terrain, whole_terrain};
-pub use solids::{
-    cuboid, disphenoid, icosahedron, icosphere, noisy_sphere, octahedron, pillow, prism, torus,
-};
+pub use plane::{Diagonal, Rectangle, grid, plate, with_flat_faces};
+pub(crate) use plane::{dog_ear, staircase};
+pub(crate) use rough::{caps, double_cone};
+pub use rough::{needles, star, stretched, terrain, whole_terrain};
+pub use solids::{cuboid, disphenoid, icosahedron, icosphere, octahedron, prism, torus};
+pub(crate) use solids::{noisy_sphere, pillow};
 
-/// Every surface that the oracle solves in a moment.
+/// All surfaces that the oracle solves in a moment.
 pub fn small() -> Vec<Model> {
     let mut all = tiny();
     all.extend(plain());
@@ -32,8 +34,7 @@ pub fn small() -> Vec<Model> {
     all
 }
 
-/// Surfaces of some 400 to 650 vertices on which the oracle takes long, most of all in higher
-/// precision.
+/// Surfaces of some 400 to 650 vertices on which the oracle is slow, above all in double-double.
 pub fn slow() -> Vec<Model> {
     vec![
         icosphere(3),
@@ -47,7 +48,7 @@ pub fn slow() -> Vec<Model> {
     ]
 }
 
-/// From one to eight faces.
+/// Surfaces of one to eight faces.
 fn tiny() -> Vec<Model> {
     let point = |x: u8, y: u8, z: u8| [x, y, z].map(f64::from);
     let triangle = vec![point(0, 0, 0), point(4, 0, 0), point(1, 3, 0)];
@@ -180,7 +181,7 @@ fn apart_or_pinched() -> Vec<Model> {
     ]
 }
 
-/// With faces of no area, at sources, saddles and boundaries, one beside another.
+/// Surfaces with faces of no area at sources, saddles and boundaries, and next to each other.
 fn without_area() -> Vec<Model> {
     let hole = [Rectangle::new([2, 2], [4, 4])];
     let flat_triangle = vec![

@@ -1,5 +1,5 @@
-//! The algorithms on random nasty meshes and on meshes that have broken them, as the example `fuzz`
-//! judges them. It takes more seeds, makes failures smaller and saves them.
+//! The algorithms on random nasty meshes and on meshes that have broken them, judged as by the
+//! example `fuzz`. The example takes more seeds, makes failures smaller and saves them.
 
 use std::f64::consts::TAU;
 use std::io::{self, Write};
@@ -25,11 +25,11 @@ mod slivers;
 #[path = "../examples/fuzz/variants.rs"]
 mod variants;
 
-/// Longer than all algorithms together take for a mesh.
+/// A time limit longer than all algorithms together take for a mesh.
 const LIMIT: Duration = Duration::from_secs(60);
 
-/// What all algorithms got wrong, or why the mesh is skipped. On a mesh with known distances none
-/// of them may be in doubt.
+/// The failures of all algorithms, or why the mesh is skipped. On a mesh with known distances none
+/// may be in doubt.
 fn failures(name: &str, case: &Case, known: Option<Expected>) -> Result<Vec<String>, Skip> {
     let mesh = judge::mesh(case)?;
     let may_doubt = known.is_none();
@@ -53,8 +53,8 @@ fn failures(name: &str, case: &Case, known: Option<Expected>) -> Result<Vec<Stri
     Ok(failures)
 }
 
-/// Fails with all that any algorithm gets wrong, or with the first mesh on which one hangs. Returns
-/// how many meshes were judged.
+/// Fails with all failures of all algorithms, or with the first mesh on which one hangs. Returns
+/// the number of meshes judged.
 fn check(cases: Vec<(String, Case, Option<Expected>)>) -> usize {
     const SHOWN: usize = 60;
     let mut wrong = Vec::new();
@@ -110,7 +110,7 @@ fn seeds_that_failed_once_are_solved_right() {
 #[test]
 fn slivers_are_solved_right() {
     let Ok(slivers) = slivers::read() else {
-        // Written past the capture of test output, which would hide it.
+        // Written directly, because the test harness captures other output.
         let _ = writeln!(
             io::stderr(),
             "SKIPPED: {} is missing; set GEOBENCH_SHARED to the folder with slivers/",

@@ -1,4 +1,4 @@
-//! The nasty meshes are what they claim to be, and the oracle's searches agree on them.
+//! The nasty meshes have the properties that they claim, and the oracle's searches agree on them.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_oracle::nasty::{self, Kind, Nasty};
 use geobench_oracle::{DoubleDouble, Model, Search, rounded, search};
 
-/// The mesh with its faces turned the same way; `None` if it is refused.
+/// The mesh with its faces oriented consistently; `None` if it is invalid.
 fn usable(nasty: &Nasty) -> Option<Model> {
     let positions = nasty.model.positions()?.to_vec();
     let soup = TriangleSoup::new(positions.clone(), nasty.model.triangles.clone());

@@ -1,4 +1,4 @@
-//! The stored distances belong to the models of today.
+//! The stored distances belong to the current models.
 
 use geobench_oracle::{distances, edge_graph_distances, reference, rounded, zoo};
 
@@ -9,8 +9,8 @@ fn stored_distances_are_those_of_the_models() {
         assert_eq!(fields.len(), reference::SOURCES, "{}", model.name);
         let surface = model.surface::<f64>();
         for (source, stored) in fields {
-            // The oracle itself takes too long on the thin torus; the edges around a source are
-            // enough to notice that a model has changed.
+            // The oracle takes too long on the thin torus. The edges around a source suffice to
+            // notice a changed model.
             let above = edge_graph_distances(&surface, &[source]);
             assert_eq!(stored.len(), model.vertex_count, "{}", model.name);
             for (&stored, &above) in stored.iter().zip(&above) {

@@ -1,4 +1,4 @@
-//! The zoo is what it claims to be, and both precisions agree on it.
+//! The models of the zoo have the properties that they claim, and both precisions agree on them.
 
 use std::collections::HashSet;
 

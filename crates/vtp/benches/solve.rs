@@ -45,9 +45,9 @@ fn options() -> Vec<(String, FastOptions)> {
         .collect()
 }
 
-/// Two solves of `vtp-fast` at the same time, which have nothing to do with each other: twice as
-/// long as one solve on two threads could take at best. On machines whose processors slow each
-/// other down, or that others use as well, this tells what two threads have to gain.
+/// Two independent solves of `vtp-fast` at the same time. Their time is the least time of one solve
+/// on two threads, doubled. On machines whose processors slow each other down, or that others use
+/// as well, it shows what two threads can gain.
 struct Twice {
     first: VtpFast,
     second: Mutex<VtpFast>,

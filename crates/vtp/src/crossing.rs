@@ -1,6 +1,6 @@
-//! The passes over a list, compiled for every instruction set.
+//! Passes over a list, compiled for every instruction set.
 
-// The kernels must be inlined into the functions that have the features of the processor.
+// Kernels must be inlined into the functions that enable the instructions.
 #![allow(clippy::inline_always)]
 
 use std::marker::PhantomData;
@@ -14,8 +14,8 @@ use crate::pruning::Pairs;
 use geobench_window::simd::Lanes;
 use geobench_window::simd::SimdProgram;
 
-/// Makes the windows of a half-edge that filter and comparisons leave the active list, and measures
-/// them.
+/// Applies the vertex filter and pairwise comparisons to the windows of a half-edge, makes the
+/// result the active list, and measures it.
 pub(crate) struct Inspect<'a, P> {
     lists: [Columns<'a>; 2],
     active: &'a mut ActiveList,
@@ -26,7 +26,7 @@ pub(crate) struct Inspect<'a, P> {
 }
 
 impl<'a, P> Inspect<'a, P> {
-    /// For the lists on `h`.
+    /// For the lists on half-edge `h`.
     #[inline]
     pub(crate) fn new(
         lists: [Columns<'a>; 2],
@@ -68,8 +68,8 @@ pub(crate) struct Carry<'a, 'b, R> {
 }
 
 impl<'a, 'b, R> Carry<'a, 'b, R> {
-    /// For the list in `active`, which has been measured; the targets must have room for what was
-    /// counted then.
+    /// For the measured list in `active`. The targets must have room for the windows counted by the
+    /// measurement.
     #[inline]
     pub(crate) fn new(
         active: &'a ActiveList,
@@ -107,7 +107,7 @@ impl<R: Rule> SimdProgram for Carry<'_, '_, R> {
     }
 }
 
-/// The length of the shortest path to the apex of the windows of a list from `start` on.
+/// The length of the shortest path to the apex, over the windows of a list from `start` on.
 pub(crate) struct Least<'a> {
     pub(crate) list: Columns<'a>,
     pub(crate) start: usize,

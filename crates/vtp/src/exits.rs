@@ -1,6 +1,6 @@
-//! The exits of its face through which a window may leave.
+//! The exits of a face through which windows may leave.
 
-// The engine is private, so that other crates cannot implement the trait here.
+// The engine is private, so other crates cannot implement this trait.
 #![allow(private_bounds, private_interfaces)]
 
 use crate::crossing::Least;
@@ -11,7 +11,7 @@ use crate::engine::layout::{MeshLayout, half_edge, next, parts, prev};
 use crate::front::Front;
 use geobench_window::simd::Simd;
 
-/// A list about to cross a face.
+/// A list that is about to cross a face.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ListCrossing<'a> {
     /// The half-edge through which it enters.
@@ -19,18 +19,18 @@ pub(crate) struct ListCrossing<'a> {
     /// The windows that remain of the list.
     pub(crate) active: &'a ActiveList,
     pub(crate) gate: Gate,
-    /// The shortest of its paths to the apex, and the length of that.
+    /// The shortest path of the list to the apex; `distance` is its length.
     pub(crate) best: BestPath,
     pub(crate) distance: f64,
-    /// The windows that wait elsewhere.
+    /// All waiting windows.
     pub(crate) front: &'a Front,
     pub(crate) layout: &'a MeshLayout,
     pub(crate) simd: Simd,
 }
 
 impl ListCrossing<'_> {
-    /// The other two half-edges of the face, those that start and end at the apex reversed: the one
-    /// behind the head B, and the one before the tail A.
+    /// The other two half-edges of the face: the one that starts at the head B, and the one that
+    /// ends at the tail A.
     fn others(&self) -> [u32; 2] {
         let (f, corner) = parts(self.h);
         [next(corner), prev(corner)].map(|corner| half_edge(f as u32, corner))
@@ -45,17 +45,17 @@ pub trait Exits: Send {
     where
         Self: 'a;
 
-    /// Sets up for a mesh of so many faces.
+    /// Sets up for a mesh with this number of faces.
     fn new(faces: usize) -> Self;
 
-    /// Forgets the last run.
+    /// Clears the state of the last run.
     fn reset(&mut self) {}
 
-    /// A list is about to cross.
+    /// Called when a list is about to cross its face. Returns the rule for its windows.
     fn enter(&mut self, crossing: &ListCrossing<'_>) -> Self::Rule<'_>;
 }
 
-/// Every ray leaves where it leads: rule 1 switched off.
+/// Every ray may leave: rule 1 switched off.
 #[derive(Clone, Copy, Debug)]
 pub struct AnyExit;
 
@@ -72,7 +72,7 @@ impl Exits for AnyExit {
     }
 }
 
-/// Rule 1 (Qin et al. 2016, section 4.1): no ray crosses the best path of the list to the apex.
+/// Rule 1 (Qin et al. 2016, section 4.1): no ray crosses the list's shortest path to the apex.
 #[derive(Clone, Copy, Debug)]
 pub struct OneAngleTwoSides;
 
@@ -89,9 +89,9 @@ impl Exits for OneAngleTwoSides {
     }
 }
 
-/// Rule 1, and no ray crosses the shortest path across the face that came through one of its other
-/// half-edges earlier in the run either (Strategy II of the transfer report, figure 5.6 c; case 11
-/// of Qin et al. 2016).
+/// Rule 1, and paths of earlier lists: no ray crosses the shortest path across the face that came
+/// through one of its other half-edges earlier in the run (strategy II of the transfer report,
+/// figure 5.6 c; case 11 of Qin et al. 2016).
 #[derive(Clone, Debug)]
 pub struct AcrossTheFace {
     records: PathRecords,
@@ -118,10 +118,10 @@ impl Exits for AcrossTheFace {
     }
 }
 
-/// No ray crosses *any* path to a vertex of the face that is shorter than its own window's: the
-/// path of every other window of the list to the apex (cases 7 to 10 of Qin et al. 2016 for all
-/// pairs, which rule 1 makes for the best window only), and the paths of all windows that wait at,
-/// or have come through, the other two half-edges of the face (case 11).
+/// No ray crosses *any* path to a vertex of the face that is shorter than its own window's. This
+/// covers the paths of all windows of the list to the apex (cases 7 to 10 of Qin et al. 2016 for
+/// all pairs; rule 1 applies them to the best window only). It also covers the paths of all windows
+/// that wait at, or have come through, the other two half-edges of the face (case 11).
 #[derive(Clone, Debug)]
 pub struct EveryPath {
     records: PathRecords,
@@ -169,7 +169,7 @@ impl Exits for EveryPath {
     }
 }
 
-/// The shortest path of the windows that wait on `h` to the apex of its face.
+/// The length of the shortest path of the windows that wait on `h` to the apex of its face.
 fn least_waiting(crossing: &ListCrossing<'_>, h: u32, keep: &mut Vec<u8>) -> f64 {
     let gate = crossing.layout.gate(h, [f64::INFINITY; 2]);
     let lists = crossing.front.lists(h).into_iter();
@@ -186,8 +186,8 @@ fn least_waiting(crossing: &ListCrossing<'_>, h: u32, keep: &mut Vec<u8>) -> f64
     lengths.fold(f64::INFINITY, f64::min)
 }
 
-/// For each half-edge the length of the shortest path that has come through it and across its face
-/// to the apex, in this run. Such a path stays real even when its windows have been replaced.
+/// For each half-edge, the length of the shortest path in this run that came through it and across
+/// its face to the apex. Such a path stays valid when its windows have been replaced.
 #[derive(Clone, Debug)]
 struct PathRecords {
     least: Vec<f64>,

@@ -1,4 +1,4 @@
-//! The traversed area, and the lists of windows on its border.
+//! The traversed area and the lists of windows on its border.
 
 use geobench_window::Window;
 use geobench_window::queue::MinHeap;
@@ -6,11 +6,11 @@ use geobench_window::queue::MinHeap;
 use crate::engine::layout::{half_edge, parts};
 use crate::engine::store::{Block, COLUMNS, Columns, NO_LIST, WindowStore};
 
-/// From which side of the face below its half-edge a window came.
+/// The side on which a window left the face below its half-edge.
 ///
-/// A half-edge is the left exit of one half-edge and the right exit of another. Seen from below,
-/// the windows that come as left children lie before those that come as right children, so that
-/// keeping two lists and reading one after the other keeps windows in order.
+/// A half-edge is the left exit of one half-edge and the right exit of another. Windows that arrive
+/// as left children lie before those that arrive as right children. So two lists, read one after
+/// the other, keep the windows in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ChildSide {
     /// Through the left exit of a face.
@@ -19,41 +19,42 @@ pub(crate) enum ChildSide {
     AsRightChild = 1,
 }
 
-/// The lists and the state of a face: half a cache line.
+/// The lists and the state of a face, in half a cache line.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(32))]
 struct FaceLists {
     /// The two lists that wait on each half-edge.
     lists: [[u32; 2]; 3],
-    /// The step in which the face joined the area; none of this run if it has not.
+    /// The step in which the face joined the area. A number of an earlier run if it has not joined.
     joined: u32,
-    /// Whether the lists on each half-edge are about to cross.
+    /// Whether the lists on each half-edge are queued to cross.
     queued: [bool; 3],
 }
 
-/// The faces that have been taken so far, and the windows that wait. A list of windows crosses the
-/// face ahead of it as soon as that face belongs to the area; else it waits on the wavefront, the
-/// border of the area.
+/// The traversed area, and the windows that wait. A list crosses the face in front of it as soon as
+/// that face belongs to the area. Until then it waits on the wavefront, the border of the area.
 #[derive(Clone, Debug)]
 pub(crate) struct Front {
     places: Vec<FaceLists>,
     store: WindowStore,
-    /// The number of this step, and of the last one before this run.
+    /// The number of this step; `before` is that of the last step of the previous run.
     step: u32,
     before: u32,
-    /// Half-edges whose lists are about to cross a face of the area, and how many of them have.
+    /// Half-edges whose lists are queued to cross a face of the area. The first `crossed` of them
+    /// have crossed.
     ready: Vec<u32>,
     crossed: usize,
-    /// By half-edge, whether a face beside it is thin; empty if none is.
+    /// Whether the face on either side is thin, by half-edge; empty if no face is thin.
     thin: Vec<bool>,
-    /// Half-edges of thin faces of the area whose lists wait, by the least distance of their
-    /// windows. First in, first out, these would wind around a needle before the windows that beat
-    /// them have come.
+    /// Half-edges beside thin faces of the area with waiting lists, by the least distance of their
+    /// windows. In first-in, first-out order, these windows would wind around a needle before the
+    /// windows that beat them have arrived.
     nearest: MinHeap<u32>,
 }
 
 impl Front {
-    /// No face of as many; `thin` tells the half-edges of thin faces, and is empty without any.
+    /// An empty area on a mesh with this number of faces. `thin` marks the half-edges beside thin
+    /// faces and is empty without any.
     pub(crate) fn new(faces: usize, thin: Vec<bool>) -> Self {
         Self {
             thin,
@@ -67,7 +68,7 @@ impl Front {
         }
     }
 
-    /// Forgets the last run, at the end of which no list was ready. O(faces) after one that ended
+    /// Clears the state of the last run. No list may be queued. O(faces) after a run that ended
     /// while windows waited.
     pub(crate) fn reset(&mut self) {
         if self.waiting() > 0 {
@@ -77,7 +78,7 @@ impl Front {
         }
         self.nearest.clear();
         self.before = self.step;
-        // A run has fewer steps than that.
+        // A run has fewer steps than this.
         if self.step > u32::MAX / 2 {
             (self.step, self.before) = (0, 0);
             for place in &mut self.places {
@@ -86,12 +87,12 @@ impl Front {
         }
     }
 
-    /// Begins a step.
+    /// Begins the next step.
     pub(crate) fn advance(&mut self) {
         self.step += 1;
     }
 
-    /// Whether `face` has joined.
+    /// Whether `face` belongs to the area.
     #[inline]
     pub(crate) fn contains(&self, face: usize) -> bool {
         self.places[face].joined > self.before
@@ -103,7 +104,7 @@ impl Front {
         self.places[face].joined == self.step
     }
 
-    /// `face` joins in this step, if it has not yet, and the lists that wait for it are ready.
+    /// Makes `face` join in this step, if it has not joined, and queues the lists that wait for it.
     #[inline]
     pub(crate) fn join(&mut self, face: usize) {
         if !self.contains(face) {
@@ -116,7 +117,7 @@ impl Front {
         }
     }
 
-    /// Queues the lists on `h`, which are not empty, if its face has joined.
+    /// Queues the non-empty lists on `h`, if its face has joined.
     #[inline]
     pub(crate) fn make_ready(&mut self, h: u32) {
         let (face, corner) = parts(h);
@@ -147,15 +148,15 @@ impl Front {
         windows.fold(f64::INFINITY, |d, w| d.min(w.min_distance()))
     }
 
-    /// Takes the half-edge beside a thin face on which the nearest window waits, if that is nearer
-    /// than `d`. Its lists may be gone.
+    /// Takes the half-edge beside a thin face whose nearest window has the least distance, if that
+    /// is less than `d`. Its lists may have crossed already.
     #[inline]
     pub(crate) fn next_thin(&mut self, d: f64) -> Option<u32> {
         self.nearest.peek().filter(|&(nearest, _)| nearest < d)?;
         self.nearest.pop().map(|(_, h)| h)
     }
 
-    /// Takes the half-edge that has been ready longest.
+    /// Takes the half-edge that has been queued longest.
     #[inline]
     pub(crate) fn next_ready(&mut self) -> Option<u32> {
         let Some(&h) = self.ready.get(self.crossed) else {
@@ -169,7 +170,7 @@ impl Front {
         Some(h)
     }
 
-    /// The half-edge that will be taken after so many others.
+    /// The half-edge that is taken after `after` others.
     #[inline]
     pub(crate) fn upcoming(&self, after: usize) -> Option<u32> {
         self.ready.get(self.crossed + after).copied()
@@ -185,7 +186,7 @@ impl Front {
         self.store.windows()
     }
 
-    /// The windows of the lists on `h`, in order.
+    /// The windows of both lists on `h`, in order.
     #[inline]
     pub(crate) fn lists(&self, h: u32) -> [Columns<'_>; 2] {
         let (face, corner) = parts(h);
@@ -193,13 +194,13 @@ impl Front {
         lists.map(|list| self.store.columns(list))
     }
 
-    /// The list of those that came to `h` as left children, or of all that have been put in order.
+    /// The first list on `h`: that of left children, or of all windows once they have been ordered.
     pub(crate) fn first(&self, h: u32) -> u32 {
         let (face, corner) = parts(h);
         self.places[face].lists[corner][0]
     }
 
-    /// Leaves nothing on `h`.
+    /// Removes the lists from `h`.
     #[inline]
     pub(crate) fn clear(&mut self, h: u32) {
         let (face, corner) = parts(h);
@@ -210,8 +211,8 @@ impl Front {
         }
     }
 
-    /// A list for `more` windows to come to `h`, behind those that came the same way, or alone:
-    /// then it has to be [inserted](Self::insert).
+    /// A list with room for `more` windows that arrive at `h`: the list of the same side, or a
+    /// separate one if `alone`. A separate list must be [inserted](Self::insert).
     #[inline]
     pub(crate) fn reserve(&mut self, h: u32, arrival: ChildSide, more: usize, alone: bool) -> u32 {
         let (face, corner) = parts(h);
@@ -219,17 +220,16 @@ impl Front {
         self.store.reserve(if alone { NO_LIST } else { list }, more)
     }
 
-    /// The windows of `list`, from [`reserve`](Self::reserve), now are the first `len` of its
-    /// block; the list waits on `h`.
+    /// Makes `list`, from [`reserve`](Self::reserve), wait on `h` with the first `len` windows of
+    /// its block.
     #[inline]
     pub(crate) fn arrive(&mut self, h: u32, arrival: ChildSide, list: u32, len: usize) {
         let (face, corner) = parts(h);
         self.places[face].lists[corner][arrival as usize] = self.store.set_len(list, len);
     }
 
-    /// Puts the first `len` windows in the block of `list`, reserved alone, into the lists on `h`
-    /// in the order of the left ends, which is the order of the whole from then on until it is
-    /// taken.
+    /// Moves the first `len` windows of `list`, a separate list, into the lists on `h`, in
+    /// ascending order of their left ends. The lists keep this order until they are taken.
     pub(crate) fn insert(&mut self, h: u32, list: u32, len: usize) {
         if len == 0 {
             self.store.set_len(list, 0);
@@ -259,8 +259,8 @@ impl Front {
         self.places[face].lists[corner][0] = all;
     }
 
-    /// Adds a window behind those that came to `h` the same way, and returns its list and its
-    /// number.
+    /// Appends a window to the list of its side on `h`; returns the list and the index of the
+    /// window.
     pub(crate) fn push(
         &mut self,
         h: u32,
@@ -274,12 +274,12 @@ impl Front {
         (list, len)
     }
 
-    /// The windows that wait.
+    /// The store of all lists.
     pub(crate) fn store(&self) -> &WindowStore {
         &self.store
     }
 
-    /// The windows that wait.
+    /// The store of all lists.
     pub(crate) fn store_mut(&mut self) -> &mut WindowStore {
         &mut self.store
     }
@@ -290,7 +290,7 @@ impl Front {
         self.store.len(list)
     }
 
-    /// The blocks of two different lists; none of [`NO_LIST`].
+    /// The blocks of two different lists; empty for [`NO_LIST`].
     #[inline]
     pub(crate) fn blocks(&mut self, lists: [u32; 2]) -> [Block<'_>; 2] {
         self.store.blocks(lists)
@@ -302,7 +302,7 @@ impl Front {
         self.store.columns(list)
     }
 
-    /// Asks for what a list that comes to `face` touches.
+    /// Prefetches the state of `face`.
     #[inline]
     pub(crate) fn prefetch(&self, face: usize) {
         crate::engine::prefetch::prefetch(&self.places, face);
@@ -358,7 +358,7 @@ mod tests {
         }
         assert_eq!(starts(&front, 0), [0.0, 2.0, 2.5, 3.0, 3.0, 4.0, 9.0]);
         assert_eq!(front.waiting(), 7);
-        // None of those expected arrived: what waits lost its list once.
+        // If no expected window arrived, the waiting windows once lost their list.
         let list = front.reserve(0, ChildSide::AsLeftChild, 2, true);
         front.insert(0, list, 0);
         assert_eq!(starts(&front, 0).len(), 7);

@@ -1,11 +1,11 @@
-//! The VTP family: whole lists of windows cross triangles together.
+//! The VTP family: lists of windows cross triangles as a whole.
 //!
 //! Qin, Han, Yu, Yu and Zhang, "Fast and exact discrete geodesic computation based on
 //! triangle-oriented wavefront propagation" (2016). These algorithms grow a *traversed area* of
 //! faces. The windows that wait to enter a face through one of its half-edges form a list. Once the
 //! face is in the area, the list crosses it as a whole, and its windows are compared pair by pair.
-//! Windows that leave the area wait on its border, the wavefront; windows that return into it cross
-//! at once. No other windows are kept.
+//! Windows that leave the area wait on its border, the wavefront. Windows that return into the area
+//! cross at once. No other windows are stored.
 //!
 //! ```
 //! use geobench_mesh::Mesh;
@@ -22,7 +22,7 @@
 //! # One frame, four choices
 //!
 //! [`VtpFast`] is the fastest solver on one thread, and [`Pvtp`] runs it on several. Every other
-//! algorithm of the family is a [`ListPropagation`] with four choices, none of which changes a
+//! algorithm of the family is a [`ListPropagation`] with four choices. No choice changes a
 //! distance:
 //!
 //! | choice | trait | values |
@@ -32,23 +32,23 @@
 //! | which windows of a list are compared | [`Pairs`] | [`Neighbours`] (rules 2 and 3), [`NoPairs`], [`AllPairs`], [`TrimmedNeighbours`] |
 //! | through which exits a window may leave | [`Exits`] | [`OneAngleTwoSides`] (rule 1), [`AnyExit`], [`AcrossTheFace`], [`EveryPath`] |
 //!
-//! All use the vertex filter, which drops windows that a path through a known vertex beats
-//! ([`geobench_window::is_beaten_from_ends`] in plain form). Without it, windows behind the
+//! All algorithms use the vertex filter, which drops windows that a path through a known vertex
+//! beats ([`geobench_window::is_beaten_from_ends`] in scalar form). Without it, windows behind the
 //! wavefront, which meet no others, would never end.
 //!
-//! [`Vtp`] and the other aliases name combinations. Others are written out:
+//! [`Vtp`] and the other aliases name combinations. Other combinations can be written out:
 //! `ListPropagation::<NearestFace, OrderFree, NoPairs, AnyExit>::new(&mesh)`.
 //!
 //! # Vector instructions
 //!
-//! Lists are structures of arrays, and each pass over a list works on registers of up to eight
-//! windows ([`geobench_window::simd`]).
+//! Lists are structures of arrays. Each pass over a list works on registers of up to eight windows
+//! ([`geobench_window::simd`]).
 //!
-//! # Deletions are proved
+//! # Exactness
 //!
-//! A window or a part of one is deleted only if a real path is shorter by more than 1e-12 of its
+//! A window or a part of it is deleted only if a real path is shorter by more than 1e-12 of its
 //! length at their crossing, and only if the crossing does not depend on rounding. Equal windows
-//! keep each other. So each rule can be switched off without a change of distances; if distances
+//! keep each other. So each rule can be switched off without changing distances. If distances
 //! change, the rule is wrong.
 
 mod crossing;

@@ -1,13 +1,13 @@
-//! The side of a ray on which a point lies, beyond rounding.
+//! The side of a ray on which a point lies, within rounding.
 
 use crate::precision::CLEARANCE;
 
-/// Whether `point` lies left of the ray from `source` to `target`.
+/// Whether `point` lies left of the ray from `source` to `target` by more than rounding.
 ///
-/// Sources that are one point reached through different triangles, and sources on one ray, differ
-/// by rounding only. A side read from that difference is noise, and noise must not delete windows:
-/// then neither this nor [`is_clearly_right`] holds. `blur` is how far rounding may have moved the
-/// sources beside what it may by the size of their coordinates.
+/// The images of one source, reached through different triangles, differ only by rounding, and so
+/// do the sides of sources on one ray. A side that depends on rounding must not delete windows. In
+/// this case both this function and [`is_clearly_right`] return false. `blur` is the rounding error
+/// of the sources in addition to that of their own coordinates.
 #[inline]
 pub(crate) fn is_clearly_left(
     source: [f64; 2],
@@ -19,7 +19,7 @@ pub(crate) fn is_clearly_left(
     area > doubt
 }
 
-/// Whether `point` lies right of the ray from `source` to `target`.
+/// Whether `point` lies right of the ray from `source` to `target` by more than rounding.
 #[inline]
 pub(crate) fn is_clearly_right(
     source: [f64; 2],
@@ -31,7 +31,7 @@ pub(crate) fn is_clearly_right(
     area < -doubt
 }
 
-/// Twice the signed area of the three points, and the bound of its rounding error.
+/// Twice the signed area of the three points, and a bound of its rounding error.
 #[inline]
 fn twice_area(source: [f64; 2], target: [f64; 2], point: [f64; 2], blur: f64) -> (f64, f64) {
     let ray = [target[0] - source[0], target[1] - source[1]];

@@ -1,9 +1,9 @@
-//! Rules 2 and 3: two windows of one edge compared with each other.
+//! Rules 2 and 3: comparison of two windows of one edge.
 //!
-//! Both rest on one lemma: where a ray of a window crosses a path that is shorter up to the
-//! crossing, the ray is useless from there on. The rules differ in the paper in whether the two
-//! windows came through one edge or through two; the checks, made on the edge on which both lie,
-//! are the same. [`Pairs`](crate::Pairs) chooses the pairs that are compared.
+//! Both rules follow from one lemma: where a ray of a window crosses a path that is shorter up to
+//! the crossing, the ray is useless from there on. In the paper the rules differ in whether the
+//! windows came through one edge or through two. The checks are made on the edge on which both
+//! windows lie, and are the same. [`Pairs`](crate::Pairs) selects the pairs that are compared.
 
 use geobench_window::Window;
 
@@ -11,15 +11,15 @@ use crate::orient::{is_clearly_left, is_clearly_right};
 use crate::precision::{CLEARANCE, MARGIN, WINS, extent};
 
 /// Least distance of a crossing from the border of the triangle, as a fraction of its size, for
-/// rays that cross at a right angle in a triangle as high as it is long. It grows as the sine of
-/// the angle falls, for so does the error of the crossing: two rays through one corner of the
-/// triangle seem to cross beside it. And it grows with the triangle's slenderness.
+/// rays that cross at a right angle in a triangle as high as it is long. The limit grows as the
+/// sine of the angle falls, as does the error of the crossing: two rays through one corner of the
+/// triangle seem to cross beside it. It also grows with the slenderness of the triangle.
 pub(crate) const INSIDE: f64 = MARGIN;
 
-/// Greatest such distance that is asked for: rays that are closer to parallel do not cross at all.
+/// The greatest such distance. Rays that would need more count as parallel.
 pub(crate) const BLURRED: f64 = 1e-3;
 
-/// The result of a comparison; either window may have been cut as well.
+/// The result of a comparison. Either window may also have been cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     BothStay,
@@ -34,11 +34,10 @@ pub(crate) struct SharedEdge {
     pub(crate) l: f64,
     /// The third vertex of the triangle that the windows have just crossed, below the edge.
     pub(crate) behind: [f64; 2],
-    /// How far rounding may have moved the sources of windows on the edge, beside what it may have
-    /// by their distances.
+    /// The rounding error of the sources of windows on the edge, in addition to that of their
+    /// distances.
     blur: f64,
-    /// How many times as long as high the triangle is: its height is the scale on which a point
-    /// lies inside.
+    /// Length of the triangle divided by its height, which is the scale of positions inside.
     slenderness: f64,
 }
 
@@ -54,8 +53,8 @@ impl SharedEdge {
         }
     }
 
-    /// Whether `point` lies inside the triangle behind the edge, and further from its border than
-    /// `margin`, a fraction of the triangle's size.
+    /// Whether `point` lies inside the triangle behind the edge, at a distance of more than
+    /// `margin` of its size from the border.
     fn is_behind(&self, point: [f64; 2], margin: f64) -> bool {
         let depth = point[1] / self.behind[1];
         let leftmost = depth * self.behind[0];
@@ -68,15 +67,15 @@ impl SharedEdge {
     }
 }
 
-/// Compares two windows of one edge, cuts what each loses to the other, and says whether one of
-/// them has lost everything (Qin et al. 2016, section 4.1, cases 1 to 6).
+/// Compares two windows of one edge, and cuts what each loses to the other (Qin et al. 2016,
+/// section 4.1, cases 1 to 6). Returns whether one of them has lost everything.
 pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &SharedEdge) -> Verdict {
     let (lo, hi) = (a.b0.max(b.b0), a.b1.min(b.b1));
     if lo > hi {
         return check_disjoint(a, b, edge);
     }
     for x in [lo, hi] {
-        // An earlier cut may have taken x out of an interval.
+        // An earlier cut may have removed x from an interval.
         if x < a.b0.max(b.b0) || x > a.b1.min(b.b1) {
             continue;
         }
@@ -95,13 +94,13 @@ pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &SharedEdge) -> V
     Verdict::BothStay
 }
 
-/// `winner` is shorter at `x` in both intervals: cuts the rays of `loser` that the winner's path
-/// to `x` crosses. Returns whether anything is left.
+/// Cuts the rays of `loser` that cross the path of `winner` to `x`. `winner` must be shorter at
+/// `x`, which must be in both intervals. Returns whether any ray is left.
 ///
-/// With the winner's source on the left these are the rays left of x, provided that the source
-/// lies beyond the loser's last ray on that side, so that the path to x enters the cone there;
-/// mirrored on the right. The side at x alone does not tell: x often lies on a ray through both
-/// sources, where the sign is noise.
+/// With the winner's source on the left, these are the rays left of x, if the source is beyond the
+/// loser's last ray on that side, so that the path to x enters the cone there. The right side is
+/// symmetric. The side at x alone does not decide: x is often on a ray through both sources, where
+/// the sign is a rounding error.
 fn cut(loser: &mut Window, winner: &Window, x: f64, edge: &SharedEdge) -> bool {
     let (from, to) = (loser.source(), winner.source());
     let blur = edge.blur;
@@ -116,8 +115,8 @@ fn cut(loser: &mut Window, winner: &Window, x: f64, edge: &SharedEdge) -> bool {
     loser.b0 < loser.b1
 }
 
-/// Compares windows whose intervals do not meet (cases 3 and 6). If their nearest rays have crossed
-/// inside the triangle behind the edge, the one that is longer up to there dies.
+/// Compares windows with disjoint intervals (cases 3 and 6). If their nearest rays have crossed
+/// inside the triangle behind the edge, the window whose path to the crossing is longer is deleted.
 fn check_disjoint(a: &Window, b: &Window, edge: &SharedEdge) -> Verdict {
     if a.b1 < b.b0 {
         return check_in_order(a, b, edge);
@@ -131,12 +130,12 @@ fn check_disjoint(a: &Window, b: &Window, edge: &SharedEdge) -> Verdict {
 
 /// As [`check_disjoint`], for `left` before `right`.
 ///
-/// Beyond the crossing U the ray of the dearer window is useless. So is every other ray of that
-/// window: each ends on the far side of the cheaper ray and started on the near side, so that it
-/// has crossed it before U. If the windows came into the triangle through two edges, it did so in
-/// the triangle, for the cheaper ray parts the one edge from what lies beyond. If they came through
-/// one edge, the cheaper ray entered there at a point that both windows reach, and the rays that do
-/// not cross it in the triangle are those that lie beyond that point; the way from there to the
+/// Beyond the crossing U the ray of the longer window is useless. So is every other ray of that
+/// window: it ends on the far side of the shorter ray and started on the near side, so it has
+/// crossed that ray before U. If the windows entered the triangle through two edges, it did so in
+/// the triangle, because the shorter ray separates the one edge from what lies beyond. If they
+/// entered through one edge, the shorter ray entered at a point that both windows reach. The rays
+/// that do not cross it in the triangle are those beyond that point. The path from there to the
 /// source crosses them, as in [`cut`].
 fn check_in_order(left: &Window, right: &Window, edge: &SharedEdge) -> Verdict {
     let (v, u) = (left.source(), right.source());
@@ -163,18 +162,18 @@ fn length(source: [f64; 2], x: f64) -> f64 {
     (dx * dx + dy * dy).sqrt()
 }
 
-/// Where two rays cross.
+/// The crossing of two rays.
 struct Meeting {
-    /// The fraction of the first ray's length.
+    /// Its position as a fraction of the first ray's length.
     s: f64,
-    /// The fraction of the second ray's length.
+    /// Its position as a fraction of the second ray's length.
     t: f64,
-    /// How far from there the crossing may be in truth.
+    /// Bound of the error of the position.
     blur: f64,
 }
 
-/// Where two rays, each given by its source and its abscissa on the edge, cross before the edge.
-/// `None` if they do not, or not beyond doubt.
+/// The crossing before the edge of two rays, each given by its source and its abscissa on the edge.
+/// `None` if they do not cross by more than rounding.
 fn meet((v, x): ([f64; 2], f64), (u, y): ([f64; 2], f64), slenderness: f64) -> Option<Meeting> {
     let r = [x - v[0], -v[1]];
     let q = [y - u[0], -u[1]];
@@ -263,8 +262,8 @@ mod tests {
 
     #[test]
     fn a_source_between_the_rays_of_the_loser_cuts_nothing() {
-        // The winner stands inside the loser's cone: it can only be on its border in truth, and
-        // on which side the rays that it beats lie is open.
+        // The winner's source is in the loser's cone. It can only be on the border of the cone, up
+        // to rounding, so it is unknown on which side the rays are that it beats.
         let dear = window(0.0, 1.0, 0.5, -2.0, 5.0);
         let cheap = window(0.4, 0.6, 0.5, -0.5, 0.0);
         let (verdict, kept, _) = check(dear, cheap);
@@ -278,14 +277,14 @@ mod tests {
         let right = window(0.7, 0.9, 0.1, -1.0, 0.5);
         assert_eq!(check(left, right).0, Verdict::SecondDies);
         assert_eq!(check(right, left).0, Verdict::FirstDies);
-        // With a flatter triangle behind the edge they crossed before it, perhaps on other faces.
+        // With a flatter triangle behind the edge they crossed before it, possibly on other faces.
         let flat = SharedEdge::new(1.0, [0.5, -0.2]);
         let verdict = check_pair(&mut left.clone(), &mut right.clone(), &flat);
         assert_eq!(verdict, Verdict::BothStay);
     }
 
-    /// Two windows bounded by one corner of the triangle seemed to cross just beside it, and one of
-    /// them died: 14 vertices of the horse came out too far, by up to 3e-6, when all pairs were
+    /// Two windows bounded by one corner of the triangle seemed to cross beside it, and one of them
+    /// was deleted: 14 vertices of the horse were too far by up to 3e-6 when all pairs were
     /// compared.
     #[test]
     fn rays_through_one_corner_of_the_triangle_do_not_cross() {

@@ -21,10 +21,11 @@ use crate::pruning::Pairs;
 use crate::schedule::{Schedule, Scheduled};
 use geobench_window::simd::{Instructions, Simd};
 
-/// An algorithm that propagates whole lists of windows, on one mesh: in the order of schedule `S`,
-/// with lists merged by `M`, their windows compared by `P` and sent on by `E`.
+/// An algorithm that propagates whole lists of windows, on one mesh. Faces join in the order of
+/// schedule `S`; lists are merged by `M`; windows are compared by `P`; `E` decides through which
+/// exits they leave.
 ///
-/// The solver numbers vertices and faces anew, breadth first.
+/// The solver renumbers vertices and faces breadth first.
 ///
 /// ```
 /// use geobench_mesh::Mesh;
@@ -47,7 +48,7 @@ pub struct ListPropagation<S, M, P, E> {
     front: Front,
     active: ActiveList,
     exits: E,
-    /// Vertices whose turn has come.
+    /// Vertices that have had their turn.
     passed: Vec<bool>,
     distances: Vec<f64>,
     lookout: Lookout,
@@ -87,9 +88,8 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         }
     }
 
-    /// Drops windows whose interval is narrower than `width`, in the units of the mesh, when they
-    /// come out of a triangle. The paper does so at a millionth of the model's size; distances are
-    /// then no longer exact.
+    /// Drops children whose interval is narrower than `width`, in the units of the mesh. The paper
+    /// uses a millionth of the model's size. Distances are then no longer exact.
     #[must_use]
     pub fn with_threshold(self, width: f64) -> Self {
         Self {
@@ -98,8 +98,8 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         }
     }
 
-    /// Uses `instructions`, or fewer if the processor lacks them; the best that it has are used
-    /// otherwise. The answer is the same to the bit.
+    /// Uses `instructions`, or narrower ones if the processor lacks them. The default is the widest
+    /// set of the processor. Distances are the same bit for bit.
     #[must_use]
     pub fn with_instructions(self, instructions: Instructions) -> Self {
         Self {
@@ -108,7 +108,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         }
     }
 
-    /// Clears the state of the last run, and what waited when it ended.
+    /// Clears the state of the last run, and the windows that still waited at its end.
     fn reset(&mut self) {
         self.lookout.clear();
         self.schedule.reset();
@@ -123,7 +123,8 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             .resize(self.mesh.vertex_count(), f64::INFINITY);
     }
 
-    /// Whether all that is wanted is final before the turn at distance `d`, where no list is ready.
+    /// Whether everything that `probe` wants is final before the turn at distance `d`. No list may
+    /// be queued.
     fn ends<B: Probe>(&mut self, d: f64, probe: &mut B) -> bool {
         let distance = |v| self.distances[self.numbering.new_vertex(v).index()];
         let windows = || self.front.windows().map(|w| w.min_distance());
@@ -131,9 +132,9 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             .ends(probe, d, distance, || windows().chain([d]))
     }
 
-    /// A path of length `d` reaches `v`, as `way` tells of half-edges that start there. If faces
-    /// join by vertices, every vertex has a turn, and one from which windows start has another
-    /// whenever it improves; else only the latter have turns.
+    /// Offers vertex `v` a path of length `d`; `way` describes it by a half-edge that starts there.
+    /// If faces join by vertices, every vertex has a turn, and a pseudo-source has another one
+    /// whenever it improves. Else only pseudo-sources have turns.
     #[inline]
     fn offer<B: Probe>(&mut self, v: u32, d: f64, way: impl FnOnce() -> (u32, Way), probe: &mut B) {
         let i = v as usize;
@@ -149,8 +150,8 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         }
     }
 
-    /// The turn of vertex `v`: it sends out windows if it is a source or pseudo-source, and the
-    /// faces around it may join the traversed area.
+    /// The turn of vertex `v`. It sends windows if it is a source or pseudo-source, and the faces
+    /// around it may join the traversed area.
     fn pass<B: Probe>(&mut self, v: u32, is_source: bool, probe: &mut B) {
         self.front.advance();
         self.passed[v as usize] = true;
@@ -164,7 +165,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         }
     }
 
-    /// Sends out paths along the edges of `v` and windows across its faces.
+    /// Offers distances along the edges of `v` and sends windows across its faces.
     fn spawn<B: Probe>(&mut self, v: u32, probe: &mut B) {
         probe.add(Counter::PseudoSources, 1);
         let sigma = self.distances[v as usize];
@@ -206,7 +207,8 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         probe.raise(Counter::PeakWavefront, self.front.waiting() as u64);
     }
 
-    /// All windows for half-edge `h` have come; those in `list` from `start` on are new.
+    /// Called when all windows for half-edge `h` have arrived; those in `list` from `start` on are
+    /// new.
     #[inline]
     fn close<B: Probe>(&mut self, h: u32, list: u32, start: usize, probe: &mut B) {
         if !S::BY_VERTEX && !self.front.contains(parts(h).0) {
@@ -219,7 +221,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             };
             let mut offer = self.simd.run(program);
             if self.kept.holds(h as usize) {
-                // Beside a thin face, windows may wind around a needle at less than that.
+                // Beside a thin face, windows may wind around a needle at less than the offer.
                 offer = self.front.least_distance(h);
             }
             self.schedule.wait(parts(h).0 as u32, offer, probe);
@@ -227,7 +229,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         self.front.make_ready(h);
     }
 
-    /// Takes the list on `h` across its face.
+    /// Propagates the list on `h` across its face.
     fn cross<B: Probe>(&mut self, h: u32, probe: &mut B) {
         let (f, corner) = parts(h);
         let face = self.layout.faces[f];
@@ -244,7 +246,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         let found = self.simd.run(program);
         self.front.clear(h);
         probe.enter(Phase::Propagation);
-        // Comparisons may make several windows of one.
+        // Comparisons may split a window into several.
         probe.add(
             Counter::Filtered,
             arrived.saturating_sub(self.active.len) as u64,
@@ -259,7 +261,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             probe.raise(Counter::PeakWavefront, alive);
         }
         if B::COUNTS {
-            // Only windows that start from the vertex behind the edge have their source there.
+            // Only windows that start at the vertex behind the edge have their source there.
             let behind = self.layout.behind(h);
             let children = self.active.iter().filter(|w| w.source() != behind);
             probe.add(Counter::Kept, children.count() as u64);
@@ -290,8 +292,8 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         probe.raise(Counter::PeakWavefront, self.front.waiting() as u64);
     }
 
-    /// Sends the list in hand on, each window through the exits that are open to it; at most as
-    /// many as `bound` through each.
+    /// Propagates the active list through the exits that are open to each window; `bound` limits
+    /// the numbers of children.
     #[allow(clippy::too_many_arguments)] // Private, and one step of `cross`.
     #[inline]
     fn send_children<B: Probe>(
@@ -389,13 +391,13 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         probe.add(counter, tried);
     }
 
-    /// Windows have been put into their places in the list on `h`, which waits.
+    /// Called after windows have been inserted into the list on `h`, which waits.
     fn close_late<B: Probe>(&mut self, h: u32, probe: &mut B) {
         let list = self.front.first(h);
         self.close(h, list, 0, probe);
     }
 
-    /// Asks for what the next lists will touch.
+    /// Prefetches the memory of the next lists.
     #[inline]
     fn prefetch(&self) {
         if let Some(h) = self.front.upcoming(6) {

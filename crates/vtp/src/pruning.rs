@@ -1,8 +1,8 @@
-//! The choice of the windows of a list that are compared with each other.
+//! The pairs of windows of a list that are compared.
 
-// Kernels must be inlined into the functions that have the features of the processor.
+// Kernels must be inlined into the functions that enable the instructions.
 #![allow(clippy::inline_always)]
-// The engine is private, so that other crates cannot implement the trait here.
+// The engine is private, so other crates cannot implement this trait.
 #![allow(private_bounds, private_interfaces)]
 
 use geobench_window::Window;
@@ -14,16 +14,15 @@ use crate::pairs::{SharedEdge, Verdict, check_pair};
 use crate::trim::trim_pair;
 use geobench_window::simd::Lanes;
 
-/// Chooses and compares the windows of a list before it crosses its face.
+/// Selects and compares pairs of windows of a list before it crosses its face.
 pub trait Pairs: Send {
     /// Cuts or drops windows of `active`, the list on half-edge `h` of `layout`.
     #[doc(hidden)]
     fn prune<L: Lanes>(simd: L::Token, active: &mut ActiveList, layout: &MeshLayout, h: u32);
 }
 
-/// Neighbours in the list: rules 2 and 3 (Qin et al. 2016, sections 4.2 and 4.3). A window is
-/// compared with its neighbours until all of them stay or it dies, so a whole list takes linear
-/// time.
+/// Neighbours in the list: rules 2 and 3 (Qin et al. 2016, sections 4.2 and 4.3). Neighbours are
+/// compared until no window is deleted. This takes linear time for a list.
 #[derive(Clone, Copy, Debug)]
 pub struct Neighbours;
 
@@ -34,9 +33,8 @@ impl Pairs for Neighbours {
     }
 }
 
-/// Compares neighbours until all of them stay, and cuts them at their tie points if `TRIM` says so.
-/// Returns whether that has come to an end; it has not if a window falls to pieces or loses its
-/// place.
+/// Compares neighbours until no window is deleted, and with `TRIM` cuts them at their tie points.
+/// Returns whether the list has settled. It has not if a window would be split or change its place.
 #[inline(always)]
 fn settle_neighbours<L: Lanes, const TRIM: bool>(
     simd: L::Token,
@@ -55,7 +53,7 @@ fn settle_neighbours<L: Lanes, const TRIM: bool>(
     settled
 }
 
-/// None: rules 2 and 3 switched off.
+/// No pairs: rules 2 and 3 switched off.
 #[derive(Clone, Copy, Debug)]
 pub struct NoPairs;
 
@@ -64,8 +62,8 @@ impl Pairs for NoPairs {
     fn prune<L: Lanes>(_: L::Token, _: &mut ActiveList, _: &MeshLayout, _: u32) {}
 }
 
-/// Compares windows one by one: `push` adds each to those that have been checked so far, or drops
-/// it, and cuts or drops those with which it is compared.
+/// Compares windows one at a time. `push` compares each with the windows `checked` so far, cuts or
+/// drops these, and appends the window unless it is deleted.
 fn one_by_one(
     active: &mut ActiveList,
     layout: &MeshLayout,
@@ -85,7 +83,7 @@ fn one_by_one(
     active.windows = checked;
 }
 
-/// Every pair, once: quadratic in the length of the list.
+/// Every pair once. Quadratic in the length of the list.
 #[derive(Clone, Copy, Debug)]
 pub struct AllPairs;
 
@@ -111,8 +109,8 @@ fn push_to_all(checked: &mut Vec<Window>, mut new: Window, edge: &SharedEdge) {
     }
 }
 
-/// Neighbours in the list, as in rules 2 and 3; what these leave of an overlap is cut at the tie
-/// points, as in MMP, so that neighbours never overlap.
+/// Neighbours in the list, as in rules 2 and 3. Remaining overlaps are cut at the tie points, as in
+/// MMP, so neighbours never overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct TrimmedNeighbours;
 
@@ -125,8 +123,8 @@ impl Pairs for TrimmedNeighbours {
     }
 }
 
-/// Compares `new` with the last of `checked`, and the next to last if that dies, and so on, and
-/// trims overlaps.
+/// Compares `new` with the last of `checked`, with the one before if that is deleted, and so on,
+/// and trims overlaps.
 fn push_and_trim(checked: &mut Vec<Window>, mut new: Window, edge: &SharedEdge) {
     while let Some(last) = checked.last_mut() {
         match check_pair(last, &mut new, edge) {
@@ -172,7 +170,8 @@ mod tests {
         }
     }
 
-    /// What `P` leaves of `windows` on an edge of length 1 with a vertex at (0.5, -1) behind it.
+    /// The windows that `P` leaves of `windows`, on an edge of length 1 with a vertex at (0.5, -1)
+    /// behind it.
     fn prune<P: Pairs>(windows: &[Window]) -> Vec<Window> {
         let positions = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0], [0.5, -1.0]];
         let positions = positions.map(|[x, y]| [x, y, 0.0]).to_vec();

@@ -1,9 +1,9 @@
-//! Schedules: which faces join the traversed area next.
+//! Schedules: the order in which faces join the traversed area.
 
 use geobench_window::queue::MinHeap;
 use geobench_window::{Counter, Probe};
 
-/// The next element of a schedule.
+/// An element of a schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheduled {
     /// A vertex.
@@ -12,30 +12,30 @@ pub enum Scheduled {
     Face(u32),
 }
 
-/// An order in which the traversed area grows. Distances do not depend on it, costs do.
+/// An order in which the traversed area grows. Distances do not depend on it; counts and time do.
 pub trait Schedule: Send {
-    /// Whether all faces around a vertex join when its turn comes; else faces have turns of their
-    /// own, and [`wait`](Schedule::wait) must be told of windows that wait for them.
+    /// Whether all faces around a vertex join at the turn of the vertex. Else faces have turns of
+    /// their own, and [`wait`](Schedule::wait) must be called for windows that wait for them.
     const BY_VERTEX: bool;
 
-    /// An empty schedule for a mesh of so many faces. Vertices and faces have the numbers of the
-    /// solver.
+    /// An empty schedule for a mesh with this number of faces. Vertices and faces have the numbers
+    /// of the solver.
     fn new(faces: usize) -> Self;
 
     /// Removes all elements.
     fn reset(&mut self);
 
-    /// Vertex `v` is to have a turn, at distance `d`.
+    /// Gives vertex `v` a turn at distance `d`.
     fn push_vertex<P: Probe>(&mut self, v: u32, d: f64, probe: &mut P);
 
-    /// Windows have come to wait for `face`; the shortest of their paths to the vertex opposite
-    /// their edge has length `offer`.
+    /// Tells that windows now wait for `face`. `offer` is the length of their shortest path to the
+    /// vertex opposite their edge.
     fn wait<P: Probe>(&mut self, face: u32, offer: f64, probe: &mut P);
 
     /// The distance of the next element; infinite if there is none.
     fn next(&self) -> f64;
 
-    /// Takes the next element, with the distance that it was queued for.
+    /// Takes the next element, with its distance in the queue.
     fn pop(&mut self) -> Option<(f64, Scheduled)>;
 }
 
@@ -76,12 +76,12 @@ impl Schedule for NearestVertex {
     }
 }
 
-/// First the face whose far vertex the windows on its border reach on the shortest path (Qin et
-/// al. 2016, section 5.1). Pseudo-sources have turns in the same queue, by their distances.
+/// The face whose far vertex the waiting windows reach on the shortest path (Qin et al. 2016,
+/// section 5.1). Pseudo-sources have turns in the same queue, by their distances.
 #[derive(Clone, Debug)]
 pub struct NearestFace {
     front: MinHeap<Scheduled>,
-    /// For each face the least offer so far, its label in the queue.
+    /// For each face, the least offer so far, which is its label in the queue.
     offers: Vec<f64>,
 }
 

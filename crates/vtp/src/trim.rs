@@ -5,7 +5,7 @@ use geobench_window::trimming::ties_between;
 
 use crate::precision::WINS;
 
-/// The remainder of a window: up to three pieces, from left to right.
+/// What is left of a window: up to three pieces, from left to right.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pieces {
     windows: [Window; 3],
@@ -23,7 +23,7 @@ impl Pieces {
         self.windows[..self.len].iter()
     }
 
-    /// The parts of `w` outside of the ranges of `stretches` that `lost` marks.
+    /// The parts of `w` outside the ranges of `stretches` that `lost` marks.
     fn of(w: &Window, stretches: &[f64], lost: [bool; 3]) -> Self {
         let mut pieces = Self {
             windows: [*w; 3],
@@ -46,17 +46,17 @@ impl Pieces {
     }
 }
 
-/// Distance of a source from the edge, as a fraction of its length, below which it stands on it.
+/// Height of a source, as a fraction of the edge, below which it counts as on the edge.
 pub(crate) const ON_EDGE: f64 = 1e-10;
 
 /// What two overlapping windows of one edge of length `l` keep if each gives up the ranges on which
 /// the other is shorter (Surazhsky et al. 2005, section 3.5).
 ///
-/// The overlap is cut at the tie points, and the middle of each stretch between them tells which
-/// window is shorter on it. A stretch on which both are equal up to rounding, such as all of it for
-/// two images of one source, stays with both. `None` if the windows do not overlap, or if a source
-/// stands on the edge, behind a face of no area: its rays of all directions pass through less width
-/// than rounding moves a tie point by.
+/// The overlap is cut at the tie points. The midpoint of each range between them decides which
+/// window is shorter on it. Both windows keep a range on which they are equal up to rounding, such
+/// as the whole overlap of two images of one source. `None` if the windows do not overlap, or if a
+/// source is on the edge, behind a face of no area: its rays of all directions then pass through
+/// less width than the rounding of a tie point.
 pub(crate) fn trim_pair(a: &Window, b: &Window, l: f64) -> Option<(Pieces, Pieces)> {
     let (lo, hi) = (a.b0.max(b.b0), a.b1.min(b.b1));
     if lo >= hi || a.py.max(b.py) > -ON_EDGE * l {
@@ -100,7 +100,7 @@ mod tests {
     }
 
     proptest! {
-        /// At every point of the edge the shorter one of the two is kept.
+        /// At every point of the edge the shorter window is kept.
         #[test]
         fn no_distance_is_lost(a in windows(), b in windows(), x in 0.0..1.0f64) {
             let covers = |w: &Window| w.b0 <= x && x <= w.b1;
@@ -116,7 +116,7 @@ mod tests {
         }
     }
 
-    /// The gap between two windows was once taken for an overlap: both lost rays to it.
+    /// The gap between two windows was once taken for an overlap, and both lost rays.
     #[test]
     fn windows_apart_lose_nothing_to_each_other() {
         let window = |b0, b1| Window {
@@ -134,8 +134,8 @@ mod tests {
         }
     }
 
-    /// The fan of a vertex on the edge was cut by rounding, and a vertex behind a face without area
-    /// came out a tenth too far.
+    /// Rounding once cut the windows of a vertex on the edge, and a vertex behind a face without
+    /// area was a tenth too far.
     #[test]
     fn a_source_on_the_edge_is_not_trimmed() {
         let fan = Window {
@@ -154,8 +154,8 @@ mod tests {
         assert!(trim_pair(&fan, &other, 1.0).is_none() && trim_pair(&other, &fan, 1.0).is_none());
     }
 
-    /// In a list that is not final yet two windows may tie twice; the middle then goes to one and
-    /// both sides to the other.
+    /// In a list that is not final, two windows may tie twice. One window then gets the middle, the
+    /// other both sides.
     #[test]
     fn two_tie_points_leave_three_pieces() {
         let near = Window {

@@ -1,4 +1,4 @@
-//! The algorithms that have names: combinations of the four choices of [`ListPropagation`].
+//! The named algorithms: combinations of the four choices of [`ListPropagation`].
 
 use crate::{
     AcrossTheFace, AllPairs, AnyExit, EveryPath, ListPropagation, NearestFace, NearestVertex,
@@ -22,13 +22,14 @@ use crate::{
 ///
 /// Two steps differ from the paper:
 ///
-/// * **Rule 1.** Proposition 4.1 drops a window's whole side by comparing separating points, which
-///   is unsound where intervals overlap: taken literally it gives wrong distances at 1,040 of
+/// * **Rule 1.** Proposition 4.1 drops a window's whole side by comparing separating points. That
+///   is unsound where intervals overlap: taken literally, it gives wrong distances at 1,040 of
 ///   49,970 vertices of one scan. Here a window is cut where the best path to the apex enters the
 ///   triangle. It loses the rest only if that path provably crosses all of it.
-/// * **Rules 2 and 3.** All neighbours are compared at once, uncut, then those that a deletion has
-///   brought together, until none is deleted. The paper goes through the list from one end. A cut
-///   rests on a real path, whatever becomes of the winner, so both forms are exact.
+/// * **Rules 2 and 3.** All neighbours are compared at once, before any cut. Then those are
+///   compared that a deletion has made adjacent, until no window is deleted. The paper traverses
+///   the list from one end. Every cut is justified by a real path, also if the winner is cut later,
+///   so both forms are exact.
 pub type Vtp = ListPropagation<NearestVertex, OrderFree, Neighbours, OneAngleTwoSides>;
 
 /// [`Vtp`] with order-preserving secondary merges (Qin et al. 2016, section 5.1).
@@ -45,8 +46,8 @@ pub type Vtp = ListPropagation<NearestVertex, OrderFree, Neighbours, OneAngleTwo
 /// ```
 pub type Opvtp = ListPropagation<NearestVertex, OrderPreserving, Neighbours, OneAngleTwoSides>;
 
-/// FTP (Qin et al. 2016, section 5.1): [`Vtp`] with one face at a time, the one whose far vertex
-/// the waiting windows reach on the shortest path.
+/// FTP (Qin et al. 2016, section 5.1): as [`Vtp`], but one face joins at a time, the one whose far
+/// vertex the waiting windows reach on the shortest path.
 ///
 /// ```
 /// use geobench_mesh::Mesh;
@@ -63,11 +64,12 @@ pub type Ftp = ListPropagation<NearestFace, OrderFree, Neighbours, OneAngleTwoSi
 /// [`Ftp`] with order-preserving secondary merges.
 pub type Opftp = ListPropagation<NearestFace, OrderPreserving, Neighbours, OneAngleTwoSides>;
 
-/// The edge-based algorithm of the transfer report that preceded the paper, chapter 5: [`Vtp`], and
-/// no ray crosses the shortest path that came across the face through one of its other edges.
+/// The edge-based algorithm of chapter 5 of the transfer report that preceded the paper: as
+/// [`Vtp`], and no ray crosses the shortest path across the face that came through one of its other
+/// edges.
 ///
 /// The report has no vertex filter. Without one, windows that run back behind the wavefront meet no
-/// others and need not end, so this form has it too.
+/// others and need not end. So this form has the filter as well.
 ///
 /// ```
 /// use geobench_mesh::Mesh;
@@ -81,10 +83,10 @@ pub type Opftp = ListPropagation<NearestFace, OrderPreserving, Neighbours, OneAn
 /// ```
 pub type EdgeBased = ListPropagation<NearestVertex, OrderFree, Neighbours, AcrossTheFace>;
 
-/// [`Vtp`] that compares every pair of windows and every path to a vertex of the face (Qin et al.
-/// 2016, section 6.2, and cases 1 to 12 of section 3). Takes O(k²) for a list of k windows.
+/// As [`Vtp`], but compares every pair of windows, and every path to a vertex of the face (Qin et
+/// al. 2016, section 6.2, and cases 1 to 12 of section 3). Takes O(k²) for a list of k windows.
 ///
-/// Cases 8 and 10 as printed delete more than is proved; they take the form of rule 1 in [`Vtp`].
+/// Cases 8 and 10 as printed delete more than is proved. They have the form of rule 1 in [`Vtp`].
 ///
 /// ```
 /// use geobench_mesh::Mesh;
@@ -99,7 +101,7 @@ pub type EdgeBased = ListPropagation<NearestVertex, OrderFree, Neighbours, Acros
 /// ```
 pub type VtpExhaustive = ListPropagation<NearestVertex, OrderFree, AllPairs, EveryPath>;
 
-/// [`Vtp`] whose neighbours are also cut at their tie points, as in MMP (Qin et al. 2016, section
+/// As [`Vtp`], but neighbours are also cut at their tie points, as in MMP (Qin et al. 2016, section
 /// 6.2).
 ///
 /// ```

@@ -1,4 +1,4 @@
-//! Defects of the VTP kinds that were mended, each with a test that is named after what went wrong.
+//! Fixed defects of the VTP kinds, each as a test named after what went wrong.
 
 use geobench_mesh::Mesh;
 use geobench_vtp::{
@@ -60,7 +60,7 @@ regression_tests! {
     a_tie_was_lost_where_sources_were_equal_up_to_rounding
 }
 
-/// Rule 1 cut rays of a source 3e-12 of the edge away from it.
+/// Rule 1 cut rays of a source at a distance of 3e-12 of the edge.
 #[test]
 fn rule_1_cut_rays_beside_a_source_near_the_edge() {
     for seed in [10_549, 14_123] {
@@ -81,7 +81,8 @@ fn lists_wound_around_needles_before_those_that_beat_them_had_come() {
     }
 }
 
-/// Faces had their turns by the distance of their far vertex, windows beside them by their own.
+/// Faces had turns by the distance of their far vertex, but windows beside them by their own
+/// distance.
 #[test]
 fn a_window_wound_around_a_needle_before_the_next_face_joined() {
     seeds::check(95587, 4_670, solvers);

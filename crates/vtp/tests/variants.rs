@@ -192,7 +192,7 @@ fn a_solver_gives_the_same_answer_again_and_from_several_sources() {
     }
 }
 
-/// Every variant of the parallel form; threads race for faces and vertices, which must not matter.
+/// Every variant of the parallel form. Threads race for faces and vertices, which must not matter.
 #[test]
 fn any_number_of_threads_finds_the_same_distances() {
     let all = FastOptions::default();
@@ -247,7 +247,7 @@ fn any_number_of_threads_finds_the_same_distances() {
                 for threads in [2, 3, 4] {
                     let mut several = Pvtp::with_options(mesh, threads, options);
                     assert_eq!(several.threads(), threads);
-                    // Again and again, since what comes first is a matter of chance.
+                    // Repeated, because the order of threads is random.
                     for run in 0..if variant == 0 { 20 } else { 4 } {
                         let found = several.solve(&sources).unwrap();
                         for (v, (d, e)) in
@@ -279,9 +279,9 @@ fn one_thread_of_the_parallel_form_does_the_same_as_the_other_one() {
     }
 }
 
-/// An idle thread, or one that was far ahead, once did not hold the others back while windows that
-/// they had sent waited for it. When the system did not run it for a while, the others flooded its
-/// part of the surface with windows, up to three times as many.
+/// An idle thread, or one that was far ahead, once did not hold back the others while windows that
+/// they had sent waited for it. If the system did not run it for a while, the others propagated up
+/// to three times as many windows into its part of the surface.
 #[test]
 fn threads_do_not_run_away_from_one_that_is_late() {
     let mesh = scaled(soup_of("gen:torus,faces=5000,bump=0.1,seed=7"), 1.0);
@@ -303,8 +303,8 @@ fn threads_do_not_run_away_from_one_that_is_late() {
     }
 }
 
-/// A run that was broken off once left windows, handoffs and queues behind for the next one, which
-/// found distances too short.
+/// A run that was aborted once left windows, handoffs and queues for the next run, which found
+/// distances too short.
 #[test]
 fn a_run_that_was_broken_off_leaves_nothing_for_the_next_one() {
     struct Breaks(u32);
@@ -330,7 +330,7 @@ fn a_run_that_was_broken_off_leaves_nothing_for_the_next_one() {
     }
 }
 
-/// Kernels that gave other bits with other registers would make distances depend on the processor.
+/// If kernels gave other bits with other registers, distances would depend on the processor.
 #[test]
 fn all_instructions_give_the_same_bits_and_counts() {
     let mut available = 0;
@@ -376,7 +376,7 @@ fn all_instructions_give_the_same_bits_and_counts() {
     }
 }
 
-/// The whole family with `wide` instructions against one number at a time.
+/// Compares the whole family with `wide` instructions with scalar instructions.
 fn check_bits(wide: Instructions) {
     let spec = "gen:sphere,subdiv=4,noise=0.05,seed=2";
     let mesh = scaled(soup_of(spec), 1.0);
@@ -406,7 +406,7 @@ fn every_improvement_leaves_its_mark_on_the_counts() {
     assert!(rounds(0.1) > 2 * rounds(0.5));
 }
 
-/// Children of runs on one thread and on one of the parallel form.
+/// Numbers of children in runs of the serial form and of the parallel form on one thread.
 fn children(mesh: &Mesh, coalesce: bool) -> [u64; 2] {
     let options = FastOptions {
         coalesce,
@@ -420,7 +420,7 @@ fn children(mesh: &Mesh, coalesce: bool) -> [u64; 2] {
 
 #[test]
 fn windows_that_flat_vertices_part_are_one_behind_them() {
-    // The second surface is flat but for its edges, the third is divided without changing its
+    // The second surface is flat except at its edges; the third is subdivided without a change of
     // shape.
     for (spec, gain) in [
         ("gen:grid,n=30", 4),
@@ -502,6 +502,6 @@ fn every_choice_leaves_its_mark_on_the_counts() {
     assert!(children("vtp-trimming") < vtp);
     assert_ne!(children("opvtp"), vtp);
     assert_ne!(children("opftp"), children("ftp"));
-    // A turn brings one face and not a whole ring of them, so more turns are queued.
+    // A turn adds one face instead of a ring of faces, so more turns are queued.
     assert!(get("ftp", Counter::QueuePushes) > 2 * get("vtp", Counter::QueuePushes));
 }

@@ -1,5 +1,5 @@
-//! What an algorithm does with one window, on windows that are made up: the crossing of a triangle
-//! and what trimming compares.
+//! The work for one window, on synthetic windows: crossing a triangle, and the comparisons of
+//! trimming.
 
 use std::hint::black_box;
 
@@ -8,16 +8,16 @@ use geobench_mesh::generate::generate;
 use geobench_mesh::{HalfEdgeId, Mesh, SplitMix64};
 use geobench_window::{Crossing, Crossings, Faces, LANES, Side, Window, tie_points};
 
-/// Windows of each bench: few enough for the first cache.
+/// Windows of each bench, few enough for the first-level cache.
 const COUNT: usize = 256;
 
-/// Numbers in [0, 1) that are the same each time.
+/// Numbers in [0, 1), the same in each run.
 fn numbers(seed: u64) -> impl FnMut() -> f64 {
     let mut random = SplitMix64::new(seed);
     move || random.unit()
 }
 
-/// The icosahedron, whose edges are all of one length.
+/// The icosahedron, whose edges have equal lengths.
 fn icosahedron() -> Mesh {
     let soup = "gen:sphere,subdiv=0".parse().map(|spec| generate(&spec));
     let Ok(Ok(soup)) = soup else {
@@ -45,7 +45,7 @@ fn windows(l: f64) -> Vec<Window> {
     (0..COUNT).map(window).collect()
 }
 
-/// The half-edge through which the windows come.
+/// The half-edge through which the windows enter.
 const H: HalfEdgeId = HalfEdgeId::new(0);
 
 fn kernels(criterion: &mut Criterion) {

@@ -4,8 +4,8 @@ use crate::wavefront::WavefrontRecord;
 
 macro_rules! counters {
     ($($(#[doc = $doc:literal])+ $name:ident = $key:literal,)+) => {
-        /// A quantity that a run counts. The documentation of each is its definition, for every
-        /// algorithm alike.
+        /// A quantity that a run counts. The documentation of each variant is its definition, the
+        /// same for every algorithm.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[repr(u8)]
         pub enum Counter {
@@ -40,31 +40,30 @@ counters! {
     Propagated = "propagated",
     /// Windows that were taken from a queue or list and crossed a triangle.
     Parents = "parents",
-    /// Non-empty windows that came of these tries.
+    /// Non-empty windows among the children tried.
     Children = "children",
-    /// Children of which something was left after the checks made at their edge.
+    /// Children of which a part was left after the checks at their edge.
     Kept = "kept",
-    /// Windows with which sources and pseudo-sources started.
+    /// Windows that sources and pseudo-sources sent out.
     Spawned = "spawned",
-    /// Windows that wait for another turn because trimming changed their smallest distance; where
-    /// they are queued one by one, each of them is queued again.
+    /// Windows that wait for another turn because trimming changed their least distance. In queues
+    /// of single windows each of them is queued again.
     Reinserted = "reinserted",
     /// Windows that lost a part of their interval to another window.
     Trimmed = "trimmed",
-    /// Windows, spawned ones included, that were dropped whole: by a vertex filter, by another
-    /// window or as stale.
+    /// Windows dropped whole, by a vertex filter, by another window or as stale. Includes spawned
+    /// windows.
     Filtered = "filtered",
-    /// Most windows alive at one time: those stored on edges for MMP, less those given up behind
-    /// the wave, and those waiting to be propagated for the others.
+    /// Most windows alive at one time. For MMP: windows stored on edges, without those evicted
+    /// behind the wavefront. For other algorithms: windows that wait to be propagated.
     PeakWindows = "peak_windows",
-    /// Most windows that wait to be propagated at one time, whatever they wait in. A window waits
-    /// until its turn comes, or until it is trimmed away or replaced by what trimming leaves of it;
-    /// an entry of a queue whose window does not exist any more does not count. What turns out to
-    /// be stale at its turn has waited until then.
+    /// Most windows that wait to be propagated at one time, in whatever structure. A window waits
+    /// until its turn, or until it is trimmed away or replaced by its remainder. A window found
+    /// stale at its turn has waited until then. Queue entries whose window no longer exists do not
+    /// count.
     PeakWavefront = "peak_wavefront",
-    /// Windows stored on edges when the run ends (the "window limit" of MMP), those counted too
-    /// that were given up only because the wave had passed their edge: what is stored if all are
-    /// kept, and then no more than `peak_windows`.
+    /// Windows stored on edges when the run ends (the "window limit" of MMP), with those evicted
+    /// behind the wavefront. Without eviction it is at most `peak_windows`.
     StoredWindows = "stored_windows",
     /// Bytes that one window takes in the structure in which it waits.
     WindowBytes = "window_bytes",
@@ -74,18 +73,18 @@ counters! {
     QueuePeak = "queue_peak",
     /// Rounds of a queue that works in batches.
     Iterations = "iterations",
-    /// Most windows, or other events, that one such round was told to take: the greatest K of Xu et
-    /// al. 2015.
+    /// Most windows, or other events, that one such round was to take: the greatest K of Xu et al.
+    /// 2015.
     KPeak = "k_peak",
-    /// Depth of the sequence tree: the most triangles that one window's line of ancestors crossed.
+    /// Depth of the sequence tree: the most triangles crossed by a window and its ancestors.
     Levels = "levels",
     /// Times that a vertex sent out windows as a pseudo-source.
     PseudoSources = "pseudo_sources",
-    /// Child windows tried while crossing a face that had just joined the traversed area.
+    /// Child windows tried in faces that had just joined the traversed area.
     Prime = "prime",
-    /// Child windows tried while crossing a face that was in the traversed area already.
+    /// Child windows tried in faces that were in the traversed area already.
     Secondary = "secondary",
-    /// Bytes of the graph that set-up has built and that the run searches.
+    /// Bytes of the graph that set-up builds and the run searches.
     GraphBytes = "graph_bytes",
 }
 
@@ -102,10 +101,10 @@ counters! {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Counters {
     values: [Option<u64>; Counter::ALL.len()],
-    /// The figure that [`Self::WAVEFRONT_DEVIATION_DEFINITION`] defines.
+    /// The value defined by [`Self::WAVEFRONT_DEVIATION_DEFINITION`].
     pub wavefront_deviation: Option<f64>,
-    /// The wavefront at even intervals of the run, some dozens of times; empty if the algorithm
-    /// does not show it.
+    /// Some dozens of samples of the wavefront at even intervals of the run; empty if the algorithm
+    /// has no wavefront to sample.
     pub wavefront: Vec<WavefrontRecord>,
 }
 
@@ -113,7 +112,7 @@ impl Counters {
     /// The name of [`wavefront_deviation`](Self::wavefront_deviation) in result files.
     pub const WAVEFRONT_DEVIATION: &str = "wavefront_deviation";
 
-    /// Its definition in words.
+    /// The definition of [`wavefront_deviation`](Self::wavefront_deviation).
     pub const WAVEFRONT_DEVIATION_DEFINITION: &str = "Standard deviation of the least distances of \
         the windows on the wavefront, averaged over samples at even intervals of the run, in the \
         units of the mesh.";

@@ -1,10 +1,11 @@
-//! Crossing a triangle: the abscissa at which a window's cone splits, its two children, and the
-//! distance that it offers to the apex.
+//! Crossing a triangle: the separating abscissa of a window, its two children, and the distance
+//! that it offers to the apex.
 
 use crate::frame::Frame;
 use crate::window::{Window, norm};
 
-/// Where the ray from the window's source to the apex C meets the edge, not clamped to the window.
+/// The abscissa at which the ray from the window's source to the apex C meets the edge. It may be
+/// outside the window.
 ///
 /// With e = cy - py: sp = (cy·px - py·cx) / e. Rays left of it leave through AC, rays right of it
 /// through CB.
@@ -14,10 +15,10 @@ pub fn separating_abscissa(frame: &Frame, w: &Window) -> f64 {
 }
 
 /// The part of `w` left of `hi` (at most `min(w.b1, sp)`) as it arrives at AC, in the frame of the
-/// neighbour's half-edge A → C; `None` if nothing arrives.
+/// neighbour's half-edge A → C; `None` if its interval is empty.
 ///
-/// The ray through abscissa s meets AC at u(s) = la·n / (n + m) from A, with n = -py·s and m = (sp
-/// - s)·e, and the source turns to (û·p, û×p), û being the unit vector from A to C.
+/// The ray through abscissa s meets AC at u(s) = la·n / (n + m) from A, with n = -py·s and
+/// m = (sp - s)·e. The source turns to (û·p, û×p), where û is the unit vector from A to C.
 #[inline]
 pub fn left_child(frame: &Frame, w: &Window, sp: f64, hi: f64) -> Option<Window> {
     let at = |s: f64| {
@@ -40,11 +41,11 @@ pub fn left_child(frame: &Frame, w: &Window, sp: f64, hi: f64) -> Option<Window>
 }
 
 /// The part of `w` right of `lo` (at least `max(w.b0, sp)`) as it arrives at CB, in the frame of
-/// the neighbour's half-edge C → B; `None` if nothing arrives.
+/// the neighbour's half-edge C → B; `None` if its interval is empty.
 ///
-/// The ray through abscissa s meets CB at v(s) = lb·m / (n + m) from C, with n = -py·(l - s) and m
-/// = (s - sp)·e; the source turns to (v̂·(p - C), v̂×(p - C)), v̂ being the unit vector from C to
-/// B.
+/// The ray through abscissa s meets CB at v(s) = lb·m / (n + m) from C, with n = -py·(l - s) and
+/// m = (s - sp)·e. The source turns to (v̂·(p - C), v̂×(p - C)), where v̂ is the unit vector from C
+/// to B.
 #[inline]
 pub fn right_child(frame: &Frame, w: &Window, sp: f64, lo: f64) -> Option<Window> {
     let at = |s: f64| {
@@ -66,9 +67,9 @@ pub fn right_child(frame: &Frame, w: &Window, sp: f64, lo: f64) -> Option<Window
 /// The length of the shortest path of `w` to the apex C inside the triangle: straight if the
 /// window sees C, else bent at the end of its interval that is nearest to the straight ray.
 ///
-/// Both are lengths of real paths, so the offer is never too small. The bent one must be made as
-/// well: it is what carries a distance past a vertex that is hit exactly, so that only saddle
-/// vertices need windows of their own.
+/// Both are lengths of real paths, so the offer is never too small. The bent path must be offered
+/// as well: it carries a distance past a vertex that is hit exactly. Only saddle vertices then need
+/// windows of their own.
 #[inline]
 pub fn apex_distance(frame: &Frame, w: &Window, sp: f64) -> f64 {
     if w.b0 <= sp && sp <= w.b1 {

@@ -1,15 +1,41 @@
 //! The whole crossing of a triangle by one window, for algorithms that take one window at a time.
 //!
-//! It does what [`left_child`](crate::left_child) and its neighbours do, without the
-//! division for the separating abscissa: with D0 = cy·px - py·cx and e = cy - py, of which that is
-//! the quotient, the sign of s·e - D0 tells the side on which the ray through s leaves, and the
-//! number itself is the numerator of the right exit.
+//! It computes what [`left_child`](crate::left_child), [`right_child`](crate::right_child) and
+//! [`apex_distance`](crate::apex_distance) compute, without the division for the separating
+//! abscissa D0/e, where D0 = cy·px - py·cx and e = cy - py. The sign of s·e - D0 tells the side on
+//! which the ray through s leaves. Its value is the numerator of the right exit.
 
 use crate::frame::{Exit, Frame, Side};
 use crate::precision::PLACE;
 use crate::window::{Window, greater, less, norm};
 
-/// A window about to leave the triangle that it has entered.
+/// A window that has entered a triangle, before its children are computed.
+///
+/// ```
+/// use geobench_mesh::{HalfEdgeId, Mesh};
+/// use geobench_window::{Crossing, Faces, Side, Window};
+///
+/// // A triangle over the edge from (0, 0) to (2, 0), and a neighbour on its left.
+/// let mesh = Mesh::new(
+///     vec![[0.0; 3], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
+///     vec![[0, 1, 2], [2, 3, 0]],
+/// )?;
+/// let faces = Faces::new(&mesh);
+/// let h = HalfEdgeId::new(0);
+/// // The source lies 1 below the middle of the edge.
+/// let window = Window { b0: 0.0, b1: 2.0, px: 1.0, py: -1.0, sigma: 0.0 };
+/// let view = faces.face_view(h);
+/// let crossing = Crossing::new(&view.frame, &window);
+/// assert!(crossing.covers_apex() && crossing.straight_distance() == 2.0);
+///
+/// let exit = view.exit(Side::Left);
+/// let child = crossing.left_child(&exit).expect("rays that leave on the left");
+/// assert!((child.b1 - exit.length).abs() < 1e-15);
+/// // Distances are those of the same source.
+/// assert!((child.distance(exit.length) - 2.0).abs() < 1e-15);
+/// assert!(faces.corners(exit.half_edge.expect("a neighbour")).contains(&3.into()));
+/// # Ok::<(), geobench_mesh::InvalidMesh>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Crossing<'a> {
     frame: &'a Frame,
@@ -24,7 +50,7 @@ pub struct Crossing<'a> {
 }
 
 impl<'a> Crossing<'a> {
-    /// `window` has entered the triangle of `frame`.
+    /// The crossing of the triangle of `frame` by `window`, which has entered it.
     #[inline]
     pub fn new(frame: &'a Frame, window: &'a Window) -> Self {
         let offset = frame.cy * window.px - window.py * frame.cx;
@@ -38,7 +64,7 @@ impl<'a> Crossing<'a> {
         }
     }
 
-    /// The triangle.
+    /// The frame of the triangle.
     #[inline]
     pub fn frame(&self) -> &Frame {
         self.frame
@@ -65,35 +91,36 @@ impl<'a> Crossing<'a> {
     /// Whether the window sees the apex and has rays on both sides of it.
     #[inline]
     pub fn covers_apex(&self) -> bool {
-        // Only few windows do, but half of them go left: the two tests make one branch.
+        // Few windows cover the apex, but half of all go left. A single branch on both tests is
+        // predictable.
         less(-self.sides[0], self.sides[1]) > 0.0
     }
 
-    /// Where the ray to the apex meets the half-edge, inside the window or not.
+    /// The abscissa at which the ray to the apex meets the half-edge, inside the window or not.
     #[inline]
     pub fn separation(&self) -> f64 {
         self.offset / self.height
     }
 
-    /// Where the ray to the apex meets the half-edge, as a fraction of its length; NaN if rounding
-    /// blurs that, since the apex and the source are both too close to the half-edge.
+    /// The fraction of the half-edge at which the ray to the apex meets it. NaN if rounding leaves
+    /// it undetermined, because the apex and the source are both too close to the half-edge.
     #[inline]
     pub fn entry(&self) -> f64 {
         entry(self.offset, self.height, self.window.px, self.frame.l)
     }
 
-    /// Length of the straight path to the apex, which the window has if it
-    /// [covers](Self::covers_apex) it.
+    /// Length of the straight path to the apex. The window contains that path if it
+    /// [covers](Self::covers_apex) the apex.
     #[inline]
     pub fn straight_distance(&self) -> f64 {
         self.window.sigma + self.squared_straight().sqrt()
     }
 
-    /// Length of the path to the apex of a window that leaves by `exit` alone: bent at the end of
-    /// the window that is nearer to the straight path.
+    /// Length of the shortest path to the apex of a window that leaves through `exit` alone: bent
+    /// at the end of the window nearer to the straight path.
     ///
-    /// That is a real path, and must be tried as well as the straight one: it carries a distance
-    /// past a vertex that is hit exactly.
+    /// This is the length of a real path, and must be offered as well as the straight one: it
+    /// carries a distance past a vertex that is hit exactly.
     #[inline]
     pub fn bent_distance(&self, exit: &Exit) -> f64 {
         let w = self.window;
@@ -117,8 +144,8 @@ impl<'a> Crossing<'a> {
         }
     }
 
-    /// What a window that leaves by `exit` alone leaves there, in the frame of the neighbour's
-    /// half-edge; `None` if it is too narrow to have a width.
+    /// The child of a window that leaves through `exit` alone, in the frame of the neighbour's
+    /// half-edge; `None` if its interval is empty.
     #[inline]
     pub fn only_child(&self, exit: &Exit) -> Option<Window> {
         let turn = ExitTurn::new(self, exit);
@@ -128,7 +155,7 @@ impl<'a> Crossing<'a> {
         )
     }
 
-    /// What a window that covers the apex leaves at the left exit.
+    /// The left child of a window that covers the apex.
     #[inline]
     pub fn left_child(&self, exit: &Exit) -> Option<Window> {
         let turn = ExitTurn::new(self, exit);
@@ -136,7 +163,7 @@ impl<'a> Crossing<'a> {
         turn.window(greater(b0, 0.0), exit.length)
     }
 
-    /// What it leaves at the right exit.
+    /// The right child of a window that covers the apex.
     #[inline]
     pub fn right_child(&self, exit: &Exit) -> Option<Window> {
         let turn = ExitTurn::new(self, exit);
@@ -146,12 +173,12 @@ impl<'a> Crossing<'a> {
 }
 
 /// Height of the apex above the source, relative to the half-edge and the abscissa of the source,
-/// below which rounding moves the place where the ray to the apex meets the half-edge by more than
-/// a billionth of that: the place errs as the ordinate of the source does over this height.
+/// below which [`entry`] is undetermined. The entry errs by the error of the source's ordinate over
+/// this height. At the limit that is a billionth of the half-edge.
 const BLURRED: f64 = 2.5 * PLACE * 1e9;
 
-/// The fraction at which the ray to the apex meets a half-edge of length `l`, of a source with
-/// abscissa `px`: `offset` over `height`, or NaN.
+/// The fraction of a half-edge of length `l` at which the ray to the apex meets it: `offset` over
+/// `height`, in units of `l`, for a source with abscissa `px`. NaN if it is undetermined.
 #[inline]
 pub(crate) fn entry(offset: f64, height: f64, px: f64, l: f64) -> f64 {
     if height < BLURRED * (l + px.abs()) {
@@ -161,12 +188,12 @@ pub(crate) fn entry(offset: f64, height: f64, px: f64, l: f64) -> f64 {
     }
 }
 
-/// The step from the frame of the entrance to that of an exit.
+/// The change of frame from the entrance to an exit.
 struct ExitTurn<'a> {
     crossing: &'a Crossing<'a>,
     exit: &'a Exit,
-    /// Where the source comes to lie, (û·p', û×p') for û the unit vector along the exit and p' the
-    /// source seen from where the exit begins.
+    /// The source in the frame of the exit: (û·p', û×p'), where û is the unit vector along the exit
+    /// and p' the source relative to the start of the exit.
     source: [f64; 2],
 }
 
@@ -184,12 +211,13 @@ impl<'a> ExitTurn<'a> {
         }
     }
 
-    /// How far from where the exit begins the ray through abscissa `s` crosses it, which leaves on
-    /// its side; `side` is s·e - D0.
+    /// The distance from the start of the exit at which the ray through abscissa `s` crosses it.
+    /// `side` is s·e - D0.
     ///
-    /// The ray divides the exit as n : m, with n = -py·s on the left and -py·(l - s) on the right
-    /// from the end that the exit shares with the half-edge, and m = |s·e - D0| from C. Neither is
-    /// negative, so their sum loses no digits, however close the source is to the half-edge.
+    /// The ray divides the exit as n : m. On the left n = -py·s, on the right n = -py·(l - s); both
+    /// are measured from the end that the exit shares with the half-edge. m = |s·e - D0| is
+    /// measured from C. Neither is negative, so their sum has no cancellation, however close the
+    /// source is to the half-edge.
     #[inline]
     fn leaving(&self, s: f64, side: f64) -> f64 {
         let (exit, crossing) = (self.exit, self.crossing);

@@ -1,32 +1,31 @@
-//! The vertex filter: a window is useless if a path through a known vertex is shorter everywhere.
+//! The vertex filter: deletes windows that a path through a known vertex beats everywhere.
 
 use crate::precision::MARGIN;
 use crate::window::{Window, norm};
 
-/// Whether a window is dropped when a path through a known vertex beats all its rays.
+/// Whether windows are dropped that a path through a known vertex beats on all rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VertexFilter {
-    /// As in ICH: theorem 3.2 of Xin and Wang 2009, all three tests or those that the
+    /// As in ICH: theorem 3.2 of Xin and Wang 2009, with all three tests or those that the
     /// algorithm names.
     #[default]
     On,
-    /// As in CH and MMP. In CH, branches then end only where they lose their last split, or after
-    /// as many triangles as the mesh has: no shortest path crosses one of them twice.
+    /// As in CH and MMP. Without the filter, a branch of CH ends only when it loses its last split,
+    /// or after as many triangles as the mesh has: no shortest path crosses a triangle twice.
     Off,
 }
 
-/// How much shorter a path through a vertex must be, as a fraction of itself and of the edge,
-/// before it deletes a window: rounding must never delete one of two equal paths, and it may be
-/// that of the edge, where the vertex is much nearer than that.
+/// How much shorter a path through a vertex must be to delete a window, as a fraction of the path
+/// and of the edge. Rounding must never delete one of two equal paths. The rounding may be that of
+/// the edge, where the vertex is much nearer than the edge is long.
 const SLACK: f64 = MARGIN;
 
 /// Whether paths along the edge from one of its ends beat every ray of `w` (Xin and Wang 2009,
 /// theorem 3.2, first two tests).
-///
-/// `l` is the length of the edge, `d0` and `d1` the distances known at its tail and its head (upper
-/// bounds will do, infinite ones too). A path from the tail along the edge to `b1` crosses every
-/// ray of the window, so the window dies if d0 + b1 < σ + |p b1|; likewise from the head to `b0`.
-/// The comparison is made without a square root.
+/// `l` is the length of the edge. `d0` and `d1` are the distances known at its tail and its head;
+/// upper bounds will do, infinite ones too. A path from the tail along the edge to `b1` crosses
+/// every ray of the window, so the window is beaten if d0 + b1 < σ + |p b1|. The test from the head
+/// to `b0` is symmetric. The comparison is made without a square root.
 #[inline]
 #[allow(clippy::needless_bitwise_bool)] // Most windows are beaten by neither: one branch for both.
 pub fn is_beaten_from_ends(w: &Window, l: f64, d0: f64, d1: f64) -> bool {
@@ -37,11 +36,11 @@ pub fn is_beaten_from_ends(w: &Window, l: f64, d0: f64, d1: f64) -> bool {
 }
 
 /// Whether a path across the last triangle, from its vertex that is not on the edge, beats every
-/// ray of `w` (the third test of the theorem).
+/// ray of `w`: the third test of the theorem.
 ///
-/// `opposite` is that vertex in the frame of the window's half-edge (below it), `d` its distance.
-/// `end` is the end of the interval that its rays must cross the whole window to reach: `b0` if
-/// the window came as a left child, `b1` if as a right child.
+/// `opposite` is that vertex in the frame of the window's half-edge, below it, and `d` its
+/// distance. `end` is the end of the interval that a path from the vertex reaches only by crossing
+/// the whole window: `b0` if the window came as a left child, `b1` if as a right child.
 #[inline]
 pub(crate) fn is_beaten_across(w: &Window, end: f64, opposite: [f64; 2], d: f64) -> bool {
     let reach = norm(end - opposite[0], opposite[1]);
@@ -85,9 +84,9 @@ mod tests {
             prop_assert_eq!(beaten, path * (1.0 + 1e-14) < w.distance(w.b0));
         }
 
-        /// The detour through a vertex beside the source is longer by less than rounding, where the
-        /// slack was once one of the vertex's distance alone: windows that hardly any other path
-        /// was as short as were dropped.
+        /// Regression test: the slack was once a fraction of the vertex's distance alone. The
+        /// detour through a vertex beside the source is longer by less than rounding, so needed
+        /// windows were dropped.
         #[test]
         fn a_vertex_beside_the_source_beats_no_window_that_leaves_it_at_a_small_angle(
             distance in -9.0..0.0f64, angle in -9.0..-2.0f64, end in 0.0..1.0f64, is_head: bool,

@@ -29,7 +29,7 @@ pub struct Frame {
     pub right: [f64; 2],
 }
 
-/// A face as a window meets it that enters it through one of its half-edges.
+/// A face as seen by a window that enters it through one of its half-edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceView {
     /// The triangle.
@@ -39,13 +39,13 @@ pub struct FaceView {
     /// The half-edge A → C of the neighbour on the left and the half-edge C → B of the neighbour
     /// on the right; `None` at the boundary.
     pub exits: [Option<HalfEdgeId>; 2],
-    /// Position of the vertex opposite to each exit, B and A, in the frame by which a window leaves
-    /// there.
+    /// Position of the vertex opposite to each exit, B and A, in the frame of the neighbour's
+    /// half-edge there.
     pub behind: [[f64; 2]; 2],
 }
 
 impl FaceView {
-    /// The edge on one side by which a window leaves, of which the side is known beforehand.
+    /// The edge on the given side. Use [`Faces::exit`] where the side is hard to predict.
     #[inline]
     pub fn exit(&self, side: Side) -> Exit {
         let Frame {
@@ -79,7 +79,7 @@ impl FaceView {
     }
 }
 
-/// On which side of the apex a window leaves a triangle.
+/// The side of the apex on which a window leaves a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// Through AC.
@@ -88,37 +88,37 @@ pub enum Side {
     Right,
 }
 
-/// The edge by which a window leaves a triangle on one side, AC or CB.
+/// The edge through which a window leaves a triangle on one side, AC or CB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exit {
-    /// 1 for the side on which it is, the left or the right one, and 0 for the other.
+    /// 1 if this is the left exit, else 0.
     pub(crate) is_left: f64,
     pub(crate) is_right: f64,
     /// The half-edge A → C, or C → B, of the neighbour there; `None` at the boundary.
     pub half_edge: Option<HalfEdgeId>,
     /// Length of the edge.
     pub length: f64,
-    /// The unit vector along it, from A to C or from C to B, in the frame by which the window came.
+    /// The unit vector along the edge, from A to C or from C to B, in the frame of the entrance.
     pub direction: [f64; 2],
-    /// Position of the triangle's third vertex, B or A, in the frame by which the window leaves,
-    /// below the edge.
+    /// Position of the triangle's third vertex, B or A, in the frame of the neighbour's half-edge,
+    /// below it.
     pub behind: [f64; 2],
-    /// Where the edge begins, where it ends, and that third vertex.
+    /// The start of the edge, its end, and the third vertex.
     pub corners: [VertexId; 3],
 }
 
-/// By which edge a window leaves a triangle.
+/// The edge through which a window leaves a triangle, with its corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ExitEdge {
     /// The neighbour's half-edge; `u32::MAX` at the boundary.
     twin: u32,
-    /// Where the edge begins as seen from the neighbour, where it ends, and the third vertex of the
+    /// The start of the edge as seen from the neighbour, its end, and the third vertex of the
     /// triangle.
     pub corners: [VertexId; 3],
 }
 
 impl ExitEdge {
-    /// None at all.
+    /// No edge.
     pub(crate) const NONE: Self = Self {
         twin: u32::MAX,
         corners: [VertexId::new(0); 3],
@@ -131,7 +131,7 @@ impl ExitEdge {
     }
 }
 
-/// What a solver needs of one half-edge, in a cache line.
+/// The data of one half-edge that solvers need, in one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct HalfEdge {
@@ -139,20 +139,20 @@ pub(crate) struct HalfEdge {
     pub(crate) inverse_length: f64,
     /// Position of the apex in its frame.
     pub(crate) apex: [f64; 2],
-    /// How far the foot of the apex lies before the head: l - cx, with an error relative to itself.
+    /// l - cx, the distance from the foot of the apex to the head, with a small relative error.
     pub(crate) apex_from_head: f64,
-    /// What a window meets that leaves the face here.
+    /// The edge seen by a window that leaves the face through this half-edge.
     pub(crate) exit_edge: ExitEdge,
-    /// The other half-edges of the face, by which a window leaves that comes in here: that of the
-    /// left exit, which precedes this one, and that of the right exit.
+    /// The exits of a window that enters through this half-edge. The left exit is the previous
+    /// half-edge of the face, the right exit the next.
     pub(crate) exits: [HalfEdgeId; 2],
 }
 
 impl HalfEdge {
-    /// The half-edges of `face` of `mesh`, in the numbers of `numbering`.
+    /// The half-edges of `face` of `mesh`, with the numbers of `numbering`.
     fn of_face(mesh: &Mesh, numbering: &Numbering, face: FaceId) -> [Self; 3] {
         let apexes = mesh.apexes(face);
-        // The area of the face is one number, from whichever side it is looked at.
+        // One area for all three corners, so that their heights are consistent.
         let twice_area = apexes[0][1] * mesh.length(face.half_edge(0));
         [0, 1, 2].map(|corner| {
             let h = face.half_edge(corner);
@@ -162,7 +162,8 @@ impl HalfEdge {
                 length,
                 inverse_length: length.recip(),
                 apex: [apexes[corner as usize][0], twice_area * length.recip()],
-                // The half-edge from the head on and this one project onto each other alike.
+                // Each of two adjacent sides projects on the other, which avoids the cancellation
+                // in l - cx.
                 apex_from_head: apexes[next][0] * mesh.length(h.next()) * length.recip(),
                 exit_edge: ExitEdge {
                     twin: mesh
@@ -202,8 +203,8 @@ pub struct EdgePath {
     pub way: Way,
 }
 
-/// The faces of a mesh laid out for crossing: one record a half-edge instead of one array a
-/// quantity. A crossing reads two of them, that of the entrance and that of the exit, which are
+/// The faces of a mesh laid out for crossing: one record for each half-edge instead of one array
+/// for each quantity. A crossing reads the records of the entrance and of the exit, which are
 /// neighbours in memory.
 ///
 /// ```
@@ -225,7 +226,7 @@ pub struct EdgePath {
 #[derive(Clone, Debug)]
 pub struct Faces {
     half_edges: Vec<HalfEdge>,
-    /// Where the faces of the mesh are.
+    /// The numbers here of the faces of the mesh.
     numbering: Numbering,
 }
 
@@ -235,8 +236,8 @@ impl Faces {
         Self::in_order(mesh, Numbering::same())
     }
 
-    /// Lays out the faces of `mesh` in the order of `numbering`, whose numbers its half-edges then
-    /// have here and wherever they come from here; vertices keep theirs. O(faces).
+    /// Lays out the faces of `mesh` in the order of `numbering`. Half-edges have its numbers in all
+    /// arguments and results of the other methods; vertices keep theirs. O(faces).
     pub fn in_order(mesh: &Mesh, mut numbering: Numbering) -> Self {
         let mut half_edges = Vec::with_capacity(mesh.half_edge_count());
         for f in 0..mesh.face_count() as u32 {
@@ -250,7 +251,7 @@ impl Faces {
         }
     }
 
-    /// The number here of a half-edge of the mesh.
+    /// The number here of half-edge `h` of the mesh.
     #[inline]
     pub fn number(&self, h: HalfEdgeId) -> HalfEdgeId {
         self.numbering.new_half_edge(h)
@@ -269,7 +270,7 @@ impl Faces {
         self.face_view(h).frame
     }
 
-    /// All that a window meets that enters the face of `h` through it.
+    /// The face of `h`, as seen by a window that enters through `h`.
     #[inline]
     pub fn face_view(&self, h: HalfEdgeId) -> FaceView {
         let entry = self.half_edge(h);
@@ -292,11 +293,12 @@ impl Faces {
         }
     }
 
-    /// The edge on one side by which a window leaves that came in through the half-edge of `frame`,
-    /// `h`.
+    /// The edge on one side through which a window leaves that entered through `h`, the half-edge
+    /// of `frame`.
     ///
-    /// Windows pass an apex on either side as often as not, and no processor foresees on which:
-    /// both sides go the same way here and in all that depends on the exit, without a branch, and
+    /// Windows pass an apex on either side about equally often, in no predictable order. So both
+    /// sides are computed by the same instructions, here and in all code that depends on the exit.
+    /// `black_box` keeps the compiler from introducing a branch on the side.
     /// nothing is known of the side that would tempt the compiler to make one.
     #[inline]
     pub fn exit(&self, h: HalfEdgeId, frame: &Frame, side: Side) -> Exit {
@@ -325,9 +327,9 @@ impl Faces {
         self.half_edge(h).corners()
     }
 
-    /// Asks for the memory in which the face of `h` lies.
+    /// Prefetches the memory of the face of `h`.
     #[inline]
-    pub fn announce(&self, h: HalfEdgeId) {
+    pub(crate) fn announce(&self, h: HalfEdgeId) {
         let first = h.face().half_edge(0).index();
         for corner in 0..3 {
             prefetch(&self.half_edges, first + corner);
@@ -340,8 +342,9 @@ impl Faces {
         self.half_edge(h).length
     }
 
-    /// Position of the third vertex of the face *below* `h`, whose half-edge along the same edge
-    /// is `twin`, in the frame of `h`: (l - x, -y) of its position (x, y) in the frame of `twin`.
+    /// Position of the third vertex of the face *below* a half-edge, in the frame of that
+    /// half-edge. `twin` is the other half-edge of its edge, in whose frame the vertex is at (x,
+    /// y); the result is (l - x, -y).
     #[inline]
     pub fn apex_below(&self, twin: HalfEdgeId) -> [f64; 2] {
         self.half_edge(twin).apex_below()
@@ -354,8 +357,8 @@ impl Faces {
     }
 
     /// The paths from the tail of `h` along the edge of `h`, and along the other edge of its face
-    /// if that is on the boundary. Those of all half-edges that leave a vertex go along each of its
-    /// edges once.
+    /// at the tail if that is on the boundary. Over all half-edges that leave a vertex, each edge
+    /// of the vertex occurs once.
     #[inline]
     pub fn edge_paths(&self, h: HalfEdgeId) -> impl Iterator<Item = EdgePath> + use<> {
         let own = self.half_edge(h);
@@ -377,8 +380,8 @@ impl Faces {
         std::iter::once(along).chain(is_boundary.then_some(along_boundary))
     }
 
-    /// Where a window that enters through `h` can go on: the half-edge A → C of the neighbour on
-    /// the left and the half-edge C → B of the neighbour on the right.
+    /// The exits of a window that enters through `h`: the half-edge A → C of the neighbour on the
+    /// left and the half-edge C → B of the neighbour on the right.
     #[inline]
     pub fn exits(&self, h: HalfEdgeId) -> [Option<HalfEdgeId>; 2] {
         self.half_edge(h).exits.map(|e| self.twin(e))

@@ -1,4 +1,4 @@
-//! Runs that end when the distances that were asked for are final.
+//! Goals of runs: which distances are asked for, and when a run may end early.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,14 +10,14 @@ use crate::origins::Way;
 use crate::probe::{Phase, Probe};
 use crate::solver::Solution;
 
-/// By how much the bound of all that waits must exceed a distance, relatively, for it to be final:
-/// rounding takes far less from the labels of windows on their way.
+/// By how much the bound of all that waits must exceed a distance, relatively, for the distance to
+/// be final. It is far more than the rounding that the labels of windows gather.
 const MARGIN: f64 = 1e-9;
 
-/// What a run is to find: the distances of some vertices, those up to a radius, or all.
+/// The distances that a run is to find: those of some vertices, those up to a radius, or all.
 ///
-/// A run with a goal ends as soon as all of this is *final*: when nothing that still waits can lead
-/// to a shorter path. Of both targets and a radius, targets within the radius are asked for.
+/// A run with a goal ends as soon as these distances are *final*: nothing that still waits can lead
+/// to a shorter path. With both targets and a radius, only targets within the radius are asked for.
 ///
 /// ```
 /// use geobench_window::Goal;
@@ -33,7 +33,7 @@ pub struct Goal {
     stop: Option<Stop>,
 }
 
-/// Ends runs from outside, such as from another thread. Clones share one flag.
+/// A flag that ends runs early, from any thread. Clones share one flag.
 ///
 /// ```
 /// use geobench_window::{Goal, Stop};
@@ -47,12 +47,12 @@ pub struct Goal {
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Ends the runs, now and from now on.
+    /// Ends all runs with this flag, present and future.
     pub fn set(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether the runs end.
+    /// Whether [`set`](Self::set) has been called.
     #[inline]
     pub fn is_set(&self) -> bool {
         self.0.load(Ordering::Relaxed)
@@ -76,7 +76,7 @@ impl Goal {
         }
     }
 
-    /// The distances of these vertices; of none of them, if there is none.
+    /// The distances of these vertices. With an empty list no distance is asked for.
     pub fn targets(targets: impl IntoIterator<Item = impl Into<VertexId>>) -> Self {
         Self {
             targets: Some(targets.into_iter().map(Into::into).collect()),
@@ -84,21 +84,21 @@ impl Goal {
         }
     }
 
-    /// The distances up to `radius` only, in the units of the mesh. NaN is no limit.
+    /// The distances up to `radius` only, in the units of the mesh. NaN means no limit.
     #[must_use]
     pub fn within(self, radius: f64) -> Self {
         Self { radius, ..self }
     }
 
-    /// The same, but a run ends early once `stop` is set. Distances that are not final then are
-    /// infinite.
+    /// The same goal, but a run ends early once `stop` is set. Distances that are not final then
+    /// are infinite.
     #[must_use]
     pub fn unless(self, stop: &Stop) -> Self {
         let stop = Some(stop.clone());
         Self { stop, ..self }
     }
 
-    /// The vertices asked for; `None` for all.
+    /// The targets; `None` if all vertices are asked for.
     pub fn vertices(&self) -> Option<&[VertexId]> {
         self.targets.as_deref()
     }
@@ -108,15 +108,15 @@ impl Goal {
         self.radius
     }
 
-    /// Whether nothing is left out, whatever happens.
+    /// Whether the goal has no targets, no radius and no stop flag.
     pub fn is_everything(&self) -> bool {
         self.targets.is_none()
             && self.stop.is_none()
             && (self.radius.is_nan() || self.radius == f64::INFINITY)
     }
 
-    /// Makes the distances beyond the radius infinite, for a run that went to its end.
-    pub fn cut(&self, solution: &mut Solution) {
+    /// Makes the distances beyond the radius infinite, for a run that was not ended early.
+    pub(crate) fn cut(&self, solution: &mut Solution) {
         for d in &mut solution.distances {
             if *d > self.radius {
                 *d = f64::INFINITY;
@@ -125,14 +125,14 @@ impl Goal {
     }
 }
 
-/// Ends a run that `probe` observes once its goal is reached.
+/// Wraps `probe` so that the run ends once `goal` is reached.
 #[derive(Clone, Debug)]
 pub(crate) struct Until<'g, P> {
     pub(crate) probe: P,
     goal: &'g Goal,
-    /// A target that was not final when asked last.
+    /// The target that was not final at the last check; it is checked first.
     open: usize,
-    /// Nothing that waited when the run ended leads to a path shorter than this.
+    /// No path that was still open when the run ended is shorter than this.
     bound: f64,
 }
 
@@ -146,7 +146,7 @@ impl<'g, P> Until<'g, P> {
         }
     }
 
-    /// Makes the distances infinite that are not final, or not within the radius.
+    /// Makes distances infinite that are not final or exceed the radius.
     pub(crate) fn cut(&self, solution: &mut Solution) {
         for d in &mut solution.distances {
             if !is_below(*d, self.bound) || *d > self.goal.radius {
@@ -156,7 +156,7 @@ impl<'g, P> Until<'g, P> {
     }
 }
 
-/// Whether no path of length `bound` or more could improve `d`.
+/// Whether `d` is final, when no path of less than `bound` is still open.
 #[inline]
 fn is_below(d: f64, bound: f64) -> bool {
     d < bound * (1.0 - MARGIN)
@@ -232,30 +232,30 @@ impl<P: Probe> Probe for Until<'_, P> {
     }
 }
 
-/// Tells when a run may end, of a queue that keeps its events in no order or in one of its own.
+/// Decides when a run may end, for queues that do not know their least label.
 ///
-/// To look through all that waits takes time. It is done once for as many windows propagated as
-/// were looked at the last time, so that a run takes little longer.
+/// The least label is found by a search of everything that waits. To keep the run time linear, a
+/// search that saw k windows is followed by at least k propagations before the next one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Lookout {
     left: usize,
 }
 
 impl Lookout {
-    /// Forgets the last run.
+    /// Resets the state for a new run.
     pub fn clear(&mut self) {
         self.left = 0;
     }
 
-    /// So many windows were propagated.
+    /// Tells that this many windows were propagated since the last call.
     #[inline]
     pub fn advance(&mut self, windows: usize) {
         self.left = self.left.saturating_sub(windows);
     }
 
-    /// Whether the run ends: what `probe` wants is final, given the labels of all that waits and
-    /// the distances known. `nearest` is a guess at the least label; the goal is not taken for
-    /// reached unless it would be with this one.
+    /// Whether the run may end: everything that `probe` wants is final, given the known distances
+    /// and the labels of all that waits. `nearest` is an estimate of the least label; `waiting` is
+    /// searched only if the goal would be reached at that label.
     pub fn ends<P: Probe, L: Iterator<Item = f64>>(
         &mut self,
         probe: &mut P,

@@ -1,25 +1,24 @@
 //! Windows on half-edges: their geometry, and the parts that all solvers share.
 //!
 //! A *window* is a cone of straight paths from a source, or from a vertex at which paths turn (a
-//! *pseudo-source*), through an interval of a half-edge. Unfolded into the plane of the frame of
-//! that half-edge, all faces that the paths have crossed lie flat, and the source has an image
-//! below the edge: a [`Window`] is that image, the interval, and the distance σ up to the
-//! pseudo-source. Crossing a triangle turns it into up to two windows on the other edges
+//! *pseudo-source*), through an interval of a half-edge. All faces that the paths have crossed are
+//! unfolded into the plane of the half-edge's frame, where the source has an image below the edge.
+//! A [`Window`] stores that image, the interval, and the distance σ from the source to the
+//! pseudo-source. Crossing a triangle turns a window into up to two windows on the other edges
 //! ([`left_child`], [`right_child`]) and offers a distance to the vertex between them
-//! ([`apex_distance`]). Every exact algorithm of this suite consists of such crossings; they differ
-//! in the windows that they can prove useless, and in the order in which they take the others.
+//! ([`apex_distance`]). All exact algorithms of this suite consist of such crossings. They differ
+//! in the windows that they delete, and in the order in which they take the others.
 //!
 //! * The kernels are small pure functions: [`separating_abscissa`], the two children, the apex
 //!   distance, these three together as [`Crossing`], [`tie_points`], the vertex filter
-//!   ([`is_beaten_from_ends`]), [`spawn_window`]. They avoid square
-//!   roots and angles, and all tolerances are relative, so that a model in millimetres gives the
-//!   same digits as in metres.
-//! * [`Faces`] lays the mesh out for crossing, and gives the [`Frame`] of a half-edge.
+//!   ([`is_beaten_from_ends`]), [`spawn_window`]. They avoid square roots and angles. All
+//!   tolerances are relative, so a model in millimetres gives the same digits as in metres.
+//! * [`Faces`] is the layout of a mesh for crossing. It has the [`Frame`] of each half-edge.
 //! * [`continuous`] is the frame of the algorithms that take one window at a time: a policy under a
 //!   [discipline](queue::Discipline).
 //! * [`Solver`] is the interface for callers. An algorithm implements [`Propagate`]: one run,
-//!   generic over a [`Probe`] that observes nothing (and costs nothing), counts, or tells its phase
-//!   to a [`PhaseSampler`].
+//!   generic over a [`Probe`]. The probe `()` observes nothing and costs nothing. Others count,
+//!   record the origins of paths, or show the current phase to a [`PhaseSampler`].
 
 pub mod continuous;
 mod counters;

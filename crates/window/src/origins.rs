@@ -6,7 +6,7 @@ use crate::frame::Frame;
 use crate::probe::Probe;
 use crate::window::Window;
 
-/// How a path crosses the last face before the vertex in which it ends.
+/// How a path crosses the last face before the vertex at which it ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
     /// Along the edge from the tail of the half-edge opposite to the vertex.
@@ -18,16 +18,16 @@ pub enum Way {
 }
 
 impl Way {
-    /// The way of the shortest path of `window` to the apex of the triangle of `frame`.
+    /// How the shortest path of `window` to the apex crosses the triangle of `frame`.
     ///
-    /// A path that bends at an end of the window bends at a vertex, or by no more than rounding.
+    /// A path that bends at an end of the window bends at a vertex, up to rounding.
     pub fn of(window: &Window, frame: &Frame) -> Self {
         let ray = (frame.cy * window.px - frame.cx * window.py) / (frame.cy - window.py);
         let entry = ray.max(window.b0).min(window.b1);
         Self::through(entry, window.source(), frame.l)
     }
 
-    /// The way through abscissa `entry` of a half-edge of length `l`, from a source at `image`.
+    /// The path through abscissa `entry` of a half-edge of length `l`, from a source at `image`.
     #[inline]
     pub fn through(entry: f64, image: [f64; 2], l: f64) -> Self {
         if entry <= 0.0 {
@@ -43,11 +43,11 @@ impl Way {
 /// Where the shortest path to a vertex comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Origin {
-    /// From nowhere: the vertex is a source, or no path leads to it.
+    /// The vertex is a source, or no path leads to it.
     None,
     /// Along the edge from this vertex.
     Vertex(VertexId),
-    /// Through a half-edge whose apex the vertex is.
+    /// Through a half-edge opposite to the vertex.
     Window {
         /// The half-edge.
         h: HalfEdgeId,
@@ -57,7 +57,24 @@ pub enum Origin {
     },
 }
 
-/// Where the shortest paths to all vertices of a mesh come from; 24 bytes a vertex.
+/// The origins of the shortest paths to all vertices of a mesh; 24 bytes a vertex.
+///
+/// [`Solver::trace`](crate::Solver::trace) returns them. `geobench-paths` traces paths back with
+/// them.
+///
+/// ```
+/// use geobench_ich::ich;
+/// use geobench_mesh::{Mesh, VertexId};
+/// use geobench_window::{Goal, Origin, Solver};
+///
+/// let mesh = Mesh::generate("grid,n=2")?;
+/// let [source, beside, across] = [0, 1, 5].map(VertexId::new);
+/// let (_, origins) = ich(&mesh).trace(&[source], &Goal::everything())?;
+/// assert_eq!(origins.of(&mesh, source), Origin::None);
+/// assert_eq!(origins.of(&mesh, beside), Origin::Vertex(source));
+/// assert!(matches!(origins.of(&mesh, across), Origin::Window { .. }));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Origins {
     of: Vec<OriginRecord>,
@@ -66,8 +83,8 @@ pub struct Origins {
 #[derive(Clone, Copy, Debug)]
 struct OriginRecord {
     way: [f64; 2],
-    /// The half-edge that starts at the vertex, in the face that the path crosses last; none if
-    /// [`NONE`].
+    /// The half-edge that starts at the vertex, in the face that the path crosses last; [`NONE`] if
+    /// there is no path.
     corner: u32,
 }
 
@@ -87,7 +104,11 @@ impl Origins {
         }
     }
 
-    /// Where the path to vertex `v` of `mesh` comes from, which is the mesh of the run.
+    /// The origin of the shortest path to vertex `v`. `mesh` must be the mesh of the run.
+    ///
+    /// # Panics
+    ///
+    /// If the mesh of the run has no vertex `v`.
     pub fn of(&self, mesh: &Mesh, v: VertexId) -> Origin {
         let OriginRecord { way, corner } = self.of[v.index()];
         if corner == NONE {
@@ -103,7 +124,8 @@ impl Origins {
         }
     }
 
-    /// The shortest path to `v` crosses the face of `corner`, which starts at `v`.
+    /// Records that the shortest path to `v` crosses the face of `corner`, a half-edge that starts
+    /// at `v`, last.
     #[inline]
     pub(crate) fn set(&mut self, v: VertexId, corner: HalfEdgeId, way: Way) {
         self.of[v.index()] = OriginRecord {
@@ -116,7 +138,7 @@ impl Origins {
         };
     }
 
-    /// Replaces a solver's numbers by those of `mesh`.
+    /// Replaces the solver's numbers by those of `mesh`.
     pub(crate) fn renumber(
         &mut self,
         mesh: &Mesh,
@@ -137,7 +159,7 @@ impl Origins {
     }
 }
 
-/// Keeps the origins.
+/// Records the origins of the paths of a run.
 impl Probe for Origins {
     const TRACES: bool = true;
 

@@ -1,8 +1,8 @@
 //! The shares of phases in the time of a run, by sampling.
 //!
-//! A clock read at every change of phase costs more than a short phase takes, and makes short
-//! phases look several times as long as they are. Here the solver stores its phase in one byte, and
-//! another thread reads that byte some ten thousand times a second.
+//! Reading a clock at every change of phase would cost more than a short phase takes, and would
+//! make short phases look several times as long as they are. Instead the solver stores its phase in
+//! one byte, and another thread reads that byte some ten thousand times a second.
 
 use std::io;
 use std::sync::Arc;
@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 
 use crate::probe::{Phase, Probe};
 
-/// Time between two samples, at least; systems add some 50 µs.
+/// Least time between two samples. The system's wake-up adds some 50 µs.
 const INTERVAL: Duration = Duration::from_micros(50);
 
-/// Time that one run spends in each phase: its duration, divided in proportion to the samples.
+/// Time that a run spends in each phase: its duration, divided in proportion to the samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Phases {
     /// Time in [`Phase::Propagation`].
@@ -28,7 +28,7 @@ pub struct Phases {
     pub samples: u64,
 }
 
-/// A thread that samples the phase of the runs that it [watches](PhaseSampler::watch).
+/// A thread that samples the phase of the runs passed to [`watch`](PhaseSampler::watch).
 ///
 /// ```
 /// use geobench_window::{Phase, PhaseSampler, Probe};
@@ -48,7 +48,7 @@ pub struct PhaseSampler {
     elapsed: Duration,
 }
 
-/// What both threads see.
+/// The state that both threads share.
 #[derive(Debug)]
 struct Shared {
     /// The [`Phase`] of the run as a number, or [`IDLE`].
@@ -60,7 +60,7 @@ struct Shared {
     ended: AtomicBool,
 }
 
-/// No run is under way.
+/// The value of `phase` between runs.
 const IDLE: u8 = 3;
 
 /// The probe of a watched run.
@@ -75,7 +75,7 @@ impl Probe for PhaseProbe<'_> {
 }
 
 impl PhaseSampler {
-    /// Starts the thread. It ends with this value.
+    /// Starts the thread. Dropping the sampler ends it.
     ///
     /// # Errors
     ///
@@ -91,7 +91,7 @@ impl PhaseSampler {
             let shared = Arc::clone(&shared);
             move || shared.sample()
         })?;
-        // Its allocations are not to count to those of a run.
+        // Waits until the thread has allocated, so that its memory does not count for a run.
         while !shared.started.load(Ordering::Acquire) {
             thread::yield_now();
         }
@@ -115,13 +115,13 @@ impl PhaseSampler {
         result
     }
 
-    /// Number of samples that fell into runs.
+    /// Number of samples taken during runs.
     pub fn samples(&self) -> u64 {
         let count = |samples: &AtomicU64| samples.load(Ordering::Relaxed);
         self.shared.samples.iter().map(count).sum()
     }
 
-    /// The phases of a run, on average over all that were watched; zero if no sample fell into one.
+    /// The phases of a run, on average over all runs watched; zero if no sample fell into a run.
     pub fn phases(&self) -> Phases {
         let counts = [0, 1, 2].map(|i: usize| self.shared.samples[i].load(Ordering::Relaxed));
         let samples: u64 = counts.iter().sum();
@@ -142,14 +142,14 @@ impl Drop for PhaseSampler {
     fn drop(&mut self) {
         self.shared.ended.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
-            // The thread only sleeps and counts: it does not panic.
+            // The thread only sleeps and counts, so it cannot panic.
             thread.join().ok();
         }
     }
 }
 
 impl Shared {
-    /// The work of the thread.
+    /// The loop of the thread.
     fn sample(&self) {
         self.started.store(true, Ordering::Release);
         while !self.ended.load(Ordering::Relaxed) {
@@ -177,7 +177,7 @@ mod tests {
         }
         let phases = sampler.phases();
         assert_eq!(phases.samples, sampler.samples());
-        // A run begins in another phase, which a sample hits rarely.
+        // A run begins in `Management`, which a sample hits rarely.
         assert!(phases.pruning > Duration::ZERO && phases.pruning > phases.management);
         assert_eq!(phases.propagation, Duration::ZERO);
     }

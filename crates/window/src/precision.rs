@@ -1,11 +1,12 @@
 //! Bounds of rounding, and the margins of all comparisons that delete windows.
 //!
 //! A solver deletes windows because a real path is shorter than all of their rays. It computes in
-//! `f64`, so each of these comparisons must be safe against the rounding that both sides have
-//! gathered. This page derives bounds. All comparisons that delete windows take their margins from
-//! four numbers, [`MARGIN`], [`GRAIN`], [`PLACE`] and [`RESOLUTION`]. Two older margins stand
-//! beside their code: how close two rays to an apex count as one (`geobench-ich`), and how narrow
-//! a window is that trimming drops ([`trimming::is_sliver`](crate::trimming::is_sliver)).
+//! `f64`, so each such comparison must be safe against the rounding that both sides have
+//! accumulated. This page derives bounds. All comparisons that delete windows take their margins
+//! from four numbers, [`MARGIN`], [`GRAIN`], [`PLACE`] and [`RESOLUTION`]. Two other margins are
+//! documented beside their code: how close two rays to an apex count as one (`geobench-ich`), and
+//! how narrow a window is that trimming drops
+//! ([`trimming::is_sliver`](crate::trimming::is_sliver)).
 //!
 //! # Exact quantities
 //!
@@ -20,35 +21,36 @@
 //!
 //! # What a crossing adds
 //!
-//! A window holds the image p of its source, an interval b0..b1 and σ. To cross a face is
+//! A window holds the image p of its source, an interval b0..b1 and σ. Crossing a face has two
+//! steps:
 //!
-//! * to turn p into the frame of the exit. The turned point errs by some ε·(|p| + S), S being the
-//!   extent of the face: its longest side will do. The part ε·S matters where a source is nearer to
-//!   the edge than the face is long.
-//! * to find where the rays through b0 and b1 meet the exit. A ray divides the exit as n : m, both
-//!   of which are areas that are not negative, and their sum loses nothing. An end errs by some ε
-//!   of the length of the exit, and by ε·|p - b| over the sine of the angle at which the ray meets
-//!   it, which is a lateral error of ε·|p - b|.
+//! * Turning p into the frame of the exit. The turned point errs by some ε·(|p| + S), where S is
+//!   the longest side of the face. The part ε·S matters where a source is nearer to the edge than
+//!   the face is long.
+//! * Finding where the rays through b0 and b1 meet the exit. A ray divides the exit as n : m. Both
+//!   are non-negative areas, so their sum has no cancellation. An end errs by some ε of the length
+//!   of the exit, and by ε·|p - b| over the sine of the angle at which the ray meets it, which is a
+//!   lateral error of ε·|p - b|.
 //!
 //! After n faces the length of a path errs by at most some n·ε of itself and of the longest side
 //! that it has crossed; errors have either sign, so √n·ε is observed. An image that comes out
 //! above its edge, where no ray can come from, is mirrored: its distance from every point of the
 //! edge stays what it was, and no path becomes too short.
 //!
-//! A gap between two windows that rounding has opened is no wider than that. A vertex in the gap is
-//! reached by the bent path of either window ([`Crossing::bent_distance`]): a bend by the angle δ
+//! A gap that rounding opens between two windows is no wider than that. A vertex in the gap is
+//! reached by the bent path of either window ([`Crossing::bent_distance`]). A bend by the angle δ
 //! lengthens a path by at most δ²/2 of itself. So an error of δ in a direction costs δ²/2 in a
 //! distance, and a gap of ε·S beside a source at distance r costs (ε·S/r)²·r.
 //!
 //! # Comparisons that delete longer paths
 //!
-//! The vertex filter, rules 1, 2 and 3 and the giving up of lists delete a window only if another
+//! The vertex filter, rules 1, 2 and 3 and the eviction of lists delete a window only if another
 //! path is shorter by [`MARGIN`] of its length and of the extent of the face: ten thousand ε. A
-//! window that is shorter by less stays, beside the one that beats it. The margin may be too wide
-//! without harm, since it only keeps windows.
+//! window that is shorter by less is kept, beside the one that beats it. A margin that is too wide
+//! only keeps more windows.
 //!
-//! * Where sides are compared instead of lengths, a point counts as beside a ray only if it is off
-//!   it by [`MARGIN`] of the coordinates and of the extent.
+//! * Where sides are compared instead of lengths, a point counts as beside a ray only if its
+//!   distance from the ray exceeds [`MARGIN`] of the coordinates and of the extent.
 //! * Rule 1 takes the shortest path to the apex, without a margin, but cuts nothing that does not
 //!   cross it beyond doubt. Beside a source on the edge, a width of [`MARGIN`] of the edge holds
 //!   rays of all directions, and is spared.
@@ -58,38 +60,39 @@
 //!
 //! # Comparisons in which the first of equal windows stays
 //!
-//! Trimming ([`trimming`](crate::trimming)) gives each point of an edge to one window. Of equal
-//! windows one must go, so what counts as equal may be lost, and must be as little as rounding
-//! allows: [`GRAIN`] of the distance and [`PLACE`] of the edge, 500 and 20 ulps. The first one
-//! stays. Its path to the point is as short; and beyond, the other one would have to leave the
-//! point at an angle that is too small to see, but in one case:
+//! Trimming ([`trimming`](crate::trimming)) gives each point of an edge to one window. Of two equal
+//! windows one is dropped, so windows may count as equal only within rounding: [`GRAIN`] of the
+//! distance and [`PLACE`] of the edge, 500 and 20 ulps. The first one stays. Its path to the point
+//! is as short; and beyond the point the other one would have to leave at an angle too small to
+//! resolve, with one exception:
 //!
-//! * A source that stands on the edge sends rays of all directions through one point, its *foot*. A
-//!   window along the edge ties with it there and has one direction. So the foot of a window is a
-//!   piece of its own, which stays among equals and yields only to what is shorter at the foot.
-//!   What lies beside it has one direction, along the edge, and yields to another window that is
-//!   shorter by a sixteenth of [`GRAIN`].
+//! * A source on the edge sends rays of all directions through one point, its *foot*. A window
+//!   along the edge ties with it there and has one direction only. So the foot of a window is a
+//!   piece of its own. It stays among equals, and yields only to a window that is shorter at the
+//!   foot. The rest of the window has one direction, along the edge. It yields to another window
+//!   that is shorter by a sixteenth of [`GRAIN`].
 //!
-//! # What `f64` cannot tell
+//! # Limits of `f64`
 //!
-//! A place on a side of length L is a multiple of ε·L. Where all distances are far less than L, an
-//! error of ε·L is not small beside them, and no order of operations helps: the abscissa itself is
-//! rounded. Nor does it where one distance is less than what a path gathers on its way across many
-//! such faces, [`PLACE`]·L on each where windows are equal. [`doubt`] names the faces and bounds
-//! the error, so that no such distance is given in silence.
+//! A position on a side of length L is a multiple of ε·L. Where all distances are far less than L,
+//! an error of ε·L is not small beside them. No order of operations helps, because the abscissa
+//! itself is rounded. The same holds where one distance is less than what a path accumulates across
+//! many such faces: [`PLACE`]·L on each where windows are equal. [`doubt`] finds these faces and
+//! bounds the error.
 //!
-//! # Work
+//! # Termination in reasonable time
 //!
-//! Lengths do not tell a path from one that winds around a thin needle, so no filter of lengths
-//! stops that: without trimming, windows wind on for millions of crossings. Trimming does stop it,
-//! since what comes to an edge for the second time is no shorter. So algorithms that keep no
-//! windows keep those beside thin faces ([`KeptWindows`](crate::trimming::KeptWindows)), and those
-//! that keep windows but do not filter do so there ([`ThinFaces`](crate::trimming::ThinFaces)).
+//! Lengths do not distinguish a path from one that winds around a thin needle, so no filter of
+//! lengths ends such windows: without trimming they wind on for millions of crossings. Trimming
+//! ends them, since a window that arrives at an edge for the second time is no shorter. So
+//! algorithms that store no windows store those beside thin faces
+//! ([`KeptWindows`](crate::trimming::KeptWindows)), and those that store windows but do not filter
+//! them filter there ([`ThinFaces`](crate::trimming::ThinFaces)).
 //!
-//! The order matters, too. Windows narrower than the way by which they move at each turn do not
-//! meet themselves. What ends them is a straight window that covers the edge, and it must come
-//! first. So windows and lists beside thin faces cross nearest first in all algorithms that have
-//! another order elsewhere, and no list there is forgotten.
+//! The order matters as well. Windows narrower than the step by which they advance at each turn do
+//! not meet themselves. They are ended by a straight window that covers the edge, which must come
+//! first. So windows and lists beside thin faces are taken nearest first, also by algorithms with
+//! another order elsewhere, and no list there is evicted.
 //!
 //! [`Crossing::bent_distance`]: crate::Crossing::bent_distance
 
@@ -102,23 +105,25 @@ pub use geobench_mesh::precision::{GRAIN, MARGIN, PLACE, RESOLUTION, SLIVER_HEIG
 /// How many times as long as the greatest distance a side must be to be too long for it.
 const TOO_LONG: f64 = 10.0;
 
-/// The same where a corner of the face is nearer than the [margin](MARGIN) of the side, so that no
-/// digit of its distance is certain. Shorter sides err by no more than other distances do.
+/// As [`TOO_LONG`], where a corner of the face is nearer than the [margin](MARGIN) of the side: no
+/// digit of its distance is certain. Distances beside shorter sides err by no more than others do.
 const LONG: f64 = 1.5;
 
-/// Faces so long, for the distances around them, that `f64` cannot place a path on their sides.
+/// Faces that are so long, for the distances around them, that `f64` cannot resolve positions on
+/// their sides.
 ///
-/// A place on a side of length L is known to [`PLACE`]·L at best. Where all distances are far less
-/// than L, since the faces are thin or there are sources all around, that is more than the last
-/// digits of a distance. So it is where one distance is a tiny part of L: a path across some dozens
-/// of such faces gathers more than [`GRAIN`]·L.
+/// A position on a side of length L is known to [`PLACE`]·L at best. Where all distances are far
+/// less than L, because the faces are thin or sources are all around, that exceeds the last digits
+/// of a distance. It also matters where one distance is a tiny part of L: a path across some dozens
+/// of such faces accumulates more than [`GRAIN`]·L.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Doubt {
-    /// How many there are.
+    /// How many such faces there are.
     pub faces: usize,
-    /// The first of them.
+    /// The first of them, in the order of the mesh.
     pub first: FaceId,
-    /// How far a distance may be off, in the units of the mesh: [`MARGIN`] of their longest side.
+    /// Upper bound of the error of a distance, in the units of the mesh: [`MARGIN`] of their
+    /// longest side.
     pub bound: f64,
 }
 
@@ -140,23 +145,23 @@ impl fmt::Display for Doubt {
     }
 }
 
-/// How far distances may be off among edges of which the longest is this long; `None` if it is not
-/// too long for them. O(distances).
+/// Upper bound of the error of `distances`, if the longest edge has length `longest`; `None` if
+/// that is not too long for them. O(distances).
 pub fn doubtful_by(longest: f64, distances: &[f64]) -> Option<f64> {
     let greatest = greatest(distances);
     let is_long = greatest > 0.0 && is_too_long(longest, greatest, distances.iter().copied());
     is_long.then_some(MARGIN * longest)
 }
 
-/// Whether a side of length `longest` is too long for the `distances` beside it, where the greatest
-/// of all is `greatest`.
+/// Whether a side of length `longest` is too long for `distances`, those of the corners of its
+/// face, where the greatest distance of the mesh is `greatest`.
 fn is_too_long(longest: f64, greatest: f64, mut distances: impl Iterator<Item = f64>) -> bool {
     let is_tiny = |d: f64| 0.0 < d && d < MARGIN * longest;
     longest > TOO_LONG * greatest || longest > LONG * greatest && distances.any(is_tiny)
 }
 
-/// The faces of `mesh` that put `distances`, those of its vertices, in [`Doubt`]; `None` on nearly
-/// all meshes. O(faces).
+/// The faces of `mesh` that put its vertex `distances` in [`Doubt`]; `None` on nearly all meshes.
+/// O(faces).
 pub fn doubt(mesh: &Mesh, distances: &[f64]) -> Option<Doubt> {
     let greatest = greatest(distances);
     if mesh.longest_edge() <= LONG * greatest {
@@ -181,7 +186,7 @@ pub fn doubt(mesh: &Mesh, distances: &[f64]) -> Option<Doubt> {
     doubt
 }
 
-/// The greatest distance that is not infinite; 0 without any.
+/// The greatest finite distance; 0 without any.
 fn greatest(distances: &[f64]) -> f64 {
     let reached = distances.iter().filter(|d| d.is_finite());
     reached.fold(0.0, |a, &b| f64::max(a, b))

@@ -1,8 +1,8 @@
-//! Observation of a run: none, or counts; [`phases`](crate::phases) samples its phases.
+//! Observation of a run: nothing, counts, [phases](crate::phases) or origins of paths.
 //!
-//! Solvers are generic over a [`Probe`] and call it at every event. Timings are taken with `()`,
-//! whose methods are empty and compile to nothing; counts and phases come from separate runs, so
-//! that observing never disturbs a time.
+//! Solvers are generic over a [`Probe`] and call it at every event. Timed runs use `()`, whose
+//! methods are empty and compile to nothing. Counts and phases come from separate runs, so
+//! observation never affects a time.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
@@ -10,7 +10,7 @@ use crate::counters::{Counter, Counters};
 use crate::origins::Way;
 use crate::wavefront::WavefrontSampler;
 
-/// What a solver does at a moment, for [`Phases`](crate::Phases).
+/// The kind of work that a solver does, for [`Phases`](crate::Phases).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// Computing child windows and apex distances.
@@ -21,7 +21,7 @@ pub enum Phase {
     Management,
 }
 
-/// Listens to a run.
+/// Observes a run. All methods have empty defaults.
 ///
 /// ```
 /// use geobench_window::{Count, Counter, Probe};
@@ -36,16 +36,16 @@ pub enum Phase {
 /// assert_eq!(counters.get(Counter::Propagated), Some(2));
 /// ```
 pub trait Probe {
-    /// Whether counts are wanted: what serves counters only is kept in that case only.
+    /// Whether the probe counts. Solvers keep state that serves counters alone only if it does.
     const COUNTS: bool = false;
 
     /// Whether the run may end before all distances are final.
     const STOPS: bool = false;
 
-    /// Whether it is told where paths come from.
+    /// Whether the probe is told where paths come from, by [`reach`](Self::reach).
     const TRACES: bool = false;
 
-    /// Whether it is told which vertices are reached, and from where.
+    /// Whether the probe is told which vertices are reached, by [`improve`](Self::improve).
     const EXPLORES: bool = false;
 
     /// Adds `n` to a counter.
@@ -60,8 +60,8 @@ pub trait Probe {
         let _ = (counter, value);
     }
 
-    /// `parents` more windows were propagated; returns whether [`sample`](Probe::sample) should be
-    /// called now.
+    /// Tells that `parents` more windows were propagated. Returns whether [`sample`](Probe::sample)
+    /// should be called now.
     #[inline]
     fn wants_sample(&mut self, parents: u64) -> bool {
         let _ = parents;
@@ -73,38 +73,38 @@ pub trait Probe {
         let _ = labels;
     }
 
-    /// Time from now on belongs to `phase`.
+    /// Tells that `phase` begins.
     #[inline]
     fn enter(&mut self, phase: Phase) {
         let _ = phase;
     }
 
-    /// Whether all that is wanted is final if nothing that waits leads to a path shorter than
-    /// `bound`, given the distances known. Asked of a probe that [stops](Self::STOPS) runs.
+    /// Whether everything that the probe wants is final, if no path of less than `bound` is open.
+    /// `distance` gives the known distances. Called for probes that [stop](Self::STOPS) runs.
     #[inline]
     fn is_reached(&mut self, bound: f64, distance: impl Fn(VertexId) -> f64) -> bool {
         let _ = (bound, distance);
         false
     }
 
-    /// A path to `v` is the shortest so far; it crosses the face of `corner`, a half-edge that
-    /// starts at `v`, last. In the numbers of the solver. Told to a probe that
-    /// [traces](Self::TRACES) paths.
+    /// Tells that a path to `v` is the shortest so far. It crosses the face of `corner` last, a
+    /// half-edge that starts at `v`. Both are in the numbers of the solver. Called for probes that
+    /// [trace](Self::TRACES) paths.
     #[inline]
     fn reach(&mut self, v: VertexId, corner: HalfEdgeId, way: Way) {
         let _ = (v, corner, way);
     }
 
-    /// A path of length `d` to `v` is the shortest so far; it turns last at a vertex at distance
-    /// `sigma`. Told to a probe that [explores](Self::EXPLORES), by solvers that take one window at
-    /// a time.
+    /// Tells that a path of length `d` to `v` is the shortest so far, and that it turns last at a
+    /// vertex at distance `sigma`. Called for probes that [explore](Self::EXPLORES), by solvers
+    /// that take one window at a time.
     #[inline]
     fn improve(&mut self, v: VertexId, d: f64, sigma: f64) {
         let _ = (v, d, sigma);
     }
 
-    /// The run has ended. The solver has the number `vertex(v)` for vertex `v` of `mesh`, and
-    /// `corner(v, i)` for its outgoing half-edge at place `i`.
+    /// Tells at the end of the run how the solver numbers `mesh`: vertex `v` has the number
+    /// `vertex(v)`, and outgoing half-edge `i` of `v` the number `corner(v, i)`.
     fn renumber(
         &mut self,
         mesh: &Mesh,
@@ -114,7 +114,7 @@ pub trait Probe {
         let _ = (mesh, vertex, corner);
     }
 
-    /// The run ends; nothing that waits leads to a path shorter than `bound`.
+    /// Tells that the run ends early, with no open path of less than `bound`.
     #[inline]
     fn end(&mut self, bound: f64) {
         let _ = bound;
@@ -124,20 +124,21 @@ pub trait Probe {
 /// Observes nothing, at no cost.
 impl Probe for () {}
 
-/// Samples of the wavefront that are handed out, if there are so many; less than twice as many are.
+/// Least number of wavefront samples to return if the run has so many. Fewer than twice as many are
+/// returned.
 const SAMPLES: usize = 50;
 
-/// Counts.
+/// The probe that counts.
 #[derive(Clone, Debug, Default)]
 pub struct Count {
     values: [u64; Counter::ALL.len()],
-    /// The K of the round that is under way, of a queue that works in rounds.
+    /// The K of the current round, for a queue that works in rounds.
     k: Option<u64>,
     wavefront: WavefrontSampler,
 }
 
 impl Count {
-    /// The counts of those counters that the algorithm has.
+    /// The counts of the counters in `has`, those that the algorithm keeps.
     pub fn counters(&self, has: &[Counter]) -> Counters {
         let mut counters = Counters::default();
         for &counter in has {

@@ -1,4 +1,4 @@
-//! The interface through which a caller reaches an algorithm.
+//! The interface between callers and algorithms.
 
 use geobench_mesh::VertexId;
 
@@ -8,7 +8,7 @@ use crate::origins::Origins;
 use crate::phases::PhaseSampler;
 use crate::probe::{Count, Probe};
 
-/// The distances that a run found.
+/// The result of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Solution {
@@ -18,13 +18,13 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// The solution with these distances.
+    /// A solution with these distances.
     pub const fn new(distances: Vec<f64>) -> Self {
         Self { distances }
     }
 }
 
-/// Why a solver cannot start.
+/// Why a solve fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SolveError {
@@ -51,13 +51,13 @@ pub enum SolveError {
         /// Number of vertices of the mesh.
         vertices: usize,
     },
-    /// The algorithm does not remember where paths come from.
+    /// The algorithm does not record where paths come from.
     #[error("this algorithm traces no paths; choose another one")]
     NoPaths,
-    /// A source is a point of another mesh.
+    /// A source is a point that this mesh does not have.
     #[error("a source is no point of this mesh; ask this mesh for its points")]
     NoSuchPoint,
-    /// The matrices of a solver that keeps their factors have none.
+    /// Set-up did not find the memory for the factors of the solver's matrices.
     #[error(
         "there is no memory for the factors of the matrices of this mesh; choose another algorithm"
     )]
@@ -68,26 +68,26 @@ pub enum SolveError {
         /// Number of threads asked for.
         threads: usize,
     },
-    /// The distances that were found could not be proven.
+    /// The distances could not be certified.
     #[error(
         "an error of 1e{exponent} of a distance is not excluded; `geobench certify` says where"
     )]
     NotCertified {
-        /// The power of ten from which on errors are excluded.
+        /// The relative error is at most 10 to this power.
         exponent: i32,
     },
 }
 
 impl SolveError {
-    /// Distances that may be wrong by up to this fraction of them.
+    /// Distances whose relative error may be up to `relative`.
     pub fn not_certified(relative: f64) -> Self {
-        // Infinity becomes the greatest exponent of a number.
+        // An infinite error becomes the greatest exponent of an `f64`.
         let exponent = relative.log10().ceil().min(308.0) as i32;
         Self::NotCertified { exponent }
     }
 }
 
-/// One source or several: a number, a [`VertexId`], or a list of either.
+/// One source or several: a number, a [`VertexId`], or an array or slice of either.
 ///
 /// ```
 /// use geobench_mesh::VertexId;
@@ -99,7 +99,7 @@ impl SolveError {
 /// assert_eq!((&[a, b]).into_vertices(), [a, b]);
 /// ```
 pub trait Sources {
-    /// Their vertices.
+    /// The sources as vertices.
     fn into_vertices(self) -> Vec<VertexId>;
 }
 
@@ -127,11 +127,28 @@ sources!(&[V; N], V: Copy + Into<VertexId>, const N: usize);
 sources!(&[V], V: Copy + Into<VertexId>);
 sources!(&Vec<V>, V: Copy + Into<VertexId>);
 
-/// An algorithm set up for one mesh. Building it is the set-up and is not timed; it can then be
-/// asked for one set of sources after another. It owns what it needs, so it can be stored beside
-/// its mesh, outlive it, and move to another thread.
+/// An algorithm set up for one mesh. Set-up is not timed. A solver can be called for one set of
+/// sources after another. It owns its data, so it can be stored beside its mesh, outlive it, and
+/// move to another thread.
+///
+/// ```
+/// use geobench_ich::ich;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::{Counter, Goal, Solver};
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let mut solver = ich(&mesh); // Set-up.
+/// let all = solver.distances_from(0)?;
+/// let (_, counters) = solver.count(&[0.into()])?;
+/// assert!(counters.get(Counter::Propagated) > Some(0));
+///
+/// // Ends when vertex 1 is final. Distances that are not final then are infinite.
+/// let near = solver.solve_until(&[0.into()], &Goal::targets([1]))?;
+/// assert!(near.distances[1] == all[1] && near.distances[24].is_infinite());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Solver: Send {
-    /// Distances from the nearest of `sources` in the short form: `distances_from(0)`,
+    /// Distances from the nearest of `sources`, without a [`Solution`]: `distances_from(0)` or
     /// `distances_from([3, 17])`.
     ///
     /// # Errors
@@ -144,30 +161,31 @@ pub trait Solver: Send {
         Ok(self.solve(&sources.into_vertices())?.distances)
     }
 
-    /// Distances from the nearest of `sources`, unobserved: the call that is timed.
+    /// Distances of all vertices from the nearest of `sources`. This is the call that is timed.
     ///
     /// # Errors
     ///
-    /// When `sources` is empty or names a vertex that does not exist, or set-up did not get the
-    /// threads it needs.
+    /// If `sources` is empty or has a vertex that does not exist, or if set-up did not get the
+    /// threads or the memory that it needs.
     fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError>;
 
-    /// The same with its events counted.
+    /// As [`solve`](Solver::solve), and counts the events of the run.
     ///
     /// # Errors
     ///
     /// As [`solve`](Solver::solve).
     fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError>;
 
-    /// Distances from the nearest of `sources`, until all that `goal` asks for is final: that of a
-    /// vertex which is not final then, or not within the radius, is infinite. What is final is
-    /// [`solve`](Solver::solve)'s to the bit.
+    /// Distances from the nearest of `sources`, until everything that `goal` asks for is final.
+    /// Distances that are not final then, or not within the radius, are infinite. Final distances
+    /// equal those of [`solve`](Solver::solve) bit for bit.
     ///
-    /// A solver that cannot end early goes to its end.
+    /// The default is for solvers that cannot end early: it solves to the end and applies the
+    /// radius.
     ///
     /// # Errors
     ///
-    /// As [`solve`](Solver::solve), and when a target does not exist.
+    /// As [`solve`](Solver::solve), and if a target does not exist.
     fn solve_until(&mut self, sources: &[VertexId], goal: &Goal) -> Result<Solution, SolveError> {
         let mut solution = self.solve(sources)?;
         check_goal(solution.distances.len(), goal)?;
@@ -175,7 +193,7 @@ pub trait Solver: Send {
         Ok(solution)
     }
 
-    /// [`solve_until`](Solver::solve_until) with its events counted.
+    /// As [`solve_until`](Solver::solve_until), and counts the events of the run.
     ///
     /// # Errors
     ///
@@ -191,12 +209,13 @@ pub trait Solver: Send {
         Ok((solution, counters))
     }
 
-    /// [`solve_until`](Solver::solve_until), with what it takes to trace the path to each vertex
-    /// whose distance is finite.
+    /// As [`solve_until`](Solver::solve_until), and returns the origins of the shortest paths to
+    /// all vertices whose distance is finite.
     ///
     /// # Errors
     ///
-    /// As [`solve_until`](Solver::solve_until), and when the algorithm cannot.
+    /// As [`solve_until`](Solver::solve_until), and [`SolveError::NoPaths`] if the algorithm does
+    /// not record origins.
     fn trace(
         &mut self,
         sources: &[VertexId],
@@ -206,7 +225,7 @@ pub trait Solver: Send {
         Err(SolveError::NoPaths)
     }
 
-    /// The same with its phases sampled.
+    /// As [`solve`](Solver::solve), and samples the phases of the run.
     ///
     /// # Errors
     ///
@@ -218,8 +237,8 @@ pub trait Solver: Send {
     ) -> Result<Solution, SolveError>;
 }
 
-/// What an algorithm implements: one run, generic over the probe. Every `Propagate` is a
-/// [`Solver`].
+/// The interface that an algorithm implements: one run, generic over the probe. Every `Propagate`
+/// is a [`Solver`].
 ///
 /// ```
 /// use geobench_mesh::{Mesh, VertexId};
@@ -266,25 +285,25 @@ pub trait Solver: Send {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Propagate: Send {
-    /// Whether a run tells a probe where paths come from.
+    /// Whether a run calls [`Probe::reach`].
     const TRACES: bool = true;
 
     /// The counters that this algorithm reports.
     fn counters() -> Vec<Counter>;
 
-    /// Number of vertices of the mesh that it was set up for.
+    /// Number of vertices of the mesh.
     fn vertex_count(&self) -> usize;
 
-    /// Whether set-up got all that a run needs; most algorithms need nothing that can fail.
+    /// Checks that set-up got all that a run needs. Most algorithms need nothing that can fail.
     ///
     /// # Errors
     ///
-    /// Names the missing resource.
+    /// The missing resource.
     fn check(&self) -> Result<(), SolveError> {
         Ok(())
     }
 
-    /// Distances from the nearest of `sources`, which is not empty and names existing vertices.
+    /// Distances of all vertices from the nearest of `sources`. These are not empty, and exist.
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution;
 }
 

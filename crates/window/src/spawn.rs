@@ -1,16 +1,16 @@
-//! The windows with which a source or pseudo-source starts.
+//! The windows that a source or pseudo-source sends out.
 
 use geobench_mesh::HalfEdgeId;
 
 use crate::frame::Faces;
 use crate::window::Window;
 
-/// The window that the tail of `h` sends across the face of `h`, on the half-edge by which it
-/// leaves that face; `None` where the opposite edge is a boundary.
+/// The window that the tail of `h` sends across the face of `h`, with the half-edge at which it
+/// arrives; `None` if the opposite edge is on the boundary.
 ///
-/// `sigma` is the distance at the tail. In the frame of that half-edge the window spans the whole
-/// edge and its source is the vertex itself. A (pseudo-)source sends one window for each of its
-/// outgoing half-edges.
+/// `sigma` is the distance at the tail. In the frame of the returned half-edge the window spans the
+/// whole edge, and its source is the tail itself. A (pseudo-)source sends one window for each of
+/// its outgoing half-edges.
 #[inline]
 pub fn spawn_window(faces: &Faces, h: HalfEdgeId, sigma: f64) -> Option<(HalfEdgeId, Window)> {
     let opposite = h.next();

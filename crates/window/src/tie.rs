@@ -16,7 +16,7 @@ impl TiePoints {
         &self.points[..self.len]
     }
 
-    /// This one only.
+    /// The single tie point `x`.
     pub(crate) fn one(x: f64) -> Self {
         let mut ties = Self::default();
         ties.push(x);
@@ -83,7 +83,7 @@ pub fn tie_points(w0: &Window, w1: &Window) -> TiePoints {
         } else {
             product / other
         };
-        // D·|p1 x|, and D² + D·|p1 x| = D·|p0 x|: both distances must come out positive.
+        // D·|p1 x|, and D² + D·|p1 x| = D·|p0 x|: neither may be negative.
         let scaled = a * u + b;
         if scaled * delta >= 0.0 && (delta * delta + scaled) * delta >= 0.0 {
             ties.push(w1.px + u);
@@ -121,8 +121,8 @@ mod tests {
         #[test]
         fn distances_agree_at_every_tie_point(w0 in windows(), w1 in windows()) {
             for &x in tie_points(&w0, &w1).as_slice() {
-                // Far away curves may run almost parallel, where a tie is as uncertain as they are
-                // close; what counts is that the distances agree.
+                // Distant curves may run almost parallel. The tie is then uncertain, but the
+                // distances agree.
                 let size = w0.distance(x) + x.abs();
                 prop_assert!(gap(&w0, &w1, x).abs() <= 1e-11 * size, "{x}: {}", gap(&w0, &w1, x));
             }
@@ -153,7 +153,7 @@ mod tests {
             for (x, y) in there.as_slice().iter().zip(back.as_slice()) {
                 let size = w0.distance(*x) + x.abs();
                 prop_assert!(there.as_slice().len() == back.as_slice().len());
-                // Near-parallel curves leave the abscissa open, not the distance.
+                // Almost parallel curves leave the abscissa uncertain, not the distance.
                 prop_assert!((w0.distance(*x) - w0.distance(*y)).abs() <= 1e-6 * size);
             }
         }
@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(tie_points(&w, &w).as_slice(), [0.0; 0]);
     }
 
-    /// A widely used program divides by B instead of 2B here and answers 2.5.
+    /// A widely used program divides by B instead of 2B in this case and returns 2.5.
     #[test]
     fn asymptote_parallel_to_the_edge_leaves_one_tie() {
         let (w0, w1) = (window(0.0, -3.0, 0.0), window(2.0, -1.0, 2.0));
@@ -196,8 +196,9 @@ mod tests {
         assert!(x < y && (x + y - 1.0).abs() < 1e-14);
     }
 
-    /// Where σ differs by more than the sources are apart one window is always shorter; the roots
-    /// of the squared equation are then the points whose distances *add up* to the difference.
+    /// Where the difference of σ exceeds the distance of the sources, one window is always shorter.
+    /// The roots of the squared equation are then points whose distances *add up* to the
+    /// difference.
     #[test]
     fn points_at_which_distances_add_up_are_no_ties() {
         let ties = tie_points(&window(-2.75, 0.0, 2.5), &window(-2.5, 0.0, 0.0));

@@ -1,33 +1,32 @@
-//! The number of windows of a wavefront and the spread of their distances, sampled over a run.
+//! Samples of the wavefront over a run: the number of windows and the spread of their distances.
 
-/// Most samples kept; when they are reached every second one is dropped.
+/// Most samples stored. When they are reached, every second one is dropped.
 const CAPACITY: usize = 512;
 
-/// The wavefront at one moment of a run. Distances are the windows' least ones, in the units of the
-/// mesh.
+/// The wavefront at one moment of a run. Distances are the least distances of its windows, in the
+/// units of the mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WavefrontRecord {
-    /// Windows propagated until then.
+    /// Windows propagated so far.
     pub parents: u64,
     /// Windows that wait to be propagated, at least one; never more than
     /// [`PeakWavefront`](crate::Counter::PeakWavefront) of the run.
     pub windows: u64,
     /// Mean of their distances.
     pub distance: f64,
-    /// Standard deviation of their distances: the less they differ, the better the wavefront keeps
-    /// the order of the distances (Xu et al. 2015, section 6; transfer report of 2014, section
-    /// 5.5.2).
+    /// Standard deviation of their distances. The smaller it is, the closer the run is to the order
+    /// of distances (Xu et al. 2015, section 6; transfer report of 2014, section 5.5.2).
     pub deviation: f64,
-    /// How many windows the round at that moment was told to take, of a queue that works in rounds.
+    /// The number of windows that the current round was to take, for a queue that works in rounds.
     pub k: Option<u64>,
 }
 
-/// Samples at even intervals of propagated windows, however many these will be.
+/// Takes samples at even intervals of propagated windows, for runs of any length.
 #[derive(Clone, Debug)]
 pub(crate) struct WavefrontSampler {
     samples: Vec<WavefrontRecord>,
     parents: u64,
-    /// Windows propagated from one sample to the next, and those left until the next one.
+    /// Windows propagated between two samples; `left` is the number until the next sample.
     interval: u64,
     left: u64,
 }
@@ -44,7 +43,7 @@ impl Default for WavefrontSampler {
 }
 
 impl WavefrontSampler {
-    /// `parents` more windows were propagated; returns whether a sample is due.
+    /// Adds `parents` propagated windows; returns whether a sample is due.
     #[inline]
     pub(crate) fn advance(&mut self, parents: u64) -> bool {
         self.parents += parents;
@@ -52,8 +51,7 @@ impl WavefrontSampler {
         self.left == 0
     }
 
-    /// Takes a sample of the wavefront whose windows have these least distances, in a round that
-    /// was told to take `k` of them.
+    /// Takes a sample of the wavefront: the least distances of its windows, and the K of the round.
     pub(crate) fn sample(&mut self, labels: impl Iterator<Item = f64>, k: Option<u64>) {
         // Welford's recurrence: one pass, and no cancellation far from the source.
         let (mut windows, mut mean, mut squares) = (0, 0.0, 0.0);
@@ -89,8 +87,8 @@ impl WavefrontSampler {
         (n > 0).then(|| self.samples.iter().map(|s| s.deviation).sum::<f64>() / n as f64)
     }
 
-    /// The samples in the order of the run, fewer than twice `wanted` and, if there are so many, at
-    /// least `wanted`, which is not 0.
+    /// The samples in the order of the run: fewer than twice `wanted`, and at least `wanted` if
+    /// there are so many. `wanted` must not be 0.
     pub(crate) fn course(&self, wanted: usize) -> Vec<WavefrontRecord> {
         let step = (self.samples.len() / wanted).max(1);
         self.samples.iter().copied().step_by(step).collect()
@@ -110,7 +108,7 @@ mod tests {
         assert_eq!(wavefront.deviation(), Some(2.0));
         wavefront.sample([1.0].into_iter(), Some(3));
         assert_eq!(wavefront.deviation(), Some(1.0));
-        // Nothing waits: there is no wavefront to speak of.
+        // Without windows there is no wavefront to sample.
         wavefront.sample([].into_iter(), Some(3));
         let first = WavefrontRecord {
             parents: 7,
@@ -147,7 +145,7 @@ mod tests {
         assert!((50..100).contains(&course.len()), "{}", course.len());
         let gaps = course.windows(2).map(|w| w[1].parents - w[0].parents);
         let (least, most) = gaps.fold((u64::MAX, 0), |(a, b), gap| (a.min(gap), b.max(gap)));
-        // Where every second sample went, the next one came a little later.
+        // After every second sample was dropped, the next one is due a little later.
         assert!(most - least <= least / 10, "{least} to {most}");
     }
 }

@@ -3,10 +3,10 @@
 /// The straight paths from one (pseudo-)source through an interval of a half-edge, in the frame of
 /// that half-edge, about to enter its face.
 ///
-/// All faces that the paths have crossed are unfolded into the plane of the frame; the source's
-/// image lies below the edge. Its position is stored rather than two distances, which would
-/// lose about ε·d²/w of it at a window of width w: crossing a triangle is then a rotation and two
-/// divisions, without a square root.
+/// All faces that the paths have crossed are unfolded into the plane of the frame; the image of the
+/// source lies below the edge. The window stores the position of the image. Two distances instead,
+/// as in the papers, would lose about ε·d²/w of the position for a window of width w. With the
+/// position, crossing a triangle takes a rotation and two divisions, and no square root.
 ///
 /// ```
 /// use geobench_window::Window;
@@ -37,15 +37,15 @@ impl Window {
         [self.px, self.py]
     }
 
-    /// The distance that the window offers at abscissa `x` of its edge: σ + |p x|. Meaningful
-    /// inside the interval.
+    /// The distance that the window offers at abscissa `x` of its edge: σ + |p x|. Defined for `x`
+    /// in the interval.
     #[inline]
     pub fn distance(&self, x: f64) -> f64 {
         self.sigma + norm(x - self.px, self.py)
     }
 
-    /// The least distance that the window offers on its interval: the one at the point nearest to
-    /// the foot of the source. It is the key by which queues order windows.
+    /// The least distance that the window offers on its interval. It is the key by which queues
+    /// order windows.
     #[inline]
     pub fn min_distance(&self) -> f64 {
         self.distance(self.nearest_abscissa())
@@ -57,8 +57,8 @@ impl Window {
         less(greater(self.px, self.b0), self.b1)
     }
 
-    /// The same paths seen in the frame of the twin half-edge of an edge of length `l`, in which
-    /// the source lies above.
+    /// The same paths in the frame of the twin half-edge, where the source lies above the edge. `l`
+    /// is the length of the edge.
     #[inline]
     #[must_use]
     pub fn reversed(&self, l: f64) -> Self {
@@ -72,15 +72,15 @@ impl Window {
     }
 }
 
-/// Length of the vector `(x, y)`. Overflow is no concern for the lengths of a valid mesh, and
-/// `f64::hypot` is several times slower.
+/// Length of the vector `(x, y)`. The lengths of a valid mesh do not overflow, and `f64::hypot` is
+/// several times slower.
 #[inline]
 pub(crate) fn norm(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// The greater of `x` and `y`, `y` if either is NaN: one instruction, where `f64::max` takes four
-/// to return the other one.
+/// The greater of `x` and `y`; `y` if either is NaN. This is one instruction; `f64::max` takes
+/// four, because it handles NaN.
 #[inline]
 pub(crate) fn greater(x: f64, y: f64) -> f64 {
     if x > y { x } else { y }

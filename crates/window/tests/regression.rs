@@ -1,5 +1,5 @@
-//! Defects of the geometry of windows that were mended, each with a test that is named after what
-//! went wrong. Defects that show in distances are tested in the crates of the solvers.
+//! Fixed defects of the geometry of windows, each as a test named after what went wrong. Defects
+//! that show in distances are tested in the crates of the solvers.
 
 use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_window::{Faces, Side};

@@ -9,32 +9,34 @@ use geobench_window::{Counter, Phase, Probe, Propagate, Solution};
 use crate::order::{Tidy, Untidy, VertexQueue};
 use stencil::Stencils;
 
-/// Fast marching on a triangle mesh (Kimmel, Sethian 1998).
+/// Fast marching on a triangle mesh (Kimmel and Sethian 1998); O(n log n) for n vertices.
 ///
 /// Vertices are accepted in the order of their distances. A triangle with two accepted vertices
-/// gives the third the distance at which a straight front arrives that has theirs, provided that the
-/// front comes through the edge between them; else the distance along an edge counts.
+/// gives the third one a distance: the time at which a straight front arrives that fits both
+/// distances, if this front comes through the edge between the two vertices; else the shorter way
+/// along an edge.
 ///
 /// A front can pass an obtuse corner before the two other vertices are accepted. The faces beyond
-/// the opposite edge are then unfolded, until a vertex lies where it splits the angle into two acute
+/// the opposite edge are then unfolded until a vertex is found that splits the angle into two acute
 /// ones.
 ///
-/// The error falls about linearly with the length of the edges.
+/// The error is about proportional to the length of the edges. Distances may be too long or too
+/// short.
 #[derive(Clone, Debug)]
 pub struct Fmm {
     march: March<Tidy>,
 }
 
 /// [`Fmm`] with the untidy queue of Yatziv, Bartesaghi and Sapiro (2006): buckets of equal width,
-/// first in, first out. A run takes linear time; the order of acceptance is off by at most the width
-/// of a bucket.
+/// first in, first out. A run takes linear time. Vertices may be accepted out of order by at most
+/// the width of a bucket.
 #[derive(Clone, Debug)]
 pub struct FmmUntidy {
     march: March<Untidy>,
 }
 
 impl Fmm {
-    /// Sets up for `mesh`; O(faces). With `unfold`, obtuse corners are split.
+    /// Sets up for `mesh`; O(faces). With `unfold`, obtuse corners are split by unfolding.
     pub fn new(mesh: &Mesh, unfold: bool) -> Self {
         Self {
             march: March::new(mesh, unfold, Tidy::default()),
@@ -75,7 +77,7 @@ macro_rules! propagate {
 propagate!(Fmm);
 propagate!(FmmUntidy);
 
-/// A front under way, in the order of a queue.
+/// A march of the front, with vertices in the order of a queue.
 #[derive(Clone, Debug)]
 struct March<Q> {
     stencils: Stencils,

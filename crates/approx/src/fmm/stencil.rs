@@ -1,11 +1,11 @@
-//! The triangles through which a front arrives, unfolded where a corner is obtuse.
+//! The triangles through which a front arrives, unfolded at obtuse corners.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
 /// Most faces that are unfolded for an obtuse corner.
 const MOST_UNFOLDED: usize = 100;
 
-/// A triangle: a front over its base reaches its apex.
+/// A triangle through whose base a front reaches its apex.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stencil {
     pub(super) base: [VertexId; 2],
@@ -21,19 +21,19 @@ pub(super) struct Stencil {
 impl Stencil {
     /// The distance of the apex, given those of the ends of the base.
     ///
-    /// It is the least over all points of the base of their distance, taken as linear, and the way
-    /// from there.
+    /// It is the least sum, over all points of the base, of the point's distance (interpolated
+    /// linearly) and the straight way from the point to the apex.
     #[inline]
     pub(super) fn arrival(&self, ends: [f64; 2]) -> f64 {
         let [x, y] = self.position;
         let along = (ends[0] + self.sides[0]).min(ends[1] + self.sides[1]);
-        // The unit gradient of the front: its component along the base is known.
+        // The gradient of the front has length 1, and its component along the base is known.
         let slope = (ends[1] - ends[0]) / self.length;
         if slope.abs() >= 1.0 {
             return along;
         }
         let rise = ((1.0 - slope) * (1.0 + slope)).sqrt();
-        // Where the ray to the apex crosses the base, times `rise`.
+        // The abscissa at which the ray to the apex crosses the base, times `rise`.
         let entry = x * rise - y * slope;
         if entry > 0.0 && entry < self.length * rise {
             along.min(ends[0] + slope * x + rise * y)
@@ -47,9 +47,9 @@ impl Stencil {
 #[derive(Clone, Debug)]
 pub(super) struct Stencils {
     all: Vec<Stencil>,
-    /// Where the list of each vertex starts in `of`.
+    /// The start of the list of each vertex in `of`.
     starts: Vec<u32>,
-    /// For each vertex the stencils with it in their base.
+    /// For each vertex, the stencils with the vertex in their base.
     of: Vec<u32>,
 }
 
@@ -107,7 +107,7 @@ impl Stencils {
 struct Corner {
     h: HalfEdgeId,
     length: f64,
-    /// The corner in the frame of `h`.
+    /// The position of the corner in the frame of `h`.
     position: [f64; 2],
 }
 
@@ -122,7 +122,8 @@ impl Corner {
         }
     }
 
-    /// Two acute triangles with a vertex beyond `h`, if the corner is obtuse and there is one.
+    /// Two acute triangles with a vertex found beyond `h`; `None` if the corner is acute or there
+    /// is no such vertex.
     fn split(&self, mesh: &Mesh) -> Option<[Stencil; 2]> {
         let apex = self.position;
         let ends = [[0.0; 2], [self.length, 0.0]];
@@ -130,8 +131,8 @@ impl Corner {
         if dot(to_tail, to_head) >= 0.0 {
             return None;
         }
-        // The edge that is crossed next, with its ends. The front to the corner comes between rays
-        // that are perpendicular to its sides; they all cross this edge.
+        // The edge to cross next, with its ends. The front to the corner arrives between the
+        // perpendiculars to its sides, which all cross this edge.
         let mut crossed = self.h;
         let [mut tail, mut head] = [ends[1], ends[0]];
         for _ in 0..MOST_UNFOLDED {
@@ -172,8 +173,8 @@ impl Corner {
     }
 }
 
-/// The apex of a face to the left of the edge from `tail` to `head`, which has this length and sees
-/// it at `apex`.
+/// The apex of a face to the left of the edge from `tail` to `head`. `length` is the length of the
+/// edge, and `apex` the position of the apex in its frame.
 fn unfolded(tail: [f64; 2], head: [f64; 2], apex: [f64; 2], length: f64) -> [f64; 2] {
     let along = minus(head, tail).map(|x| x / length);
     [
@@ -182,7 +183,7 @@ fn unfolded(tail: [f64; 2], head: [f64; 2], apex: [f64; 2], length: f64) -> [f64
     ]
 }
 
-/// Length of the base and position of `apex` in its frame; `None` if the base has no length.
+/// Length of the base, and position of `apex` in its frame; `None` if the base has no length.
 fn in_frame(from: [f64; 2], to: [f64; 2], apex: [f64; 2]) -> Option<(f64, [f64; 2])> {
     let base = minus(to, from);
     let length = length(base);
@@ -218,7 +219,8 @@ mod tests {
     #[test]
     fn an_obtuse_corner_is_split_by_the_vertex_that_sees_it() {
         let stencils = Stencils::new(&strip([0.1, -1.0, 0.0]), true);
-        // Each of the two faces has one obtuse corner, which the other's apex splits.
+        // Each of the two faces has one obtuse corner, which is split by the apex of the other
+        // face.
         assert_eq!(stencils.all.len(), 8);
         let split: Vec<_> = stencils
             .all
@@ -255,7 +257,7 @@ mod tests {
             .iter()
             .find(|s| s.apex == VertexId::new(0))
             .unwrap();
-        // Parallel to the base, and from the first end.
+        // Parallel to the base, and from its first end.
         assert_eq!(stencil.arrival([3.0, 3.0]), 3.5);
         assert_eq!(stencil.arrival([1.0, 5.0]), 1.0 + stencil.sides[0]);
         // A front at an angle whose sine is 0.1.

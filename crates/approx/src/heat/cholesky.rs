@@ -1,4 +1,4 @@
-//! Sparse symmetric matrices of a triangulation, factorised.
+//! Sparse symmetric matrices of a triangulation and their Cholesky factors.
 
 use std::slice::ChunksExact;
 use std::sync::Arc;
@@ -15,40 +15,40 @@ use faer::{Par, Side, Spec};
 
 use super::FlowFace;
 
-/// By how much the diagonal grows first where rounding leaves a matrix without a factor.
+/// The first increase of the diagonal, relatively, of a matrix that rounding has made indefinite.
 const FIRST_GROWTH: f64 = 1e-13;
 
-/// The Laplace matrix of a triangulation: its places, which all matrices of a mesh share with the
-/// order of their elimination, and its entries.
+/// The Laplace matrix of a triangulation. All matrices of a mesh share its sparsity pattern and
+/// elimination order.
 pub(super) struct Pattern {
-    /// The lower triangle by columns; each starts with the diagonal.
+    /// The pattern of the lower triangle by columns. Each column starts with the diagonal.
     places: SymbolicSparseColMat<usize>,
     weights: Vec<f64>,
     order: Arc<EliminationOrder>,
 }
 
-/// The order of elimination, and the places of the factors.
+/// The elimination order and the pattern of the factors.
 #[derive(Debug)]
 struct EliminationOrder {
     symbolic: SymbolicCholesky<usize>,
-    /// The vertex that each row is of.
+    /// The vertex of each row.
     vertices: Vec<u32>,
     blocks: Vec<Supernode>,
-    /// The rows below the blocks.
+    /// The rows below all blocks, block by block.
     rows: Vec<u32>,
-    /// Most rows below a block.
+    /// The most rows below a block.
     most: usize,
 }
 
-/// Neighbouring columns of a factor with the same rows below them (a supernode). Its entries are a
-/// dense matrix by columns, whose first rows are those of its own columns.
+/// A supernode: adjacent columns of a factor with the same rows below them. Its entries are a dense
+/// matrix by columns, whose first rows are those of its own columns.
 #[derive(Clone, Copy, Debug)]
 struct Supernode {
-    /// The first column, and behind the last one.
+    /// The first column, and one past the last.
     columns: [usize; 2],
-    /// Where its rows start in [`EliminationOrder::rows`], and behind the last one.
+    /// The start of its rows in [`EliminationOrder::rows`], and one past their end.
     rows: [usize; 2],
-    /// Where its entries start.
+    /// The start of its entries in the values of a factor.
     values: usize,
 }
 
@@ -60,9 +60,9 @@ pub(super) struct Factor {
 }
 
 impl Pattern {
-    /// The cotangent matrix of `faces`; `None` if there is no memory for its factors.
+    /// The cotangent matrix of `faces`; `None` if there is not enough memory for its factors.
     pub(super) fn new(vertices: usize, faces: &[FlowFace]) -> Option<Self> {
-        // Entries (row, weight) by columns, several for an edge.
+        // Entries (row, weight) by columns, with one entry for each face of an edge.
         let mut starts = vec![0_usize; vertices + 1];
         for_edges(faces, |low, _, _| starts[low + 1] += 1);
         for i in 0..vertices {
@@ -101,9 +101,9 @@ impl Pattern {
         })
     }
 
-    /// The factor of the matrix with `diagonal(vertex, weight)` on its diagonal and
-    /// `other(vertex, vertex, weight)` beside it. Where rounding has made it indefinite, its
-    /// diagonal grows until it is not.
+    /// The factor of the matrix with `diagonal(vertex, weight)` on its diagonal and `other(vertex,
+    /// vertex, weight)` off it. If rounding has made the matrix indefinite, the diagonal is
+    /// increased until it is not.
     pub(super) fn factor(
         &self,
         diagonal: impl Fn(usize, f64) -> f64,
@@ -117,7 +117,7 @@ impl Pattern {
                 let (row, weight) = (self.places.row_idx()[place], self.weights[place]);
                 values.push(if row == v {
                     places.push(place);
-                    // Vertices without a face have nothing.
+                    // Isolated vertices have zero entries.
                     let value = diagonal(v, weight);
                     if value == 0.0 { 1.0 } else { value }
                 } else {
@@ -144,13 +144,14 @@ impl Pattern {
     }
 }
 
-/// Calls `visit` with the ends of each edge of each face, the lower first, and its weight there.
+/// Calls `visit` with the ends of each edge of each face, the lower one first, and its weight in
+/// the face.
 fn for_edges(faces: &[FlowFace], mut visit: impl FnMut(usize, usize, f64)) {
     for face in faces {
         let cotangents = face.cotangents();
         for (k, cotangent) in cotangents.into_iter().enumerate() {
             let [a, b] = [(k + 1) % 3, (k + 2) % 3].map(|i| face.vertices[i] as usize);
-            // Flips can leave an edge with both ends at one vertex.
+            // Flips can produce an edge with both ends at one vertex.
             if a != b {
                 visit(a.min(b), a.max(b), 0.5 * cotangent);
             }
@@ -159,7 +160,7 @@ fn for_edges(faces: &[FlowFace], mut visit: impl FnMut(usize, usize, f64)) {
 }
 
 impl EliminationOrder {
-    /// `None` if there is no memory for it.
+    /// `None` if there is not enough memory for it.
     fn new(places: &SymbolicSparseColMat<usize>) -> Option<Self> {
         let parameters = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
@@ -202,8 +203,8 @@ impl EliminationOrder {
         MemBuffer::try_new(need).ok()
     }
 
-    /// The entries of the factor of `matrix`; `None` if it is not positive definite, or there is no
-    /// memory for them.
+    /// The entries of the factor of `matrix`; `None` if it is not positive definite, or there is
+    /// not enough memory.
     fn factor(
         &self,
         matrix: SparseColMatRef<'_, usize, f64>,
@@ -228,8 +229,8 @@ impl EliminationOrder {
 impl Factor {
     /// Replaces the right-hand side by the solution.
     ///
-    /// The loops are written out: the blocks of a surface are small, and calls of general products
-    /// of matrices for each of them take most of the time.
+    /// The loops are written out, because the blocks of a surface are small. Calls of general
+    /// matrix products for each of them would take most of the time.
     pub(super) fn solve(&self, values: &mut [f64]) {
         let order = &*self.order;
         let mut x: Vec<f64> = order.vertices.iter().map(|&v| values[v as usize]).collect();
@@ -245,7 +246,7 @@ impl Factor {
         }
     }
 
-    /// The columns of a block, and its rows below them.
+    /// The columns of a block, and the rows below it.
     fn parts(&self, block: &Supernode) -> (ChunksExact<'_, f64>, &[u32]) {
         let rows = &self.order.rows[block.rows[0]..block.rows[1]];
         let own = block.columns[1] - block.columns[0];
@@ -254,7 +255,7 @@ impl Factor {
         (values.chunks_exact(height), rows)
     }
 
-    /// Solves for the unknowns of a block, and takes them out of the rows below.
+    /// Solves for the unknowns of a block, and subtracts their part from the rows below.
     fn solve_block(&self, block: &Supernode, x: &mut [f64], below: &mut [f64]) {
         let (columns, rows) = self.parts(block);
         let below = &mut below[..rows.len()];
@@ -276,7 +277,8 @@ impl Factor {
         }
     }
 
-    /// The same for the transposed factor: takes the rows below out of the unknowns, then solves.
+    /// As [`solve_block`](Self::solve_block), for the transposed factor: subtracts the rows below
+    /// from the unknowns, then solves.
     fn solve_transposed(&self, block: &Supernode, x: &mut [f64], below: &mut [f64]) {
         let (columns, rows) = self.parts(block);
         let below = &mut below[..rows.len()];
@@ -292,7 +294,7 @@ impl Factor {
     }
 }
 
-/// The sum of products, in four partial sums, which become vector instructions.
+/// The dot product, in four partial sums, which vectorise.
 fn product(a: &[f64], b: &[f64]) -> f64 {
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest = a4.remainder().iter().zip(b4.remainder());

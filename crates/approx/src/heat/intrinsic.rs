@@ -1,24 +1,26 @@
-//! A triangulation known by the lengths of its edges, which may be flipped inside the surface.
+//! An intrinsic triangulation: it has lengths only, and its edges can be flipped within the
+//! surface.
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh};
 use geobench_window::queue::mean_edge_length;
 
 use super::FlowFace;
 
-/// By how much two sides of a face exceed the third at least, in mean edge lengths: faces without
-/// area have no cotangents.
+/// Least amount by which two sides of a face exceed the third, in mean edge lengths. Without it,
+/// faces without area would have no cotangents.
 const LEAST_EXCESS: f64 = 1e-10;
 
-/// By how much the cotangents opposite to an edge must be negative, relatively, for it to be
-/// flipped.
+/// How negative the sum of the cotangents opposite to an edge must be, relatively, to flip the
+/// edge.
 const MARGIN: f64 = 1e-10;
 
-/// Most flips, in edges.
+/// Most flips, as a multiple of the number of edges.
 const MOST_FLIPS: usize = 100;
 
 const NO_TWIN: u32 = u32::MAX;
 
-/// Half-edge `3 * face + corner` starts at that corner. Lengths are in mean edge lengths of the mesh.
+/// Half-edge `3 * face + corner` starts at that corner. The unit of lengths is the mean edge length
+/// of the mesh.
 #[derive(Clone, Debug)]
 pub(super) struct Intrinsic {
     /// The mean edge length of the mesh.
@@ -42,19 +44,19 @@ fn apex([l, from_head, from_tail]: [f64; 3]) -> [f64; 2] {
     let mut sides = [l, from_head, from_tail];
     sides.sort_unstable_by(f64::total_cmp);
     let [c, b, a] = sides;
-    // Heron's formula in the order of Kahan.
+    // Kahan's form of Heron's formula.
     let product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
     [x, 0.5 * product.max(0.0).sqrt() / l]
 }
 
-/// By how much the sides exceed the longest one.
+/// The amount by which the two shorter sides exceed the longest.
 fn excess([a, b, c]: [f64; 3]) -> f64 {
     (a + b - c).min(b + c - a).min(c + a - b)
 }
 
 impl Intrinsic {
-    /// The triangulation of `mesh`. If it has faces without area, all edges are made longer by the
-    /// same small amount (Sharp, Crane 2020).
+    /// The triangulation of `mesh`. If it has faces without area, all edges are lengthened by the
+    /// same small amount (Sharp and Crane 2020).
     pub(super) fn new(mesh: &Mesh) -> Self {
         let unit = mean_edge_length(mesh);
         let mut surface = Self {
@@ -102,7 +104,8 @@ impl Intrinsic {
         apex([h, next(h), prev(h)].map(|h| self.lengths[h]))
     }
 
-    /// Flips edges whose opposite angles exceed π together, until there are none.
+    /// Flips edges whose opposite angles exceed π in sum, until there are none or [`MOST_FLIPS`] is
+    /// reached.
     pub(super) fn flip_to_delaunay(&mut self) {
         let mut stack: Vec<usize> = (0..self.tails.len()).rev().collect();
         let mut left = MOST_FLIPS.saturating_mul(self.tails.len());
@@ -116,7 +119,7 @@ impl Intrinsic {
         }
     }
 
-    /// The length of the other diagonal, if the edge of `h` is to be flipped.
+    /// The length of the other diagonal, if the edge of `h` must be flipped.
     fn flipped(&self, h: usize) -> Option<f64> {
         let g = self.twins[h];
         if g == NO_TWIN || g as usize / 3 == h / 3 {
@@ -152,7 +155,7 @@ impl Intrinsic {
         for i in 0..4 {
             self.tails[new[i]] = tails[i];
             self.lengths[new[i]] = lengths[i];
-            // Sides of the quadrilateral may be twins of each other.
+            // Two sides of the quadrilateral may be twins.
             let twin = twins[i];
             let side = (0..4).find(|&k| old[k] as u32 == twin && twin != NO_TWIN);
             if let Some(k) = side {
@@ -177,7 +180,7 @@ impl Intrinsic {
 mod tests {
     use super::*;
 
-    /// The half-edges fit together, and lengths agree across them.
+    /// Checks that half-edges are consistent and that twins have equal lengths.
     fn check(surface: &Intrinsic) {
         for h in 0..surface.tails.len() {
             let g = surface.twins[h];

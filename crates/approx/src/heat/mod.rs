@@ -9,29 +9,29 @@ use geobench_window::{Counter, Phase, Probe, Propagate, Solution, SolveError};
 use cholesky::{Factor, Pattern};
 use intrinsic::Intrinsic;
 
-/// What heat does at the boundary of the surface.
+/// The condition on heat at the boundary of the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Boundary {
-    /// The mean of the two others, as the paper recommends.
+    /// The mean of the two other solutions, as the paper recommends.
     #[default]
     Average,
-    /// It does not cross the boundary (Neumann).
+    /// No heat crosses the boundary (Neumann).
     Insulated,
-    /// The boundary stays cold (Dirichlet).
+    /// The boundary has no heat (Dirichlet).
     Cold,
 }
 
 /// Options of [`Heat`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeatOptions {
-    /// For how long heat flows, in squares of the mean edge length.
+    /// The time of the heat flow, in squares of the mean edge length.
     pub time: f64,
-    /// What it does at the boundary.
+    /// The condition at the boundary.
     pub boundary: Boundary,
-    /// Whether edges are flipped first, inside the surface, until they are Delaunay.
+    /// Whether edges are first flipped within the surface until they are Delaunay.
     pub delaunay: bool,
-    /// A number added to the diagonal of the Laplace matrix, which has no inverse. With 0 the
-    /// distance of one vertex is fixed instead, which changes no distance.
+    /// A number added to the diagonal of the Laplace matrix, which is singular. With 0, the
+    /// distance of one vertex of each component is fixed instead, which changes no distance.
     pub shift: f64,
 }
 
@@ -46,22 +46,22 @@ impl Default for HeatOptions {
     }
 }
 
-/// The heat of a source; a power of two, so that it changes no distance. What decays from it to
-/// nothing is 1330 mean edge lengths away.
+/// The heat of a source. It is a power of two, so it changes no distance. Heat underflows at 1330
+/// mean edge lengths from the source.
 const SOURCE: f64 = f64::from_bits((1023 + 900) << 52);
 
-/// The heat method (Crane, Weischedel, Wardetzky 2013).
+/// The heat method (Crane, Weischedel and Wardetzky 2013).
 ///
-/// Heat flows from the sources for a short time. Its gradient, made a unit field, points away from
-/// them; the distances are the function whose gradient is nearest to that field. Both steps solve a
-/// linear system whose matrix does not depend on the sources. Set-up factorises the matrices, and a
-/// solve takes time linear in the factors.
+/// Heat flows from the sources for a short time. Its normalised gradient points towards the
+/// sources, and the distances are the function whose gradient is closest to the opposite of this
+/// field. Both steps solve a linear system whose matrix does not depend on the sources. Set-up
+/// factorises the matrices. A solve takes time linear in the size of the factors.
 ///
-/// Distances are smooth, and off by about the length of an edge; they may be too long or too short.
-/// At the sources they are 0.
+/// Distances are smooth. Their error is about the length of an edge, and they may be too long or
+/// too short. They are 0 at the sources.
 #[derive(Debug)]
 pub struct Heat {
-    /// The mean edge length of the mesh, which is 1 in `faces`.
+    /// The mean edge length of the mesh, which is the unit of lengths in `faces`.
     unit: f64,
     faces: Vec<FlowFace>,
     /// The component of each vertex.
@@ -82,7 +82,7 @@ struct Factors {
 #[derive(Clone, Copy, Debug)]
 struct FlowFace {
     vertices: [u32; 3],
-    /// The corners: the first at 0, the second on the x-axis.
+    /// Length of the first side, which is on the x-axis with its start at 0.
     length: f64,
     apex: [f64; 2],
 }
@@ -97,18 +97,18 @@ impl FlowFace {
         0.5 * self.length * self.apex[1]
     }
 
-    /// The unit vector against the gradient of `heat`; 0 where that is constant.
+    /// The unit vector against the gradient of `heat`; 0 where `heat` is constant.
     fn flow(&self, heat: &[f64]) -> [f64; 2] {
         let [a, b, c] = self.vertices.map(|v| heat[v as usize]);
         let (mut along, mut rise) = (b - a, c - a);
-        // Heat may be so small that its square is nothing.
+        // Scaled, because heat may be so small that its square underflows.
         let most = along.abs().max(rise.abs());
         if !(most > 0.0 && most.is_finite()) {
             return [0.0; 2];
         }
         along /= most;
         rise /= most;
-        // The gradient, times the double of the area.
+        // The gradient times twice the area.
         let gx = along * self.apex[1];
         let gy = rise * self.length - along * self.apex[0];
         let norm = (gx * gx + gy * gy).sqrt();
@@ -121,8 +121,10 @@ impl FlowFace {
 }
 
 impl Heat {
-    /// Sets up for `mesh`: lays out the triangulation and factorises two matrices, or three if
-    /// there is a boundary.
+    /// Sets up for `mesh`: builds the triangulation and factorises two matrices, or three if the
+    /// mesh has a boundary.
+    ///
+    /// If there is not enough memory for the factors, solving returns an error.
     pub fn new(mesh: &Mesh, options: HeatOptions) -> Self {
         let mut surface = Intrinsic::new(mesh);
         if options.delaunay {
@@ -143,7 +145,7 @@ impl Heat {
         }
     }
 
-    /// The heat after a short time.
+    /// The heat after the time of the options.
     fn heat(&self, factors: &Factors, sources: &[VertexId]) -> Vec<f64> {
         let start = |is_source: &dyn Fn(VertexId) -> bool| {
             let mut heat = vec![0.0; self.components.len()];
@@ -170,13 +172,13 @@ impl Heat {
         heat
     }
 
-    /// Minus the divergence, integrated around each vertex, of the unit field of `heat`.
+    /// Minus the divergence of the unit field of `heat`, integrated around each vertex.
     fn sinks(&self, heat: &[f64]) -> Vec<f64> {
         let mut sinks = vec![0.0; heat.len()];
         for face in &self.faces {
             let flow = face.flow(heat);
             let (l, [x, y]) = (face.length, face.apex);
-            // The gradients of the three functions that are 1 at a corner, times the area.
+            // The gradients of the three hat functions, times the area.
             let gradients = [[-y, x - l], [y, -x], [0.0, l]];
             for (v, [gx, gy]) in face.vertices.into_iter().zip(gradients) {
                 sinks[v as usize] += 0.5 * (gx * flow[0] + gy * flow[1]);
@@ -185,7 +187,7 @@ impl Heat {
         sinks
     }
 
-    /// Puts the sources of each component at 0, on average.
+    /// Shifts the distances of each component so that they are 0 at the sources on average.
     fn place(&self, found: &[f64], sources: &[VertexId]) -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); self.component_count];
         for &source in sources {
@@ -243,7 +245,7 @@ impl Propagate for Heat {
 }
 
 impl Factors {
-    /// `None` if there is no memory for them.
+    /// `None` if there is not enough memory for them.
     fn new(
         faces: &[FlowFace],
         components: &[u32],
@@ -278,7 +280,7 @@ impl Factors {
                 },
             )
         });
-        // The first vertex of each component is held.
+        // The distance of the first vertex of each component is fixed.
         let mut held = vec![false; components.len()];
         if options.shift == 0.0 {
             let mut next = 0;
@@ -305,7 +307,8 @@ impl Factors {
     }
 }
 
-/// The component of each vertex, numbered in the order of their first vertices, and their number.
+/// The component of each vertex, numbered in the order of their first vertices, and the number of
+/// components.
 fn components(vertices: usize, faces: &[FlowFace]) -> (Vec<u32>, usize) {
     let mut roots: Vec<u32> = (0..vertices as u32).collect();
     let find = |roots: &mut Vec<u32>, mut v: u32| {

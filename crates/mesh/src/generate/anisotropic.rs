@@ -1,4 +1,4 @@
-//! A torus whose triangles are stretched to a wanted mean anisotropy, while its shape stays.
+//! A torus whose triangles are stretched to a given mean anisotropy, without changing its shape.
 
 use std::f64::consts::TAU;
 
@@ -25,14 +25,14 @@ pub(super) const KEYS: &[Key] = &[
     ),
 ];
 
-/// Radius of the tube, that of its centre line being 1.
+/// Radius of the tube; the centre line has radius 1.
 const TUBE: f64 = 0.4;
 
-/// With fewer rings the torus would no longer look like one.
+/// With fewer rings the surface would no longer look like a torus.
 const MIN_RINGS: u64 = 12;
 
-/// How far vertices may crowd towards the outer equator: their density there, relative to the
-/// mean, is at most `1 / (1 - MAX_CROWDING)`.
+/// Limit of the concentration of vertices near the outer equator: their density there is at most `1
+/// / (1 - MAX_CROWDING)` times the mean.
 const MAX_CROWDING: f64 = 0.75;
 
 pub(super) fn faces(params: &Params<'_>) -> Result<u64, GenerateError> {
@@ -41,7 +41,7 @@ pub(super) fn faces(params: &Params<'_>) -> Result<u64, GenerateError> {
 }
 
 /// Triangles are long along the torus and short around its tube: isosceles needles between rings.
-/// Vertices come ring after ring.
+/// Vertices are numbered ring by ring.
 pub(super) fn build(params: &Params<'_>) -> Result<TriangleSoup, GenerateError> {
     let stretched = Stretched::new(params)?;
     let [rings, per_ring] = [stretched.rings, stretched.per_ring];
@@ -54,7 +54,7 @@ pub(super) fn build(params: &Params<'_>) -> Result<TriangleSoup, GenerateError> 
     Ok(TriangleSoup::new(positions, triangles))
 }
 
-/// A torus of `rings` rings, each turned half a vertex against the one before it.
+/// A torus of `rings` rings, each offset by half a vertex from the one before.
 struct Stretched {
     rings: u64,
     per_ring: u64,
@@ -62,10 +62,10 @@ struct Stretched {
 }
 
 impl Stretched {
-    /// Finds the torus of the wanted anisotropy.
+    /// Finds the torus with the given anisotropy.
     ///
-    /// Fewer rings of more vertices stretch the triangles, in steps. Crowding the vertices of each
-    /// ring towards the outer equator makes up the rest.
+    /// Fewer rings of more vertices stretch the triangles, in steps. Concentrating the vertices of
+    /// each ring near the outer equator provides the rest.
     fn new(params: &Params<'_>) -> Result<Self, GenerateError> {
         let (wanted, cells) = (params.real("g"), params.whole("faces") / 2);
         let even = |rings| Self {
@@ -73,7 +73,7 @@ impl Stretched {
             per_ring: rounded(cells as f64 / rings as f64),
             crowding: 0.0,
         };
-        // The fewest rings that do not exceed the wanted mean. With this many, triangles are
+        // The fewest rings that do not exceed the given mean. With `many` rings triangles are
         // nearly equilateral.
         let (mut few, mut many) = (MIN_RINGS, rounded((cells as f64 / (0.87 * TUBE)).sqrt()));
         while few < many {
@@ -90,8 +90,9 @@ impl Stretched {
         };
         let even_mean = crowded(0.0).anisotropy();
         let [mut low, mut high] = if wanted < even_mean {
-            // Rings are closer to each other inside than outside, which keeps the mean of evenly
-            // spread vertices from 1: crowding inwards, too, makes all triangles alike.
+            // Rings are closer to each other at the inner equator than at the outer one. Evenly
+            // spread vertices therefore have a mean above 1. Concentrating them inwards makes all
+            // triangles alike.
             [-TUBE, 0.0]
         } else {
             [0.0, MAX_CROWDING]
@@ -103,7 +104,8 @@ impl Stretched {
             let why = if wanted < reach[0] {
                 format!("with faces={faces} g cannot go below {:.3}", reach[0])
             } else {
-                // The reach grows with the number of faces; a little more makes up for rounding.
+                // The greatest anisotropy grows with the number of faces; 2 % more allows for
+                // rounding.
                 let enough = rounded(faces as f64 * wanted / reach[1] * 1.02) + 1;
                 format!(
                     "g={wanted} would leave too few rings to form a torus: with faces={faces} g goes \
@@ -124,7 +126,7 @@ impl Stretched {
         Ok(crowded(low))
     }
 
-    /// Vertices by which the last ring is turned against the first.
+    /// The offset between the last ring and the first, in vertices.
     const fn offset(&self) -> u64 {
         self.rings / 2
     }
@@ -138,8 +140,8 @@ impl Stretched {
         [distance * x, distance * y, TUBE * up]
     }
 
-    /// Mean g of the triangles between the first two rings, or of an even sample of them: the
-    /// rings differ only in where along the tube their vertices start.
+    /// Mean g of the triangles between the first two rings, or of an even sample of them. Other
+    /// rings differ only in the positions of their vertices around the tube.
     fn anisotropy(&self) -> f64 {
         let samples = self.per_ring.min(2_000);
         let sum: f64 = (0..samples)

@@ -1,4 +1,4 @@
-//! Cube and box: the surface of a block of cells, welded at edges and corners.
+//! Cube and box: the surface of a block of cells, with shared vertices at edges and corners.
 
 use super::keys::{Key, Kind, Params};
 use super::plate::MAX_SIDE;
@@ -48,8 +48,9 @@ const fn faces([nx, ny, nz]: [u64; 3]) -> u64 {
 
 /// The surface of a block with one corner at the origin and the opposite one at `sides`.
 ///
-/// Vertices come layer by layer in z, row by row in y: vertex 0 is the origin, the last one the
-/// opposite corner. Where a side is as long as its number of cells, coordinates are whole.
+/// Vertices are numbered layer by layer in z and row by row in y. Vertex 0 is the origin, the last
+/// one the opposite corner. Coordinates are integers where a side is as long as its number of
+/// cells.
 fn block(sides: [f64; 3], cells: [usize; 3]) -> TriangleSoup {
     let [nx, ny, nz] = cells;
     let mut positions = Vec::new();
@@ -64,7 +65,7 @@ fn block(sides: [f64; 3], cells: [usize; 3]) -> TriangleSoup {
     }
     let mut triangles = Vec::with_capacity(faces(cells.map(|n| n as u64)) as usize);
     for normal in 0..3 {
-        // Outwards is u × v on the far side, v × u on the near side.
+        // The outward direction is u × v on the far side and v × u on the near side.
         let (u, v) = ((normal + 1) % 3, (normal + 2) % 3);
         for (offset, u, v) in [(0, v, u), (cells[normal], u, v)] {
             for i in 0..cells[v] {
@@ -85,7 +86,7 @@ fn block(sides: [f64; 3], cells: [usize; 3]) -> TriangleSoup {
     TriangleSoup::new(positions, triangles)
 }
 
-/// Number of the vertex at a place of the lattice that lies on the surface.
+/// Number of the vertex at a surface point of the lattice.
 fn number([nx, ny, nz]: [usize; 3], [x, y, z]: [usize; 3]) -> u32 {
     let full_layer = (nx + 1) * (ny + 1);
     let rim = 2 * (nx + ny);
@@ -101,7 +102,7 @@ fn number([nx, ny, nz]: [usize; 3], [x, y, z]: [usize; 3]) -> u32 {
     } else if y == ny {
         nx + 1 + 2 * (ny - 1) + x
     } else {
-        // Rows between have two vertices, x = 0 and x = nx.
+        // Rows between the first and the last have two vertices, x = 0 and x = nx.
         nx + 1 + 2 * (y - 1) + usize::from(x == nx)
     };
     (start + within) as u32

@@ -2,14 +2,14 @@
 
 use super::MAX_FACES;
 
-/// Why a spec names no model. Each message says what to write instead.
+/// Why a spec is invalid. Each message says what to write instead.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GenerateError {
     /// There is no family of this name.
     #[error("unknown model family `{name}`{hint}; there are {known}")]
     UnknownFamily {
-        /// What was asked for.
+        /// The name asked for.
         name: String,
         /// The most similar name as a question, if one is similar.
         hint: String,
@@ -21,7 +21,7 @@ pub enum GenerateError {
     UnknownKey {
         /// The family's name.
         family: &'static str,
-        /// What was asked for.
+        /// The key asked for.
         key: String,
         /// The most similar key as a question, if one is similar.
         hint: String,
@@ -33,7 +33,7 @@ pub enum GenerateError {
     NoValue {
         /// The family's name.
         family: &'static str,
-        /// What stands there.
+        /// The piece of the spec.
         piece: String,
     },
     /// A key is set more than once, by itself or through a key that stands for several.
@@ -51,7 +51,7 @@ pub enum GenerateError {
         family: &'static str,
         /// The key.
         key: &'static str,
-        /// What was given.
+        /// The value given.
         value: String,
         /// The kind of value and its range in words.
         wanted: String,
@@ -69,15 +69,15 @@ pub enum GenerateError {
         family: &'static str,
         /// The key.
         key: &'static str,
-        /// What it is for.
+        /// The meaning of the key.
         summary: &'static str,
     },
-    /// Values that are right one by one do not go together.
+    /// Values are valid one by one, but not together.
     #[error("`{family}`: {why}")]
     Unfit {
         /// The family's name.
         family: &'static str,
-        /// What does not fit, and how it would.
+        /// The reason, and how to fix it.
         why: String,
     },
     /// The model would be too large.

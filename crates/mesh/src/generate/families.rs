@@ -1,4 +1,4 @@
-//! The one table of what can be generated.
+//! The table of families that can be generated.
 
 use std::fmt::{self, Write as _};
 
@@ -9,17 +9,17 @@ use crate::soup::TriangleSoup;
 
 /// A family of models: one line of the table.
 pub struct Family {
-    /// What follows `gen:`.
+    /// The name after `gen:`.
     pub name: &'static str,
     /// Other names for it.
     pub aliases: &'static [&'static str],
-    /// What it is, in one line.
+    /// A description of one line.
     pub summary: &'static str,
-    /// The keys of its own; all families also take [`MODIFIER_KEYS`].
+    /// The keys of this family. All families take [`MODIFIER_KEYS`] as well.
     pub keys: &'static [Key],
     /// Whether the shape depends on the seed.
     pub seeding: Seeding,
-    /// How it is made; a file is not made here.
+    /// How the shape is made; `None` for a file, which the caller reads.
     pub(super) shape: Option<Shape>,
 }
 
@@ -36,7 +36,7 @@ pub enum Seeding {
 
 /// How a shape is made.
 pub(super) struct Shape {
-    /// Exactly how many triangles it will have, without making it, or why it cannot be made.
+    /// The exact number of triangles, without making the shape, or why it cannot be made.
     pub(super) faces: fn(&Params<'_>) -> Result<u64, GenerateError>,
     pub(super) build: fn(&Params<'_>) -> Result<TriangleSoup, GenerateError>,
 }
@@ -47,7 +47,7 @@ impl fmt::Debug for Family {
     }
 }
 
-/// The shape of a family every one of whose specs can be made.
+/// The shape of a family that can make every one of its specs.
 macro_rules! shape {
     ($faces:path, $build:path) => {
         Some(Shape {
@@ -57,7 +57,7 @@ macro_rules! shape {
     };
 }
 
-/// Every family there is: flat ones, solids, round ones, special ones, and files.
+/// All families: flat ones, solids, round ones, special ones, and files.
 pub const FAMILIES: &[Family] = &[
     Family {
         name: "grid",
@@ -209,7 +209,7 @@ const FILE_KEYS: &[Key] = &[Key {
     summary: "the file; in quotation marks, doubled within, if it has a comma",
 }];
 
-/// All families and keys in words, one to a line, ready to print.
+/// All families and keys as text, one to a line.
 pub fn help() -> String {
     let mut text = String::from("gen:FAMILY[,key=value...] with these families and keys:\n");
     for family in FAMILIES {

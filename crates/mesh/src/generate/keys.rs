@@ -9,13 +9,13 @@ use super::GenerateError;
 pub struct Key {
     /// Its name, lower case.
     pub name: &'static str,
-    /// What it takes.
+    /// The kind of its value.
     pub kind: Kind,
-    /// What it means, in a few words.
+    /// Its meaning, in a few words.
     pub summary: &'static str,
 }
 
-/// What a key takes. Ranges include their ends.
+/// The kind of a value, with its range (ends included).
 #[derive(Debug)]
 #[allow(missing_docs)] // The fields are a default and a range throughout.
 pub enum Kind {
@@ -23,11 +23,11 @@ pub enum Kind {
     Whole { default: u64, min: u64, max: u64 },
     /// A finite real number.
     Real { default: f64, min: f64, max: f64 },
-    /// One of these words, the first by default.
+    /// One of these words; the first is the default.
     Choice(&'static [&'static str]),
     /// A file's path; it has no default.
     Path,
-    /// Short for setting all these keys, which stand beside it, to one value.
+    /// An abbreviation that sets all these keys of the same table to one value.
     All(&'static [&'static str]),
 }
 
@@ -60,7 +60,7 @@ impl Key {
         }
     }
 
-    /// The value when the key is not given; `None` for a path and for a key that stands for others.
+    /// The value if the key is not given; `None` for a path and for an abbreviation.
     pub(super) fn default(&self) -> Option<Value> {
         match self.kind {
             Kind::Whole { default, .. } => Some(Value::Whole(default)),
@@ -99,8 +99,8 @@ impl Key {
         })
     }
 
-    /// The values the key takes, such as `0 to 12`.
-    pub fn range(&self) -> String {
+    /// The values that the key takes, such as `0 to 12`.
+    pub(super) fn range(&self) -> String {
         match self.kind {
             Kind::Whole { min, max, .. } => format!("{min} to {max}"),
             Kind::Real { min, max, .. } => format!("{} to {}", Real(min), Real(max)),
@@ -110,8 +110,8 @@ impl Key {
         }
     }
 
-    /// The same in a sentence, such as `a whole number from 0 to 12`.
-    pub fn wanted(&self) -> String {
+    /// The values in a sentence, such as `a whole number from 0 to 12`.
+    fn wanted(&self) -> String {
         let range = self.range();
         match self.kind {
             Kind::Whole { .. } => format!("a whole number from {range}"),
@@ -123,7 +123,7 @@ impl Key {
     }
 }
 
-/// A value that its key has accepted.
+/// A value that has been checked against its key.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {
     Whole(u64),
@@ -164,7 +164,7 @@ impl fmt::Display for Real {
     }
 }
 
-/// The values from which a family builds its shape.
+/// The values of a family's keys.
 pub(super) struct Params<'a> {
     pub(super) values: &'a [(&'static Key, Value)],
     pub(super) seed: u64,
@@ -185,7 +185,7 @@ impl Params<'_> {
         }
     }
 
-    /// The same, ready to count vertices.
+    /// As [`whole`](Self::whole), as a `usize`.
     pub(super) fn count(&self, name: &str) -> usize {
         self.whole(name) as usize
     }

@@ -17,7 +17,7 @@ pub(super) const KEYS: &[Key] = &[
     ),
 ];
 
-/// Length of the centre line, over 2π.
+/// Length of the centre line, divided by 2π.
 const SLENDER: f64 = 5.09;
 
 pub(super) fn faces(params: &Params<'_>) -> u64 {
@@ -29,7 +29,7 @@ fn counts(params: &Params<'_>) -> [u64; 2] {
     ring_counts(params.whole("faces"), SLENDER / params.real("r"))
 }
 
-/// Ring after ring along the knot.
+/// Vertices are numbered ring by ring along the knot.
 pub(super) fn build(params: &Params<'_>) -> TriangleSoup {
     let [rings, per_ring] = counts(params);
     let r = params.real("r");
@@ -49,17 +49,18 @@ pub(super) fn build(params: &Params<'_>) -> TriangleSoup {
 
 /// A point of the knot and two unit vectors across it.
 ///
-/// The curve winds twice around the axis and three times around the tube of a torus. The torus's
-/// normal is the first vector: it turns steadily and closes up, as Frenet's frame need not.
+/// The curve winds twice around the axis and three times around the tube of a torus. The first
+/// vector is the normal of the torus. It turns steadily and closes up, which Frenet's frame need
+/// not.
 fn frame(i: u64, rings: u64) -> ([f64; 3], [f64; 3], [f64; 3]) {
     let [x, y] = turn(2 * i % rings, rings);
-    // Downwards: along this sense the tube's cells lean towards the diagonals that cut them.
+    // Downwards: in this direction the cells of the tube lean towards the diagonals that cut them.
     let [out, down] = turn(3 * i % rings, rings);
     let up = -down;
     let distance = 2.0 + out;
     let centre = [distance * x, distance * y, up];
     let normal = [out * x, out * y, up];
-    // The derivative: 2 radians around the axis for 3 down around the tube.
+    // The derivative: 2 radians around the axis for 3 radians down around the tube.
     let (a, b) = (2.0 * distance, -3.0);
     let length = (a * a + b * b).sqrt();
     let (a, b) = (a / length, b / length);

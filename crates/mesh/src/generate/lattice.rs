@@ -2,9 +2,9 @@
 
 /// Triangles of a torus of `rings` rings of `per_ring` vertices each, ring after ring.
 ///
-/// Ring `i` joins ring `i + 1` vertex by vertex; the last joins the first with `shift` vertices'
-/// offset. Triangles turn counter-clockwise seen with the ring number to the right and the
-/// vertex number upwards. Both counts must be at least 3.
+/// Ring `i` joins ring `i + 1` vertex by vertex. The last ring joins the first with an offset of
+/// `shift` vertices. Triangles are counter-clockwise if the ring number increases to the right and
+/// the vertex number upwards. Both counts must be at least 3.
 pub(super) fn wrapped(rings: usize, per_ring: usize, shift: usize) -> Vec<[u32; 3]> {
     let mut triangles = Vec::with_capacity(2 * rings * per_ring);
     for i in 0..rings {
@@ -23,8 +23,8 @@ pub(super) fn wrapped(rings: usize, per_ring: usize, shift: usize) -> Vec<[u32; 
     triangles
 }
 
-/// Triangles of `rings` rings of `slices` vertices stacked downwards, facing outwards when the
-/// rings turn counter-clockwise seen from above.
+/// Triangles of `rings` rings of `slices` vertices stacked downwards. They face outwards if rings
+/// are counter-clockwise seen from above.
 ///
 /// Vertices are numbered: the top pole if there is one, the rings from above, the bottom pole if
 /// there is one. A pole is joined to the whole ring next to it.

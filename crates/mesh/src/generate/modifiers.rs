@@ -7,7 +7,7 @@ use super::subdivide::{midpoint_subdivide, split};
 use super::{GenerateError, MAX_FACES};
 use crate::soup::TriangleSoup;
 
-/// The keys that every family takes beside its own.
+/// The keys that every family takes in addition to its own.
 pub const MODIFIER_KEYS: &[Key] = &[
     Key::whole(
         "parts",
@@ -47,7 +47,7 @@ pub struct Modifiers {
     pub noise: f64,
     /// Factor of all coordinates.
     pub scale: f64,
-    /// Picks the displacements.
+    /// Seed of the displacements.
     pub seed: u64,
 }
 
@@ -64,10 +64,10 @@ impl Default for Modifiers {
 }
 
 impl Modifiers {
-    /// The soup with all modifiers applied; unchanged, bit for bit, by the default ones.
+    /// The soup with all modifiers applied. The default modifiers return it unchanged, bit for bit.
     ///
-    /// Vertices keep their numbers, and defects stay for validation to find: `file_faces` leads
-    /// from split triangles back to the faces of the file.
+    /// Vertices keep their numbers. Defects are left for validation to report; `file_faces` maps
+    /// the parts of split triangles to the faces of the file.
     ///
     /// # Errors
     ///
@@ -76,7 +76,7 @@ impl Modifiers {
         self.apply_with(soup, midpoint_subdivide)
     }
 
-    /// The same for a generated soup, whose triangles come from no face of a file.
+    /// As [`apply`](Self::apply) for a generated soup, whose triangles belong to no face of a file.
     pub(super) fn apply_to_generated(
         &self,
         soup: TriangleSoup,
@@ -109,7 +109,8 @@ impl Modifiers {
         Ok(soup)
     }
 
-    /// The number of triangles that a model of `faces` will have, if that is not too many.
+    /// The number of triangles that a model of `faces` triangles will have, unless that is too
+    /// many.
     pub(super) fn face_count(&self, faces: u64) -> Result<u64, GenerateError> {
         let factor = 4u64.checked_pow(self.subdivide).unwrap_or(u64::MAX);
         let parts = u64::from(self.parts).pow(2);
@@ -120,7 +121,7 @@ impl Modifiers {
         Ok(faces)
     }
 
-    /// Takes the value of one of [`MODIFIER_KEYS`].
+    /// Sets the value of one of [`MODIFIER_KEYS`].
     pub(super) fn set(&mut self, key: &Key, value: &Value) {
         match (key.name, value) {
             ("parts", Value::Whole(parts)) => self.parts = *parts as u32,
@@ -132,8 +133,8 @@ impl Modifiers {
         }
     }
 
-    /// The keys that make a difference, with their values. The seed does where `seeded` says that
-    /// the shape depends on it, and where there is noise.
+    /// The keys that change the model, with their values. The seed changes it if there is noise, or
+    /// if the shape depends on it (`seeded`).
     pub(super) fn settings(&self, seeded: bool) -> impl Iterator<Item = (&'static str, Value)> {
         let default = Self::default();
         [

@@ -3,18 +3,18 @@
 use crate::random::SplitMix64;
 use crate::soup::TriangleSoup;
 
-/// Moves every vertex along its normal by a random distance, evenly spread between minus and plus
+/// Moves every vertex along its normal by a random distance, uniform between minus and plus
 /// `amplitude` times the mean length of the triangles' sides.
 ///
-/// The normal of a vertex is that of the triangles around it, weighted by area; a vertex without
-/// one (isolated, or all its triangles without area) stays. Each vertex's share of chance
-/// depends on `seed` and its number alone. Sides that are not finite, and triangles naming vertices
-/// that do not exist, are passed over.
+/// The normal of a vertex is the area-weighted mean over its triangles. A vertex without a normal
+/// (isolated, or with triangles of no area only) stays. The displacement of a vertex depends on
+/// `seed` and its number alone. Sides that are not finite, and triangles that name missing
+/// vertices, are ignored.
 ///
 /// Takes O(n) time for n triangles and vertices.
 pub fn add_noise(soup: &mut TriangleSoup, amplitude: f64, seed: u64) {
     let mut normals = vec![[0.0; 3]; soup.positions.len()];
-    // A running mean, since a sum of lengths might overflow.
+    // A running mean, because a sum of lengths might overflow.
     let (mut mean, mut count) = (0.0, 0u64);
     for triangle in &soup.triangles {
         let corner = |k: usize| soup.positions.get(triangle[k] as usize);
@@ -52,7 +52,7 @@ pub fn add_noise(soup: &mut TriangleSoup, amplitude: f64, seed: u64) {
     }
 }
 
-/// Length of a vector, without overflow or underflow on the way.
+/// Length of a vector, without intermediate overflow or underflow.
 fn norm(v: [f64; 3]) -> f64 {
     let largest = v.into_iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     if largest == 0.0 || !largest.is_finite() {

@@ -4,15 +4,15 @@ use super::subdivide::splits;
 use crate::edges::EdgeGroups;
 use crate::soup::TriangleSoup;
 
-/// Cuts every edge into `parts` equal parts, and with them every triangle into `parts` squared
-/// ones: the same surface, finer, at resolutions between those of
+/// Cuts every edge into `parts` equal parts, and every triangle into `parts`² triangles. The
+/// surface stays the same. The resolutions lie between those of
 /// [`midpoint_subdivide`](super::midpoint_subdivide).
 ///
-/// Old vertices keep their numbers and positions. Those within edges follow, edge by edge as
-/// `midpoint_subdivide` orders them, from the edge's smaller vertex to its larger one; then those
-/// within triangles. The parts of a triangle follow each other, oriented as it was, and
-/// `file_faces` says from which face of the file they come. A triangle that names a vertex twice,
-/// or one that does not exist, is kept as it is, for validation to find.
+/// Old vertices keep their numbers and positions. Those within edges follow, edge by edge in the
+/// order of `midpoint_subdivide`, from the edge's smaller vertex to its larger one; then those
+/// within triangles. The parts of a triangle are consecutive, have its orientation, and have its
+/// file face in `file_faces`. A triangle that names a vertex twice, or a missing vertex, is kept
+/// for validation to report.
 ///
 /// Takes O(n parts^2) time for n triangles.
 ///
@@ -33,7 +33,7 @@ pub(crate) fn cut_into_parts(soup: &TriangleSoup, parts: u32) -> TriangleSoup {
         "too many parts: {most} vertices"
     );
     let mut positions = soup.positions.clone();
-    // Of each side of each sound triangle, the first vertex within the edge, counted from its
+    // For each side of each sound triangle, the first vertex within the edge, counted from its
     // smaller end.
     let mut firsts = vec![[0; 3]; corners.len()];
     for edge in EdgeGroups::new(old, &corners).iter() {

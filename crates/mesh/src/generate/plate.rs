@@ -1,4 +1,4 @@
-//! Flat models: the plane grid, the plate with holes, the strip of needles.
+//! Flat models: the grid, the plate with holes, the strip of needles.
 
 use super::keys::{Key, Params};
 use crate::random::SplitMix64;
@@ -12,8 +12,8 @@ const DIAGONAL: Key = Key {
     kind: super::Kind::Choice(&["one", "alternating"]),
     summary: "whether all cells are cut along the same diagonal, or neighbours along opposite ones",
 };
-// A corner of a right triangle with legs 1 that moves by less than 1/4 along each axis cannot
-// cross the opposite side, however the others move.
+// A corner of a right triangle with legs of length 1 cannot cross the opposite side if all corners
+// move by less than 1/4 along each axis.
 const JITTER: Key = Key::real(
     "jitter",
     0.0,
@@ -35,7 +35,7 @@ pub(super) const GRID_KEYS: &[Key] = &[
 
 pub(super) const HOLES_KEYS: &[Key] = &[
     Key::whole("holes", 4, [1, 5_000], "holes along each side"),
-    // Cells in holes cost time, too: no plate may be mostly holes.
+    // Cells in holes cost time as well, so no plate may be mostly holes.
     Key::whole("width", 6, [1, 64], "cells of size 1 across a hole along x"),
     Key::whole(
         "height",
@@ -62,7 +62,7 @@ pub(super) fn grid_faces(params: &Params<'_>) -> u64 {
     2 * params.whole("nx") * params.whole("ny")
 }
 
-/// A rectangle of unit cells with its corner at the origin; vertices row by row.
+/// A rectangle of unit cells with a corner at the origin; vertices are numbered row by row.
 pub(super) fn grid(params: &Params<'_>) -> TriangleSoup {
     plate(params, params.count("nx"), params.count("ny"), |_, _| true)
 }
@@ -70,7 +70,7 @@ pub(super) fn grid(params: &Params<'_>) -> TriangleSoup {
 pub(super) fn holes_faces(params: &Params<'_>) -> u64 {
     let [nx, ny] = holed_sides(params);
     let holes = params.whole("holes");
-    // At most 5,000 × 10,000 cells a side: far from overflow.
+    // At most 5,000 × 10,000 cells a side, which cannot overflow.
     2 * (nx * ny - holes * holes * params.whole("width") * params.whole("height"))
 }
 
@@ -80,7 +80,7 @@ fn holed_sides(params: &Params<'_>) -> [u64; 2] {
 }
 
 /// A plate of unit cells with rows of equal rectangular holes. The corners of the holes have
-/// whole coordinates even with jitter, so distances can be had from their visibility graph.
+/// integer coordinates even with jitter, so a visibility graph gives the distances.
 pub(super) fn holes(params: &Params<'_>) -> TriangleSoup {
     let [nx, ny] = holed_sides(params).map(|n| n as usize);
     let [width, height, wall] = ["width", "height", "wall"].map(|key| params.count(key));
@@ -90,8 +90,8 @@ pub(super) fn holes(params: &Params<'_>) -> TriangleSoup {
     })
 }
 
-/// The cells of an `nx` by `ny` rectangle that `keep` keeps, each cut into two triangles; vertices
-/// that no kept cell needs are left out.
+/// The cells of an `nx` by `ny` rectangle that `keep` accepts, each cut into two triangles.
+/// Vertices of no accepted cell are left out.
 fn plate(
     params: &Params<'_>,
     nx: usize,
@@ -101,10 +101,10 @@ fn plate(
     let alternating = params.is("diagonal", "alternating");
     let jitter = params.real("jitter");
     let mut random = SplitMix64::for_use(params.seed, 1);
-    // Numbers wrap below 0 to what lies beyond the rectangle on the other side: not kept either.
+    // Numbers below 0 wrap to numbers beyond the rectangle, which are not accepted either.
     let kept = |x: usize, y: usize| x < nx && y < ny && keep(x, y);
     let mut soup = TriangleSoup::default();
-    // Only the vertices of two rows are needed at a time, however many fall into holes.
+    // Stores the vertices of two rows at a time, however many lie in holes.
     let (mut below, mut row) = (vec![0; nx + 1], vec![0; nx + 1]);
     for y in 0..=ny {
         std::mem::swap(&mut below, &mut row);
@@ -147,7 +147,7 @@ pub(super) fn strip_faces(params: &Params<'_>) -> u64 {
     params.whole("n")
 }
 
-/// Isosceles needles of height 1 side by side, tips up and down in turn; vertices zigzag along x.
+/// Isosceles needles of height 1 side by side, with alternating tips; vertices zigzag along x.
 pub(super) fn strip(params: &Params<'_>) -> TriangleSoup {
     let n = params.whole("n") as u32;
     let aspect = params.real("aspect");

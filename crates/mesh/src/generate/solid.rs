@@ -37,7 +37,7 @@ pub(super) fn icosahedron_faces(params: &Params<'_>) -> u64 {
     faces(params, 20)
 }
 
-/// Corners first, at four of the corners of a cube around the origin.
+/// The corners, first in number, are four corners of a cube around the origin.
 pub(super) fn tetrahedron(params: &Params<'_>) -> TriangleSoup {
     let s = SQRT_2 / 4.0;
     let corners = [[s, s, s], [s, -s, -s], [-s, s, -s], [-s, -s, s]];
@@ -45,7 +45,7 @@ pub(super) fn tetrahedron(params: &Params<'_>) -> TriangleSoup {
     flat(params, &corners, &triangles)
 }
 
-/// Corners first, on the axes.
+/// The corners, first in number, are on the axes.
 pub(super) fn octahedron(params: &Params<'_>) -> TriangleSoup {
     let s = FRAC_1_SQRT_2;
     let corners = [
@@ -69,12 +69,13 @@ pub(super) fn octahedron(params: &Params<'_>) -> TriangleSoup {
     flat(params, &corners, &triangles)
 }
 
-/// Corners first; the flat faces stay flat.
+/// The corners are first in number. The flat faces stay flat.
 pub(super) fn icosahedron(params: &Params<'_>) -> TriangleSoup {
     flat(params, &icosahedron_corners(), &ICOSAHEDRON)
 }
 
-/// Icosphere of radius 1: the icosahedron, its new vertices moved onto the sphere at each split.
+/// Icosphere of radius 1: the icosahedron, whose new vertices are moved onto the sphere at each
+/// split.
 pub(super) fn sphere(params: &Params<'_>) -> TriangleSoup {
     let onto_sphere = |p: [f64; 3]| {
         let length = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt();

@@ -1,4 +1,4 @@
-//! Reading and writing specs, and making their models.
+//! Parsing and formatting of specs, and making their models.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,11 +10,11 @@ use super::{GenerateError, MAX_FACES};
 use crate::soup::TriangleSoup;
 use crate::suggestion::did_you_mean;
 
-/// A spec that was read and found to name a model that can be made.
+/// A valid spec, whose model can be made.
 ///
-/// Its text is canonical: all keys of the family with their values, then the modifiers that make a
-/// difference. Specs of the same text name the same model, for ever. Reading accepts any letter
-/// case for names, any order of keys, spaces around them, and a missing `gen:`.
+/// Its text is canonical: all keys of the family with their values, then the modifiers that change
+/// the model. Specs with the same text name the same model, in all versions. Parsing accepts any
+/// letter case of names, any order of keys, spaces around them, and a missing `gen:`.
 #[derive(Clone, Debug)]
 pub struct Spec {
     family: &'static Family,
@@ -24,7 +24,7 @@ pub struct Spec {
     face_count: Option<u64>,
 }
 
-/// What specs start with, to be told from file names.
+/// The prefix that distinguishes specs from file names.
 const PREFIX: &str = "gen:";
 
 impl Spec {
@@ -33,12 +33,13 @@ impl Spec {
         text.starts_with(PREFIX)
     }
 
-    /// The family it belongs to.
+    /// The family of the spec.
     pub fn family(&self) -> &'static Family {
         self.family
     }
 
-    /// The model file to load and pass through [`modifiers`](Self::modifiers), for `gen:file`.
+    /// The model file of `gen:file`. The caller reads it and applies
+    /// [`modifiers`](Self::modifiers).
     pub fn path(&self) -> Option<&str> {
         self.values.iter().find_map(|(_, value)| match value {
             Value::Path(path) => Some(path.as_str()),
@@ -46,12 +47,12 @@ impl Spec {
         })
     }
 
-    /// What is done to the family's shape, or to the file's.
+    /// The modifiers of the family's shape, or of the file's.
     pub fn modifiers(&self) -> &Modifiers {
         &self.modifiers
     }
 
-    /// Exactly how many triangles the model has; `None` for a file, which has not been read.
+    /// The exact number of triangles of the model; `None` for a file, which has not been read.
     pub fn face_count(&self) -> Option<u64> {
         self.face_count
     }
@@ -162,7 +163,7 @@ fn find_family(name: &str) -> Result<&'static Family, GenerateError> {
         })
 }
 
-/// The key of this name, or the keys for which it stands.
+/// The key of this name, or the keys that it abbreviates.
 fn find_keys(family: &'static Family, name: &str) -> Result<Vec<&'static Key>, GenerateError> {
     let known = || family.keys.iter().chain(MODIFIER_KEYS);
     let find = |name: &str| known().find(|key| key.name.eq_ignore_ascii_case(name));
@@ -182,7 +183,7 @@ fn join(names: impl Iterator<Item = &'static str>) -> String {
     names.collect::<Vec<_>>().join(", ")
 }
 
-/// The `key=value` pieces of a spec, in turn.
+/// Iterates over the `key=value` pieces of a spec.
 struct Settings<'a> {
     rest: &'a str,
 }
@@ -237,7 +238,7 @@ impl<'a> Settings<'a> {
     }
 }
 
-/// Makes the model that `spec` names.
+/// Makes the model of `spec`.
 ///
 /// Takes O(n) time and memory for n triangles.
 ///

@@ -5,11 +5,11 @@ use crate::soup::TriangleSoup;
 
 /// Splits every triangle into four at the midpoints of its sides: the same surface, finer.
 ///
-/// Old vertices keep their numbers and positions; one new vertex follows for each edge, in the
+/// Old vertices keep their numbers and positions. One new vertex follows for each edge, in the
 /// order of the edge's smaller and then larger vertex. Triangle `t` becomes triangles `4t` to `4t +
-/// 3`, those at its three corners and the middle one, oriented as it was; `file_faces` names the
-/// face of the file. Boundaries, pinched vertices, several components and edges of many triangles
-/// are allowed. A triangle that names a missing or repeated vertex is kept, for validation to find.
+/// 3`: those at its three corners and the middle one, oriented as it was. `file_faces` gives their
+/// face in the file. Boundaries, pinched vertices, several components and non-manifold edges are
+/// allowed. A triangle that names a missing or repeated vertex is kept, for validation to report.
 ///
 /// Takes O(n) time for n triangles.
 ///
@@ -19,7 +19,7 @@ use crate::soup::TriangleSoup;
 /// million triangles. [`Modifiers::apply`](super::Modifiers::apply) refuses long before that.
 pub fn midpoint_subdivide(soup: &TriangleSoup) -> TriangleSoup {
     let mut fine = split(soup);
-    // Children are told apart from kept triangles by how `split` numbers them.
+    // Repeats the order in which `split` numbers children and kept triangles.
     fine.file_faces = (0..soup.triangles.len() as u32)
         .flat_map(|t| {
             let children = if splits(soup, t as usize) { 4 } else { 1 };
@@ -36,7 +36,7 @@ pub(super) fn splits(soup: &TriangleSoup, triangle: usize) -> bool {
     a != b && b != c && c != a && exists(a) && exists(b) && exists(c)
 }
 
-/// [`midpoint_subdivide`] without the origin of each triangle.
+/// [`midpoint_subdivide`] without `file_faces`.
 pub(super) fn split(soup: &TriangleSoup) -> TriangleSoup {
     let old = soup.positions.len();
     let sound: Vec<u32> = (0..soup.triangles.len() as u32)

@@ -26,7 +26,8 @@ pub(super) fn faces(params: &Params<'_>) -> u64 {
     2 * n * n
 }
 
-/// The unit square in n × n cells, cut along alternating diagonals; vertices row by row.
+/// The unit square in n × n cells, cut along alternating diagonals; vertices are numbered row by
+/// row.
 pub(super) fn build(params: &Params<'_>) -> TriangleSoup {
     let n = params.count("n");
     let heights = heights(params, n);
@@ -46,8 +47,9 @@ pub(super) fn build(params: &Params<'_>) -> TriangleSoup {
     TriangleSoup::new(positions, triangles)
 }
 
-/// Heights row by row: octaves of random lattices with 2, 4, 8, ... cells a side while a lattice is
-/// coarser than the grid, each smoothly interpolated, weighted so that their sum stays in range.
+/// Heights row by row. They are a weighted sum of octaves: random lattices with 2, 4, 8, ... cells
+/// a side, as long as a lattice is coarser than the grid, interpolated smoothly. The weights keep
+/// the sum in range.
 fn heights(params: &Params<'_>, n: usize) -> Vec<f64> {
     let roughness = params.real("roughness");
     let mut heights = vec![0.0; (n + 1) * (n + 1)];
@@ -84,8 +86,8 @@ fn heights(params: &Params<'_>, n: usize) -> Vec<f64> {
     heights
 }
 
-/// The cell of a lattice in which grid line `i` of `n` lies, and the weight of its upper side: the
-/// fraction smoothed to have no slope at either end.
+/// The lattice cell of grid line `i` of `n`, and the weight of its upper side: the position in the
+/// cell, smoothed to have slope 0 at both ends.
 fn place(i: usize, n: usize, cells: u64) -> (u64, f64) {
     let scaled = i as u64 * cells;
     let cell = (scaled / n as u64).min(cells - 1);

@@ -1,4 +1,4 @@
-//! Torus, plain or with random low bumps.
+//! Torus, smooth or with random low bumps.
 
 use std::f64::consts::TAU;
 
@@ -38,17 +38,17 @@ fn counts(params: &Params<'_>) -> [u64; 2] {
     ring_counts(params.whole("faces"), 1.0 / params.real("r"))
 }
 
-/// How many rings of how many vertices give nearly `faces` triangles whose sides along and
-/// across the tube are of like length, the tube being `slender` times as long as it is around.
-/// There must be at least 18 faces, for three rings of three vertices.
+/// The numbers of rings and of vertices in each that give nearly `faces` triangles with sides of
+/// similar length along and across the tube. The tube is `slender` times as long as around. `faces`
+/// must be at least 18, for three rings of three vertices.
 pub(super) fn ring_counts(faces: u64, slender: f64) -> [u64; 2] {
     let cells = faces / 2;
     let ideal = rounded((cells as f64 / slender).sqrt()).clamp(3, cells / 3);
-    // Among numbers near the ideal one, that which comes closest to the wanted count.
+    // Tries numbers near the ideal one, and takes the one with the count closest to `faces`.
     let slack = ideal / 10;
     let mut best = [0u64; 2];
     for step in 0..=2 * slack {
-        // From the middle outwards, so that the first of equals is the nearest to the ideal.
+        // From the middle outwards, so that the first of equals is nearest to the ideal.
         let around = if step % 2 == 0 {
             ideal + step / 2
         } else {
@@ -64,12 +64,12 @@ pub(super) fn ring_counts(faces: u64, slender: f64) -> [u64; 2] {
 }
 
 /// The whole number nearest to a positive number.
-#[allow(clippy::cast_sign_loss)] // Asked for positive numbers only.
+#[allow(clippy::cast_sign_loss)] // Called with positive numbers only.
 pub(super) fn rounded(x: f64) -> u64 {
     x.round() as u64
 }
 
-/// Around the z-axis, ring after ring; vertex 0 lies outermost on the x-axis.
+/// Around the z-axis, numbered ring by ring; vertex 0 is outermost on the x-axis.
 pub(super) fn build(params: &Params<'_>) -> TriangleSoup {
     let [rings, per_ring] = counts(params);
     let r = params.real("r");
@@ -88,7 +88,7 @@ pub(super) fn build(params: &Params<'_>) -> TriangleSoup {
     TriangleSoup::new(positions, triangles)
 }
 
-/// A sum of waves over the torus, a few periods along and around each.
+/// A sum of waves over the torus, each with a few periods along and around it.
 struct Bumps {
     waves: [[f64; 3]; 6],
     height: f64,
@@ -108,8 +108,8 @@ impl Bumps {
         Self { waves, height }
     }
 
-    /// By how much the tube is thicker at a place, given in turns along and around: within
-    /// `1 - height` and `1 + height`.
+    /// The factor of the tube's radius at a position given in turns along and around: from `1 -
+    /// height` to `1 + height`.
     fn factor(&self, along: f64, around: f64) -> f64 {
         if self.height == 0.0 {
             return 1.0;

@@ -4,8 +4,9 @@ use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
 /// Cosine and sine of `part / whole` of a full turn, for `part <= whole` and `whole > 0`.
 ///
-/// Brought to the first eighth of the turn in whole numbers, so that points that mirror each
-/// other have coordinates that mirror each other bit for bit: regular models keep their ties.
+/// The angle is reduced to the first eighth of a turn in integers. Points that mirror each other
+/// then have coordinates that mirror each other bit for bit, so that regular models keep their
+/// ties.
 pub(super) fn turn(part: u64, whole: u64) -> [f64; 2] {
     // In units of a quarter turn divided by `whole`.
     let mut a = 4 * part;
@@ -23,7 +24,7 @@ pub(super) fn turn(part: u64, whole: u64) -> [f64; 2] {
     }
     let (mut sin, mut cos) = libm::sincos(a as f64 / whole as f64 * FRAC_PI_2);
     if 2 * a == whole {
-        // The rounded sine and cosine of the rounded angle differ in their last bit.
+        // The sine and cosine of the rounded angle would differ in their last bit.
         (sin, cos) = (FRAC_1_SQRT_2, FRAC_1_SQRT_2);
     }
     if steep {

@@ -1,11 +1,11 @@
-//! Errors of mesh files, with a remedy each.
+//! Errors of mesh files, each with a remedy.
 
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-/// Why a mesh file could not be read or written. The message names the file, the place in it and a
-/// remedy.
+/// Why a mesh file could not be read or written. The message names the file, the position in it and
+/// a remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
@@ -29,7 +29,7 @@ pub enum FileError {
         /// The error of the system.
         source: io::Error,
     },
-    /// The ending of the name belongs to no format that is read here.
+    /// The file extension belongs to no format that can be read.
     #[error(
         "{path}: the ending does not tell a mesh format; use .obj, .ply, .off or .stl, each also with .gz"
     )]
@@ -51,7 +51,7 @@ pub enum FileError {
         /// The error of the decompressor.
         source: io::Error,
     },
-    /// The gzip data is larger than a mesh can be expected to be.
+    /// The gzip data decompresses to more than the limit.
     #[error(
         "{path}: its {compressed} bytes decompress to more than {limit}, the limit; raise the limit if the file can be trusted"
     )]
@@ -60,17 +60,17 @@ pub enum FileError {
         path: PathBuf,
         /// Size of the compressed file in bytes.
         compressed: u64,
-        /// Most bytes that it may decompress to.
+        /// The most bytes that it may decompress to.
         limit: u64,
     },
-    /// The content breaks the rules of its format.
+    /// The content is not valid in its format.
     #[error("{path}: {place}{problem}")]
     Malformed {
         /// The path asked for.
         path: PathBuf,
-        /// Where in the file.
+        /// The position in the file.
         place: Place,
-        /// What is wrong there, and what to do about it.
+        /// The problem, and a remedy.
         problem: String,
     },
     /// The operating system failed to write it.
@@ -81,7 +81,7 @@ pub enum FileError {
         /// The error of the system.
         source: io::Error,
     },
-    /// The ending of the name belongs to no format that is written here.
+    /// The file extension belongs to no format that can be written.
     #[error(
         "{path}: the ending does not tell a format that can be written; use .obj, .ply, .off or .stl, each also with .gz"
     )]
@@ -91,14 +91,14 @@ pub enum FileError {
     },
 }
 
-/// A place in a file, as precise as the format allows. Displayed with a colon and a space behind
-/// it, and as nothing for the whole file, to stand before a message.
+/// A position in a file, as precise as the format allows. Its text goes before a message: it ends
+/// with a colon and a space, and is empty for the whole file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Place {
-    /// No place in particular.
+    /// The file as a whole.
     File,
-    /// A line of a text file, counted from 1; the first one of a statement that spans several.
+    /// A line of a text file, counted from 1. For a statement of several lines, the first one.
     Line(u64),
     /// An element of a binary file.
     Element {
@@ -106,7 +106,7 @@ pub enum Place {
         kind: &'static str,
         /// Its number, counted from 0.
         number: u64,
-        /// Offset in bytes at which it starts, after decompression.
+        /// Offset in bytes at which it starts, in the decompressed data.
         byte: u64,
     },
 }
@@ -121,7 +121,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// A [`FileError::Malformed`] whose path is yet to be added.
+/// A [`FileError::Malformed`] without its path.
 #[derive(Debug)]
 pub(super) struct Flaw {
     pub(super) place: Place,
@@ -129,7 +129,7 @@ pub(super) struct Flaw {
 }
 
 impl Flaw {
-    /// Something wrong with the file as a whole.
+    /// A problem with the file as a whole.
     pub(super) fn file(problem: impl Into<String>) -> Self {
         Self {
             place: Place::File,
@@ -137,7 +137,7 @@ impl Flaw {
         }
     }
 
-    /// Something wrong in line `line`, counted from 1.
+    /// A problem in line `line`, counted from 1.
     pub(super) fn line(line: u64, problem: impl Into<String>) -> Self {
         Self {
             place: Place::Line(line),

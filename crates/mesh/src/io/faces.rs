@@ -1,4 +1,4 @@
-//! The faces of a file, on their way to triangles.
+//! The faces of a file, before they are cut into triangles.
 
 use super::error::Flaw;
 use super::triangulate::{Budget, TooComplex, triangulate};
@@ -7,16 +7,17 @@ use crate::soup::TriangleSoup;
 /// Faces with any number of corners, as the file lists them.
 #[derive(Debug, Default)]
 pub(super) struct FaceList {
-    /// All faces, as long as all are triangles.
+    /// All faces, while all are triangles.
     triangles: Vec<[u32; 3]>,
-    /// The corners of all faces, one after the other, once there are others.
+    /// The corners of all faces, one after the other, once there is a polygon.
     corners: Vec<u32>,
     /// Number of corners of each face in `corners`.
     arities: Vec<u32>,
 }
 
 impl FaceList {
-    /// A list with room for `faces` triangles; the caller has checked that against the file's size.
+    /// A list with room for `faces` triangles. The caller must have checked that number against the
+    /// size of the file.
     pub(super) fn with_capacity(faces: usize) -> Self {
         Self {
             triangles: Vec::with_capacity(faces),
@@ -24,7 +25,7 @@ impl FaceList {
         }
     }
 
-    /// All faces of a file, which are triangles.
+    /// A list of these triangles.
     pub(super) fn of(triangles: Vec<[u32; 3]>) -> Self {
         Self {
             triangles,
@@ -46,8 +47,8 @@ impl FaceList {
         self.corners.extend_from_slice(corners);
     }
 
-    /// Cuts every face into triangles. Faces with fewer than three corners bound no area and are
-    /// left out; `file_faces` still counts them, and `short_faces` has their numbers.
+    /// Cuts every face into triangles. Faces with fewer than three corners are left out:
+    /// `file_faces` still counts them, and `short_faces` lists their numbers.
     pub(super) fn into_soup(self, positions: Vec<[f64; 3]>) -> Result<TriangleSoup, Flaw> {
         let mut soup = TriangleSoup::new(positions, self.triangles);
         let mut budget = Budget::for_corners(self.corners.len());

@@ -1,4 +1,4 @@
-//! Decompression within a limit.
+//! Decompression with a limit on the size.
 //!
 //! Deflate compresses up to 1032 times, so a small file can decompress to more than the memory of
 //! the machine. Mesh files compress 3 to 20 times.
@@ -10,27 +10,27 @@ use flate2::read::MultiGzDecoder;
 
 use super::error::FileError;
 
-/// Largest ratio of decompressed to compressed size that is usual.
+/// Largest ratio of decompressed to compressed size that is accepted by default.
 const RATIO: u64 = 100;
 
-/// Any file may decompress to this many bytes: small files of constant content compress well.
+/// Any file may decompress to this many bytes, since small files of constant content compress well.
 const FLOOR: u64 = 64 << 20;
 
-/// No file may decompress to more than this many bytes unless a larger limit is given.
+/// The largest default limit in bytes.
 const CEILING: u64 = 8 << 30;
 
-/// Most bytes to which `compressed` bytes may decompress where no other limit is given: 100 times
-/// as many, at least 64 MiB, at most 8 GiB.
+/// The default limit of the decompressed size of `compressed` bytes: 100 times as many, at least 64
+/// MiB, at most 8 GiB.
 pub fn usual_decompression_limit(compressed: u64) -> u64 {
     compressed.saturating_mul(RATIO).clamp(FLOOR, CEILING)
 }
 
-/// Whether `bytes` start like gzip data.
+/// Whether `bytes` start with the magic number of gzip.
 pub(super) fn is_gzip(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\x1f\x8b")
 }
 
-/// Decompresses `bytes`, all members of a file, to at most `limit` bytes.
+/// Decompresses `bytes`, including all members of a file, to at most `limit` bytes.
 pub(super) fn inflate(bytes: &[u8], limit: Option<u64>, path: &Path) -> Result<Vec<u8>, FileError> {
     let compressed = bytes.len() as u64;
     let limit = limit.unwrap_or_else(|| usual_decompression_limit(compressed));

@@ -1,20 +1,20 @@
-//! Mesh files: OBJ, PLY, OFF and STL in, OBJ and PLY out, each also compressed with gzip.
+//! Mesh files: reading and writing of OBJ, PLY, OFF and STL, also compressed with gzip.
 //!
-//! [`read`] takes the format from the ending of the name and delivers a [`TriangleSoup`] with the
-//! vertices in the file's own order, counted from 0, at full `f64` precision. Polygons are cut
-//! into triangles: a fan from the first corner where that does not fold, else ears; the soup then
-//! knows which face of the file each triangle is from. Faces with fewer than three corners are
-//! left out, and the soup knows which.
+//! [`read`] takes the format from the file extension. It returns a [`TriangleSoup`] with the
+//! vertices in the file's order, counted from 0, at full `f64` precision. Polygons are cut into
+//! triangles: into a fan from the first corner where that does not fold, else by ear clipping. The
+//! soup records which face of the file each triangle is from, and which faces were left out because
+//! they have fewer than three corners.
 //!
 //! A reader checks the format, not the mesh: a face may name a vertex that does not exist, and a
-//! coordinate may be `nan`. [`Mesh::from_soup`](crate::Mesh::from_soup) finds all
-//! such defects at once. Anything that cannot be stored, such as a negative vertex number, is a
-//! [`FileError`] that names the line or the element. Memory follows the size of the file, never
-//! the counts in its header. A compressed file may not decompress to more than a limit: the usual
-//! one ([`usual_decompression_limit`]), or that of [`ReadOptions`].
+//! coordinate may be `nan`. [`Mesh::from_soup`](crate::Mesh::from_soup) finds all such defects at
+//! once. A value that cannot be stored, such as a negative vertex number, is a [`FileError`] that
+//! names the line or the element. Memory is bounded by the size of the file, not by the counts in
+//! its header. The decompressed size of a compressed file is limited, by default to
+//! [`usual_decompression_limit`], or to the limit of [`ReadOptions`].
 //!
-//! [`write`](fn@write) keeps every bit: reading a written file gives back the same soup, apart
-//! from which triangles were cut from one polygon.
+//! [`write`](fn@write) keeps every bit of the coordinates, except in STL. Reading a written file
+//! returns the same soup, without the record of which triangles were cut from one polygon.
 
 mod error;
 mod faces;
@@ -54,7 +54,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that the ending of `path` tells, in any letter case and with or without `.gz`.
+    /// The format of the extension of `path`, in any letter case, with or without `.gz`.
     pub fn from_path(path: &Path) -> Option<Self> {
         let stem = path.file_stem().map(Path::new);
         let path = if is_gz(path) { stem? } else { path };
@@ -68,7 +68,7 @@ impl Format {
         }
     }
 
-    /// The format whose keyword `bytes` start with, for those that have one.
+    /// The format whose keyword is the first word of `bytes`, for formats that have one.
     fn from_content(bytes: &[u8]) -> Option<Self> {
         let word = text::words(bytes.get(..80).unwrap_or(bytes)).next()?;
         match word {
@@ -79,7 +79,7 @@ impl Format {
         }
     }
 
-    /// Its usual name.
+    /// The usual name of the format.
     pub fn name(self) -> &'static str {
         match self {
             Self::Obj => "OBJ",
@@ -90,12 +90,13 @@ impl Format {
     }
 }
 
-/// Whether [`read`] would try to read `path`, going by its ending alone.
+/// Whether `path` has an extension that [`read`] accepts.
 pub fn is_mesh_file(path: &Path) -> bool {
     Format::from_path(path).is_some()
 }
 
-/// Reads a mesh file in the format its ending tells; gzip is recognised by its content.
+/// Reads a mesh file. The format follows from the file extension; gzip is recognised by its
+/// content.
 ///
 /// ```
 /// use geobench_mesh::{Mesh, io};
@@ -114,43 +115,45 @@ pub fn is_mesh_file(path: &Path) -> bool {
 ///
 /// # Errors
 ///
-/// When the file cannot be opened or decompressed, its ending is unknown, or its content breaks
-/// the rules of the format or holds no face.
+/// If the file cannot be opened or decompressed, its extension is unknown, or its content is
+/// invalid or has no face.
 pub fn read(path: &Path) -> Result<TriangleSoup, FileError> {
     ReadOptions::default().read(path)
 }
 
-/// Reads a mesh from the `bytes` of a file, compressed or not; `path` is for messages only.
+/// Reads a mesh from the `bytes` of a file, which may be compressed. `path` is used in messages
+/// only.
 ///
 /// # Errors
 ///
-/// As [`read`], but for opening the file.
+/// As [`read`], without those of opening the file.
 pub fn read_bytes(bytes: &[u8], format: Format, path: &Path) -> Result<TriangleSoup, FileError> {
     ReadOptions::default().read_bytes(bytes, format, path)
 }
 
-/// How files are read.
+/// Options for reading files.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReadOptions {
-    /// Bytes that a compressed file may decompress to; the usual number
-    /// ([`usual_decompression_limit`]) if `None`.
+    /// The most bytes that a compressed file may decompress to. `None` means the default limit
+    /// ([`usual_decompression_limit`]).
     pub max_decompressed: Option<u64>,
-    /// What reads OBJ files.
+    /// The reader of OBJ files.
     pub obj_reader: ObjReader,
 }
 
-/// What reads OBJ files. Where both readers succeed they deliver the same.
+/// A reader of OBJ files. If both readers accept a file, they return the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ObjReader {
     /// The reader of this crate. Its errors name the line.
     #[default]
     Direct,
-    /// The library `tobj`, to compare with: four times slower, stricter, no lines in errors.
+    /// The library `tobj`, for comparison. It is four times slower and stricter, and its errors
+    /// name no line.
     Tobj,
 }
 
 impl ReadOptions {
-    /// As [`read`](fn@read).
+    /// As [`read`](fn@read), with these options.
     ///
     /// # Errors
     ///
@@ -174,7 +177,7 @@ impl ReadOptions {
         self.read_bytes(&bytes, format, path)
     }
 
-    /// As [`read_bytes`].
+    /// As [`read_bytes`], with these options.
     ///
     /// # Errors
     ///

@@ -1,7 +1,7 @@
 //! Wavefront OBJ.
 //!
-//! Only `v` and `f` statements count: groups, objects, materials, texture coordinates, normals,
-//! points, lines, curves and everything else are passed over, and no other file is opened.
+//! Only `v` and `f` statements are read. Everything else is skipped: groups, objects, materials,
+//! texture coordinates, normals, points, lines, curves. No other file is opened.
 
 use std::borrow::Cow;
 
@@ -11,7 +11,7 @@ use super::quick_obj;
 use super::text::{Lines, Words, coordinates, integer, number, shown, without_comment, words};
 use crate::soup::TriangleSoup;
 
-/// Reads a whole OBJ file.
+/// Reads an OBJ file.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     if let Some((positions, triangles)) = quick_obj::read(bytes) {
         return FaceList::of(triangles).into_soup(positions);
@@ -19,7 +19,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     read_statements(bytes)
 }
 
-/// Reads every statement.
+/// Reads every statement, without the fast path.
 fn read_statements(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     let (mut positions, mut faces) = (Vec::new(), FaceList::default());
     let mut corners = Vec::new();
@@ -45,8 +45,8 @@ fn read_statements(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
 
 /// The coordinates of a vertex.
 ///
-/// What may follow them is a weight, by which they are divided, or a colour (two or more further
-/// numbers), which is ignored.
+/// One further number is a weight, by which the coordinates are divided. Two or more further
+/// numbers are a colour, which is ignored.
 fn position(line: u64, mut words: Words<'_>) -> Result<[f64; 3], Flaw> {
     let position = coordinates(line, &mut words)?;
     let (Some(weight), None) = (words.next(), words.next()) else {
@@ -62,9 +62,9 @@ fn position(line: u64, mut words: Words<'_>) -> Result<[f64; 3], Flaw> {
     Ok(position.map(|x| x / weight))
 }
 
-/// The vertex that a corner `v`, `v/vt`, `v//vn` or `v/vt/vn` names, or what is wrong with it.
-/// Negative numbers count back from the last of the `so_far` vertices above. A number beyond the
-/// last vertex is for validation to list.
+/// The vertex of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, or what is wrong with it. Negative
+/// numbers count back from the last of the `so_far` vertices read. Numbers beyond the last vertex
+/// are left for validation to report.
 fn corner(word: &[u8], so_far: usize) -> Result<u32, String> {
     let vertex = word.split(|&b| b == b'/').next().and_then(integer);
     let is_corner = |word: &[u8]| {
@@ -83,7 +83,7 @@ fn corner(word: &[u8], so_far: usize) -> Result<u32, String> {
 }
 
 /// The statements of a file without comments, each with the number of its first line. A backslash
-/// at the end of a line continues the statement on the next one.
+/// at the end of a line continues the statement on the next line.
 pub(super) struct Statements<'a>(Lines<'a>);
 
 impl<'a> Statements<'a> {

@@ -1,20 +1,20 @@
 //! OFF, the text format of Geomview.
 //!
-//! The keyword may have the prefixes `ST`, `C` and `N`: texture coordinates, colours and normals
-//! follow the position of a vertex and are ignored, as are the colours behind the corners of a
-//! face. The counts may stand on the keyword's line. Each vertex and each face has a line.
+//! The keyword may have the prefixes `ST`, `C` and `N`: then texture coordinates, colours and
+//! normals follow the position of a vertex. They are ignored, as are colours after the corners of a
+//! face. The counts may be on the keyword's line. Each vertex and each face has a line.
 
 use super::error::Flaw;
 use super::faces::FaceList;
 use super::text::{Lines, coordinates, index, integer, shown, without_comment, words};
 use crate::soup::TriangleSoup;
 
-/// Reads a whole OFF file.
+/// Reads an OFF file.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     let mut lines = Content(Lines::new(bytes));
     let (vertex_count, face_count) = header(&mut lines)?;
 
-    // The shortest lines, "0 0 0" and "3 0 1 2", bound the memory that a lying header can reserve.
+    // A header cannot reserve more memory than the shortest lines, "0 0 0" and "3 0 1 2", allow.
     let most = |line_length| bytes.len() / line_length + 1;
     let mut positions = Vec::with_capacity(most(6).min(vertex_count as usize));
     for read in 0..vertex_count {
@@ -46,7 +46,7 @@ fn header(lines: &mut Content<'_>) -> Result<(u64, u64), Flaw> {
         .next()
         .ok_or_else(|| Flaw::file("there are only blank lines and comments in it"))?;
     let first = words(content).next().unwrap_or_default();
-    // Without a keyword the file may start with its counts.
+    // A file without a keyword may start with its counts.
     if integer(first).is_none() {
         check_keyword(line, first)?;
         let rest = content.iter().skip_while(|b| b.is_ascii_whitespace());
@@ -80,7 +80,7 @@ fn header(lines: &mut Content<'_>) -> Result<(u64, u64), Flaw> {
     }
 }
 
-/// Checks that the first word is a keyword for points in three dimensions.
+/// Checks that the first word is a keyword for three-dimensional points.
 fn check_keyword(line: u64, word: &[u8]) -> Result<(), Flaw> {
     let prefixes = word
         .strip_suffix(b"OFF")
@@ -106,7 +106,7 @@ fn check_keyword(line: u64, word: &[u8]) -> Result<(), Flaw> {
     }
 }
 
-/// Reads the corners of the face in `content`; colours may follow them.
+/// Reads the corners of the face in `content`. Colours may follow.
 fn face(line: u64, content: &[u8], corners: &mut Vec<u32>) -> Result<(), Flaw> {
     let mut words = words(content);
     let first = words.next().unwrap_or_default();
@@ -132,7 +132,7 @@ fn face(line: u64, content: &[u8], corners: &mut Vec<u32>) -> Result<(), Flaw> {
     Ok(())
 }
 
-/// The lines that hold more than blanks and comments.
+/// The lines that are not blank and not comments.
 struct Content<'a>(Lines<'a>);
 
 impl<'a> Iterator for Content<'a> {
@@ -147,7 +147,7 @@ impl<'a> Iterator for Content<'a> {
 }
 
 impl<'a> Content<'a> {
-    /// The next line, of which there must be one: `read` of `count` things have been seen.
+    /// The next line, which must exist. `read` of `count` things have been read.
     fn expect(&mut self, things: &str, read: u64, count: u64) -> Result<(u64, &'a [u8]), Flaw> {
         self.next().ok_or_else(|| {
             Flaw::line(

@@ -1,9 +1,9 @@
-//! The quick way through an OBJ file of triangles.
+//! A fast path for OBJ files of triangles.
 //!
-//! It takes `v` statements of three numbers, `f` statements of three corners that count from the
-//! start of the file, and passes over lines of other statements. At anything else it gives up, and
-//! [`obj`](super::obj) reads the file anew and names the line that is wrong. Pieces of a file are
-//! read side by side in a pool of threads.
+//! It reads `v` statements of three numbers and `f` statements of three corners counted from the
+//! start of the file, and skips lines of other statements. At anything else it returns `None`.
+//! [`obj`](super::obj) then reads the whole file and names the line that is wrong. In a thread
+//! pool, pieces of the file are read in parallel.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use crate::threads;
 
 type Statements = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
-/// Positions and triangles; `None` if some line is of another kind.
+/// Positions and triangles; `None` if a line needs the full reader.
 pub(super) fn read(bytes: &[u8]) -> Option<Statements> {
     let pieces = threads::each(whole_lines(bytes), |range| piece(&bytes[range]));
     let mut pieces = pieces.into_iter();
@@ -60,12 +60,12 @@ fn piece(bytes: &[u8]) -> Option<Statements> {
                 triangles.push([corner(&mut rest)?, corner(&mut rest)?, corner(&mut rest)?]);
                 end_line(&mut rest)?;
             }
-            // `v` or `f` with nothing behind it, or a comment.
+            // `v` or `f` followed by something unusual: left to the full reader.
             (b'v' | b'f', second) if !second.is_some_and(u8::is_ascii_lowercase) => return None,
             (b'a'..=b'z' | b'#' | b'\n' | b'\r', _) => {
                 let end = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
                 let (line, next) = rest.split_at(end);
-                // A line that goes on in the next one; or a line that ends with CR alone.
+                // A line with a continuation, or one that ends with CR alone.
                 let line = line.strip_suffix(b"\r").unwrap_or(line);
                 if line.contains(&b'\\') || line.contains(&b'\r') {
                     return None;
@@ -84,7 +84,7 @@ fn skip_blanks(rest: &mut &[u8]) {
     }
 }
 
-/// Takes the end of a line, or of the file.
+/// Consumes the end of a line or of the file.
 fn end_line(rest: &mut &[u8]) -> Option<()> {
     skip_blanks(rest);
     *rest = match *rest {
@@ -113,18 +113,18 @@ fn corner(rest: &mut &[u8]) -> Option<u32> {
         }
     }
     let ends = matches!(*rest, [] | [b' ' | b'\t' | b'\n' | b'\r', ..]);
-    // Nine digits fit.
+    // Nine digits fit into 32 bits.
     (ends && digits <= 9).then(|| vertex.checked_sub(1))?
 }
 
-/// Powers of ten that `f64` holds exactly.
+/// Powers of ten that `f64` represents exactly.
 const POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 ];
 
-/// The next number, rounded correctly: of digits and a power of ten that `f64` both holds exactly,
-/// the quotient is; others are left to the standard library.
+/// The next number, correctly rounded. If `f64` represents both the digits and the power of ten
+/// exactly, their quotient is correctly rounded. The standard library parses all others.
 fn number(rest: &mut &[u8]) -> Option<f64> {
     skip_blanks(rest);
     let start = *rest;
@@ -152,7 +152,7 @@ fn number(rest: &mut &[u8]) -> Option<f64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// Takes the digits with which `rest` starts; `mantissa` is what the `digits` so far spell.
+/// Consumes the digits at the start of `rest`. `mantissa` is the value of the `digits` so far.
 fn take_digits(rest: &mut &[u8], mut mantissa: u64, digits: &mut usize) -> u64 {
     while let Some(eight) = rest.first_chunk().and_then(|&chunk| eight_digits(chunk)) {
         mantissa = mantissa.wrapping_mul(100_000_000).wrapping_add(eight);
@@ -169,7 +169,7 @@ fn take_digits(rest: &mut &[u8], mut mantissa: u64, digits: &mut usize) -> u64 {
     mantissa
 }
 
-/// The number that eight digits spell, all at once: neighbours are joined three times.
+/// The value of eight digits, computed at once: three steps join neighbouring groups.
 fn eight_digits(chunk: [u8; 8]) -> Option<u64> {
     let word = u64::from_le_bytes(chunk);
     let digits = word ^ 0x3030_3030_3030_3030;

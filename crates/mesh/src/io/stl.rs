@@ -1,10 +1,10 @@
-//! STL, text and binary, with its corners welded into vertices.
+//! STL, text and binary. Corners are welded into vertices.
 //!
-//! STL has no vertex numbers: every triangle carries its own coordinates. Corners whose
-//! coordinates are the same bits become one vertex, -0 being the same as 0, and vertices are
-//! numbered in the order of their first appearance. Nothing is merged by distance.
+//! STL has no vertex numbers: every triangle has its own coordinates. Corners with bitwise equal
+//! coordinates become one vertex, where -0 equals 0. Vertices are numbered in the order of their
+//! first appearance. No vertices are merged by distance.
 //!
-//! Text is read at `f64`. Normals and attributes are ignored.
+//! Text coordinates are read as `f64`. Normals and attributes are ignored.
 
 use std::hash::{BuildHasher, RandomState};
 
@@ -12,12 +12,12 @@ use super::error::{Flaw, Place};
 use super::text::{Lines, Words, coordinates, shown, words};
 use crate::soup::TriangleSoup;
 
-/// Bytes before the first triangle of a binary file: 80 of free text and the count.
+/// Bytes before the first triangle of a binary file: 80 bytes of free text and the count.
 const HEADER: usize = 84;
 /// Bytes of a binary triangle.
 const TRIANGLE: usize = 50;
 
-/// Reads a whole STL file.
+/// Reads an STL file.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     let soup = if is_binary(bytes) {
         read_binary(bytes)?
@@ -30,7 +30,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     Ok(soup)
 }
 
-/// Many binary files start with `solid`, so the size decides, and then a byte that no text has.
+/// Whether the file is binary. Many binary files start with `solid`, so the size decides, and then
+/// a byte that text does not contain.
 fn is_binary(bytes: &[u8]) -> bool {
     if let Some(count) = declared_count(bytes)
         && HEADER as u64 + TRIANGLE as u64 * u64::from(count) == bytes.len() as u64
@@ -67,7 +68,7 @@ fn read_binary(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
             ),
         });
     }
-    // Less than a triangle may follow, as padding does; whole ones would be lost without a word.
+    // Padding of less than a triangle may follow. Whole triangles would be lost silently.
     let more = there as u64 - u64::from(count);
     if more > 0 {
         return Err(Flaw::file(format!(
@@ -77,7 +78,7 @@ fn read_binary(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     }
     let mut weld = Weld::with_capacity(there);
     for triangle in bytes[HEADER..].as_chunks::<TRIANGLE>().0 {
-        // A normal of 12 bytes comes first, two bytes of attributes come last.
+        // A normal of 12 bytes comes first. Two bytes of attributes come last.
         let (numbers, _) = triangle[12..48].as_chunks();
         let (corners, _) = numbers.as_chunks::<3>();
         let corner = |i: usize| corners[i].map(|bytes| f64::from(f32::from_le_bytes(bytes)));
@@ -117,16 +118,16 @@ fn read_text(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
 
 /// A line of a text file that is not blank.
 struct Statement<'a> {
-    /// Its number, counted from 1.
+    /// Its line number, counted from 1.
     line: u64,
     /// Its first word.
     keyword: &'a [u8],
-    /// What follows that.
+    /// The words after the keyword.
     rest: Words<'a>,
 }
 
 impl<'a> Statement<'a> {
-    /// The next statement, which should be `wanted`.
+    /// The next statement. `wanted` is named in the error if there is none.
     fn next(lines: &mut Lines<'a>, wanted: &str) -> Result<Self, Flaw> {
         let statement = lines.find_map(|(line, content)| {
             let mut rest = words(content);
@@ -157,20 +158,20 @@ impl<'a> Statement<'a> {
         self.keyword.eq_ignore_ascii_case(keyword.as_bytes())
     }
 
-    /// Something else should stand here.
+    /// The error that another statement is here than `wanted`.
     fn instead_of(&self, wanted: &str) -> Flaw {
         let found = shown(self.keyword);
         Flaw::line(self.line, format!("expected {wanted}, found {found}"))
     }
 }
 
-/// Gives equal corners the same vertex.
+/// Gives corners with equal coordinates the same vertex.
 struct Weld {
     soup: TriangleSoup,
-    /// A hash table with open addressing: numbers of vertices, and [`EMPTY`], in at least twice as
-    /// many slots as there are vertices, a power of two.
+    /// A hash table with open addressing: vertex numbers or [`EMPTY`]. The number of slots is a
+    /// power of two, and at least twice the number of vertices.
     slots: Vec<u32>,
-    /// Chance, so that no file can be made whose vertices all want the same slot.
+    /// A random key of the hash, so that no file can be made whose vertices all collide.
     key: u64,
 }
 
@@ -211,7 +212,7 @@ impl Weld {
         vertex
     }
 
-    /// The slot of the vertex at `corner`, or where it belongs.
+    /// The slot of the vertex at `corner`, or the empty slot where it belongs.
     fn slot(&self, corner: [f64; 3]) -> usize {
         let bits = corner.map(f64::to_bits);
         let is_other = |&slot: &usize| {

@@ -1,23 +1,23 @@
 //! Lines, words and numbers of the text formats.
 //!
-//! All work on bytes: comments and names may be in any encoding. The standard library parses
-//! numbers and rounds them correctly to `f64`.
+//! All functions work on bytes, because comments and names may have any encoding. The standard
+//! library parses numbers and rounds them correctly to `f64`.
 
 use super::error::Flaw;
 
-/// The lines of a file with their numbers, counted from 1. A line ends with LF or CR LF; in a file
-/// without any LF, with CR.
+/// The lines of a file with their numbers, counted from 1. Lines end with LF or CR LF; in a file
+/// without LF, with CR.
 #[derive(Clone, Debug)]
 pub(super) struct Lines<'a> {
     rest: &'a [u8],
     /// Number of the line returned last.
     number: u64,
-    /// What ends a line.
+    /// The byte that ends a line.
     ending: u8,
 }
 
 impl<'a> Lines<'a> {
-    /// The lines of `bytes`, less a UTF-8 byte order mark at the start.
+    /// The lines of `bytes`, without a UTF-8 byte order mark at the start.
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self {
             rest: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes),
@@ -26,12 +26,12 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// What has not been returned yet.
+    /// The bytes after the line returned last.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.rest
     }
 
-    /// Number of the line returned last, 0 before the first.
+    /// Number of the line returned last; 0 before the first.
     pub(super) fn number(&self) -> u64 {
         self.number
     }
@@ -55,12 +55,12 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// What stands before a `#`.
+/// The part of `line` before a `#`.
 pub(super) fn without_comment(line: &[u8]) -> &[u8] {
     line.split(|&b| b == b'#').next().unwrap_or(line)
 }
 
-/// The words of a line, which blanks and tabs part.
+/// The words of a line, separated by blanks and tabs.
 pub(super) fn words(line: &[u8]) -> Words<'_> {
     Words(line)
 }
@@ -81,7 +81,7 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
-/// A word or line as it can be shown in a message: quoted, cut short, nothing unprintable.
+/// A word or line for use in a message: quoted, shortened, printable.
 pub(super) fn shown(word: &[u8]) -> String {
     const LONGEST: usize = 40;
     let text = String::from_utf8_lossy(word);
@@ -92,7 +92,7 @@ pub(super) fn shown(word: &[u8]) -> String {
     format!("{short:?}")
 }
 
-/// The number that `word` spells; `nan` and `inf` are numbers, for validation to object to.
+/// The number in `word`. `nan` and `inf` are accepted; validation reports them.
 pub(super) fn number(line: u64, word: &[u8]) -> Result<f64, Flaw> {
     std::str::from_utf8(word)
         .ok()
@@ -100,7 +100,7 @@ pub(super) fn number(line: u64, word: &[u8]) -> Result<f64, Flaw> {
         .ok_or_else(|| Flaw::line(line, format!("{} is not a number", shown(word))))
 }
 
-/// The vertex number, counted from 0, that `word` spells.
+/// The vertex number in `word`, counted from 0.
 pub(super) fn index(line: u64, word: &[u8]) -> Result<u32, Flaw> {
     let problem = |what: &str| Flaw::line(line, format!("{} {what}", shown(word)));
     match integer(word) {
@@ -110,7 +110,7 @@ pub(super) fn index(line: u64, word: &[u8]) -> Result<u32, Flaw> {
     }
 }
 
-/// The three coordinates with which `line` starts; `words` is left at what follows them.
+/// The three coordinates at the start of `line`. `words` then continues after them.
 pub(super) fn coordinates<'a>(
     line: u64,
     words: &mut impl Iterator<Item = &'a [u8]>,
@@ -128,9 +128,10 @@ pub(super) fn coordinates<'a>(
     Ok(position)
 }
 
-/// The whole number that `word` spells, if it does and is not huge beyond every use.
+/// The integer in `word`, if it is one of at most 128 bits.
 pub(super) fn integer(word: &[u8]) -> Option<i128> {
-    // Most numbers have few digits and no sign: this takes a third of the time of what follows.
+    // Most numbers have few digits and no sign. This takes a third of the time of the general
+    // parser.
     if (1..=18).contains(&word.len()) && word.iter().all(u8::is_ascii_digit) {
         let digits = word.iter().map(|&digit| u64::from(digit - b'0'));
         return Some(digits.fold(0, |number, digit| 10 * number + digit).into());

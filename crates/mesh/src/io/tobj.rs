@@ -1,10 +1,10 @@
-//! OBJ read through the library `tobj`, to compare the direct reader with.
+//! An OBJ reader on the library `tobj`, for comparison with the direct reader.
 //!
-//! `tobj` numbers vertices in the order of their first use, drops those that no face has, starts
-//! a model at every group and material, and opens material files. So it gets only `v` and `f`
-//! statements, less colours, and before them a face that lists all vertices in order, which is
-//! then dropped: vertices keep the numbers of the file. Faces beyond the last vertex are refused
-//! here, where the direct reader leaves them to validation, and errors do not name a line.
+//! `tobj` numbers vertices in the order of their first use, drops unused ones, starts a model at
+//! every group and material, and opens material files. So it is given only `v` and `f` statements
+//! without colours. A face that lists all vertices in order precedes them and is dropped
+//! afterwards, so that vertices keep the numbers of the file. Faces with a missing vertex are
+//! refused here; the direct reader leaves them to validation. Errors do not name a line.
 
 use std::fmt::Write;
 use std::io::Read;
@@ -15,7 +15,7 @@ use super::obj::Statements;
 use super::text::words;
 use crate::soup::TriangleSoup;
 
-/// Reads a whole OBJ file.
+/// Reads an OBJ file.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     let (mut every_vertex, mut vertices) = (String::from("f"), 0);
     let mut statements = Vec::new();
@@ -26,7 +26,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
                 vertices += 1;
                 // Writing to a string cannot fail.
                 let _ = write!(every_vertex, " {vertices}");
-                // A fifth word is a weight; more are a colour.
+                // A fifth word is a weight. More words are a colour.
                 if words.len() > 5 {
                     words.truncate(4);
                 }
@@ -46,7 +46,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     let (mut positions, mut faces) = (Vec::new(), FaceList::default());
     for tobj::Model { mesh, .. } in models {
         positions = mesh.positions.as_chunks().0.to_vec();
-        // There are no arities if all faces are triangles, the one of all vertices too.
+        // `tobj` returns no arities if all faces are triangles, including the one of all vertices.
         let all_triangles = vec![3; mesh.indices.len() / 3];
         let arities = match &mesh.face_arities[..] {
             [] => &all_triangles,

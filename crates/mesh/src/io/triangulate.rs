@@ -1,40 +1,42 @@
-//! Cuts polygons into triangles.
+//! Cutting polygons into triangles.
 //!
-//! Distances on a flat polygon do not depend on how it is cut. On a warped one they do, since it
-//! folds along the cuts. So the rule is simple, and agrees with most programs on convex faces:
+//! Distances on a flat polygon do not depend on how it is cut. On a warped one they do, because it
+//! folds along the cuts. The rule is therefore simple, and agrees with most programs on convex
+//! faces:
 //!
-//! * a polygon is cut into the **fan from its first corner** (0 1 2, 0 2 3, 0 3 4, ...) wherever
-//!   none of these triangles is folded over or flat, seen along the polygon's normal;
-//! * else, so for many concave polygons and where corners lie in line with the first one, **ears
-//!   are clipped**: in turn around the polygon, corners whose triangle with their two neighbours
-//!   is convex and holds no other corner. A concave quad is thus cut at its reflex corner.
+//! * A polygon is cut into the **fan from its first corner** (0 1 2, 0 2 3, 0 3 4, ...) if none of
+//!   these triangles is folded over or flat, seen along the polygon's normal.
+//! * Otherwise its **ears are clipped**, in turn around the polygon. An ear is a corner whose
+//!   triangle with its two neighbours is convex and contains no other corner. This covers many
+//!   concave polygons, and polygons with corners collinear with the first one. A concave quad is
+//!   cut at its reflex corner.
 //!
-//! The polygon's normal is its vector area (Newell), which is that of the best-fitting plane of a
-//! slightly warped polygon. Polygons whose corners do not exist, are not finite, or have no area
-//! together become fans, for validation to judge, and so do those that repeat a corner, from that
-//! corner on, so that a triangle names it twice; self-intersecting ones are cut somehow. The
-//! triangles always number two less than the corners and have the orientation of the polygon.
+//! The normal of the polygon is its vector area (Newell). For a slightly warped polygon it is that
+//! of the best-fitting plane. Polygons with missing or non-finite corners, or without area, become
+//! fans, for validation to report. So do polygons that repeat a corner: the fan starts at that
+//! corner, so that a triangle names it twice. Self-intersecting polygons are cut in some way. A
+//! polygon of k corners always becomes k - 2 triangles with its orientation.
 
 use crate::vector::{cross, dot, sub};
 
-/// Twice the area, as a share of the polygon's squared extent, up to which a triangle counts as
-/// flat. It decides between cuts only; no triangle is dropped.
+/// Twice the area, relative to the polygon's squared extent, up to which a triangle counts as flat.
+/// It decides between cuts only; no triangle is dropped.
 const FLAT: f64 = 1e-12;
 
-/// Steps of ear clipping that the polygons of a file may take together, some nanoseconds each.
+/// The total number of steps of ear clipping for the polygons of a file, some nanoseconds each.
 ///
-/// Clipping the ears of k corners takes O(k²) steps at worst. A file of 3 MB can hold a polygon
+/// Clipping the ears of k corners takes O(k²) steps at worst. A file of 3 MB could hold a polygon
 /// that takes minutes, and one of 30 MB a polygon that takes hours.
 #[derive(Debug)]
 pub(super) struct Budget(u64);
 
-/// The budget is used up.
+/// The budget is exhausted.
 #[derive(Debug)]
 pub(super) struct TooComplex;
 
 impl Budget {
-    /// The budget of a file whose faces have so many corners: some seconds for a polygon, and
-    /// more than any number of small polygons takes.
+    /// The budget of a file with this many corners: some seconds for a polygon, and more than any
+    /// number of small polygons needs.
     pub(super) fn for_corners(corners: usize) -> Self {
         Self((1 << 29) + 1000 * corners as u64)
     }
@@ -45,9 +47,11 @@ impl Budget {
     }
 }
 
-/// Appends the triangles of the polygon `corners` to `triangles`; none if it has fewer than three.
+/// Appends the triangles of the polygon `corners` to `triangles`; none if it has fewer than three
+/// corners.
 ///
-/// Takes O(k) time for k corners if the fan will do, and O(k²) at worst, within the budget.
+/// Takes O(k) time for k corners if the polygon is cut into a fan, and O(k²) at worst, within the
+/// budget.
 pub(super) fn triangulate(
     positions: &[[f64; 3]],
     corners: &[u32],
@@ -75,10 +79,10 @@ pub(super) fn triangulate(
     Ok(())
 }
 
-/// The place of a corner that stands more than once in the list.
+/// The index of a corner that occurs more than once.
 fn repeated_corner(corners: &[u32]) -> Option<usize> {
     if let [a, b, c, d] = corners {
-        // By far the most common polygon.
+        // Most polygons are quads.
         return if a == c || a == b || a == d {
             Some(0)
         } else if b == d || b == c {
@@ -114,7 +118,7 @@ impl Polygon {
             .as_flattened()
             .iter()
             .fold(0.0, |extent: f64, x| extent.max(x.abs()));
-        // Multiplying by 1 / extent would overflow for the tiniest ones.
+        // Multiplying by 1 / extent would overflow for the smallest extents.
         for x in points.as_flattened_mut() {
             *x /= extent;
         }
@@ -130,13 +134,13 @@ impl Polygon {
         })
     }
 
-    /// Twice the signed area of a triangle of corners, seen along the normal.
+    /// Twice the signed area of a triangle of three corners, seen along the normal.
     fn turn(&self, [a, b, c]: [usize; 3]) -> f64 {
         let p = &self.points;
         dot(cross(sub(p[b], p[a]), sub(p[c], p[a])), self.normal)
     }
 
-    /// Whether corner `q` lies in triangle `t` or on its border, but not in one of its corners.
+    /// Whether corner `q` lies in triangle `t` or on its border, but is none of its corners.
     fn holds(&self, t: [usize; 3], q: usize) -> bool {
         let [a, b, c] = t;
         t.iter().all(|&i| self.points[i] != self.points[q])
@@ -148,8 +152,8 @@ impl Polygon {
 
 /// Cuts off one ear after the other.
 ///
-/// Clipping an ear changes only whether its two neighbours are ears: what keeps another corner
-/// from being one is a reflex corner inside its triangle, and ears are convex.
+/// Clipping an ear changes only whether its two neighbours are ears. Another corner is kept from
+/// being an ear by a reflex corner inside its triangle, and ears are convex.
 fn clip_ears(polygon: &Polygon, budget: &mut Budget) -> Result<Vec<[usize; 3]>, TooComplex> {
     let n = polygon.points.len();
     let mut ring = Ring {
@@ -161,7 +165,7 @@ fn clip_ears(polygon: &Polygon, budget: &mut Budget) -> Result<Vec<[usize; 3]>, 
     for i in 0..n {
         ring.turns[i] = polygon.turn(ring.ear(i));
     }
-    // A corner never turns from convex to reflex, so only those that are reflex now can block.
+    // A corner never turns from convex to reflex, so only corners that are reflex now can block.
     ring.blockers = (0..n).filter(|&i| ring.turns[i] <= FLAT).collect();
     let is_ear: Result<Vec<bool>, _> = (0..n).map(|i| ring.is_ear(polygon, i, budget)).collect();
     let mut is_ear = is_ear?;
@@ -176,7 +180,7 @@ fn clip_ears(polygon: &Polygon, budget: &mut Budget) -> Result<Vec<[usize; 3]>, 
         }
         budget.take(steps)?;
         if !is_ear[at] {
-            // Not a simple polygon: go on with the corner that turns most.
+            // The polygon is not simple. Cut off the corner with the largest triangle.
             budget.take(left)?;
             at = ring.sharpest(at);
         }
@@ -193,20 +197,21 @@ fn clip_ears(polygon: &Polygon, budget: &mut Budget) -> Result<Vec<[usize; 3]>, 
         for i in [before, after] {
             is_ear[i] = ring.is_ear(polygon, i, budget)?;
         }
-        // Going on behind the neighbour spreads the cuts instead of gathering them in one corner.
+        // Continuing behind the neighbour distributes the cuts instead of concentrating them at one
+        // corner.
         at = ring.next[after];
     }
     triangles.push(ring.ear(at));
     Ok(triangles)
 }
 
-/// The remaining corners, in a circle.
+/// The remaining corners, in a circular list.
 struct Ring {
     next: Vec<usize>,
     prev: Vec<usize>,
-    /// Twice the signed area of each corner's triangle; infinite for corners that are gone.
+    /// Twice the signed area of each corner's triangle; infinite for removed corners.
     turns: Vec<f64>,
-    /// Corners that were not convex in the beginning.
+    /// Corners that were not convex at the start.
     blockers: Vec<usize>,
 }
 
@@ -216,7 +221,7 @@ impl Ring {
         [self.prev[i], i, self.next[i]]
     }
 
-    /// Whether the triangle at `i` can be cut off.
+    /// Whether corner `i` is an ear.
     fn is_ear(&self, polygon: &Polygon, i: usize, budget: &mut Budget) -> Result<bool, TooComplex> {
         let convex = self.turns[i] > FLAT;
         if !convex {
@@ -230,7 +235,7 @@ impl Ring {
         Ok(first.is_none())
     }
 
-    /// The corner of the circle through `start` with the largest triangle.
+    /// The corner with the largest triangle.
     fn sharpest(&self, start: usize) -> usize {
         let (mut best, mut at) = (start, self.next[start]);
         while at != start {
@@ -278,7 +283,8 @@ mod tests {
         triangles
     }
 
-    /// The face `0 1 2 1` was cut into two sound-looking triangles, and its repeat went unnamed.
+    /// The face `0 1 2 1` was cut into two apparently sound triangles, so its repeated corner was
+    /// not reported.
     #[test]
     fn a_repeated_corner_stays_visible() {
         let positions = [

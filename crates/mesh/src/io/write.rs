@@ -1,4 +1,4 @@
-//! Writes OBJ, PLY, OFF and STL.
+//! Writing OBJ, PLY, OFF and STL.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -12,15 +12,16 @@ use super::{Format, is_gz};
 use crate::soup::TriangleSoup;
 use crate::vector::{cross, norm, sub};
 
-/// Writes `soup` in the format that the ending of `path` tells: `.obj`, `.ply` (binary, little
-/// endian), `.off` or `.stl` (binary), each also with `.gz`.
+/// Writes `soup` in the format of the extension of `path`: `.obj`, `.ply` (binary, little endian),
+/// `.off` or `.stl` (binary), each also with `.gz`.
 ///
 /// Every bit of the coordinates is kept, except in STL, which has single precision and repeats the
-/// corners of every triangle. Which triangles were cut from one polygon is not kept.
+/// corners of every triangle. The record of which triangles were cut from one polygon is not
+/// written.
 ///
 /// # Errors
 ///
-/// When the ending tells no such format, or the file cannot be written.
+/// If the extension belongs to no such format, or the file cannot be written.
 pub fn write(path: &Path, soup: &TriangleSoup) -> Result<(), FileError> {
     let (positions, triangles) = (&soup.positions, &soup.triangles);
     match Format::from_path(path) {
@@ -38,14 +39,14 @@ pub fn write(path: &Path, soup: &TriangleSoup) -> Result<(), FileError> {
 ///
 /// # Errors
 ///
-/// Those of `out`.
+/// The errors of `out`.
 pub fn write_obj(
     out: &mut (impl Write + ?Sized),
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
 ) -> io::Result<()> {
     for [x, y, z] in positions {
-        // The debug form has an exponent where the plain one would be hundreds of digits long.
+        // The debug form uses an exponent for very large and small numbers.
         writeln!(out, "v {x:?} {y:?} {z:?}")?;
     }
     for corners in triangles {
@@ -103,7 +104,7 @@ fn write_stl(
     Ok(())
 }
 
-/// How the payload of a PLY file is stored.
+/// The encoding of the payload of a PLY file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PlyEncoding {
     /// Binary, low byte first.
@@ -115,7 +116,7 @@ pub enum PlyEncoding {
     Ascii,
 }
 
-/// Writes PLY files, with further properties of the vertices beside their coordinates.
+/// Writes PLY files, with further vertex properties in addition to the coordinates.
 ///
 /// ```
 /// use geobench_mesh::io::{PlyEncoding, PlyWriter};
@@ -139,7 +140,7 @@ pub struct PlyWriter<'a> {
     columns: Vec<Column<'a>>,
 }
 
-/// A further property, or group of properties, of every vertex.
+/// A further property, or group of properties, of all vertices.
 #[derive(Clone, Copy, Debug)]
 enum Column<'a> {
     Scalars(&'a str, &'a [f64]),
@@ -156,7 +157,7 @@ impl Column<'_> {
 }
 
 impl<'a> PlyWriter<'a> {
-    /// A writer of a mesh, binary and without further properties.
+    /// A writer of a mesh: binary, little endian, without further properties.
     pub fn new(positions: &'a [[f64; 3]], triangles: &'a [[u32; 3]]) -> Self {
         Self {
             positions,
@@ -167,31 +168,31 @@ impl<'a> PlyWriter<'a> {
         }
     }
 
-    /// Chooses how the payload is stored.
+    /// Sets the encoding of the payload.
     #[must_use]
     pub fn encoding(mut self, encoding: PlyEncoding) -> Self {
         self.encoding = encoding;
         self
     }
 
-    /// Adds a remark to the header; line breaks in it become blanks.
+    /// Adds a comment to the header. Line breaks in it become blanks.
     #[must_use]
     pub fn comment(mut self, comment: &'a str) -> Self {
         self.comments.push(comment);
         self
     }
 
-    /// Adds the property `name` of type `double`, with a value for each vertex. `quality` is the
-    /// name under which viewers look for a scalar to colour by.
+    /// Adds the property `name` of type `double`, with a value for each vertex. Viewers colour by a
+    /// scalar named `quality`.
     ///
-    /// `name` is to be one word; in text, values that are not finite are written `inf` and `NaN`.
+    /// `name` must be one word. In text, values that are not finite are written as `inf` and `NaN`.
     #[must_use]
     pub fn scalars(mut self, name: &'a str, values: &'a [f64]) -> Self {
         self.columns.push(Column::Scalars(name, values));
         self
     }
 
-    /// Adds the properties `red`, `green` and `blue` of type `uchar`, for each vertex.
+    /// Adds the properties `red`, `green` and `blue` of type `uchar`, with values for each vertex.
     #[must_use]
     pub fn colors(mut self, colors: &'a [[u8; 3]]) -> Self {
         self.columns.push(Column::Colors(colors));
@@ -202,17 +203,17 @@ impl<'a> PlyWriter<'a> {
     ///
     /// # Errors
     ///
-    /// When the file cannot be written, or as [`write`](Self::write).
-    pub fn write_file(&self, path: &Path) -> Result<(), FileError> {
+    /// If the file cannot be written, and those of [`write`](Self::write).
+    fn write_file(&self, path: &Path) -> Result<(), FileError> {
         to_file(path, |out| self.write(out))
     }
 
-    /// Writes the mesh to `out`, in many small pieces: let `out` be buffered.
+    /// Writes the mesh to `out` in many small pieces; `out` should be buffered.
     ///
     /// # Errors
     ///
-    /// Those of `out`, and [`InvalidInput`](io::ErrorKind::InvalidInput) if a further property
-    /// has not exactly one value for each vertex.
+    /// The errors of `out`, and [`InvalidInput`](io::ErrorKind::InvalidInput) if a further property
+    /// does not have exactly one value for each vertex.
     pub fn write(&self, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
         let vertex_count = self.positions.len();
         if let Some(column) = self.columns.iter().find(|c| c.len() != vertex_count) {
@@ -284,7 +285,7 @@ impl<'a> PlyWriter<'a> {
         writeln!(out, "end_header")
     }
 
-    /// `int`, which every program reads, unless a vertex number needs more.
+    /// `int`, which every program reads, unless a vertex number does not fit.
     fn index_type(&self) -> &'static str {
         let largest = self.triangles.as_flattened().iter().max();
         if largest.is_some_and(|&v| i32::try_from(v).is_err()) {
@@ -295,14 +296,14 @@ impl<'a> PlyWriter<'a> {
     }
 }
 
-/// The properties of one element, gathered before they are written.
+/// The properties of one element, collected before they are written.
 struct Row {
     encoding: PlyEncoding,
     bytes: Vec<u8>,
 }
 
-/// Defines how a number is appended: in bytes, or as a word in its debug form, which is the
-/// shortest that reads back the same.
+/// Defines how a number is appended: as bytes, or as a word in its debug form, which is the
+/// shortest that parses to the same number.
 macro_rules! append {
     ($name:ident, $type:ty) => {
         fn $name(&mut self, value: $type) {
@@ -335,7 +336,7 @@ impl Row {
     }
 }
 
-/// Creates the file `path` and lets `content` fill it, through gzip if its name ends in `.gz`.
+/// Creates the file `path` and writes `content` to it, through gzip if its name ends in `.gz`.
 fn to_file(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,

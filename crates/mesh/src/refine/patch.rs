@@ -1,28 +1,28 @@
-//! One face, split at points on its sides and inside it.
+//! One face split at points on its sides and inside it.
 
 use crate::frames::at_least_a_sliver;
 use crate::ids::{FaceId, VertexId};
 use crate::mesh::Mesh;
 use crate::point::largest;
 
-/// Sine of an angle that counts as 0 in a test for lines: far above the rounding of a determinant,
-/// far below any angle that matters.
+/// Sine of an angle that counts as 0 in tests for collinearity: far above the rounding of a
+/// determinant, and far below any angle that matters.
 const STRAIGHT: f64 = 1e-13;
 
-/// By how much two angles opposite an edge must exceed π before the edge is exchanged.
+/// By how much the two angles opposite an edge must exceed π in sum before the edge is flipped.
 const FLIP_SLACK: f64 = 1e-9;
 
 /// The shape of a face, from which distances between its points follow.
 ///
 /// Points are barycentric coordinates. A vector between two points is the sum of two edges of the
-/// face from one of its corners, times [differences](difference) of coordinates. These are exact
-/// for close points, so that a vector has an error relative to itself, however short it is.
+/// face at one of its corners, times [differences](difference) of coordinates. Differences are
+/// exact for close points. The relative error of a vector is therefore small, however short it is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
     lengths: [f64; 3],
     twice_area: f64,
-    /// `edges[k]`, from corner k to corner k + 1, in the frame of the shortest one, in which the
-    /// rounding of all three is relative to themselves.
+    /// `edges[k]` runs from corner k to corner k + 1, in the frame of the shortest edge. In this
+    /// frame all three have small relative errors.
     edges: [[f64; 2]; 3],
 }
 
@@ -51,7 +51,7 @@ impl Shape {
     fn vector(&self, p: [f64; 3], q: [f64; 3]) -> [f64; 2] {
         let all = difference(p, q);
         let others = |base: usize| ((base + 1) % 3, (base + 2) % 3);
-        // Of the three sums that are the vector, that with the least terms loses the least.
+        // Of the three sums for the vector, the one with the smallest terms has the least error.
         let size = |base: usize| {
             let (next, last) = others(base);
             all[next].abs() * self.lengths[base] + all[last].abs() * self.lengths[last]
@@ -69,8 +69,8 @@ impl Shape {
     }
 }
 
-/// The coordinates of `q` less those of `p`, with an error relative to the largest of the three.
-/// The one with the greatest rounding follows from the other two.
+/// The coordinates of `q` minus those of `p`, with an error relative to the largest of the three
+/// differences. The one with the greatest rounding error follows from the other two.
 fn difference(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
     let base = largest([0, 1, 2].map(|k| p[k].max(q[k])));
     let mut all = [0, 1, 2].map(|k| q[k] - p[k]);
@@ -78,8 +78,8 @@ fn difference(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
     all
 }
 
-/// The area of a triangle as a fraction of that of the face, and a bound that makes it relative:
-/// the product of two of its sides in barycentric coordinates.
+/// The area of a triangle as a fraction of that of the face, and the scale of its error: the
+/// product of two of its sides in barycentric coordinates.
 fn oriented([p, q, r]: [[f64; 3]; 3]) -> (f64, f64) {
     let size = |[x, y, z]: [f64; 3]| x.abs().max(y.abs()).max(z.abs());
     let (u, v, w) = (difference(p, q), difference(q, r), difference(r, p));
@@ -89,7 +89,7 @@ fn oriented([p, q, r]: [[f64; 3]; 3]) -> (f64, f64) {
         1 => (w, u),
         _ => (u, v),
     };
-    // The coordinates of a vector add up to 0, so that any two give the area.
+    // The coordinates of a vector have the sum 0, so any two of them give the area.
     let products = [0, 1, 2].map(|k| {
         let next = (k + 1) % 3;
         [s[k] * t[next], s[next] * t[k]]
@@ -98,16 +98,16 @@ fn oriented([p, q, r]: [[f64; 3]; 3]) -> (f64, f64) {
     (a - b, size(s) * size(t))
 }
 
-/// What is across an edge of a triangle of a patch.
+/// The neighbour across an edge of a triangle of a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Neighbour {
-    /// This triangle, across this edge of it.
+    /// This triangle, across its edge with this number.
     Inside(usize, usize),
-    /// Nothing of the patch: the edge is a part of this side of the face.
+    /// None: the edge is a part of this side of the face.
     Side(usize),
 }
 
-/// A triangle of a patch: three of its points, and what is across the edge from each to the next.
+/// A triangle of a patch: three points, and the neighbours across the edges from each to the next.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triangle {
     pub(super) corners: [usize; 3],
@@ -119,30 +119,30 @@ pub(super) struct Triangle {
 struct Point {
     barycentric: [f64; 3],
     vertex: u32,
-    /// Its place on the side, from the tail on; corners are at places of two sides.
+    /// Its rank on its side, counted from the tail. Corners have ranks on two sides.
     rank: usize,
 }
 
-/// Lengths and frames of a triangle.
+/// Lengths and apexes of a triangle.
 pub(super) struct Frames {
     pub(super) lengths: [f64; 3],
     pub(super) apexes: [[f64; 2]; 3],
 }
 
-/// A face that is split: the Delaunay triangulation of its corners and points, in its own plane.
+/// A split face: the Delaunay triangulation of its corners and points, in its own plane.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {
     shape: Shape,
     points: Vec<Point>,
     triangles: Vec<Triangle>,
-    /// Points on each side.
+    /// Number of points on each side.
     on_sides: [usize; 3],
-    /// Exchanges of edges that are left. Rounding cannot keep it from ending.
+    /// Flips left. The limit ensures termination despite rounding.
     flips_left: usize,
 }
 
 impl Patch {
-    /// The face, whole.
+    /// The face before any split.
     pub(super) fn new(mesh: &Mesh, face: FaceId) -> Self {
         let corners = mesh.face_vertices(face).map(VertexId::raw);
         let point = |k: usize| {
@@ -170,12 +170,12 @@ impl Patch {
         &self.triangles
     }
 
-    /// The vertex of the mesh at a point.
+    /// The vertex of the mesh at `point`.
     pub(super) fn vertex(&self, point: usize) -> u32 {
         self.points[point].vertex
     }
 
-    /// Place on its side, from the tail on, of the part of `side` that is edge `k` of `triangle`.
+    /// The rank, from the tail on, of the part of `side` that is edge `k` of `triangle`.
     pub(super) fn rank_of_edge(&self, triangle: &Triangle, k: usize, side: usize) -> usize {
         let tail = triangle.corners[k];
         if tail == side {
@@ -185,7 +185,7 @@ impl Patch {
         }
     }
 
-    /// Lengths and frames of `triangle`; `part` is the length of a part of a side of the face.
+    /// Lengths and apexes of `triangle`; `part` gives the length of a part of a side of the face.
     pub(super) fn shape_of(
         &self,
         triangle: &Triangle,
@@ -212,7 +212,7 @@ impl Patch {
         Frames { lengths, apexes }
     }
 
-    /// Adds a vertex on a side, after those nearer to its tail.
+    /// Adds a vertex on a side. Vertices nearer to the tail of the side must be added before.
     pub(super) fn add_on_side(&mut self, side: usize, [tail, head]: [f64; 2], vertex: u32) {
         self.on_sides[side] += 1;
         let mut barycentric = [0.0; 3];
@@ -277,7 +277,7 @@ impl Patch {
             vertex,
             rank,
         });
-        // A Delaunay triangulation of n points is some n² exchanges away from any other.
+        // The Delaunay triangulation of n points is some n² flips away from any other.
         self.flips_left = 16 + self.points.len() * self.points.len();
         self.points.len() - 1
     }
@@ -286,11 +286,11 @@ impl Patch {
         points.map(|p| self.points[p].barycentric)
     }
 
-    /// The triangle that holds a point, and its edge on which that lies, if it lies on one.
+    /// The triangle that contains a point, and its edge on which the point lies, if any.
     fn locate(&self, point: [f64; 3]) -> (usize, Option<usize>) {
         let mut best = (0, 0, f64::NEG_INFINITY);
         for (t, triangle) in self.triangles.iter().enumerate() {
-            // The sine by which it lies inside of the edge that it is least inside of.
+            // The sine of the angle by which the point is inside the edge, least over the edges.
             let inside = |k: usize| {
                 let ends = [triangle.corners[k], triangle.corners[(k + 1) % 3]];
                 let [a, b] = ends.map(|p| self.points[p].barycentric);
@@ -373,7 +373,7 @@ impl Patch {
         self.improve(vec![(t, 2), (v, 1), (u, 2), (w, 1)]);
     }
 
-    /// Makes the neighbours of these triangles point back at them.
+    /// Updates the neighbours of these triangles to refer to them.
     fn relink(&mut self, changed: &[usize]) {
         for &t in changed {
             for k in 0..3 {
@@ -384,7 +384,7 @@ impl Patch {
         }
     }
 
-    /// Exchanges edges that are not Delaunay, starting from these.
+    /// Flips edges that are not Delaunay, starting with these.
     fn improve(&mut self, mut edges: Vec<(usize, usize)>) {
         while let Some((t, k)) = edges.pop() {
             let Neighbour::Inside(u, m) = self.triangles[t].neighbours[k] else {

@@ -7,7 +7,7 @@ use geobench_mesh::io::{FileError, Format, read, write};
 use crate::samples;
 use crate::{gzip, parse};
 
-/// Asserts that reading fails with exactly this message, less the path.
+/// Asserts that reading fails with exactly this message, without the path.
 #[track_caller]
 fn fails(format: Format, bytes: impl AsRef<[u8]>, message: &str) {
     let error = parse(format, bytes).unwrap_err().to_string();
@@ -351,7 +351,7 @@ fn faces_that_a_binary_ply_header_does_not_count_are_not_lost_in_silence() {
 
 #[test]
 fn lying_headers_reserve_nothing() {
-    // With any of these counts taken at its word the test would need gigabytes or hours.
+    // If the reader trusted any of these counts, the test would need gigabytes or hours.
     for count in ["4000000000", "18446744073709551615"] {
         for format in ["ascii", "binary_little_endian", "binary_big_endian"] {
             for (vertices, faces) in [(count, "1"), ("1", count), (count, count)] {
@@ -476,7 +476,8 @@ fn truncated_files_are_refused() {
             let Ok(soup) = parse(format, &bytes[..cut]) else {
                 continue;
             };
-            // An OBJ file does not say what is to come; else only what is skipped may be missing.
+            // An OBJ file does not declare its content. In other formats only skipped parts may be
+            // missing.
             if format != Format::Obj {
                 assert_eq!(soup, whole, "{name} cut at {cut} of {}", bytes.len());
             }

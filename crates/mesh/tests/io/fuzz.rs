@@ -1,4 +1,4 @@
-//! Damaged files: any answer will do, but there must be one, soon, and in little memory.
+//! Damaged files: any result is allowed, but it must come soon and take little memory.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ use crate::{gzip, samples, tobj};
 
 const FORMATS: [Format; 4] = [Format::Obj, Format::Ply, Format::Off, Format::Stl];
 
-/// Longest time that a small file may take, on a machine that does other things as well.
+/// Time limit for a small file, on a machine with other load.
 const LONGEST: Duration = Duration::from_secs(5);
 
 /// Compressed files may decompress to few bytes here.

@@ -249,7 +249,8 @@ impl<Q: Discipline> State<Q> {
         self.eviction.step(&mut self.store, windows, || label);
     }
 
-    /// Whether all that is wanted is final, now that an event under `label` has come out.
+    /// Whether everything that `probe` wants is final, now that an event under `label` has left the
+    /// queue.
     fn ends<P: Probe>(&mut self, label: f64, probe: &mut P) -> bool {
         let surface = &self.surface;
         let distance = |v| surface.distance(v);
@@ -425,7 +426,7 @@ fn cross_all<P: Probe>(
         // The bent path is at least as long as the straight one.
         let spare = least - window.sigma;
         let (x, y) = (frame.cx - window.px, frame.cy - window.py);
-        // Not if nothing is to spare either: with its sign, the square tells both at once.
+        // The sign handles a negative `spare` in the same comparison.
         if x * x + y * y < spare * spare.abs() {
             least = least.min(crossing.bent_distance(&exits[side]));
             if P::TRACES && least < before {

@@ -186,7 +186,7 @@ impl Store {
         self.lists[i].queued
     }
 
-    /// Block `i` is in the queue under this label.
+    /// Sets the label under which list `i` is queued.
     #[inline]
     pub(super) fn set_queued(&mut self, i: usize, label: f64) {
         self.lists[i].queued = label;
@@ -330,14 +330,14 @@ impl Store {
         to as usize
     }
 
-    /// Block `i` is likely to be looked at soon: asks for where it is.
+    /// Prefetches the header of list `i`.
     #[inline]
     pub(super) fn announce(&self, i: usize) {
         prefetch(&self.lists, i);
     }
 
-    /// Prefetches the middle windows of a list that was [announced](Self::announce) before; a search
-    /// starts there.
+    /// Prefetches the middle windows of a list that was [announced](Self::announce) before; a
+    /// search starts there.
     #[inline]
     pub(super) fn prepare(&self, i: usize) {
         let ListBlock { start, len, .. } = self.lists[i];

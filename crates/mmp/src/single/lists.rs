@@ -258,8 +258,8 @@ impl Lists {
         }
     }
 
-    /// Cuts window `k` of list `i` down to `b0..b1`. Returns whether it waits and its least distance
-    /// has grown.
+    /// Cuts window `k` of list `i` down to `b0..b1`. Returns whether it waits and its least
+    /// distance has grown.
     #[inline]
     pub(crate) fn cut(&mut self, i: usize, k: usize, b0: f64, b1: f64) -> bool {
         let place = &mut self.places[self.heads[i].start as usize + k];

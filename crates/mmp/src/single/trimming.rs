@@ -1,4 +1,4 @@
-//! The policy of MMP: every window is stored where it is the shortest.
+//! The policy of MMP: every window is stored on the range on which it is the shortest.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::continuous::{Arrival, Continuous, Dequeued, Policy, Surface};
@@ -10,7 +10,7 @@ use super::insertion::Inserter;
 use super::lists::{Direction, Lists};
 use crate::eviction::{Evictable, Eviction, Retention, reach};
 
-/// Which windows are trimmed against each other.
+/// The windows that are trimmed against each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carrier {
     /// Those of one half-edge: windows that cross an edge in opposite directions are not compared
@@ -22,7 +22,8 @@ pub enum Carrier {
     Edge,
 }
 
-/// Every window is stored where it is the shortest of those on its half-edge or edge.
+/// The policy of MMP: a window is stored on the range on which it is the shortest of those on its
+/// half-edge or edge.
 ///
 /// ```
 /// use geobench_mesh::Mesh;
@@ -84,8 +85,10 @@ impl Trimming {
         slots.map(|place| self.lists.windows()[place.slot as usize])
     }
 
-    /// Whether a path through an end of the edge beats the window beyond the doubt that thin faces
-    /// leave about it: of windows that are equal to the rounding of a long edge the first one stays.
+    /// Whether a path through an end of the edge beats the window by more than the
+    /// [doubt](geobench_window::trimming::ThinFaces::doubt) beside thin faces: of windows that are
+    /// equal within the rounding of a long edge the first one is stored, even if it is longer by
+    /// that much.
     #[cold]
     #[inline(never)]
     fn is_beaten(&self, arrival: &Arrival<u32>) -> bool {
@@ -94,7 +97,8 @@ impl Trimming {
         is_beaten_from_ends(window, edge.length, tail, head)
     }
 
-    /// The half-edge whose list holds the windows of `h`, and the direction in which they cross it.
+    /// The half-edge whose list holds the windows of `h`, and the direction in which they cross its
+    /// edge.
     fn place(&self, h: HalfEdgeId, surface: &Surface) -> (HalfEdgeId, Direction) {
         if self.carrier == Carrier::HalfEdge {
             return (h, Direction::Forward);
@@ -106,11 +110,11 @@ impl Trimming {
     }
 }
 
-/// The windows that entered the face of `h` in the last run of `solver`, each on the interval on
-/// which it is the shortest of them, in their order. They do not overlap.
+/// The windows that entered the face of `h` in the last run of `solver`, in ascending order. Each
+/// is restricted to the interval on which it is the shortest. They do not overlap.
 ///
-/// Those of a policy with [`Carrier::HalfEdge`] that stores [all](Retention::All) windows; with
-/// others some are missing.
+/// The result is complete only for [`Carrier::HalfEdge`] and [`Retention::All`]. With other
+/// settings windows are missing.
 ///
 /// ```
 /// use geobench_mesh::Mesh;
@@ -206,7 +210,7 @@ impl Policy for Trimming {
         inserter.insert(lists, place, &window, direction, l);
         self.stored = self.stored + lists.len(place) - before;
         for entry in &inserter.to_queue {
-            // A window of the other direction may have been split; its second part waits, too.
+            // A window of the other direction may have been split; its second part waits as well.
             let h = if self.lists.direction(entry.slot) == direction {
                 arrival.h
             } else {

@@ -1,18 +1,18 @@
-//! A mesh with sources, and what can be said about an answer.
+//! A mesh with sources, and the verdicts on an answer.
 
 use std::fmt;
 
 use geobench_oracle::nasty::{Kind, Nasty};
 use serde::{Deserialize, Serialize};
 
-/// A mesh, the sources, and how far an algorithm may go.
+/// A mesh, its sources, and the limits of an algorithm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Case {
     pub(crate) vertices: Vec<[f64; 3]>,
     pub(crate) faces: Vec<[u32; 3]>,
     pub(crate) sources: Vec<u32>,
-    /// Whether windows are counted: they may be at most [`MOST_WORK`](crate::judge::MOST_WORK)
-    /// times as many as those of `mmp-fast`.
+    /// Whether windows are counted: at most [`MOST_WORK`](crate::judge::MOST_WORK) times as many as
+    /// those of `mmp-fast` are allowed.
     pub(crate) bounded: bool,
 }
 
@@ -27,17 +27,17 @@ impl From<Nasty> for Case {
     }
 }
 
-/// Distances; `None` is unreachable.
+/// Distances; `None` if unreachable.
 pub(crate) type Expected = Vec<Option<f64>>;
 
 /// The verdict on an answer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Verdict {
     Right,
-    /// Off by no more than the solve itself says that its distances may be:
-    /// [`precision::doubt`](geobench_window::precision::doubt).
+    /// Wrong by no more than [`precision::doubt`](geobench_window::precision::doubt) states for the
+    /// mesh.
     InDoubt,
-    /// The algorithm takes too long on such a mesh, as is known.
+    /// The algorithm is known to take too long on such a mesh.
     LeftOut,
     Failed(Failure),
 }
@@ -55,12 +55,12 @@ pub(crate) struct Failure {
     pub(crate) text: String,
 }
 
-/// The kinds of failures, the columns of the table.
+/// The kinds of failures, which are the columns of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(crate) enum FailureKind {
     TooLong,
     TooShort,
-    /// Infinite at a vertex that can be reached.
+    /// Infinite at a reachable vertex.
     Lost,
     Panic,
     Hang,

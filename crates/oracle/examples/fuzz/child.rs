@@ -1,7 +1,8 @@
-//! Judging in a child process, so that a hang, an abort or a full memory costs one answer only.
+//! Judging in a child process, so that a hang, an abort or exhausted memory affects one answer
+//! only.
 //!
 //! The child is this program with the option [`OPTION`]. It reads [`Request`]s and writes
-//! [`Reply`]s, one to a line.
+//! [`Reply`]s, one per line.
 
 use std::collections::HashMap;
 use std::env;
@@ -18,26 +19,26 @@ use serde::{Deserialize, Serialize};
 use crate::case::{Case, Expected, Failure, FailureKind, Skip, Verdict};
 use crate::{judge, variants};
 
-/// The option that makes a child of the program.
+/// The option that makes the program a child.
 pub(crate) const OPTION: &str = "--child";
 
 /// Address space of a child.
 const MOST_MEMORY: u64 = 4 << 30;
 
-/// After so many hangs of an algorithm on one mesh, its other variants are left out.
+/// After this many hangs of an algorithm on one mesh, its other variants are skipped.
 const MOST_HANGS: usize = 2;
 
-/// How long the oracle may take.
+/// Time limit of the oracle.
 const ORACLE_LIMIT: Duration = Duration::from_secs(20);
 
 #[derive(Serialize, Deserialize)]
 struct Request {
     case: Case,
-    /// If they are known.
+    /// The known distances, if any.
     expected: Option<Expected>,
-    /// Windows of `mmp-fast`, if they are known.
+    /// Number of windows of `mmp-fast`, if known.
     work: Option<u64>,
-    /// Specs of the algorithms to judge, in this order.
+    /// Specs of the algorithms to judge, in order.
     algorithms: Vec<String>,
 }
 
@@ -49,7 +50,7 @@ enum Reply {
     Judged(Verdict),
 }
 
-/// What the child does: it answers requests until there are no more.
+/// The main loop of the child: answers requests until there are no more.
 pub(crate) fn serve() -> io::Result<()> {
     let limit = Rlimit {
         current: Some(MOST_MEMORY),
@@ -98,9 +99,9 @@ fn send(reply: &Reply) -> io::Result<()> {
     out.flush()
 }
 
-/// The parent's side: a child that is started when it is needed, and again after its death.
+/// The parent's side: starts a child when it is needed, and again after a crash.
 pub(crate) struct Judge {
-    /// How long an algorithm may take.
+    /// Time limit of an algorithm.
     limit: Duration,
     child: Option<Running>,
 }
@@ -111,10 +112,10 @@ struct Running {
     replies: Receiver<Reply>,
 }
 
-/// What all algorithms made of a case.
+/// The results of all algorithms on a case.
 pub(crate) struct Judged {
     pub(crate) expected: Expected,
-    /// In the order in which they were asked for.
+    /// In the order of the request.
     pub(crate) verdicts: Vec<Verdict>,
 }
 
@@ -123,7 +124,7 @@ impl Judge {
         Self { limit, child: None }
     }
 
-    /// Has `algorithms` judged by distances that are `known`, or by the oracle's.
+    /// Judges `algorithms` by the `known` distances, or by those of the oracle.
     pub(crate) fn judge(
         &mut self,
         case: &Case,
@@ -151,7 +152,7 @@ impl Judge {
             };
             let child = self.request(&request)?;
             let mut in_oracle = expected.is_none();
-            // A second hang will hardly be a slow machine.
+            // A second hang is unlikely to be caused by a slow machine.
             let hangs = verdicts.iter().flatten().filter(|v| v.is_hang()).count();
             let patience = if hangs < 2 { patience } else { patience / 4 };
             let mut waiting = waiting.into_iter().peekable();
@@ -199,7 +200,7 @@ impl Judge {
                     }),
                 });
             }
-            // It was `mmp-fast` that hung while its windows were counted; its own turn will show it.
+            // `mmp-fast` hung while its windows were counted. Its own turn will report that.
             work_is_known = true;
         }
         let Some(expected) = expected else {
@@ -231,7 +232,7 @@ impl Judge {
     }
 }
 
-/// The places of the algorithms without a verdict, less those whose other variants hang.
+/// The indices of the algorithms without a verdict, without those whose other variants hang.
 fn waiting(algorithms: &[String], verdicts: &mut [Option<Verdict>]) -> Vec<usize> {
     let mut hangs: HashMap<&str, usize> = HashMap::new();
     for (label, verdict) in algorithms.iter().zip(verdicts.iter()) {

@@ -1,4 +1,4 @@
-//! Failures in files that `geobench verify` takes.
+//! Failures as files for `geobench verify`.
 
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -9,33 +9,33 @@ use geobench_mesh::io as mesh_io;
 
 use crate::case::{Case, Expected, Failure, FailureKind};
 
-/// What stands before the sources in a file.
+/// The comment before the sources in a file.
 const SOURCES: &str = "# sources:";
 
-/// What stands in a file whose windows are counted.
+/// The comment in a file whose windows are counted.
 const BOUNDED: &str = "# windows: bounded";
 
-/// An algorithm and what was wrong with its answer.
-pub(crate) type Finding = (String, Failure);
+/// An algorithm and the defect of its answer.
+pub(crate) type AlgorithmFailure = (String, Failure);
 
-/// Writes `NAME.obj` to `folder`, and for a single source the right distances beside it, where
-/// `verify` finds them.
+/// Writes `NAME.obj` to `folder`. For a single source, also writes the right distances beside it,
+/// where `verify` finds them.
 pub(crate) fn write(
     folder: &Path,
     name: &str,
     origin: &str,
     case: &Case,
     expected: &Expected,
-    findings: &[Finding],
+    failures: &[AlgorithmFailure],
 ) -> io::Result<PathBuf> {
     fs::create_dir_all(folder)?;
     let path = folder.join(format!("{name}.obj"));
     let mut out = BufWriter::new(File::create(&path)?);
     writeln!(out, "# {origin}")?;
-    for (algorithm, failure) in findings {
+    for (algorithm, failure) in failures {
         writeln!(out, "# {algorithm}: {failure}")?;
     }
-    writeln!(out, "{}", command(name, case, findings))?;
+    writeln!(out, "{}", command(name, case, failures))?;
     let sources: Vec<String> = case.sources.iter().map(u32::to_string).collect();
     writeln!(out, "{SOURCES} {}", sources.join(" "))?;
     if case.bounded {
@@ -53,14 +53,14 @@ pub(crate) fn write(
     Ok(path)
 }
 
-/// The command line that shows the failure.
-fn command(name: &str, case: &Case, findings: &[Finding]) -> String {
-    let algorithms: Vec<&str> = findings.iter().map(|(name, _)| name.as_str()).collect();
+/// The command line that reproduces the failure.
+fn command(name: &str, case: &Case, failures: &[AlgorithmFailure]) -> String {
+    let algorithms: Vec<&str> = failures.iter().map(|(name, _)| name.as_str()).collect();
     let algorithms = algorithms.join(",");
-    // `verify` takes one source at a time, and does not count.
-    let counted = |(_, failure): &Finding| failure.kind == FailureKind::Work;
+    // `verify` takes one source at a time and does not count.
+    let counted = |(_, failure): &AlgorithmFailure| failure.kind == FailureKind::Work;
     match case.sources[..] {
-        [source] if !findings.iter().any(counted) => {
+        [source] if !failures.iter().any(counted) => {
             format!("# geobench verify {name}.obj --source {source} --algo '{algorithms}'")
         }
         _ => format!(
@@ -70,7 +70,7 @@ fn command(name: &str, case: &Case, findings: &[Finding]) -> String {
     }
 }
 
-/// Reads what [`write`] wrote. The source is 0 in a file that does not name any.
+/// Reads a file of [`write`]. The source is 0 in a file that names none.
 pub(crate) fn read(path: &Path) -> io::Result<Case> {
     let soup = mesh_io::read(path).map_err(io::Error::other)?;
     let text = fs::read_to_string(path)?;

@@ -1,4 +1,4 @@
-//! Where cases come from: seeds, the slivers, files of an earlier run.
+//! The cases: from seeds, from the slivers, or from files of an earlier run.
 
 use std::io;
 use std::ops::Range;
@@ -16,11 +16,11 @@ pub(crate) struct Item {
     /// The row of the table.
     pub(crate) kind: String,
     pub(crate) case: Case,
-    /// The distances, if they are known.
+    /// The known distances, if any.
     pub(crate) expected: Option<Expected>,
 }
 
-/// Cases, each made when it is asked for.
+/// Cases, each made on demand.
 pub(crate) enum Items {
     Seeds(Range<u64>, Option<Kind>),
     Slivers(Vec<Sliver>),
@@ -32,7 +32,7 @@ impl Items {
         Ok(Self::Slivers(slivers::read()?))
     }
 
-    /// Files that an earlier run saved, or folders of them.
+    /// Files saved by an earlier run, or folders of them.
     pub(crate) fn files(paths: &[PathBuf]) -> io::Result<Self> {
         let mut files = Vec::new();
         for path in paths {

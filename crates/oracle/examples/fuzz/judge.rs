@@ -11,25 +11,28 @@ use geobench_window::{Counter, precision};
 use crate::case::{Case, Expected, Failure, FailureKind, Skip, Verdict};
 use crate::variants;
 
-/// Largest relative error of a distance that is right.
+/// Largest relative error of a right distance.
 const TOLERANCE: f64 = 1e-9;
 
-/// Largest error of a distance that is right, as a part of the largest distance.
+/// Largest error of a right distance, as a fraction of the largest distance.
 const FLOOR: f64 = 1e-13;
 
-/// How many times as many windows as `mmp-fast` an algorithm may propagate where work is bounded.
+/// The limit of the windows of an algorithm, as a multiple of those of `mmp-fast`, where work is
+/// bounded.
 pub(crate) const MOST_WORK: u64 = 10;
 
-/// Windows that are few on any mesh.
+/// A number of windows that is small on any mesh.
 const LITTLE_WORK: u64 = 200;
 
-/// Beams of the oracle for one case, some tenths of a second; thousands are usual.
+/// Limit of the oracle's beams for one case. They take some tenths of a second; thousands are
+/// usual.
 const MOST_BEAMS: u64 = 100_000;
 
-/// Largest difference between two searches of the oracle, as a part of the largest that is right.
+/// Largest difference between two searches of the oracle, as a fraction of the largest right
+/// distance.
 const AGREEMENT: f64 = 1e-3;
 
-/// The mesh of `case` as the algorithms see it.
+/// The mesh of `case` for the algorithms.
 pub(crate) fn mesh(case: &Case) -> Result<Mesh, Skip> {
     let soup = TriangleSoup::new(case.vertices.clone(), case.faces.clone());
     let built = catch_unwind(|| Mesh::from_soup(soup));
@@ -40,9 +43,9 @@ pub(crate) fn mesh(case: &Case) -> Result<Mesh, Skip> {
     }
 }
 
-/// The distances that are right.
+/// The right distances.
 pub(crate) fn expected(case: &Case, mesh: &Mesh) -> Result<Expected, Skip> {
-    // The mesh has its faces turned the same way.
+    // The mesh has its faces oriented consistently.
     let faces = mesh
         .faces()
         .map(|f| mesh.face_vertices(f).map(VertexId::raw));
@@ -51,7 +54,7 @@ pub(crate) fn expected(case: &Case, mesh: &Mesh) -> Result<Expected, Skip> {
     let plan = Search::pruned(MOST_BEAMS);
     let found = search(&surface, &case.sources, plan).map_err(|_| Skip::GaveUp)?;
     let found = rounded(&found);
-    // Lines from vertices where no path bends must change nothing.
+    // Additional lines from vertices where no path bends must not change distances.
     let check = Search::pruned(MOST_BEAMS).from_everywhere();
     if let Ok(other) = search(&surface, &case.sources, check) {
         let other = rounded(&other);
@@ -75,7 +78,7 @@ fn largest(distances: &[f64]) -> f64 {
     finite.fold(0.0, f64::max)
 }
 
-/// Windows that `mmp-fast` propagates.
+/// Number of windows that `mmp-fast` propagates.
 pub(crate) fn work_of_mmp(case: &Case, mesh: &Mesh) -> Option<u64> {
     let mmp = select_one("mmp-fast").ok()?;
     let count = || mmp.build(mesh).count(&sources(case)).ok();
@@ -87,7 +90,7 @@ fn sources(case: &Case) -> Vec<VertexId> {
     case.sources.iter().copied().map(VertexId::new).collect()
 }
 
-/// The verdict on `selection` for `case`. `work` is that of `mmp-fast`, if it is bounded.
+/// The verdict on `selection` for `case`. `work` is that of `mmp-fast`, if work is bounded.
 pub(crate) fn judge(
     selection: &Selection,
     case: &Case,
@@ -138,7 +141,7 @@ fn message(panic: &(dyn Any + Send)) -> String {
     text.unwrap_or("a panic without a message").to_owned()
 }
 
-/// The worst difference that is too large by more than `doubt`, if there is any.
+/// The worst difference that exceeds `doubt`, if any.
 fn compare(found: &[f64], expected: &Expected, doubt: f64) -> Option<Failure> {
     if found.len() != expected.len() {
         return Some(Failure {
@@ -151,7 +154,7 @@ fn compare(found: &[f64], expected: &Expected, doubt: f64) -> Option<Failure> {
     for (vertex, (&found, expected)) in found.iter().zip(expected).enumerate() {
         let expected = expected.unwrap_or(f64::INFINITY);
         let difference = (found - expected).abs();
-        // Written so that NaN is a failure; two infinities are equal.
+        // In this form NaN is a failure, and two infinities are equal.
         if found == expected || difference <= TOLERANCE * expected + FLOOR * furthest + doubt {
             continue;
         }

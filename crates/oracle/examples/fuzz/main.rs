@@ -1,11 +1,11 @@
-//! Looks for meshes on which an algorithm is wrong.
+//! Searches for meshes on which an algorithm is wrong.
 //!
 //! `cargo run --release -p geobench-oracle --example fuzz -- --seeds 0..10000 --algo all`
 //!
-//! Each seed makes a mesh ([`geobench_oracle::nasty`]) that every algorithm of the registry solves,
+//! Each seed makes a mesh ([`geobench_oracle::nasty`]). Every algorithm of the registry solves it,
 //! with every value of its parameters that keeps it exact. The oracle, in double-double, judges the
-//! answers. A failure is made smaller and saved as a file that `geobench verify` takes (`--out`).
-//! Exit status 1 means that something failed.
+//! answers. A failing mesh is made smaller and saved as a file for `geobench verify` (`--out`). The
+//! exit status is 1 if anything failed.
 
 use std::collections::{HashMap, HashSet};
 use std::num::NonZeroUsize;
@@ -20,7 +20,7 @@ use std::{env, io, thread};
 use case::{Expected, Verdict};
 use child::Judge;
 use clap::{ArgGroup, Parser};
-use files::Finding;
+use files::AlgorithmFailure;
 use geobench_oracle::nasty::Kind;
 use items::{Item, Items};
 use minimise::Smallest;
@@ -36,7 +36,7 @@ mod slivers;
 mod table;
 mod variants;
 
-/// Looks for meshes on which an algorithm is wrong.
+/// Searches for meshes on which an algorithm is wrong.
 #[derive(Parser)]
 #[command(group(ArgGroup::new("meshes").args(["seeds", "slivers", "again"])))]
 #[expect(
@@ -178,14 +178,14 @@ struct Fuzzer<'a> {
     algorithms: Vec<String>,
     items: Items,
     table: Mutex<Table>,
-    /// Meshes saved for each algorithm, without its parameters, and way to fail.
+    /// Number of meshes saved for each algorithm, without its parameters, and kind of failure.
     saved: Mutex<HashMap<String, usize>>,
     next: AtomicUsize,
     start: Instant,
 }
 
 impl Fuzzer<'_> {
-    /// Judges one case after another until there are no more.
+    /// Judges cases until there are no more.
     fn work(&self) -> io::Result<()> {
         let mut judge = Judge::new(Duration::from_secs_f64(self.options.limit));
         loop {
@@ -227,7 +227,7 @@ impl Fuzzer<'_> {
         }
     }
 
-    fn failures(&self, verdicts: &[Verdict]) -> Vec<Finding> {
+    fn failures(&self, verdicts: &[Verdict]) -> Vec<AlgorithmFailure> {
         let answers = self.algorithms.iter().zip(verdicts);
         let failed = answers.filter_map(|(algorithm, verdict)| match verdict {
             Verdict::Failed(failure) => Some((algorithm.clone(), failure.clone())),
@@ -236,14 +236,14 @@ impl Fuzzer<'_> {
         failed.collect()
     }
 
-    /// Saves the mesh, made smaller for the first of the algorithms that fail; then, if some others
-    /// do not fail on the smaller one, for the first of these, and so on.
+    /// Saves the mesh, made smaller for the first of the failing algorithms. If others do not fail
+    /// on the smaller mesh, repeats this for the first of them, and so on.
     fn save(
         &self,
         judge: &mut Judge,
         item: &Item,
         expected: &Expected,
-        mut failures: Vec<Finding>,
+        mut failures: Vec<AlgorithmFailure>,
     ) -> io::Result<()> {
         let Some(folder) = &self.options.out else {
             return Ok(());
@@ -264,19 +264,19 @@ impl Fuzzer<'_> {
             }
             let (case, right) = (&smallest.case, &smallest.expected);
             let all: Vec<String> = failures.iter().map(|(name, _)| name.clone()).collect();
-            let mut findings = vec![(algorithm.clone(), smallest.failure.clone())];
+            let mut failing = vec![(algorithm.clone(), smallest.failure.clone())];
             if let Ok(judged) = judge.judge(case, Some(right.clone()), &all[1..])? {
                 for (name, verdict) in all[1..].iter().zip(judged.verdicts) {
                     if let Verdict::Failed(failure) = verdict {
-                        findings.push((name.clone(), failure));
+                        failing.push((name.clone(), failure));
                     }
                 }
             }
             let name = file_name(item, &algorithm);
-            files::write(folder, &name, &item.name, case, right, &findings)?;
-            failures.retain(|(name, _)| findings.iter().all(|(known, _)| known != name));
+            files::write(folder, &name, &item.name, case, right, &failing)?;
+            failures.retain(|(name, _)| failing.iter().all(|(known, _)| known != name));
             let mut saved = self.saved.lock().map_err(|_| died())?;
-            let ways: HashSet<String> = findings.iter().map(way_to_fail).collect();
+            let ways: HashSet<String> = failing.iter().map(way_to_fail).collect();
             for way in ways {
                 *saved.entry(way).or_default() += 1;
             }
@@ -284,8 +284,8 @@ impl Fuzzer<'_> {
         Ok(())
     }
 
-    /// Whether there are few saved meshes on which the algorithm fails like that.
-    fn is_wanted(&self, failure: &Finding) -> bool {
+    /// Whether few meshes are saved on which the algorithm fails in this way.
+    fn is_wanted(&self, failure: &AlgorithmFailure) -> bool {
         let saved = self.saved.lock();
         let count = saved.map_or(0, |saved| {
             saved.get(&way_to_fail(failure)).copied().unwrap_or(0)
@@ -294,11 +294,11 @@ impl Fuzzer<'_> {
     }
 }
 
-fn way_to_fail((algorithm, failure): &Finding) -> String {
+fn way_to_fail((algorithm, failure): &AlgorithmFailure) -> String {
     format!("{} {}", variants::name_of(algorithm), failure.kind)
 }
 
-/// A name without characters that mean something to a shell.
+/// A name without characters that are special in a shell.
 fn file_name(item: &Item, algorithm: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
     let base = item.name.rsplit('/').next().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Makes a case that fails smaller.
+//! Makes failing cases smaller.
 
 use std::io;
 use std::time::{Duration, Instant};
@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 use crate::case::{Case, Expected, Failure, FailureKind, Verdict};
 use crate::child::Judge;
 
-/// How long one case may take.
+/// Time limit of one case.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// A case that fails, and how.
+/// A failing case with its failure.
 pub(crate) struct Smallest {
     pub(crate) case: Case,
     pub(crate) expected: Expected,
@@ -43,7 +43,7 @@ struct Minimiser<'a> {
     end: Instant,
 }
 
-/// Wrong distances are alike, however they are wrong.
+/// Wrong distances count as the same failure, whatever the error.
 fn is_alike(a: FailureKind, b: FailureKind) -> bool {
     let wrong = [
         FailureKind::TooLong,
@@ -54,7 +54,7 @@ fn is_alike(a: FailureKind, b: FailureKind) -> bool {
 }
 
 impl Minimiser<'_> {
-    /// Takes `case` if the algorithm fails on it, too.
+    /// Accepts `case` if the algorithm fails on it as well.
     fn attempt(&mut self, case: Case) -> io::Result<bool> {
         if case.faces.is_empty() || case == self.smallest.case || Instant::now() > self.end {
             return Ok(false);
@@ -94,7 +94,7 @@ impl Minimiser<'_> {
         Ok(())
     }
 
-    /// Leaves out runs of faces, shorter and shorter ones.
+    /// Removes runs of faces, of decreasing length.
     fn fewer_faces(&mut self) -> io::Result<()> {
         let mut length = self.smallest.case.faces.len() / 2;
         while length > 0 {
@@ -110,7 +110,7 @@ impl Minimiser<'_> {
                     at += length;
                 }
             }
-            // One face at a time until none can go.
+            // One face at a time, until none can be removed.
             if length > 1 || !removed {
                 length /= 2;
             }
@@ -145,7 +145,7 @@ impl Minimiser<'_> {
         Ok(())
     }
 
-    /// Puts the first vertex into the origin, and makes the size about 1.
+    /// Moves the first vertex to the origin, and scales the mesh to a size of about 1.
     fn simpler_place(&mut self) -> io::Result<()> {
         let mut case = self.smallest.case.clone();
         let [first, ..] = case.vertices[..] else {
@@ -169,7 +169,7 @@ impl Minimiser<'_> {
         Ok(())
     }
 
-    /// Rounds coordinates: to whole numbers, or to a few digits.
+    /// Rounds coordinates to integers or to a few digits.
     fn simpler_coordinates(&mut self) -> io::Result<()> {
         for place in 0..3 * self.smallest.case.vertices.len() {
             let old = self.smallest.case.vertices.as_flattened()[place];

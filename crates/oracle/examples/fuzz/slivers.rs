@@ -1,6 +1,6 @@
 //! The meshes in `shared/slivers`, on which solvers were wrong, with the right distances.
 //!
-//! They lie beside the project, or where the environment variable `GEOBENCH_SHARED` says.
+//! They are beside the project, or at the path in the environment variable `GEOBENCH_SHARED`.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -16,11 +16,11 @@ pub(crate) struct Sliver {
     pub(crate) vertices: Vec<[f64; 3]>,
     pub(crate) faces: Vec<[u32; 3]>,
     pub(crate) source: Vec<u32>,
-    /// Of each vertex; `None` is unreachable.
+    /// By vertex; `None` if unreachable.
     pub(crate) distances: Vec<Option<f64>>,
 }
 
-/// Where the file is, or would be.
+/// The path of the file, whether it exists or not.
 pub(crate) fn path() -> PathBuf {
     let shared = env::var_os("GEOBENCH_SHARED").map_or_else(
         || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),

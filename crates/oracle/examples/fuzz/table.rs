@@ -1,11 +1,11 @@
-//! Counts of what was found, by algorithm and by kind of mesh.
+//! Counts of verdicts by algorithm and kind of mesh.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
 use crate::case::{FailureKind, Skip, Verdict};
 
-/// What was found so far.
+/// The counts so far.
 #[derive(Default)]
 pub(crate) struct Table {
     by_algorithm: Vec<(String, Row)>,
@@ -37,7 +37,7 @@ impl Table {
         }
     }
 
-    /// Adds what the algorithms, in their order, made of one mesh.
+    /// Adds the verdicts on all algorithms, in their order, for one mesh.
     pub(crate) fn add(&mut self, kind: &str, verdicts: &[Verdict]) {
         let of_kind = self.by_kind.entry(kind.to_owned()).or_default();
         for ((_, row), verdict) in self.by_algorithm.iter_mut().zip(verdicts) {

@@ -3,15 +3,16 @@
 use geobench::UsageError;
 use geobench::registry::{Algorithm, Numbers, Parameter, Selection, Value, select};
 
-/// Most faces that `ch` is given: its windows grow exponentially with the faces it can go around.
+/// Most faces of a mesh for `ch`, whose windows grow exponentially with the faces that they can go
+/// around.
 const MOST_FACES_OF_CH: usize = 40;
 
-/// The parameter that costs exactness.
+/// The parameter that gives up exactness.
 const APPROXIMATE: &str = "threshold";
 
-/// What a list of the command line asks for: an item with parameters asks for itself; a name or a
-/// family asks for the algorithms with all [`variants`], unless `plain`. What does not claim to be
-/// exact is left out.
+/// The algorithms that a list of the command line selects. An item with parameters selects itself.
+/// A name or a family selects the algorithms with all [`variants`], unless `plain`. Algorithms that
+/// are not exact are left out.
 pub(crate) fn selected(list: &str, plain: bool) -> Result<Vec<Selection>, UsageError> {
     let mut all: Vec<Selection> = Vec::new();
     for selection in select(list)? {
@@ -38,10 +39,10 @@ pub(crate) fn name_of(label: &str) -> &str {
     label.split('{').next().unwrap_or_default()
 }
 
-/// Whether the windows of `selection` have a useful bound.
+/// Whether the number of windows of `selection` has a useful bound.
 ///
-/// `ch` has none. Neither has label correcting where nothing but its order tells near windows from
-/// far ones: those that wind around a needle then go on until nearer ones have their turn.
+/// `ch` has none. Label correcting has none if only its order separates near windows from far ones:
+/// those that wind around a needle then go on until nearer ones have their turn.
 pub(crate) fn is_bounded(selection: &Selection) -> bool {
     let label = selection.label();
     let unordered = ["beta=none", "beta=1e6", "filter=none"];
@@ -52,16 +53,16 @@ pub(crate) fn is_bounded(selection: &Selection) -> bool {
     }
 }
 
-/// Whether `selection` ends in reasonable time on a mesh with so many faces.
+/// Whether `selection` ends in reasonable time on a mesh with `faces` faces.
 pub(crate) fn can_finish(selection: &Selection, faces: usize) -> bool {
     selection.algorithm().name != "ch" || faces <= MOST_FACES_OF_CH
 }
 
-/// Values of parameters, by their names.
+/// Values of parameters by name.
 type Settings = Vec<(&'static str, String)>;
 
 /// `algorithm` with its defaults, with every other value of one parameter, and with every pair of
-/// other words of two parameters. A parameter that only works with another one comes with it.
+/// other words of two parameters. A parameter that needs another one is combined with it.
 fn variants(algorithm: &Algorithm) -> Vec<Selection> {
     let settings: Vec<(&Parameter, Vec<String>)> = algorithm
         .parameters
@@ -86,7 +87,7 @@ fn variants(algorithm: &Algorithm) -> Vec<Selection> {
         let spec = format!("{}{{{}}}", algorithm.name, settings.join(","));
         match select(&spec) {
             Ok(selected) => Some(selected),
-            // A parameter that goes only with the default of a second one.
+            // A parameter that works only with the default of a second one.
             Err(error) if error.to_string().contains("` does nothing without `") => None,
             Err(error) => panic!("{spec}: {error}"),
         }
@@ -94,7 +95,7 @@ fn variants(algorithm: &Algorithm) -> Vec<Selection> {
     parsed.flatten().collect()
 }
 
-/// The value of a parameter, after that of the one that it needs.
+/// The value of a parameter, after that of the parameter that it needs.
 fn with_needed(parameter: &Parameter, value: &str) -> Settings {
     let needed = parameter
         .only_with
@@ -121,7 +122,7 @@ fn is_word(parameter: &Parameter, other: &Parameter, value: &str) -> bool {
     parameter.allowed.numbers == Numbers::None && other.allowed.words.contains(&value)
 }
 
-/// The values of `parameter`, but for its default: every word, both ends of its range, and 1.
+/// The values of `parameter` except its default: every word, both ends of its range, and 1.
 fn other_values(parameter: &Parameter) -> Vec<String> {
     let words = parameter
         .allowed

@@ -1,4 +1,4 @@
-//! Plates: straight lines, around the corners of holes.
+//! Plates: paths are straight, or bend at the corners of holes.
 
 use super::ClosedForm;
 use crate::model::Model;
@@ -108,11 +108,11 @@ pub(super) fn plates_with_holes() -> Vec<ClosedForm> {
     cases
 }
 
-/// A plate with holes: shortest ways over the corners of the holes that see each other.
+/// A plate with holes: shortest paths over the corners of the holes that see each other.
 fn around(model: Model, holes: &[Rectangle]) -> ClosedForm {
     let points: Vec<_> = model.positions().unwrap_or_default().to_vec();
     let holes = holes.to_vec();
-    // A corner of a hole that is not a vertex lies beyond the plate.
+    // A corner of a hole that is not a vertex is outside the plate.
     let corners: Vec<_> = holes
         .iter()
         .flat_map(|hole| {
@@ -129,12 +129,12 @@ fn around(model: Model, holes: &[Rectangle]) -> ClosedForm {
     })
 }
 
-/// The shortest way from the first to the last of `stops`, straight between those that see each
+/// The shortest path from the first to the last of `stops`, straight between stops that see each
 /// other.
 fn shortest_over(stops: &[[f64; 3]], holes: &[Rectangle]) -> f64 {
     let mut best = vec![f64::INFINITY; stops.len()];
     best[0] = 0.0;
-    // As many rounds as a way can have legs settle every stop.
+    // Every round settles one more leg, and a path has fewer legs than there are stops.
     for _ in 0..stops.len() {
         for i in 0..stops.len() {
             for j in 0..stops.len() {
@@ -148,9 +148,10 @@ fn shortest_over(stops: &[[f64; 3]], holes: &[Rectangle]) -> f64 {
     best[stops.len() - 1]
 }
 
-/// Whether the line from `a` to `b` stays out of the open rectangle.
+/// Whether the segment from `a` to `b` does not meet the open rectangle.
 fn misses(hole: &Rectangle, a: [f64; 3], b: [f64; 3]) -> bool {
-    // The part of the line inside runs from the last entry into a strip to the first exit.
+    // The part of the segment inside runs from the last entry into a strip to the first exit from
+    // one.
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
     for axis in 0..2 {
         let [from, to] = [hole.from[axis], hole.to[axis]].map(f64::from);

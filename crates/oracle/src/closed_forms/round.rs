@@ -1,4 +1,4 @@
-//! Surfaces that unroll into the plane, over and over: boxes, tetrahedra, tori, prisms, cones.
+//! Surfaces that unfold into the plane repeatedly: boxes, tetrahedra, tori, prisms, cones.
 
 use std::f64::consts::PI;
 
@@ -12,7 +12,7 @@ use crate::zoo::{
 const ROOT_3: f64 = 1.732_050_807_568_877_2;
 const ROOT_7: f64 = 2.645_751_311_064_590_7;
 
-/// Copies to look at on either side; more than any shortest path passes.
+/// Number of copies to consider on either side, more than any shortest path crosses.
 const REACH: i32 = 4;
 
 pub(super) fn boxes() -> Vec<ClosedForm> {
@@ -44,7 +44,8 @@ fn from_corner(size: [f64; 3], point: [f64; 3]) -> Option<f64> {
     }
     let far = (0..3).filter(|&axis| point[axis] == size[axis]);
     if size[0] == size[1] && size[1] == size[2] {
-        // Over either of the two faces between the corner and a face through its opposite.
+        // Over either of the two faces that lie between the corner and a face at the opposite
+        // corner.
         let over = |axis: usize| {
             let [a, b] = [point[(axis + 1) % 3], point[(axis + 2) % 3]];
             (size[axis] + a).hypot(b).min((size[axis] + b).hypot(a))
@@ -65,7 +66,7 @@ pub(super) fn disphenoids() -> Vec<ClosedForm> {
                 size[0].hypot(size[2]),
                 size[1].hypot(size[2]),
             ];
-            // The first face in the plane, its corner 0 at the origin.
+            // The first face in the plane, with its corner 0 at the origin.
             let x = (a * a + b * b - c * c) / (2.0 * a);
             let [u, v] = [[a, 0.0], [x, (b * b - x * x).sqrt()]];
             let places = crate::subdivide(4, &whole.triangles, parts).weights;
@@ -74,7 +75,7 @@ pub(super) fn disphenoids() -> Vec<ClosedForm> {
                     let weight = weights.iter().find(|(v, _)| *v == corner);
                     weight.map_or(0.0, |(_, w)| f64::from(*w) / f64::from(parts))
                 };
-                // The other faces, turned about the middles of the edges of the first.
+                // The other faces, rotated about the midpoints of the edges of the first.
                 let [p, q, r] = [1, 2, 3].map(part);
                 let [along_u, along_v] = if part(0) == 0.0 {
                     [p + r, q + r]
@@ -108,7 +109,7 @@ pub(super) fn pillows() -> Vec<ClosedForm> {
     [[2, 2], [3, 2], [6, 6], [10, 2]].map(of_size).into()
 }
 
-/// A surface that is the plane with x and -x + (a lattice vector) taken for one point.
+/// A surface that is the plane with x and -x + (a lattice vector) identified.
 fn turned_plane(model: Model, layout: Vec<[f64; 2]>, spans: [[f64; 2]; 2]) -> ClosedForm {
     ClosedForm::new(model, move |from, to| {
         let [s, t] = [from, to].map(|v| layout[v as usize]);
@@ -201,7 +202,8 @@ pub(super) fn cones() -> Vec<ClosedForm> {
         .chain(SADDLE_FANS)
         .map(|n| (n, EQUILATERAL))
         .collect();
-    // Total angles of 1.06, 1.12, 1.88 and 3.09 full turns, and of exactly one in 5 and 8 wedges.
+    // Total angles of 1.06, 1.12, 1.88 and 3.09 full turns, and exactly one full turn in 5 and 8
+    // wedges.
     fans.extend(
         [
             (7, 1.06),
@@ -222,7 +224,7 @@ pub(super) fn cones() -> Vec<ClosedForm> {
                 let [[r, phi], [s, psi]] = [from, to].map(|v| polar[v as usize]);
                 let apart = (phi - psi).abs();
                 let apart = apart.min(total - apart);
-                // Written so that small distances keep their digits.
+                // In this form small distances keep their digits.
                 let across = 2.0 * (r * s).sqrt() * (apart / 2.0).sin();
                 Some(if apart < PI {
                     (r - s).hypot(across)

@@ -1,11 +1,11 @@
-//! A mesh under construction, and what can be done to it.
+//! A mesh under construction, and operations on it.
 
 use std::collections::HashMap;
 
 use crate::model::{Geometry, Model};
 use crate::random::Random;
 
-/// Positions and faces, in any state.
+/// Positions and faces, possibly with defects.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Draft {
     pub(super) positions: Vec<[f64; 3]>,
@@ -26,7 +26,7 @@ impl From<Model> for Draft {
 }
 
 impl Draft {
-    /// Keeps the first `most` faces only, and the vertices that they use.
+    /// Keeps the first `most` faces, and the vertices that they use.
     pub(super) fn limit(&mut self, most: usize) {
         if self.faces.len() > most {
             self.faces.truncate(most);
@@ -72,7 +72,7 @@ impl Draft {
         self.place(|p| [0, 1, 2].map(|i| p[i] + by[i]));
     }
 
-    /// Rounds coordinates to 2^-`bits` of the size.
+    /// Rounds coordinates to multiples of 2^-`bits` of the size.
     pub(super) fn round(&mut self, bits: u32) {
         let size = self.size();
         if size > 0.0 {
@@ -87,7 +87,7 @@ impl Draft {
         }
     }
 
-    /// A random side: the face and its corners, the side first.
+    /// A random side: its face, and the corners of the face, starting with those of the side.
     fn random_side(&self, random: &mut Random) -> (usize, [u32; 3]) {
         let face = random.below(self.faces.len() as u32) as usize;
         let mut corners = self.faces[face];
@@ -117,7 +117,7 @@ impl Draft {
         self.positions.len() as u32 - 1
     }
 
-    /// Puts new vertices on edges and cuts the faces on both sides.
+    /// Inserts vertices on edges and cuts the faces on both sides.
     pub(super) fn split_edges(&mut self, count: u32, random: &mut Random) {
         for _ in 0..count {
             let (face, [a, b, c]) = self.random_side(random);
@@ -131,9 +131,8 @@ impl Draft {
         }
     }
 
-    /// Puts new vertices on edges, or `height` of the edge beside them, and cuts the faces on one
-    /// side only. Between the new vertex and the edge there is a face with hardly any area, or
-    /// none.
+    /// Inserts vertices on edges, or beside them by `height` of the edge, and cuts the faces on one
+    /// side only. The face between the new vertex and the edge has little area or none.
     pub(super) fn insert_on_edges(&mut self, count: u32, height: f64, random: &mut Random) {
         for _ in 0..count {
             let (face, [a, b, c]) = self.random_side(random);
@@ -174,7 +173,7 @@ impl Draft {
         }
     }
 
-    /// Puts a smaller triangle into faces; leaves it out if these are to be holes.
+    /// Inserts a smaller triangle into faces, as a hole if `holes`.
     pub(super) fn inset_faces(&mut self, count: u32, holes: bool, random: &mut Random) {
         for _ in 0..count {
             let (face, corners) = self.random_side(random);
@@ -182,7 +181,7 @@ impl Draft {
             let towards = random.below(4) as usize;
             let points = corners.map(|v| self.positions[v as usize]);
             let centre = match points.get(towards) {
-                // Near a corner, but not in it.
+                // Near a corner, but not at it.
                 Some(_) => {
                     let weight = |k: usize| if k == towards { 0.75 } else { 0.125 };
                     [0, 1, 2].map(|i| (0..3).map(|k| weight(k) * points[k][i]).sum::<f64>())
@@ -203,7 +202,7 @@ impl Draft {
         }
     }
 
-    /// Removes faces, but not the last one.
+    /// Removes faces, but never the last one.
     pub(super) fn remove_faces(&mut self, count: u32, random: &mut Random) {
         for _ in 0..count {
             if self.faces.len() > 1 {
@@ -213,7 +212,7 @@ impl Draft {
         }
     }
 
-    /// Makes one vertex of two that are no neighbours; the faces of the second are stretched.
+    /// Merges two vertices that are not adjacent; the faces of the second are stretched.
     pub(super) fn weld(&mut self, random: &mut Random) {
         let count = self.positions.len() as u32;
         let [kept, gone] = [random.below(count), random.below(count)];
@@ -235,7 +234,7 @@ impl Draft {
         shift
     }
 
-    /// Joins `other` in one point with this one.
+    /// Joins `other` to this mesh at one vertex.
     pub(super) fn pinch(&mut self, other: &Self, random: &mut Random) {
         let at = random.below(self.positions.len() as u32);
         let other_at = random.below(other.positions.len() as u32);
@@ -254,7 +253,7 @@ impl Draft {
         self.drop_unused_vertices();
     }
 
-    /// Gives vertices and faces other numbers, and faces another first corner.
+    /// Permutes vertices and faces, and rotates the corners of faces.
     pub(super) fn renumber(&mut self, random: &mut Random) {
         let mut numbers: Vec<u32> = (0..self.positions.len() as u32).collect();
         for i in (1..numbers.len()).rev() {

@@ -1,4 +1,4 @@
-//! The kinds of meshes to start from.
+//! The kinds of random meshes.
 
 use std::f64::consts::{PI, TAU};
 use std::fmt;
@@ -9,7 +9,7 @@ use crate::zoo::{self, Diagonal};
 
 macro_rules! kinds {
     ($($(#[doc = $doc:literal])+ $name:ident = $text:literal, $make:path;)+) => {
-        /// What a mesh starts as.
+        /// The kind of mesh that a random mesh starts as.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Kind {
             $($(#[doc = $doc])+ $name,)+
@@ -19,7 +19,7 @@ macro_rules! kinds {
             /// Every kind.
             pub const ALL: &[Self] = &[$(Self::$name),+];
 
-            /// The name by which users ask for it.
+            /// The name in command lines.
             pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$name => $text,)+
@@ -38,11 +38,11 @@ macro_rules! kinds {
 kinds! {
     /// A plate cut along lines at very uneven distances.
     Slivers = "slivers", slivers;
-    /// A terrain of whole heights: distances tie everywhere.
+    /// A terrain with integer heights, on which many distances tie.
     Ties = "ties", ties;
-    /// A plate or solid with faces of exactly no area.
+    /// A plate or solid with faces of exactly zero area.
     FlatFaces = "flat-faces", flat_faces;
-    /// The same with faces of hardly any area.
+    /// A plate or solid with faces of nearly zero area.
     NearlyFlat = "nearly-flat", nearly_flat;
     /// Small holes, or small faces, in large faces.
     Pinholes = "pinholes", pinholes;
@@ -54,7 +54,7 @@ kinds! {
     Strip = "strip", strip;
     /// A plate with random faces missing: boundaries, bridges, pinched vertices.
     Holes = "holes", holes;
-    /// A plate between whole coordinates with a random triangulation, faces of no area included.
+    /// A plate with integer coordinates and a random triangulation, including faces of zero area.
     FlippedGrid = "flipped-grid", flipped_grid;
     /// A regular or half regular solid, possibly subdivided.
     Solid = "solid", solid;
@@ -76,15 +76,15 @@ kinds! {
     Helix = "helix", helix;
     /// Triangles with two very small angles, row over row.
     Caps = "caps", caps;
-    /// A plate folded onto itself: a polygon with two sides.
+    /// A plate folded onto itself: a doubly covered polygon.
     Folded = "folded", folded;
     /// A noisy sphere with edges flipped.
     Crumpled = "crumpled", crumpled;
     /// Fans over vertices on one line.
     CollinearFan = "collinear-fan", collinear_fan;
-    /// Two surfaces joined in a point or two points.
+    /// Two surfaces joined at one or two vertices.
     Pinched = "pinched", pinched;
-    /// Several surfaces apart from each other.
+    /// Several disjoint surfaces.
     Apart = "apart", apart;
 }
 
@@ -115,13 +115,13 @@ fn plate(xs: &[f64], ys: &[f64], random: &mut Random) -> Draft {
     draft
 }
 
-/// A plate of so many unit cells.
+/// A plate of unit cells with this number of columns and rows.
 fn unit_plate(columns: u32, rows: u32, random: &mut Random) -> Draft {
     let lines = |count: u32| (0..=count).map(f64::from).collect::<Vec<_>>();
     plate(&lines(columns), &lines(rows), random)
 }
 
-/// A plate of a few unit cells in a size that the seed chooses.
+/// A plate of a few unit cells, whose size depends on the seed.
 fn some_plate(random: &mut Random) -> Draft {
     let [columns, rows] = [0; 2].map(|_| random.whole(2, 6));
     unit_plate(columns, rows, random)
@@ -129,7 +129,7 @@ fn some_plate(random: &mut Random) -> Draft {
 
 fn uneven_lines(random: &mut Random) -> Vec<f64> {
     let count = random.whole(2, 7);
-    // Of how many gaps one is small.
+    // One in this many gaps is small.
     let one_in = random.whole(1, 3);
     let least = -random.whole(2, 13).cast_signed();
     let mut at = 0.0;
@@ -198,7 +198,7 @@ fn pinholes(random: &mut Random) -> Draft {
     draft
 }
 
-/// A point over the place at this angle on the unit circle.
+/// A point above the given angle on the circle.
 fn on_circle(turn: f64, radius: f64, z: f64) -> [f64; 3] {
     let (sin, cos) = (TAU * turn).sin_cos();
     [radius * cos, radius * sin, z]
@@ -363,7 +363,7 @@ fn antiprism(random: &mut Random) -> Draft {
         draft
             .faces
             .extend([[k, next, corners + k], [next, corners + next, corners + k]]);
-        // Lids as fans from a corner.
+        // Lids are fans from a corner.
         if with_lids && k > 0 && next > 0 {
             draft.faces.push([0, next, k]);
             draft.faces.push([corners, corners + k, corners + next]);
@@ -406,7 +406,7 @@ fn tiny_edges(random: &mut Random) -> Draft {
         let before = draft.positions.len();
         draft.split_edges(1, random);
         if random.coin() {
-            // Towards the end that it was put between.
+            // Moved towards the end from which it was inserted.
             let at = draft.positions[before];
             let near = draft.positions[random.below(8) as usize];
             let tiny = random.magnitude(-12, -10);
@@ -519,7 +519,7 @@ fn folded(random: &mut Random) -> Draft {
     let lines = [0; 2].map(|_| f64::from(random.whole(1, 3)));
     let twice = random.coin();
     draft.place(|[x, y, _]| {
-        // Whole coordinates stay whole.
+        // Integer coordinates stay integers.
         let y = if twice { (y - lines[1]).abs() } else { y };
         [(x - lines[0]).abs(), y, 0.0]
     });
@@ -565,7 +565,7 @@ fn collinear_fan(random: &mut Random) -> Draft {
         draft.faces.extend([[0, a, b], [1, b, a]]);
     }
     if random.coin() {
-        // A triangle over the whole line, with no area between.
+        // A triangle over the whole line, without area in between.
         draft.faces.retain(|face| face[0] == 0);
         let last = count + 2;
         draft.faces.extend((1..count).map(|i| [2, i + 3, i + 2]));
@@ -575,7 +575,7 @@ fn collinear_fan(random: &mut Random) -> Draft {
 }
 
 fn another(random: &mut Random) -> Draft {
-    // All but the last two, which are made of others.
+    // All kinds but the last two, which consist of others.
     let mut draft = Kind::ALL[random.below(Kind::ALL.len() as u32 - 2) as usize].draft(random);
     draft.limit(40);
     draft

@@ -1,12 +1,12 @@
-//! Random small meshes of the sorts that break geodesic programs, each fixed by its seed.
+//! Random small meshes of kinds that break geodesic programs, each determined by its seed.
 //!
 //! A mesh starts as one of [`Kind::ALL`]: slivers, exact ties, faces without area, needle tips and
-//! so on. Some of them are then changed further: edges split and flipped, points inserted on edges,
-//! edges shortened to almost nothing, faces removed; the whole is stretched, scaled, moved away
+//! so on. Some are changed further: edges are split, flipped or shortened to almost nothing, points
+//! are inserted on edges, faces are removed. The whole mesh may be stretched, scaled, moved away
 //! from the origin, renumbered, turned inside out or joined with another one.
 //!
-//! A mesh may have a defect that no program accepts, such as an edge without length. Whether it has
-//! one is for the mesh under test to find out.
+//! A mesh may have a defect that no program accepts, such as an edge without length. The mesh
+//! builder under test must detect it.
 
 mod draft;
 mod kinds;
@@ -24,15 +24,15 @@ pub const MOST_FACES: usize = 120;
 /// A random mesh with sources.
 #[derive(Clone, Debug)]
 pub struct Nasty {
-    /// The seed that it was made from.
+    /// The seed of the mesh.
     pub seed: u64,
-    /// What it started as.
+    /// The kind that it started as.
     pub kind: Kind,
-    /// The mesh. Its sources are meant to be used together.
+    /// The mesh. All its sources are meant to be used at once.
     pub model: Model,
 }
 
-/// The mesh of `seed`, of a kind that the seed chooses.
+/// The mesh of `seed`. The seed also determines its kind.
 ///
 /// ```
 /// use geobench_oracle::nasty;
@@ -72,7 +72,7 @@ impl Kind {
 
 /// Changes that may be made to any mesh.
 fn change(draft: &mut Draft, kind: Kind, random: &mut Random, changes: &mut Vec<&'static str>) {
-    // One mesh in three is changed much.
+    // One mesh in three is changed often.
     let often = if random.below(3) == 0 { 3 } else { 1 };
     let mut chance = |random: &mut Random, one_in: u32, what: &'static str| {
         let made = random.below(one_in) < often;
@@ -123,7 +123,7 @@ fn change(draft: &mut Draft, kind: Kind, random: &mut Random, changes: &mut Vec<
     if chance(random, 12, "coordinates rounded") {
         draft.round(random.below(6));
     }
-    // Positions far from the origin are rounded; needle tips and tiny parts would be lost.
+    // Positions far from the origin are rounded, so needle tips and tiny parts would be lost.
     if kind != Kind::NeedleTip && chance(random, 10, "far from the origin") {
         let size = draft.size();
         let far = [0; 3].map(|_| random.between(-1e6, 1e6).round() * size);
@@ -149,7 +149,7 @@ fn change(draft: &mut Draft, kind: Kind, random: &mut Random, changes: &mut Vec<
     }
 }
 
-/// One vertex, or with a chance of one in four up to four.
+/// One source, or with probability 1/4 up to four.
 fn sources(draft: &Draft, random: &mut Random) -> Vec<u32> {
     let count = match random.below(4) {
         0 => 2 + random.below(3),
@@ -157,7 +157,7 @@ fn sources(draft: &Draft, random: &mut Random) -> Vec<u32> {
     };
     let mut sources = Vec::new();
     for _ in 0..count {
-        // Isolated vertices are worth a try now and then only.
+        // Isolated vertices are tried rarely.
         let source = if random.below(40) == 0 {
             random.below(draft.positions.len() as u32)
         } else {

@@ -1,10 +1,10 @@
-//! Random numbers of the sorts that nasty meshes are made of.
+//! Random numbers for nasty meshes.
 
 use crate::random::Random;
 
 impl Random {
-    /// A number from about 10^`from` to 10^`to`, its logarithm evenly spread; one in four times a
-    /// power of two.
+    /// A number from about 10^`from` to 10^`to` with a uniform logarithm; one in four is a power of
+    /// two.
     pub(super) fn magnitude(&mut self, from: i32, to: i32) -> f64 {
         const BITS_PER_DIGIT: f64 = std::f64::consts::LOG2_10;
         let [least, most] = [from, to].map(|digits| f64::from(digits) * BITS_PER_DIGIT);
@@ -17,12 +17,12 @@ impl Random {
         }
     }
 
-    /// A whole number from `from` to `to`.
+    /// An integer from `from` to `to`.
     pub(super) fn whole(&mut self, from: u32, to: u32) -> u32 {
         from + self.below(to - from + 1)
     }
 
-    /// A part of an edge: a half, a quarter, an arbitrary one, or hardly any.
+    /// A fraction of an edge: a half, a quarter, an arbitrary one, or nearly 0.
     pub(super) fn part(&mut self) -> f64 {
         match self.below(4) {
             0 => 0.5,

@@ -1,4 +1,4 @@
-//! Surfaces known by their edge lengths, most of which do not fit into space.
+//! Surfaces given by edge lengths, most of which have no embedding in space.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -7,7 +7,7 @@ use super::plane::{Diagonal, cells};
 use crate::model::Model;
 use crate::random::Random;
 
-/// A flat surface given by where its vertices lie in the plane, triangle by triangle.
+/// A flat surface given by positions in the plane, triangle by triangle.
 pub(crate) fn from_layout(
     name: String,
     vertex_count: usize,
@@ -15,7 +15,8 @@ pub(crate) fn from_layout(
     corners: &[[[f64; 2]; 3]],
 ) -> Model {
     let length = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-    // Copies of an edge elsewhere in the plane round differently: the first one holds for all.
+    // Copies of an edge elsewhere in the plane round differently, so the length of the first one is
+    // used for all.
     let mut by_ends = HashMap::new();
     let mut lengths = vec![[0.0; 3]; triangles.len()];
     for (t, triangle) in triangles.iter().enumerate() {
@@ -28,14 +29,14 @@ pub(crate) fn from_layout(
     Model::from_lengths(name, vertex_count, triangles, lengths)
 }
 
-/// A flat torus of m x n cells spanned by `u` and `v`, and where each vertex lies in the plane;
-/// each is moved by up to `jitter` cells.
+/// A flat torus of m × n cells spanned by `u` and `v`, and the position of each vertex in the
+/// plane. Vertices are moved by up to `jitter` cells.
 ///
 /// # Panics
 ///
-/// When there are fewer than three cells either way, so that two edges would join the same
+/// If there are fewer than three cells in a direction, in which case two edges would join the same
 /// vertices.
-pub fn flat_torus(
+pub(crate) fn flat_torus(
     [m, n]: [u32; 2],
     u: [f64; 2],
     v: [f64; 2],
@@ -52,7 +53,7 @@ pub fn flat_torus(
         let [di, dj] = offsets[number(i, j) as usize];
         span(f64::from(i) + di, f64::from(j) + dj)
     };
-    // One triangulation with its seams open, one with them closed: the same triangles.
+    // One triangulation with open seams and one with closed seams: the triangles are the same.
     let all = |_, _| true;
     let open = cells([m, n], Diagonal::Rising, all, |i, j| i * (n + 1) + j);
     let closed = cells([m, n], Diagonal::Rising, all, number);
@@ -67,8 +68,8 @@ pub fn flat_torus(
     )
 }
 
-/// A cone of `wedges` triangles around vertex 0, each with sides of length 1 and the angle `angle`
-/// there, and cut into `parts`²; and the polar coordinates of each vertex.
+/// A cone of `wedges` triangles around vertex 0, and the polar coordinates of each vertex. Each
+/// triangle has sides of length 1 and `angle` at vertex 0, and is cut into `parts`² triangles.
 pub fn cone(wedges: u32, angle: f64, parts: u32) -> (Model, Vec<[f64; 2]>) {
     let corners: Vec<_> = (0..wedges)
         .map(|i| [0, i + 1, (i + 1) % wedges + 1])
@@ -85,7 +86,7 @@ pub fn cone(wedges: u32, angle: f64, parts: u32) -> (Model, Vec<[f64; 2]>) {
             [] => [0.0, 0.0],
             [&(v, weight)] => [part(weight), f64::from(v - 1) * angle],
             [&(v, a), &(w, b), ..] => {
-                // Between neighbouring spokes; the last wedge lies between the last and the first.
+                // Between adjacent spokes; the last wedge is between the last and the first.
                 let ((v, a), b) = if w == v + 1 { ((v, a), b) } else { ((w, b), a) };
                 let (sin, cos) = angle.sin_cos();
                 let [x, y] = [part(a) + part(b) * cos, part(b) * sin];
@@ -97,8 +98,8 @@ pub fn cone(wedges: u32, angle: f64, parts: u32) -> (Model, Vec<[f64; 2]>) {
     (model.subdivided(parts).starting_at(&[0, 1]), polar)
 }
 
-/// Cones of equilateral triangles with these numbers of them have more than a full turn.
-pub const SADDLE_FANS: [u32; 3] = [7, 8, 12];
+/// Numbers of equilateral triangles with which a cone has more than a full turn.
+pub(crate) const SADDLE_FANS: [u32; 3] = [7, 8, 12];
 
 /// The angle of an equilateral triangle.
-pub const EQUILATERAL: f64 = PI / 3.0;
+pub(crate) const EQUILATERAL: f64 = PI / 3.0;

@@ -1,12 +1,12 @@
-//! Several surfaces in one: apart, or touching in single points.
+//! Several surfaces in one model: disjoint, or joined at single vertices.
 
 use crate::model::{Geometry, Model};
 
-/// Two surfaces in space as one model, apart unless they share points afterwards.
+/// Two surfaces in space as one model, without common vertices.
 ///
 /// # Panics
 ///
-/// When either has no positions.
+/// If either has no positions.
 pub fn side_by_side(a: &Model, b: &Model) -> Model {
     let (Some(first), Some(second)) = (a.positions(), b.positions()) else {
         panic!("{} and {} need positions", a.name, b.name);
@@ -19,12 +19,12 @@ pub fn side_by_side(a: &Model, b: &Model) -> Model {
     Model::new(name, positions, triangles).starting_at(&[0, shift])
 }
 
-/// `a` and `b` touching in one point: vertex `at_b` of `b` becomes vertex `at_a` of `a`, and `b`
-/// moves there.
+/// `a` and `b` joined at one vertex: vertex `at_b` of `b` becomes vertex `at_a` of `a`, and `b` is
+/// moved there.
 ///
 /// # Panics
 ///
-/// When either has no positions.
+/// If either has no positions.
 pub fn pinched(a: &Model, at_a: u32, b: &Model, at_b: u32) -> Model {
     let both = side_by_side(a, b);
     let Geometry::Positions(mut positions) = both.geometry else {
@@ -50,12 +50,12 @@ pub fn pinched(a: &Model, at_a: u32, b: &Model, at_b: u32) -> Model {
     Model::new(name, positions, triangles).starting_at(&[at_a, far])
 }
 
-/// The same surface with a vertex without faces before each of the vertices `before`, and one at
-/// the end.
+/// The same surface with an isolated vertex before each of the vertices `before`, and one at the
+/// end.
 ///
 /// # Panics
 ///
-/// When the model has no positions.
+/// If the model has no positions.
 pub fn with_isolated_vertices(model: &Model, before: &[u32]) -> Model {
     let Some(old) = model.positions() else {
         panic!("{} has no positions", model.name);

@@ -1,18 +1,18 @@
-//! Flat plates, whole, with holes, and folded.
+//! Plates: whole, with holes, and folded.
 
 use std::collections::HashMap;
 
 use crate::model::{Geometry, Model};
 use crate::random::Random;
 
-/// How the cells of a grid are cut in two.
+/// The diagonals along which the cells of a grid are cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Diagonal {
     /// From the corner with the smallest coordinates to the one with the largest.
     Rising,
-    /// The other way.
+    /// The other diagonal.
     Falling,
-    /// Both in turn, as on a chessboard.
+    /// Both alternately, as on a chessboard.
     Alternating,
 }
 
@@ -37,7 +37,8 @@ impl Rectangle {
     }
 }
 
-/// The two triangles of each of m x n cells for which `present` holds, between `vertex(i, j)`.
+/// The two triangles of each of the m × n cells that satisfy `present`, with corners `vertex(i,
+/// j)`.
 pub(crate) fn cells(
     [m, n]: [u32; 2],
     diagonal: Diagonal,
@@ -67,7 +68,7 @@ pub(crate) fn cells(
     triangles
 }
 
-/// A plate of m x n unit cells without those in `holes`; a hole may reach beyond the plate.
+/// A plate of m × n unit cells without the cells in `holes`. A hole may extend beyond the plate.
 pub fn plate([m, n]: [u32; 2], diagonal: Diagonal, holes: &[Rectangle]) -> Model {
     let mut numbers = HashMap::new();
     let mut positions = Vec::new();
@@ -85,19 +86,19 @@ pub fn plate([m, n]: [u32; 2], diagonal: Diagonal, holes: &[Rectangle]) -> Model
     Model::new(name, positions, triangles)
 }
 
-/// A whole plate of m x n unit cells.
+/// A plate of m × n unit cells without holes.
 pub fn grid(size: [u32; 2], diagonal: Diagonal) -> Model {
     plate(size, diagonal, &[])
 }
 
 impl Model {
-    /// The same with every vertex off the boundary moved by up to `amount` in x and in y.
+    /// The same surface with every interior vertex moved by up to `amount` in x and in y.
     ///
     /// # Panics
     ///
-    /// When the model has no positions.
+    /// If the model has no positions.
     #[must_use]
-    pub fn jittered(mut self, amount: f64) -> Self {
+    pub(crate) fn jittered(mut self, amount: f64) -> Self {
         let surface = self.surface::<f64>();
         let mut random = Random::new(self.triangles.len() as u64);
         let Geometry::Positions(positions) = &mut self.geometry else {
@@ -113,11 +114,11 @@ impl Model {
         self
     }
 
-    /// The same with its positions moved by `place`.
+    /// The same surface with its positions changed by `place`.
     ///
     /// # Panics
     ///
-    /// When the model has no positions.
+    /// If the model has no positions.
     #[must_use]
     pub fn moved(mut self, what: &str, place: impl FnMut([f64; 3]) -> [f64; 3]) -> Self {
         let Geometry::Positions(positions) = &mut self.geometry else {
@@ -130,7 +131,7 @@ impl Model {
 }
 
 /// A plate folded into a staircase along lines of constant x, by right angles.
-pub fn staircase(plate: Model) -> Model {
+pub(crate) fn staircase(plate: Model) -> Model {
     plate.moved("folded into stairs", |[x, y, _]| {
         let whole = x.floor();
         let odd = whole.rem_euclid(2.0);
@@ -143,8 +144,8 @@ pub fn staircase(plate: Model) -> Model {
     })
 }
 
-/// A plate whose part beyond the line x + y = `at` is turned up by a right angle.
-pub fn dog_ear(plate: Model, at: f64) -> Model {
+/// A plate whose part beyond the line x + y = `at` is folded up by a right angle.
+pub(crate) fn dog_ear(plate: Model, at: f64) -> Model {
     plate.moved("with a corner turned up", |[x, y, _]| {
         let beyond = (x + y - at).max(0.0);
         let height = beyond / std::f64::consts::SQRT_2;
@@ -152,13 +153,13 @@ pub fn dog_ear(plate: Model, at: f64) -> Model {
     })
 }
 
-/// The same surface with `count` faces of no area, each along an edge between two triangles: the
-/// edge gets a point at the part `at` of its length on one of its sides only. No two vertices come
-/// to lie in one place.
+/// The same surface with `count` faces of no area, each along an edge between two triangles: a
+/// vertex is inserted into the edge at the fraction `at`, on one side only. All vertices have
+/// different positions.
 ///
 /// # Panics
 ///
-/// When the model has no positions, or no edge between two triangles.
+/// If the model has no positions, or no edge between two triangles.
 pub fn with_flat_faces(mut model: Model, count: u32, at: f64) -> Model {
     let mut random = Random::new(u64::from(count));
     let mut inserted = 0;

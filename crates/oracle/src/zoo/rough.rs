@@ -1,4 +1,4 @@
-//! Surfaces with many saddles, with needles, and with vertices of high valence.
+//! Surfaces with many saddles, with needles, and with vertices of high degree.
 
 use std::f64::consts::PI;
 
@@ -6,10 +6,11 @@ use super::plane::{Diagonal, grid};
 use crate::model::Model;
 use crate::random::Random;
 
-/// A terrain of n x n unit cells with independent random heights of standard deviation `sigma`.
+/// A terrain of n × n unit cells with independent random heights of standard deviation `sigma`.
 pub fn terrain(n: u32, sigma: f64) -> Model {
     let mut random = Random::new(u64::from(n));
-    // Twelve uniform numbers sum to nearly a normal one of variance 1, the same on every machine.
+    // The sum of twelve uniform numbers is nearly normal with variance 1, and the same on every
+    // machine.
     let mut normal = || (0..12).map(|_| random.between(-0.5, 0.5)).sum::<f64>();
     let flat = grid([n, n], Diagonal::Alternating);
     let mut model = flat.moved("rough", |[x, y, _]| [x, y, sigma * normal()]);
@@ -17,8 +18,8 @@ pub fn terrain(n: u32, sigma: f64) -> Model {
     model
 }
 
-/// A terrain of n x n unit cells with random whole heights below `levels`: its distances tie, and
-/// its paths run through one vertex after another.
+/// A terrain of n × n unit cells with random integer heights below `levels`. Many distances tie,
+/// and paths run through many vertices.
 pub fn whole_terrain(n: u32, levels: u32) -> Model {
     let mut random = Random::new(u64::from(n));
     let flat = grid([n, n], Diagonal::Rising);
@@ -57,8 +58,9 @@ pub fn stretched(n: u32, ratio: f64, noise: f64) -> Model {
     })
 }
 
-/// Rhombi of two caps each, in a row: triangles with two small angles, `height` above long bases.
-pub fn caps(count: u32, height: f64) -> Model {
+/// Rhombi of two caps each, in a row: triangles of the given `height` over long bases, with two
+/// small angles.
+pub(crate) fn caps(count: u32, height: f64) -> Model {
     let mut positions = Vec::new();
     let mut triangles = Vec::new();
     for i in 0..count {
@@ -77,8 +79,8 @@ pub fn caps(count: u32, height: f64) -> Model {
     Model::new(name, positions, triangles).starting_at(&[2, 3 * (count / 2) + 2])
 }
 
-/// A disc of `spokes` triangles around vertex 0, the rim at radii 1 and `other_radius` and heights
-/// 0 and `height` in turn.
+/// A disc of `spokes` triangles around vertex 0. Vertices on the rim alternate between radius 1 and
+/// height 0, and `other_radius` and `height`.
 pub fn star(spokes: u32, other_radius: f64, height: f64) -> Model {
     let mut positions = vec![[0.0, 0.0, 0.0]];
     for i in 0..spokes {
@@ -97,8 +99,8 @@ pub fn star(spokes: u32, other_radius: f64, height: f64) -> Model {
     Model::new(name, positions, triangles).starting_at(&[0, 1, 2])
 }
 
-/// A double cone of `spokes` faces a side, with apexes 0 and 1 at heights 1 and `low`.
-pub fn double_cone(spokes: u32, low: f64) -> Model {
+/// A double cone of `spokes` faces on each side, with apexes 0 and 1 at heights 1 and `low`.
+pub(crate) fn double_cone(spokes: u32, low: f64) -> Model {
     let mut positions = vec![[0.0, 0.0, 1.0], [0.0, 0.0, low]];
     for i in 0..spokes {
         let (sin, cos) = (2.0 * PI * f64::from(i) / f64::from(spokes)).sin_cos();

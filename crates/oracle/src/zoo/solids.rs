@@ -1,4 +1,4 @@
-//! Closed surfaces, and the side of a prism.
+//! Closed surfaces, and the lateral surface of a prism.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -23,7 +23,7 @@ impl Lattice {
     }
 }
 
-/// The surface of a box of whole size, in unit cells. Vertex 0 is the origin.
+/// The surface of a box of integer size, in unit cells. Vertex 0 is the origin.
 pub fn cuboid(size: [u32; 3], diagonal: Diagonal) -> Model {
     let mut lattice = Lattice::default();
     lattice.vertex([0, 0, 0]);
@@ -32,7 +32,7 @@ pub fn cuboid(size: [u32; 3], diagonal: Diagonal) -> Model {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         for top in [false, true] {
             let point = |i: u32, j: u32| {
-                // Seen from outside the lower faces are mirror images.
+                // Seen from outside, the lower faces are mirrored.
                 let (i, j) = if top { (i, j) } else { (j, i) };
                 let mut point = [0; 3];
                 (point[axis], point[u], point[v]) = (if top { size[axis] } else { 0 }, i, j);
@@ -60,7 +60,7 @@ pub fn cuboid(size: [u32; 3], diagonal: Diagonal) -> Model {
     )
 }
 
-/// The tetrahedron with congruent faces that fits into a box of this size.
+/// The tetrahedron with congruent faces that is inscribed in a box of this size.
 pub fn disphenoid([p, q, r]: [f64; 3]) -> Model {
     let positions = vec![[0.0, 0.0, 0.0], [p, q, 0.0], [p, 0.0, r], [0.0, q, r]];
     let triangles = vec![[0, 1, 2], [1, 3, 2], [0, 3, 1], [0, 2, 3]];
@@ -71,16 +71,16 @@ pub fn disphenoid([p, q, r]: [f64; 3]) -> Model {
     )
 }
 
-/// A rectangle of m x n unit cells covered twice, the two sheets joined along its boundary. Each
-/// cell has a vertex in its middle, so that no edge joins two vertices of the boundary across a
-/// sheet. Vertices of the lower sheet have z = 0 as well; the second list says which ones they are.
-pub fn pillow([m, n]: [u32; 2]) -> (Model, Vec<bool>) {
+/// A doubly covered rectangle of m × n unit cells: two sheets joined along the boundary, all with z
+/// = 0. The second list tells which vertices are on the lower sheet. Each cell has a vertex in its
+/// middle, so that no edge joins two vertices of the boundary across a sheet.
+pub(crate) fn pillow([m, n]: [u32; 2]) -> (Model, Vec<bool>) {
     let mut lattice = Lattice::default();
     let mut triangles = Vec::new();
     for sheet in [0, 1] {
         for i in 0..m {
             for j in 0..n {
-                // In half cells, so that the middle is whole.
+                // In half cells, so that the middle has integer coordinates.
                 let middle = lattice.vertex([2 * i + 1, 2 * j + 1, sheet]);
                 let mut corners = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[di, dj]| {
                     let [x, y] = [i + di, j + dj];
@@ -182,7 +182,7 @@ pub fn icosphere(doublings: u32) -> Model {
 }
 
 /// An icosphere with radii from 1 - `noise` to 1 + `noise`.
-pub fn noisy_sphere(doublings: u32, noise: f64) -> Model {
+pub(crate) fn noisy_sphere(doublings: u32, noise: f64) -> Model {
     let mut random = Random::new(u64::from(doublings));
     let name = format!("with noise {noise}");
     icosphere(doublings).moved(&name, |p| {
@@ -215,8 +215,8 @@ pub fn torus([m, n]: [u32; 2], large: f64, small: f64) -> Model {
     )
 }
 
-/// The open side of a prism over a regular polygon with `corners` sides of length 1, in cells of
-/// height `step`; vertex `level * corners + corner`.
+/// The lateral surface of a prism over a regular polygon with `corners` sides of length 1, in cells
+/// of height `step`. Its vertices are numbered `level * corners + corner`.
 pub fn prism(corners: u32, levels: u32, step: f64, diagonal: Diagonal) -> Model {
     let radius = 0.5 / (PI / f64::from(corners)).sin();
     let mut positions = Vec::new();

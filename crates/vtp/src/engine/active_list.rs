@@ -1,4 +1,4 @@
-//! The list that is about to cross its face.
+//! The list that crosses its face next.
 
 use geobench_window::Window;
 use geobench_window::simd::{Lanes, Line};
@@ -6,21 +6,21 @@ use geobench_window::simd::{Lanes, Line};
 use super::kernels::{Cuts, Gate, Measured, gather, measure};
 use super::store::{Block, COLUMNS, Columns, PaddedBlock};
 
-/// A list taken from its half-edge, in a block of its own, with the scratch memory of the passes
-/// over it.
+/// A list taken from its half-edge, in its own block, with the scratch memory of the passes over
+/// it.
 #[derive(Clone, Debug)]
 pub(crate) struct ActiveList {
-    /// A block and a line behind it.
+    /// A block and one more line behind it.
     lines: Vec<Line>,
-    /// Lines of a column.
+    /// Lines of each column.
     column: u32,
     pub(crate) len: usize,
-    /// Scratch of the comparison of neighbours.
+    /// Scratch for the comparison of neighbours.
     cuts: Cuts,
     again: Vec<u8>,
-    /// Which windows are carried on.
+    /// One bit for each window: whether it is propagated.
     pub(crate) keep: Vec<u8>,
-    /// Windows one by one, for comparisons that have no vector form.
+    /// Scratch for comparisons that have no vector form.
     pub(crate) windows: Vec<Window>,
 }
 
@@ -37,7 +37,7 @@ impl ActiveList {
         }
     }
 
-    /// Takes the windows of `lists` that pass the vertex filter.
+    /// Replaces the content by the windows of `lists` that pass the vertex filter.
     #[inline(always)]
     pub(crate) fn take<L: Lanes>(&mut self, simd: L::Token, lists: [Columns<'_>; 2], gate: &Gate) {
         self.make_room(lists[0].len() + lists[1].len());
@@ -52,8 +52,8 @@ impl ActiveList {
         measure::<L, false>(simd, list, 0, gate, &mut self.keep)
     }
 
-    /// Room for `windows`, in columns of an odd number of lines: those of an even number would
-    /// share cache lines.
+    /// Makes room for `windows`. Columns have an odd number of lines; with an even number, columns
+    /// would compete for the same cache sets.
     #[inline]
     fn make_room(&mut self, windows: usize) {
         let lines = windows.div_ceil(Line::LANES) + 1;
@@ -64,7 +64,7 @@ impl ActiveList {
         }
     }
 
-    /// The block with a line behind it, and scratch for the comparison of neighbours.
+    /// The block with a line behind it, and the scratch for the comparison of neighbours.
     #[inline]
     pub(crate) fn parts(&mut self) -> (PaddedBlock<'_>, &mut Cuts, &mut Vec<u8>) {
         let block = PaddedBlock::new(&mut self.lines, self.column);
@@ -95,7 +95,7 @@ impl ActiveList {
         (0..self.len).map(|i| self.window(i))
     }
 
-    /// Puts `windows` in the place of all.
+    /// Replaces all windows by `windows`.
     pub(crate) fn replace(&mut self, windows: &[Window]) {
         self.make_room(windows.len());
         self.len = windows.len();

@@ -1,11 +1,11 @@
-//! The kernels on synthetic lists, for the benches of this crate; not part of its interface.
+//! The kernels on synthetic lists, for the benches of this crate. Not part of the public interface.
 
 use geobench_window::simd::{Instructions, Lanes, Simd, SimdProgram};
 
 use super::kernels::{self, BestPath, Cuts, Gate, Measured, Target, Triangle};
 use super::store::{COLUMNS, NO_LIST, WindowStore};
 
-/// A list about to cross an equilateral triangle, and room for the children.
+/// A list in front of an equilateral triangle, with room for the children.
 #[derive(Debug)]
 pub struct KernelBench {
     simd: Simd,
@@ -31,11 +31,11 @@ pub enum Kernel {
 }
 
 impl KernelBench {
-    /// For a list of `len` windows, with instructions that the processor has or fewer.
+    /// A list of `len` windows. Uses `instructions`, or narrower ones if the processor lacks them.
     pub fn new(len: usize, instructions: Instructions) -> Self {
         let mut store = WindowStore::new();
         let lists = [len, len, len, len].map(|n| store.reserve(NO_LIST, n));
-        // Neighbours that overlap by half of their width, from sources side by side.
+        // Neighbours overlap by half of their width; their sources lie side by side.
         let width = 1.0 / (len + 1) as f64;
         let window = |i: usize| {
             let b0 = i as f64 * width;
@@ -77,7 +77,7 @@ impl KernelBench {
         bench
     }
 
-    /// Runs a kernel once; returns the number of resulting windows.
+    /// Runs `kernel` once; returns the number of resulting windows.
     pub fn run(&mut self, kernel: Kernel) -> usize {
         self.simd.run(RunKernel {
             bench: self,
@@ -155,7 +155,7 @@ mod tests {
                     [Kernel::Compare, Kernel::Measure, Kernel::Carry].map(|k| bench.run(k));
                 assert_eq!(counts[1], len);
                 assert!(counts[2] >= len, "{counts:?}");
-                // What the comparison has left stands first in its list.
+                // The windows that the comparison has kept are the first of its list.
                 let copy = bench.lists[1];
                 bench.store.set_len(copy, counts[0]);
                 (counts, bench.store.windows().collect::<Vec<_>>())

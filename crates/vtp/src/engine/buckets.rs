@@ -1,28 +1,28 @@
-//! Vertices in the order of their distances, a bucket at a time.
+//! A queue of vertices in buckets of distance.
 
 /// Buckets of the ring.
 const RING: u32 = 1024;
 
-/// Stands for no bucket.
+/// No bucket.
 const NONE: u32 = u32::MAX;
 
-/// A queue that hands out all vertices of the nearest bucket together.
+/// A queue that returns all vertices of the nearest bucket together.
 ///
-/// A vertex that improves is pushed again; what it leaves behind in another bucket is void. Buckets
-/// less than [`RING`] ahead are lists of their own, the rest waits in one until the ring gets
-/// there.
+/// A vertex that improves is pushed again; its entry in another bucket becomes void. Buckets less
+/// than [`RING`] ahead have lists of their own. All other vertices wait in one list until the ring
+/// reaches them.
 #[derive(Clone, Debug)]
 pub(crate) struct VertexBuckets {
     inverse_width: f64,
     ring: Vec<Vec<u32>>,
-    /// Entries in the ring, void ones included.
+    /// Entries in the ring, including void ones.
     in_ring: usize,
     /// Vertices beyond the ring, with their buckets.
     far: Vec<(u32, u32)>,
-    /// The least bucket among these.
+    /// The least bucket in `far`.
     far_least: u32,
     current: u32,
-    /// The bucket in which each vertex is.
+    /// The bucket of each vertex.
     bucket_of: Vec<u32>,
 }
 
@@ -39,7 +39,7 @@ impl VertexBuckets {
         }
     }
 
-    /// Forgets all vertices, and starts again from distance 0.
+    /// Removes all vertices and starts again at distance 0.
     pub(crate) fn reset(&mut self) {
         self.current = 0;
         if self.len() > 0 {
@@ -54,12 +54,12 @@ impl VertexBuckets {
         self.far_least = NONE;
     }
 
-    /// The distance at which `bucket` ends.
+    /// The distance at the end of `bucket`.
     pub(crate) fn end_of(&self, bucket: u32) -> f64 {
         f64::from(bucket.saturating_add(1)) / self.inverse_width
     }
 
-    /// The vertices that wait.
+    /// The waiting vertices.
     pub(crate) fn vertices(&self) -> impl Iterator<Item = u32> {
         let far = self
             .far
@@ -68,16 +68,16 @@ impl VertexBuckets {
         self.near().chain(far.map(|&(v, _)| v))
     }
 
-    /// Number of entries, void ones included.
+    /// Number of entries, including void ones.
     pub(crate) fn len(&self) -> usize {
         self.in_ring + self.far.len()
     }
 
-    /// Vertex `v` is to have a turn at distance `d`; returns whether that is news.
+    /// Gives vertex `v` a turn at distance `d`; returns whether that changes its bucket.
     #[inline]
     #[allow(clippy::cast_sign_loss)] // No distance is negative.
     pub(crate) fn push(&mut self, v: u32, d: f64) -> bool {
-        // A distance beyond all buckets shares the last one.
+        // A distance beyond all buckets goes to the last one.
         let bucket = ((d * self.inverse_width) as u32).clamp(self.current, NONE - 1);
         let known = &mut self.bucket_of[v as usize];
         if *known == bucket {
@@ -94,7 +94,7 @@ impl VertexBuckets {
         true
     }
 
-    /// The nearest bucket that has a vertex.
+    /// The nearest non-empty bucket.
     pub(crate) fn nearest(&mut self) -> Option<u32> {
         if self.far_least < self.current.saturating_add(RING) {
             self.bring_near();
@@ -106,7 +106,7 @@ impl VertexBuckets {
             }
             bucket += 1;
         }
-        // Far vertices move into the ring only when their bucket is the next.
+        // Far vertices move into the ring only when their bucket is the nearest.
         self.far
             .retain(|&(v, bucket)| self.bucket_of[v as usize] == bucket);
         let far = self.far.iter().map(|&(_, bucket)| bucket).min();
@@ -114,8 +114,8 @@ impl VertexBuckets {
         far
     }
 
-    /// Replaces the contents of `turn` by the vertices of `bucket`. No bucket before it may have
-    /// one, as [`nearest`](Self::nearest) has found since the last push.
+    /// Replaces the contents of `turn` by the vertices of `bucket`, which must be the nearest
+    /// non-empty one. [`nearest`](Self::nearest) must have been called since the last push.
     pub(crate) fn take(&mut self, bucket: u32, turn: &mut Vec<u32>) {
         turn.clear();
         self.current = bucket;
@@ -130,7 +130,7 @@ impl VertexBuckets {
         }
     }
 
-    /// The vertices in the ring, the nearest first.
+    /// The vertices in the ring, nearest bucket first.
     pub(crate) fn near(&self) -> impl Iterator<Item = u32> {
         let mut left = self.in_ring;
         let buckets = (self.current..self.current.saturating_add(RING)).map_while(move |bucket| {
@@ -145,13 +145,13 @@ impl VertexBuckets {
         })
     }
 
-    /// Takes vertex `v` out; returns whether it was there.
+    /// Removes vertex `v`; returns whether it was waiting.
     pub(crate) fn remove(&mut self, v: u32) -> bool {
         let bucket = std::mem::replace(&mut self.bucket_of[v as usize], NONE);
         if bucket == NONE {
             return false;
         }
-        // Its entry would count again if the vertex came back into the same bucket.
+        // Its entry would become valid again if the vertex returned to the same bucket.
         if bucket - self.current < RING {
             self.drop_void(bucket);
         }
@@ -161,7 +161,7 @@ impl VertexBuckets {
         true
     }
 
-    /// Drops the void entries of a bucket of the ring and returns how many are left.
+    /// Drops the void entries of a bucket in the ring; returns how many entries are left.
     fn drop_void(&mut self, bucket: u32) -> usize {
         let entries = &mut self.ring[(bucket % RING) as usize];
         let before = entries.len();
@@ -170,7 +170,7 @@ impl VertexBuckets {
         entries.len()
     }
 
-    /// Moves the far vertices of buckets within reach into the ring.
+    /// Moves far vertices into the ring if their buckets are within reach.
     #[cold]
     fn bring_near(&mut self) {
         self.far_least = NONE;
@@ -275,7 +275,7 @@ mod tests {
             buckets.push(v, d);
             assert_eq!(buckets.nearest(), Some(d as u32));
         }
-        // Nothing of this queue, but something of another one that goes with it.
+        // This queue has nothing in the bucket, but another thread's queue has.
         buckets.take(20, &mut turn);
         assert!(turn.is_empty());
         buckets.push(2, 30.0);

@@ -1,30 +1,31 @@
 //! Coalescing of adjacent windows with the same source image.
 //!
-//! A vertex parts a window into one that passes on its left and one that passes on its right. Where
-//! the surface is flat, the two come together again on the edge behind the vertex, side by side,
-//! with the same source image, and from there on cover what one window across both intervals would.
-//! No rule drops a window for being narrow; so without this a plane is crossed by a window for
-//! every vertex that the source sees.
+//! A vertex splits a window into one that passes on its left and one that passes on its right. If
+//! the surface is flat at the vertex, both meet again on the edge behind it, side by side, with the
+//! same source image. From there on they cover the rays of a single window over both intervals. No
+//! rule drops a window for being narrow. Without coalescing, a plane would be crossed by one window
+//! for every vertex that the source sees.
 
 use super::layout::{FaceLayout, MeshLayout, next, prev};
 use super::store::{COLUMNS, WindowStore};
 
-/// Lists with so many windows or fewer cross one by one where windows are coalesced: most lists are
-/// no longer, and one number is computed sooner than eight of which seven are of no use.
+/// Lists of up to this many windows are processed one window at a time if windows are coalesced.
+/// Most lists are no longer, and one number is computed faster than eight of which seven are
+/// unused.
 pub(crate) const FEW: usize = 4;
 
-/// The part of the half-edges that must lie behind flat vertices for windows to be coalesced.
+/// The least fraction of half-edges behind flat vertices at which windows are coalesced.
 const ENOUGH: f64 = 0.125;
 
-/// How far apart two places of a source image may lie, relative to its distance and the edge, to be
-/// one but for rounding.
+/// The difference between two source images that counts as rounding, relative to their distance and
+/// the edge.
 const SAME_IMAGE: f64 = 1e-13;
 
-/// How wide, relative to the edge, a gap between two intervals may be that rounding has left.
+/// The gap between two intervals that counts as rounding, relative to the edge.
 const GAP: f64 = 1e-12;
 
 impl MeshLayout {
-    /// Whether so many windows can be coalesced that looking for them pays.
+    /// Whether the mesh has enough flat vertices for coalescing to pay.
     pub(crate) fn has_many_flat_vertices(&self) -> bool {
         let behind = self.faces.iter().flat_map(|face| face.flat);
         let flat = behind.filter(|&flat| flat).count();
@@ -33,9 +34,9 @@ impl MeshLayout {
 }
 
 impl WindowStore {
-    /// Reunites windows in the `lists` behind both exits of `face`, which windows have crossed from
-    /// half-edge `corner`: those that were there `before` with those that came, `after` which there
-    /// are so many. Returns how many are left.
+    /// Coalesces windows in `lists`, those behind both exits of `face`, after a list has crossed
+    /// the face from half-edge `corner`. Each list had `before` windows and now has `after`.
+    /// Returns the remaining numbers of windows.
     #[inline(always)]
     pub(crate) fn coalesce_behind(
         &mut self,
@@ -54,17 +55,17 @@ impl WindowStore {
         after
     }
 
-    /// Gives the windows from number `waiting` up to `len` of `list`, on a half-edge of length `l`,
-    /// that continue one of the first `waiting` to that one, and returns how many windows are left;
-    /// O(waiting · (len - waiting)).
+    /// Coalesces the windows with numbers from `waiting` up to `len` in `list`, on a half-edge of
+    /// length `l`, with the first `waiting` ones. Returns the number of windows left; O(waiting ·
+    /// (len - waiting)).
     ///
-    /// No distance changes but by rounding: a ray in a gap passes the flat vertex on the one side
-    /// or the other.
+    /// Distances change only by rounding: a ray in a gap passes the flat vertex on one side or the
+    /// other.
     fn coalesce(&mut self, list: u32, waiting: usize, len: usize, l: f64) -> usize {
         let mut left = waiting;
         for i in waiting..len {
             let window = self.get(list, i);
-            // Windows of other sources lie between the two in any order.
+            // Windows of other sources may lie between the two.
             let mut others = (0..waiting).map(|i| (i, self.get(list, i)));
             if let Some((place, half)) = others.find(|(_, other)| are_halves(&window, other, l)) {
                 self.put(list, place, united(&window, &half));
@@ -77,7 +78,8 @@ impl WindowStore {
     }
 }
 
-/// Whether two windows on a half-edge of length `l` have one source image and meet.
+/// Whether two windows on a half-edge of length `l` have the same source image and adjacent
+/// intervals.
 #[inline]
 fn are_halves(a: &[f64; COLUMNS], b: &[f64; COLUMNS], l: f64) -> bool {
     let [a0, a1, ax, ay, a_sigma] = *a;
@@ -88,7 +90,7 @@ fn are_halves(a: &[f64; COLUMNS], b: &[f64; COLUMNS], l: f64) -> bool {
         && a0.max(b0) - a1.min(b1) <= GAP * l
 }
 
-/// The window across the intervals of `a` and `b`, with the source image of `b`.
+/// The window over both intervals, with the source image of `b`.
 #[inline]
 fn united(a: &[f64; COLUMNS], b: &[f64; COLUMNS]) -> [f64; COLUMNS] {
     [a[0].min(b[0]), a[1].max(b[1]), b[2], b[3], b[4]]
@@ -99,7 +101,7 @@ mod tests {
     use super::*;
     use crate::engine::store::NO_LIST;
 
-    /// The remaining windows of `waiting` and of those that `came`, on a half-edge of length 1.
+    /// The windows left of `waiting` and `came`, on a half-edge of length 1.
     fn coalesced(waiting: &[[f64; COLUMNS]], came: &[[f64; COLUMNS]]) -> Vec<[f64; COLUMNS]> {
         let mut store = WindowStore::new();
         let len = waiting.len() + came.len();
@@ -142,7 +144,7 @@ mod tests {
         assert_eq!((moved(4, 0.0), moved(4, 1e-15)), (1, 2));
     }
 
-    /// Between two windows of one source there is the shadow of a hole, whose rays no window has.
+    /// A hole separates the two windows: the rays between them reach no window.
     #[test]
     fn windows_of_one_source_apart_from_each_other_stay_two() {
         let beyond = [0.6, 0.75, 3.0, -40.0, 2.0];

@@ -1,9 +1,9 @@
-//! The state of a face that changes during a run.
+//! The part of a face that changes during a run.
 
 use super::store::NO_LIST;
 
-/// A face under one wavefront: the lists that wait on its half-edges, which of them are queued, and
-/// the last run in which the face joined the traversed area.
+/// The state of a face in one wavefront: the lists that wait on its half-edges, which of them are
+/// queued, and the last run in which the face joined the traversed area.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FaceState {
     list: [u32; 3],
@@ -24,27 +24,27 @@ impl Default for FaceState {
 }
 
 impl FaceState {
-    /// The list on a half-edge.
+    /// The list that waits on a half-edge.
     #[inline(always)]
     pub(crate) fn list(&self, corner: usize) -> u32 {
         self.list[corner]
     }
 
-    /// Has `list` wait on a half-edge.
+    /// Sets the list that waits on a half-edge.
     #[inline(always)]
     pub(crate) fn set_list(&mut self, corner: usize, list: u32) {
         self.list[corner] = list;
     }
 
-    /// Takes the list from a half-edge, which is not queued any more.
+    /// Takes the list from a half-edge and marks the half-edge as not queued.
     #[inline(always)]
     pub(crate) fn take_list(&mut self, corner: usize) -> u32 {
         self.queued[corner] = false;
         std::mem::replace(&mut self.list[corner], NO_LIST)
     }
 
-    /// Marks a half-edge as queued, if the face has joined in this run; returns whether it was not
-    /// and is now.
+    /// Marks a half-edge as queued, if the face has joined in this run. Returns whether this is a
+    /// change.
     #[inline(always)]
     pub(crate) fn enqueue(&mut self, corner: usize, run: u8) -> bool {
         let news = self.run == run && !self.queued[corner];
@@ -54,7 +54,7 @@ impl FaceState {
         news
     }
 
-    /// The face has joined in no run.
+    /// Makes the face one that has joined in no run.
     pub(crate) fn leave(&mut self) {
         self.run = 0;
     }
@@ -64,7 +64,7 @@ impl FaceState {
         self.run == run
     }
 
-    /// The face joins; returns whether it had not in this run.
+    /// Makes the face join. Returns whether it had not joined in this run.
     #[inline(always)]
     pub(crate) fn join(&mut self, run: u8) -> bool {
         std::mem::replace(&mut self.run, run) != run

@@ -1,4 +1,4 @@
-//! The mesh laid out for crossing, in an order of its own.
+//! The mesh laid out for crossing, in the solver's own order.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -16,16 +16,17 @@ use super::store::COLUMNS;
 /// The twin of a half-edge on the boundary.
 pub(crate) const NO_TWIN: u32 = u32::MAX;
 
-/// By how much the angle around a flat vertex may differ from 2π, in radians; whether windows fit
-/// together is asked of each two of them.
+/// By how much the angle around a flat vertex may differ from 2π, in radians. Whether two windows
+/// can be coalesced is checked for each pair.
 const FLATNESS: f64 = 1e-8;
 
-/// Number 4f + k for corner k of face f, so that face and corner are read off its bits.
+/// The number 4f + k of the half-edge at corner k of face f. Face and corner can be read from its
+/// bits.
 pub(crate) const fn half_edge(face: u32, corner: usize) -> u32 {
     4 * face + corner as u32
 }
 
-/// The number here of a half-edge of the mesh.
+/// The number here of half-edge `h` of the mesh.
 fn number(numbering: &Numbering, h: HalfEdgeId) -> u32 {
     half_edge(numbering.new_face(h.face()).raw(), h.corner() as usize)
 }
@@ -36,19 +37,19 @@ pub(crate) const fn parts(h: u32) -> (usize, usize) {
     ((h >> 2) as usize, (h & 3) as usize)
 }
 
-/// The corner after this one: two bits of a constant for each, since no processor predicts corners.
+/// The next corner, read from a constant without a branch, because corners are unpredictable.
 #[inline]
 pub(crate) const fn next(corner: usize) -> usize {
     0b00_10_01 >> (2 * corner) & 3
 }
 
-/// The corner before this one.
+/// The previous corner.
 #[inline]
 pub(crate) const fn prev(corner: usize) -> usize {
     0b01_00_10 >> (2 * corner) & 3
 }
 
-/// A face, in two cache lines: the first is read and changed when windows arrive, the second is
+/// A face, in two cache lines. The first is read and changed when windows arrive, the second is
 /// read when they cross.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(128))]
@@ -57,27 +58,27 @@ pub(crate) struct FaceLayout {
     pub(crate) length: [f64; 3],
     /// The vertex at which each half-edge starts.
     pub(crate) vertex: [u32; 3],
-    /// The half-edge of the neighbour along each, or [`NO_TWIN`].
+    /// The neighbour's half-edge along each half-edge, or [`NO_TWIN`].
     pub(crate) twin: [u32; 3],
-    /// The state of a run, for a solver that keeps it here.
+    /// The state during a run, for solvers that store it here.
     pub(crate) state: FaceState,
     /// Abscissa of the opposite vertex in the frame of each half-edge.
     pub(crate) apex_x: [f64; 3],
     pub(crate) inverse_length: [f64; 3],
     pub(crate) twice_area: f64,
-    /// Whether the surface is flat at the vertex opposite to each half-edge, so that windows which
-    /// have passed it on either side and meet on that half-edge may be one.
+    /// Whether the surface is flat at the vertex opposite to each half-edge. Windows that have
+    /// passed this vertex on both sides and meet on the half-edge may then be coalesced.
     pub(crate) flat: [bool; 3],
 }
 
 const _: () = assert!(size_of::<FaceLayout>() == 128);
 
-/// How many faces are laid out together.
+/// Number of faces that are laid out together.
 const TOGETHER: usize = 8;
 
 impl FaceLayout {
-    /// The faces numbered from `first` on, of which there may be fewer, and the angles of their
-    /// corners.
+    /// The faces numbered from `first` on, fewer than [`TOGETHER`] at the end, and the angles of
+    /// their corners.
     fn several(
         mesh: &Mesh,
         numbering: &Numbering,
@@ -120,9 +121,8 @@ impl FaceLayout {
         ]
     }
 
-    /// How far the foot of the apex lies before the head of a half-edge: l - cx, with an error
-    /// relative to itself. The half-edge from the head on and this one project onto each other
-    /// alike.
+    /// l - cx, the distance from the foot of the apex to the head of a half-edge, with a small
+    /// relative error: two adjacent sides project on each other.
     #[inline]
     pub(crate) fn apex_from_head(&self, corner: usize) -> f64 {
         let after = next(corner);
@@ -138,7 +138,7 @@ impl FaceLayout {
         ]
     }
 
-    /// The triangle seen from a half-edge.
+    /// The triangle in the frame of a half-edge.
     #[inline]
     pub(crate) fn triangle(&self, corner: usize) -> Triangle {
         let (after, before) = (next(corner), prev(corner));
@@ -157,20 +157,20 @@ impl FaceLayout {
     }
 }
 
-/// Paths and a window that start from a vertex across one of its faces.
+/// The paths and the window that a vertex sends across one of its faces.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spawn {
     /// The other two vertices of the face, counter-clockwise.
     pub(crate) ends: [u32; 2],
-    /// The lengths of the paths to them along the edges.
+    /// The lengths of the edges to them.
     pub(crate) paths: [f64; 2],
-    /// The half-edge to which the window comes, or [`NO_TWIN`].
+    /// The half-edge at which the window arrives, or [`NO_TWIN`].
     pub(crate) exit: u32,
     /// The window, over the whole half-edge: b0, b1, px, py, σ.
     pub(crate) window: [f64; COLUMNS],
 }
 
-/// Whether all rays go on straight when they pass `v`, on either side.
+/// Whether the surface is flat at `v`, so that all rays continue straight on either side.
 fn is_flat(mesh: &Mesh, v: VertexId) -> bool {
     let bends = mesh.is_boundary(v) || mesh.is_pseudo_source(v);
     !bends && (mesh.total_angle(v) - TAU).abs() <= FLATNESS
@@ -189,14 +189,14 @@ fn concatenated<T: Copy>(mut parts: Vec<Vec<T>>) -> Vec<T> {
 #[derive(Clone, Copy, Debug, Default)]
 #[allow(clippy::struct_excessive_bools)] // Four facts, one byte each.
 pub(crate) struct VertexFacts {
-    /// Whether windows start from it when a path reaches it.
+    /// Whether the vertex sends windows when a path reaches it.
     pub(crate) pseudo_source: bool,
-    /// Whether they must start in all directions: what lies in the shadow of the path is not known
-    /// where fans meet or end, or angles are small.
+    /// Whether it must send them in all directions: where fans meet or end, or angles are small,
+    /// the spawn wedge is not known.
     pub(crate) all_around: bool,
-    /// Whether its last half-edge has no face on its other side.
+    /// Whether the last half-edge of its ring has no face on its other side.
     pub(crate) boundary: bool,
-    /// Whether all rays go on straight when they pass it, on either side.
+    /// Whether the surface is flat at the vertex.
     flat: bool,
     /// Sum of the angles around it, in radians.
     pub(crate) total_angle: f32,
@@ -219,13 +219,13 @@ impl VertexFacts {
 pub(crate) struct MeshLayout {
     pub(crate) faces: Vec<FaceLayout>,
     pub(crate) vertices: Vec<VertexFacts>,
-    /// Half-edges that start at each vertex, counter-clockwise.
+    /// Where the half-edges that start at each vertex begin in `rings`, counter-clockwise.
     ring_starts: Vec<u32>,
     pub(crate) rings: Vec<u32>,
-    /// The angle between each and the next edge, in radians.
+    /// The angle between each half-edge and the next one, in radians.
     pub(crate) angles: Vec<f32>,
     pub(crate) mean_length: f64,
-    /// The windows kept beside thin faces, at the start of a run.
+    /// The windows stored beside thin faces, as at the start of a run.
     pub(crate) kept: KeptWindows,
 }
 
@@ -294,7 +294,7 @@ impl MeshLayout {
         }
     }
 
-    /// Tells `probe` which numbers here vertices and half-edges of `mesh` have.
+    /// Tells `probe` the numbers here of the vertices and half-edges of `mesh`.
     pub(crate) fn renumber<P: Probe>(&self, mesh: &Mesh, numbering: &Numbering, probe: &mut P) {
         let corner = |v, i| {
             let ring = self.ring(numbering.new_vertex(v).raw());
@@ -310,7 +310,7 @@ impl MeshLayout {
         self.faces[f].length[corner]
     }
 
-    /// The half-edges behind the exits of the face of `h`: behind the left and the right one.
+    /// The half-edges behind the left and the right exit of the face of `h`.
     #[inline(always)]
     pub(crate) fn exits(&self, h: u32) -> [u32; 2] {
         let (f, corner) = parts(h);
@@ -318,7 +318,8 @@ impl MeshLayout {
         [face.twin[prev(corner)], face.twin[next(corner)]]
     }
 
-    /// Paths and a window that start across the face of `h` from its tail, at distance `sigma`.
+    /// The paths and the window that the tail of `h` sends across the face of `h`, at distance
+    /// `sigma`.
     #[inline(always)]
     pub(crate) fn spawn(&self, h: u32, sigma: f64) -> Spawn {
         let (f, corner) = parts(h);
@@ -333,7 +334,7 @@ impl MeshLayout {
         }
     }
 
-    /// Requests the cache lines of a face.
+    /// Prefetches a face.
     #[inline(always)]
     pub(crate) fn prefetch(&self, f: usize) {
         if let Some(face) = self.faces.get(f) {
@@ -342,7 +343,8 @@ impl MeshLayout {
         }
     }
 
-    /// The half-edge `h` as the passes over its list see it, its ends at `ends`.
+    /// The data of half-edge `h` for the passes over its list; `ends` are the distances of its
+    /// ends.
     #[inline]
     pub(crate) fn gate(&self, h: u32, ends: [f64; 2]) -> Gate {
         let (f, corner) = parts(h);
@@ -355,7 +357,7 @@ impl MeshLayout {
     }
 
     /// The third vertex of the face below `h`, in the frame of `h`; a point infinitely far below if
-    /// there is none.
+    /// there is no face.
     #[inline]
     pub(crate) fn behind(&self, h: u32) -> [f64; 2] {
         let (f, corner) = parts(h);
@@ -367,7 +369,7 @@ impl MeshLayout {
         self.faces[f].apex_below(corner)
     }
 
-    /// Where the half-edges that start at `v` stand in `rings` and `angles`.
+    /// The range of the half-edges that start at `v` in `rings` and `angles`.
     #[inline]
     pub(crate) fn ring_places(&self, v: u32) -> Range<usize> {
         let v = v as usize;

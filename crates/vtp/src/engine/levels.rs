@@ -1,4 +1,4 @@
-//! The levels in the sequence tree of the windows that wait.
+//! The levels of waiting windows in the sequence tree.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, DefaultHasher};
@@ -7,45 +7,44 @@ use geobench_window::Window;
 
 use super::kernels::Triangle;
 
-/// A source image with the distance of its pseudo-source, to the bit.
+/// A source image with the distance of its pseudo-source, as bits.
 type Image = [u64; 3];
 
-/// A map without a seed of its own: one with a random seed takes another amount of memory each
-/// time.
+/// A map with a fixed seed: with random seeds the memory of a run would vary.
 type Map<K, V> = HashMap<K, V, BuildHasherDefault<DefaultHasher>>;
 
-/// The level of the windows of each source image in a list.
+/// The level of the windows of each source image, for one list.
 type OfList = Map<Image, u32>;
 
-/// How many triangles the ancestors of each waiting window have crossed.
+/// The number of triangles that the ancestors of each waiting window have crossed.
 ///
-/// No rule needs levels; they are counted because the papers count them. So they are kept in
-/// counted runs only, and beside the lists. A window is known by its half-edge and source image.
-/// Those that have both in common have crossed the same triangles, or are on a flat part of the
-/// surface and came by both sides of a vertex; the deeper level then stands for both.
+/// No rule needs levels. They are counted because the papers count them, so they are kept beside
+/// the lists and in counted runs only. A window is identified by its half-edge and source image.
+/// Windows that share both have crossed the same triangles, or have passed a vertex on both sides
+/// on a flat part of the surface. The deeper level then stands for both.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Levels {
     lists: Map<u32, OfList>,
 }
 
 impl Levels {
-    /// To be called at the start of a run.
+    /// Resets the levels at the start of a run.
     pub(crate) fn clear(&mut self) {
         self.lists.clear();
     }
 
-    /// A window that starts from a vertex comes to the list on half-edge `h`.
+    /// Records a window that a vertex sends to the list on half-edge `h`.
     pub(crate) fn start(&mut self, h: u32, source: [f64; 2], sigma: f64) {
         let levels = self.lists.entry(h).or_default();
         levels.entry(image(source, sigma)).or_insert(0);
     }
 
-    /// The list on `h` has crossed its triangle or come to nothing.
+    /// Removes the list on `h`, which has crossed its triangle or become empty.
     pub(crate) fn forget(&mut self, h: u32) {
         self.lists.remove(&h);
     }
 
-    /// The list on `h` is about to cross `triangle`.
+    /// The levels of the children of the list on `h`, which is about to cross `triangle`.
     pub(crate) fn leave(&self, h: u32, triangle: &Triangle) -> Departure {
         let none = OfList::default();
         let parents = self.lists.get(&h).unwrap_or(&none);
@@ -64,8 +63,8 @@ impl Levels {
         }
     }
 
-    /// `children` that left through exit `side` come to the list on `h`; returns the deepest level
-    /// among them.
+    /// Records `children` that left through exit `side` and arrived at the list on `h`. Returns the
+    /// deepest level among them.
     pub(crate) fn arrive(
         &mut self,
         h: u32,
@@ -88,14 +87,14 @@ impl Levels {
     }
 }
 
-/// The levels that children of a list have, for each exit.
+/// The levels of the children of a list, for each exit.
 #[derive(Debug)]
 pub(crate) struct Departure {
     beyond: [OfList; 2],
 }
 
 fn image([px, py]: [f64; 2], sigma: f64) -> Image {
-    // There are two zeros.
+    // Adding 0 makes both zeros equal.
     [px, py, sigma].map(|x| (x + 0.0).to_bits())
 }
 

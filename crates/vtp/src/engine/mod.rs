@@ -1,7 +1,7 @@
 //! The parts of list propagation: the mesh laid out for crossing, lists as structures of arrays,
-//! and the passes over them in vector instructions.
+//! and vector passes over them.
 
-// The kernels must be inlined into the functions that have the features of the processor.
+// Kernels must be inlined into the functions that enable the instructions.
 #![allow(clippy::inline_always)]
 
 pub(crate) mod active_list;

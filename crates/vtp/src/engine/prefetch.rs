@@ -1,8 +1,8 @@
-//! Cache lines requested before they are needed.
+//! Requests for cache lines before they are needed.
 
 use geobench_window::prefetch_line;
 
-/// Asks for the cache line in which `values[i]` starts, if there is such a value.
+/// Prefetches the cache line in which `values[i]` starts, if there is such a value.
 #[inline(always)]
 pub(crate) fn prefetch<T>(values: &[T], i: usize) {
     if let Some(value) = values.get(i) {

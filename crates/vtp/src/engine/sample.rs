@@ -1,18 +1,18 @@
 //! The lists to which rules 2 and 3 are applied.
 
-/// Where not all lists have their pairs compared, those with fewer windows never do.
+/// Shorter lists are never compared, unless all lists are.
 const SHORTEST: usize = 17;
 
-/// A pseudo-random one in so many of the lists that are not short.
+/// A pseudo-random sample of the lists that are not short.
 ///
-/// To compare a window with its neighbour costs twice as much as to take it across a face. Long
-/// lists, in which most is lost, are worth it; to compare the short ones of a model of some
-/// thousand faces takes 3 to 6 % of the time, and not to leaves 1 to 4 % more windows.
+/// Comparing a window with its neighbour costs twice as much as propagating it. For long lists, in
+/// which most windows are lost, it pays. On models of some thousand faces, comparing the short
+/// lists takes 3 to 6 % of the time; not comparing them leaves 1 to 4 % more windows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
-    /// Half-edges whose hash is less.
+    /// A half-edge is in the sample if its hash is less.
     below: u32,
-    /// The length of the shortest list.
+    /// The least length of a list in the sample.
     from: usize,
 }
 
@@ -21,12 +21,12 @@ impl Sample {
     pub(crate) fn new(pairs: u32) -> Self {
         Self {
             below: u32::MAX.checked_div(pairs).unwrap_or(0),
-            // A window alone has no neighbour.
+            // A single window has no neighbour.
             from: if pairs == 1 { 2 } else { SHORTEST },
         }
     }
 
-    /// Whether the list of `len` windows on `h` is among them: a hash spreads them evenly.
+    /// Whether the list of `len` windows on `h` is in the sample. A hash spreads the sample evenly.
     #[inline(always)]
     pub(crate) fn takes(self, h: u32, len: usize) -> bool {
         len >= self.from && h.wrapping_mul(2_654_435_761) < self.below

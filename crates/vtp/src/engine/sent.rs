@@ -1,4 +1,4 @@
-//! Children of a list that has crossed its face.
+//! The children of a list that has crossed its face.
 
 use geobench_window::trimming::KeptWindows;
 
@@ -6,21 +6,21 @@ use super::kernels::Triangle;
 use super::levels::Levels;
 use super::store::{NO_LIST, WindowStore};
 
-/// The lists behind both exits of a face, to which children have been added.
+/// The lists behind both exits of a face, after children have been added.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sent {
     /// The half-edges on which the lists wait.
     pub(crate) exits: [u32; 2],
-    /// The lists; [`NO_LIST`] where no child can come.
+    /// The lists; [`NO_LIST`] where no child can arrive.
     pub(crate) lists: [u32; 2],
-    /// Their lengths before the children came.
+    /// Their lengths before the children arrived.
     pub(crate) before: [usize; 2],
     /// Their lengths now.
     pub(crate) after: [usize; 2],
 }
 
 impl Sent {
-    /// The sides to which children may have been sent.
+    /// The exits through which children may have left.
     #[inline(always)]
     pub(crate) fn sides(&self) -> impl Iterator<Item = usize> + use<> {
         let lists = self.lists;
@@ -50,7 +50,7 @@ impl Sent {
         self.sides().map(arrive).max().unwrap_or(0)
     }
 
-    /// Children at thin faces stay as far as `kept` lets them.
+    /// Reduces children beside thin faces to the parts that `kept` admits.
     #[inline(always)]
     pub(crate) fn admit(&mut self, kept: &mut KeptWindows, store: &mut WindowStore) {
         if kept.is_empty() {
@@ -59,7 +59,7 @@ impl Sent {
         for side in self.sides() {
             let exit = self.exits[side];
             if kept.holds(exit as usize) {
-                // Windows that were there before may have been coalesced with children.
+                // Older windows may have been coalesced with children.
                 let first = self.before[side].min(self.after[side]);
                 let places = first..self.after[side];
                 self.after[side] = store.admit(kept, exit, self.lists[side], places);

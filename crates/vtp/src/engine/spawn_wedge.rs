@@ -1,25 +1,25 @@
-//! The wedge into which a shortest path that bends at a vertex can continue.
+//! The wedge of directions in which a shortest path that bends at a vertex can continue.
 
 use std::f32::consts::PI;
 
 use super::layout::{MeshLayout, half_edge, parts, prev};
 
-/// By how much, in radians, the shadow of a path is widened: far more than the angles err.
-const PENUMBRA: f32 = 1e-3;
+/// By how much, in radians, the wedge is widened: far more than the errors of the angles.
+const WIDENING: f32 = 1e-3;
 
-/// How a path reached the apex of a half-edge.
+/// The last crossing of a path before it reached a vertex.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PathOrigin {
-    /// The half-edge that it crossed last.
+    /// The half-edge of the crossing, opposite to the vertex.
     pub(crate) h: u32,
-    /// The abscissa of that crossing.
+    /// The abscissa of the crossing.
     pub(crate) entry: f64,
 }
 
-/// The faces around a vertex into which a path that reaches it can go on.
+/// The faces around a vertex into which a path that reaches the vertex can continue.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SpawnWedge {
-    /// First of them, and their number, in the ring of the vertex.
+    /// The first of them in the ring of the vertex. `count` is their number.
     pub(crate) first: usize,
     pub(crate) count: usize,
 }
@@ -33,9 +33,11 @@ impl SpawnWedge {
         }
     }
 
-    /// A shortest path bends at an interior vertex only if it leaves it at an angle of π or more on
-    /// both sides, so only in a wedge as wide as the excess over 2π, opposite to where it came
-    /// from.
+    /// The wedge for a path that reaches `v` from `origin`.
+    ///
+    /// A shortest path bends at an interior vertex only if it leaves an angle of π or more on both
+    /// sides. The possible directions form a wedge as wide as the excess over 2π, opposite to the
+    /// direction of arrival.
     pub(crate) fn of(layout: &MeshLayout, v: u32, origin: PathOrigin) -> Self {
         let places = layout.ring_places(v);
         let (ring, angles) = (&layout.rings[places.clone()], &layout.angles[places]);
@@ -44,17 +46,17 @@ impl SpawnWedge {
         let Some(start) = ring.iter().position(|&h| h == own) else {
             return Self::all(ring.len());
         };
-        // At the apex, counter-clockwise from the side that ends at the tail to the path.
+        // The angle at the apex, counter-clockwise from the side that ends at the tail to the path.
         let [x, y] = layout.faces[f].apex(corner);
         let across = y * origin.entry;
         let along = y * y - x * (origin.entry - x);
         let size = across.abs() + along.abs();
         let turned = libm::atan2f((across / size) as f32, (along / size) as f32);
         let (from, to) = (
-            PI - PENUMBRA,
-            layout.vertices[v as usize].total_angle - PI + PENUMBRA,
+            PI - WIDENING,
+            layout.vertices[v as usize].total_angle - PI + WIDENING,
         );
-        // The first corner that ends within, and the last that starts within.
+        // The first corner that ends within the wedge, and the last that starts within it.
         let mut wedge = Self { first: 0, count: 0 };
         let (mut place, mut before) = (start, -turned);
         for _ in 0..ring.len() {

@@ -1,8 +1,8 @@
 //! Lists of waiting windows: structures of arrays in one arena.
 //!
 //! A list is a *block* of five columns, b0, b1, px, py and σ, each a whole number of cache lines;
-//! 40 bytes a window. Blocks come in classes by size and are used again, last freed first, so that
-//! the few thousand windows of a wavefront stay in the same cache lines from the start to the end.
+//! 40 bytes a window. Blocks have size classes and are reused, last freed first. The few thousand
+//! windows of a wavefront thus stay in the same cache lines during a run.
 
 use std::ops::Range;
 use std::slice;
@@ -23,16 +23,16 @@ pub(crate) type Block<'a> = simd::Block<'a, COLUMNS>;
 /// The block of a list and the line behind it.
 pub(crate) type PaddedBlock<'a> = simd::PaddedBlock<'a, COLUMNS>;
 
-/// The handle of no list.
+/// The handle that stands for no list.
 pub(crate) const NO_LIST: u32 = 0;
 
-/// Lines of a column, in the classes of small blocks; beyond these every class is twice the last.
+/// Lines of a column in the classes of small blocks. Each further class doubles the last.
 const SMALL: [u32; 13] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32, 48];
 
 /// The class for each small number of lines.
 const CLASS_OF: [u8; 49] = classes();
 
-/// Enough for every length that fits into 32 bits.
+/// Number of classes, enough for every length of 32 bits.
 const CLASSES: usize = SMALL.len() + 27;
 
 const fn classes() -> [u8; 49] {
@@ -69,38 +69,38 @@ fn class_for(windows: usize) -> u8 {
     }
 }
 
-/// A list of windows.
+/// The header of a list.
 #[derive(Clone, Copy, Debug, Default)]
 struct ListHeader {
     /// First line of its block.
     start: u32,
     len: u32,
-    /// Lines of a column of its block; none in [`NO_LIST`].
+    /// Lines of a column of its block; 0 for [`NO_LIST`].
     column: u32,
     class: u8,
 }
 
 impl ListHeader {
-    /// Windows for which there is room.
+    /// Number of windows that fit into the block.
     #[inline]
     fn room(self) -> usize {
         self.column as usize * Line::LANES
     }
 }
 
-/// The lists of windows that wait, each known by a handle.
+/// The lists of waiting windows, addressed by handles.
 #[derive(Clone, Debug)]
 pub(crate) struct WindowStore {
     lines: Vec<Line>,
     /// Number of lines that belong to blocks.
     used: usize,
     lists: Vec<ListHeader>,
-    /// For each class the lists whose blocks are free.
+    /// For each class, the lists whose blocks are free.
     free: Vec<Vec<u32>>,
     waiting: usize,
 }
 
-/// What `kept` leaves of a window that comes to half-edge `h`.
+/// The part of a window arriving at half-edge `h` that `kept` admits.
 #[cold]
 pub(crate) fn admit(
     kept: &mut KeptWindows,
@@ -121,10 +121,10 @@ pub(crate) fn admit(
 impl WindowStore {
     pub(crate) fn new() -> Self {
         Self {
-            // Kernels may read, not use, one number behind a block.
+            // Kernels may load one number behind a block, without using it.
             lines: vec![Line::default(); 1],
             used: 0,
-            // Stands for `NO_LIST`.
+            // The header of `NO_LIST`.
             lists: vec![ListHeader::default()],
             free: vec![Vec::new(); CLASSES],
             waiting: 0,
@@ -136,20 +136,20 @@ impl WindowStore {
         self.waiting
     }
 
-    /// Number of lists that have windows.
+    /// Number of non-empty lists.
     pub(crate) fn lists(&self) -> usize {
         let free: usize = self.free.iter().map(Vec::len).sum();
         self.lists.len() - 1 - free
     }
 
-    /// Number of windows in a list; 0 in [`NO_LIST`].
+    /// Number of windows in `list`; 0 for [`NO_LIST`].
     #[inline]
     pub(crate) fn len(&self, list: u32) -> usize {
         self.lists[list as usize].len as usize
     }
 
-    /// Makes room for `more` windows in `list`, which may be [`NO_LIST`], and returns the list,
-    /// which may have moved into another block, under another handle.
+    /// Makes room for `more` windows in `list`, which may be [`NO_LIST`]. Returns the list, which
+    /// may have moved to another block and have another handle.
     #[inline(always)]
     pub(crate) fn reserve(&mut self, list: u32, more: usize) -> u32 {
         let entry = self.lists[list as usize];
@@ -159,10 +159,10 @@ impl WindowStore {
         self.move_to_larger(list, entry, more)
     }
 
-    /// Takes `list`, which is `old`, to a block with room for `more` windows.
+    /// Moves `list`, whose header is `old`, to a block with room for `more` windows.
     fn move_to_larger(&mut self, list: u32, old: ListHeader, more: usize) -> u32 {
         if list == NO_LIST {
-            // As many are likely to come from the other side of the face below.
+            // As many windows are likely to arrive from the other side of the face below.
             return self.allocate(class_for(2 * more));
         }
         let new = self.allocate(class_for(old.len as usize + more));
@@ -202,8 +202,7 @@ impl WindowStore {
         (self.lists.len() - 1) as u32
     }
 
-    /// Says that `list` has `len` windows now; gives an empty one back and returns [`NO_LIST`]
-    /// then.
+    /// Sets the length of `list`. An empty list is freed, and [`NO_LIST`] is returned for it.
     #[inline]
     pub(crate) fn set_len(&mut self, list: u32, len: usize) -> u32 {
         let entry = &mut self.lists[list as usize];
@@ -216,7 +215,7 @@ impl WindowStore {
         NO_LIST
     }
 
-    /// Writes a window at place `i` of `list`, which has room there.
+    /// Writes a window at index `i` of `list`, which must have room there.
     #[inline]
     pub(crate) fn put(&mut self, list: u32, i: usize, window: [f64; COLUMNS]) {
         let ListHeader { start, column, .. } = self.lists[list as usize];
@@ -227,7 +226,7 @@ impl WindowStore {
         }
     }
 
-    /// Adds the windows of `list` to `columns`, a column behind the other.
+    /// Appends the windows of `list` to `columns`, column by column.
     pub(crate) fn copy_out(&self, list: u32, columns: &mut Vec<f64>) {
         let ListHeader {
             start, len, column, ..
@@ -240,8 +239,8 @@ impl WindowStore {
         }
     }
 
-    /// Adds windows that were [copied out](Self::copy_out) to `list`, which may be [`NO_LIST`], and
-    /// returns the list, as [`reserve`](Self::reserve) does.
+    /// Appends windows from [`copy_out`](Self::copy_out) to `list`, which may be [`NO_LIST`].
+    /// Returns the list, as [`reserve`](Self::reserve) does.
     pub(crate) fn append(&mut self, list: u32, columns: &[f64]) -> u32 {
         let more = columns.len() / COLUMNS;
         if more == 0 {
@@ -273,14 +272,14 @@ impl WindowStore {
         self.first(list, self.len(list))
     }
 
-    /// The first `len` windows in the block of `list`.
+    /// The first `len` windows of the block of `list`.
     #[inline(always)]
     pub(crate) fn first(&self, list: u32, len: usize) -> Columns<'_> {
         let ListHeader { start, column, .. } = self.lists[list as usize];
         Columns::new(&self.lines[start as usize..], column, len)
     }
 
-    /// The window at place `i` of `list`.
+    /// The window at index `i` of `list`.
     #[inline]
     pub(crate) fn get(&self, list: u32, i: usize) -> [f64; COLUMNS] {
         let ListHeader { start, column, .. } = self.lists[list as usize];
@@ -288,15 +287,15 @@ impl WindowStore {
         std::array::from_fn(|c| self.lines[first + c * column as usize].0[i % Line::LANES])
     }
 
-    /// The blocks of different lists; none of [`NO_LIST`].
+    /// The blocks of different lists; empty for [`NO_LIST`].
     ///
     /// # Panics
     ///
-    /// When a list is there twice.
+    /// If a list occurs twice.
     #[allow(unsafe_code)] // To compare the ranges of blocks takes a twentieth of a solve.
     #[inline(always)]
     pub(crate) fn blocks<const N: usize>(&mut self, lists: [u32; N]) -> [Block<'_>; N] {
-        // Without a branch on whether there is a list, which is hard to predict.
+        // Whether there is a list is hard to predict, so there is no branch on it.
         let mut twice = false;
         for (i, &list) in lists.iter().enumerate() {
             for &other in &lists[..i] {
@@ -308,15 +307,15 @@ impl WindowStore {
         let lines = self.lines.as_mut_ptr();
         lists.map(|ListHeader { start, column, .. }| {
             let (start, len) = (start as usize, COLUMNS * column as usize);
-            // SAFETY: every block lies within `lines`, and `grow` makes it of lines that no other
-            // block has; that of no list is empty.
+            // SAFETY: every block lies within `lines`, and `grow` gives each block lines of its
+            // own. The block of `NO_LIST` is empty.
             let lines = unsafe { slice::from_raw_parts_mut(lines.add(start), len) };
             Block::new(lines, column)
         })
     }
 
-    /// Has `kept` decide on those windows of `list`, on half-edge `h` of a thin face, that stand at
-    /// `places`; returns how many are left.
+    /// Reduces the windows of `list` at `places`, on half-edge `h` of a thin face, to the parts
+    /// that `kept` admits. Returns the number of windows left.
     #[cold]
     pub(crate) fn admit(
         &mut self,
@@ -335,7 +334,7 @@ impl WindowStore {
         left
     }
 
-    /// The windows of `list` at `places`.
+    /// The windows of `list` with indices in `places`.
     pub(crate) fn windows_at(
         &self,
         list: u32,
@@ -353,7 +352,7 @@ impl WindowStore {
         })
     }
 
-    /// All windows that wait.
+    /// All waiting windows.
     pub(crate) fn windows(&self) -> impl Iterator<Item = Window> {
         (0..self.lists.len() as u32).flat_map(move |list| self.windows_at(list, 0..self.len(list)))
     }

@@ -1,6 +1,6 @@
 //! `vtp-fast`: one wavefront on one thread.
 
-// The kernels must be inlined into the functions that have the features of the processor.
+// Kernels must be inlined into the functions that enable the instructions.
 #![allow(clippy::inline_always)]
 
 mod serial_state;
@@ -12,24 +12,23 @@ use geobench_window::{Counter, Probe, Propagate, Solution};
 use self::serial_state::SerialState;
 use crate::wavefront::{SurfaceState, Wavefront};
 
-/// The improvements of [`VtpFast`](crate::VtpFast). None of them changes a distance by more than
-/// rounding does.
+/// The improvements of [`VtpFast`]. None changes a distance by more than rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FastOptions {
-    /// The instructions to use; fewer if the processor lacks them.
+    /// The instructions to use; narrower ones are used if the processor lacks them.
     pub instructions: Instructions,
-    /// Rules 2 and 3 are applied to one of so many of the longer lists; to all lists if 1, to none
-    /// if 0.
+    /// Rules 2 and 3 are applied to one in this many of the longer lists: to all lists if 1, to
+    /// none if 0.
     pub pairs: u32,
-    /// Width of a bucket of vertices that have their turns together, in mean edge lengths; more
-    /// than 0.
+    /// Width of a bucket of vertices that are processed together, in mean edge lengths. Must be
+    /// positive.
     pub bucket: f64,
-    /// Whether vertices and faces are put into an order of their own, breadth first.
+    /// Whether vertices and faces are renumbered breadth first.
     pub renumber: bool,
-    /// Whether pseudo-sources send windows only into the shadow of the path that reached them.
+    /// Whether pseudo-sources send windows only into the spawn wedge of the path that reached them.
     pub spawn_wedge: bool,
-    /// Whether windows that a flat vertex has parted become one again behind it, on surfaces where
-    /// at least an eighth of the vertices is flat.
+    /// Whether windows that a flat vertex has split are coalesced behind it. Applies to meshes in
+    /// which at least an eighth of the half-edges are opposite to flat vertices.
     pub coalesce: bool,
 }
 
@@ -46,7 +45,9 @@ impl Default for FastOptions {
     }
 }
 
-/// VTP with every improvement that keeps it exact ([`FastOptions`]), on one mesh.
+/// VTP on one thread with every improvement that keeps it exact ([`FastOptions`]), on one mesh.
+///
+/// See [`Vtp`](crate::Vtp) for the algorithm of the paper. Time and space are those of VTP.
 ///
 /// ```
 /// use geobench_mesh::Mesh;
@@ -66,7 +67,7 @@ impl Default for FastOptions {
 pub struct VtpFast {
     mesh: Mesh,
     options: FastOptions,
-    /// Whether windows parted by flat vertices become one again.
+    /// Whether windows are coalesced behind flat vertices.
     coalesces: bool,
     numbering: Numbering,
     state: SerialState,
@@ -102,13 +103,13 @@ impl VtpFast {
         }
     }
 
-    /// The options in force, with instructions that the processor has.
+    /// The options in use, with instructions that the processor has.
     pub fn options(&self) -> FastOptions {
         self.options
     }
 }
 
-/// The propagation of a run whose sources have spawned their windows.
+/// The propagation of a run, after the sources have sent their windows.
 struct RunFromSources<'s, P, const COALESCE: bool> {
     wavefront: &'s mut Wavefront,
     state: &'s mut SerialState,

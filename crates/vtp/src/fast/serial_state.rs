@@ -7,11 +7,11 @@ use crate::engine::prefetch::prefetch;
 use crate::wavefront::SurfaceState;
 use geobench_window::prefetch_line;
 
-/// A surface that one wavefront runs over; what changes of a face is in its record.
+/// The surface state of a single wavefront. The state of each face is stored in its layout record.
 #[derive(Clone, Debug)]
 pub(super) struct SerialState {
     layout: MeshLayout,
-    /// The number of this run: faces that joined in it belong to the traversed area.
+    /// The number of this run. Faces with this number belong to the traversed area.
     run: u8,
     pub(super) distances: Vec<f64>,
 }
@@ -25,7 +25,7 @@ impl SerialState {
         }
     }
 
-    /// Forgets what the last run has learnt.
+    /// Clears the state of the last run.
     pub(super) fn reset(&mut self) {
         if self.run == u8::MAX {
             self.run = 0;
@@ -82,7 +82,7 @@ impl SurfaceState for SerialState {
         self.distances[v as usize]
     }
 
-    /// Without a branch: whether a path is the shortest is hard to predict.
+    /// Whether a path is the shortest is hard to predict, so there is no branch on it.
     #[inline(always)]
     fn offer(&mut self, v: u32, d: f64) -> bool {
         let known = &mut self.distances[v as usize];
@@ -91,7 +91,7 @@ impl SurfaceState for SerialState {
         nearer
     }
 
-    /// No other thread finds paths.
+    /// The distance itself: no other thread finds paths.
     #[inline(always)]
     fn reached(&self, v: u32) -> f64 {
         self.distance(v)

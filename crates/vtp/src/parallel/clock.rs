@@ -1,16 +1,16 @@
-//! The time that a thread has worked.
+//! The working time of a thread.
 
-/// A reading of a clock: the processor's own counter, at 12 ns, where the system's takes 70.
+/// A clock reading. The processor's time-stamp counter takes 12 ns, the system's clock 70 ns.
 /// Threads read it after each turn, which takes some microseconds on models of some thousand faces.
 #[cfg(target_arch = "x86_64")]
 type Reading = u64;
 #[cfg(not(target_arch = "x86_64"))]
 type Reading = std::time::Instant;
 
-/// The time that a thread has worked in a run.
+/// The working time of a thread in a run.
 ///
-/// It decides only how much work a thread hands to another, so differences between the counters of
-/// processors do no harm.
+/// It only decides how much work a thread hands off. Differences between the counters of processors
+/// are harmless.
 #[derive(Debug)]
 pub(super) struct Clock {
     started: Reading,
@@ -18,7 +18,7 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// The thread begins.
+    /// Starts the clock of a thread.
     pub(super) fn start() -> Self {
         Self {
             started: now(),
@@ -26,13 +26,13 @@ impl Clock {
         }
     }
 
-    /// The time less the waits, in a unit that is the same for all threads.
+    /// The time since the start without the waits, in a unit that all threads share.
     #[inline(always)]
     pub(super) fn busy(&self) -> u64 {
         since(self.started).saturating_sub(self.waited)
     }
 
-    /// Does `wait`, during which the thread does not work.
+    /// Runs `wait`, whose duration does not count as work.
     pub(super) fn pause<T>(&mut self, wait: impl FnOnce() -> T) -> T {
         let before = now();
         let result = wait();

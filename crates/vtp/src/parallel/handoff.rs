@@ -15,17 +15,17 @@ use crate::engine::layout::{half_edge, parts};
 use crate::engine::store::{COLUMNS, NO_LIST};
 use crate::wavefront::{Improvement, SurfaceState, Wavefront};
 
-/// Vertices whose turns are to come, with all windows of the sender that wait on the faces around
-/// them.
+/// Vertices whose turns are still to come, with all windows of the sender that wait on the faces
+/// around them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Handoff {
-    /// The bucket of the sender.
+    /// The current bucket of the sender.
     bucket: u32,
     /// The vertices, with the sender's shortest paths to them.
     turns: Vec<Improvement>,
-    /// The half-edges on which windows wait, and how many.
+    /// The half-edges with waiting windows, and the numbers of windows.
     lists: Vec<(u32, u32)>,
-    /// These windows, list by list, in columns.
+    /// The windows, list by list, in columns.
     windows: Vec<f64>,
 }
 
@@ -36,15 +36,15 @@ impl Handoff {
         self.windows.clear();
     }
 
-    /// The windows in it.
+    /// Number of windows.
     pub(super) fn windows(&self) -> usize {
         self.windows.len() / COLUMNS
     }
 
-    /// Adds `v`, whose turn was to come in `wavefront`, and the windows around it. Returns their
-    /// weight, `each` for a list and one for a window.
+    /// Adds `v`, whose turn in `wavefront` is still to come, and the windows around it. Returns
+    /// their weight: `each` for every list, and one for every window.
     ///
-    /// No list of the wavefront may be ready to cross, and no effects may be deferred.
+    /// No list of the wavefront may be queued, and no effects may be deferred.
     pub(super) fn add(
         &mut self,
         wavefront: &mut Wavefront,
@@ -61,7 +61,7 @@ impl Handoff {
             distance: view.give_up(v),
         });
         let mut weight = 0;
-        // A list may wait on a face only if the turn of one of its vertices is to come.
+        // A list can only wait on a face if the turn of one of its vertices is still to come.
         for place in view.layout().ring_places(v) {
             let (f, _) = parts(view.layout().rings[place]);
             for corner in 0..3 {
@@ -78,7 +78,7 @@ impl Handoff {
         weight
     }
 
-    /// Moves all vertices and windows into a wavefront.
+    /// Adds all vertices and windows to `wavefront`.
     fn unpack<P: Probe>(
         &self,
         wavefront: &mut Wavefront,
@@ -88,7 +88,7 @@ impl Handoff {
         for &turn in &self.turns {
             schedule_fuzz();
             view.take_over(turn.vertex, turn.distance);
-            wavefront.hear_of(view, turn, probe);
+            wavefront.take_over(view, turn, probe);
         }
         wavefront.settle(view, probe);
         let mut windows = self.windows.as_slice();
@@ -110,7 +110,7 @@ struct Slot {
     handoff: Mutex<Handoff>,
 }
 
-/// The handoffs on their way: one to each thread at a time.
+/// The handoffs in transit: at most one to each thread.
 #[derive(Debug)]
 pub(super) struct Handoffs {
     slots: Vec<Padded<Slot>>,
@@ -123,8 +123,8 @@ impl Handoffs {
         }
     }
 
-    /// Sends the handoff that `fill` packs from a thread at `bucket` to thread `to`, unless one is
-    /// on its way there.
+    /// Sends the handoff that `fill` packs, from a thread at `bucket` to thread `to`, unless
+    /// another one is in transit to that thread.
     pub(super) fn send(
         &self,
         bucket: u32,
@@ -151,14 +151,14 @@ impl Handoffs {
         }
     }
 
-    /// Whether a handoff waits for a thread.
+    /// Whether a handoff to thread `to` is in transit.
     #[inline(always)]
     pub(super) fn has(&self, to: usize) -> bool {
         self.slots[to].0.full.load(Relaxed)
     }
 
-    /// Unpacks the handoff to a thread into its wavefront, if there is one, and returns whether
-    /// there was; `spare` is swapped into the mailbox, so that its memory is used again.
+    /// Receives and unpacks the handoff to a thread, if there is one; returns whether there was.
+    /// `spare` is swapped into the mailbox, so that its memory is reused.
     pub(super) fn receive<P: Probe>(
         &self,
         to: usize,
@@ -177,7 +177,7 @@ impl Handoffs {
         slot.full.store(false, Relaxed);
         drop(handoff);
         schedule_fuzz();
-        // It may have looked elsewhere since it was called back.
+        // The thread may have changed its bucket since it was moved back.
         lag.call_back(to, spare.bucket);
         spare.unpack(wavefront, view, probe);
         schedule_fuzz();
@@ -201,7 +201,7 @@ mod tests {
         (0..store.len(list)).map(|i| store.get(list, i)).collect()
     }
 
-    /// Has windows wait on `h`.
+    /// Makes windows wait on `h`.
     fn put(
         wavefront: &mut Wavefront,
         view: &mut ThreadView<'_>,
@@ -216,7 +216,7 @@ mod tests {
         view.set_list(f, corner, wavefront.store.set_len(list, windows.len()));
     }
 
-    /// `v` changes hands, with what waits around it; returns what that weighs, lists with 100.
+    /// Hands `v` off with the windows around it. Returns their weight, where a list counts 100.
     fn give(shared: &Shared, from: &mut Thread, to: &mut Thread, v: u32) -> usize {
         let mut handoff = Handoff::default();
         let (wavefront, mut view) = from.view(shared);
@@ -261,7 +261,7 @@ mod tests {
         assert_eq!(windows(&wavefront.store, &view, lists[1].0), lists[1].1);
     }
 
-    /// Otherwise windows that come back would wait there for ever.
+    /// Otherwise windows that return would wait for ever.
     #[test]
     fn a_vertex_that_was_given_away_has_a_turn_when_the_wave_comes_back() {
         let (shared, [mut a, mut b]) = two_threads();
@@ -308,7 +308,7 @@ mod tests {
         put(wavefront, &mut view, h, &[[7.0; COLUMNS]]);
         give(&shared, &mut a, &mut b, v);
         let (wavefront, mut view) = b.view(&shared);
-        // What it sends for the shorter path it knows of now.
+        // It sends windows for the shorter path that it now knows.
         assert_eq!(
             (view.reached(v), wavefront.origins[v as usize].h),
             (2.5, path(&shared.layout, v, 2, 0.0).h)
@@ -352,7 +352,7 @@ mod tests {
         assert_eq!((receive(), receive()), ((true, 2), (false, 2)));
         handoffs.send(2, 1, lag, |_| {});
         assert!(!handoffs.has(1), "an empty one");
-        // What was not sent is still there.
+        // The vertices that were not sent are still in the queue.
         assert_eq!(a.wavefront.buckets.near().collect::<Vec<_>>(), [101]);
     }
 }

@@ -1,4 +1,4 @@
-//! The limit of the distance between threads, their waiting, and the detection of the end of a run.
+//! The limit of the lag between threads, their waiting, and the detection of the end of a run.
 
 use std::hint::spin_loop;
 use std::sync::atomic::Ordering::{Acquire, Relaxed, Release};
@@ -8,16 +8,17 @@ use std::time::Duration;
 
 use super::padded::Padded;
 
-/// The bucket of a thread in which no vertex waits.
+/// The bucket of a thread without waiting vertices.
 const NOWHERE: u32 = u32::MAX;
 
-/// How many buckets one of two threads may be ahead of the other. With none they would wait for
-/// each other in each bucket, with 2 they take 2 to 3 % longer on models of some thousand faces;
-/// with more, windows that come late cross what others have made of earlier ones once more.
+/// How many buckets one of two threads may be ahead of the other. With 0 they would wait for each
+/// other in each bucket. With 2 they take 2 to 3 % longer on models of some thousand faces. With
+/// more than 4, late windows repeat crossings that earlier ones have made.
 const LEAD_OF_TWO: u32 = 4;
 
-/// The same among more threads, where that weighs more: with 4, 16 threads took up to 37 % more
-/// windows than one, with 2 less than 30 % (on two processors, before handoffs went by place).
+/// The same limit for more than two threads, where late windows cost more. With 4, 16 threads took
+/// up to 37 % more windows than one; with 2, less than 30 % (on two processors, before handoffs
+/// considered positions).
 const LEAD_OF_MORE: u32 = 2;
 
 /// Checks of some 40 ns each before a waiting thread yields.
@@ -30,11 +31,12 @@ const NAP: Duration = Duration::from_micros(50);
 /// The buckets that the threads of a run have reached, and the work that is left.
 #[derive(Debug)]
 pub(super) struct LagLimit {
-    /// The bucket whose turn each thread takes or wants to take.
+    /// The bucket that each thread processes or wants to process.
     places: Vec<Padded<AtomicU32>>,
-    /// Threads at work and handoffs on their way. At 0 the run is over.
+    /// Threads at work plus handoffs in transit. The run is over when it reaches 0.
     pending: Padded<AtomicUsize>,
-    /// Threads that have reached the end of the run, and the number expected there.
+    /// Threads that have reached the end of the run; `expected` is the number of threads of
+    /// the run.
     arrived: Padded<AtomicUsize>,
     expected: usize,
     broken: AtomicBool,
@@ -60,8 +62,8 @@ impl LagLimit {
         }
     }
 
-    /// The first thread is at work, at the first bucket, in a run in which so many threads take
-    /// part.
+    /// Prepares a run with this number of threads. The first thread is at work, at the first
+    /// bucket.
     pub(super) fn reset(&mut self, threads: usize) {
         self.arrived = Padded::default();
         self.expected = threads;
@@ -71,7 +73,7 @@ impl LagLimit {
         self.broken = AtomicBool::new(false);
     }
 
-    /// A thread has reached a bucket, or no vertex waits in it.
+    /// Publishes the bucket that a thread has reached; `None` if it has no waiting vertices.
     pub(super) fn come_to(&self, thread: usize, bucket: Option<u32>) {
         self.places[thread]
             .0
@@ -83,29 +85,30 @@ impl LagLimit {
         self.places[to].0.fetch_min(bucket, Relaxed);
     }
 
-    /// The last bucket whose turn may be taken.
+    /// The last bucket that may be processed.
     pub(super) fn limit(&self) -> u32 {
         let last = self.places.iter().map(|place| place.0.load(Relaxed)).min();
         last.unwrap_or(NOWHERE).saturating_add(self.lead)
     }
 
-    /// A thread resumes work, or sends a handoff. Called by a thread that is at work or has
-    /// received a handoff.
+    /// Counts a thread that resumes work, or a handoff that is sent. The caller must be at work or
+    /// have received a handoff.
     pub(super) fn begin(&self) {
         self.pending.0.fetch_add(1, Relaxed);
     }
 
-    /// A thread runs out of work, or has unpacked a handoff, whose effects count as its own work.
+    /// Counts off a thread that runs out of work, or a handoff that has been unpacked. Its effects
+    /// belong to the receiver's work.
     pub(super) fn end(&self) {
         self.pending.0.fetch_sub(1, Release);
     }
 
-    /// Whether no work is left. All writes of the threads are visible then.
+    /// Whether no work is left. If so, all writes of the threads are visible.
     pub(super) fn is_over(&self) -> bool {
         self.pending.0.load(Acquire) == 0
     }
 
-    /// Waits until all threads have arrived; their earlier writes are visible then. Returns whether
+    /// Waits until all threads have arrived. Their earlier writes are then visible. Returns whether
     /// no thread has panicked.
     pub(super) fn meet(&self) -> bool {
         let arrived = &self.arrived.0;
@@ -117,7 +120,7 @@ impl LagLimit {
         !self.is_broken()
     }
 
-    /// A thread has panicked, and the others stop waiting.
+    /// Ends the waits of all threads after a panic.
     pub(super) fn break_up(&self) {
         self.broken.store(true, Relaxed);
     }
@@ -126,7 +129,7 @@ impl LagLimit {
         self.broken.load(Relaxed)
     }
 
-    /// The waiting strategy of a thread.
+    /// A new backoff for a waiting thread.
     pub(super) fn backoff(&self) -> Backoff {
         Backoff {
             spins: self.spins,
@@ -135,8 +138,8 @@ impl LagLimit {
     }
 }
 
-/// Spins, then yields, then sleeps: most waits take microseconds, and waking a sleeping thread
-/// takes tens. With more threads than processors it yields at once.
+/// Spins, then yields, then sleeps. Most waits take microseconds, and waking a sleeping thread
+/// takes tens of microseconds. With more threads than processors it yields at once.
 #[derive(Debug)]
 pub(super) struct Backoff {
     spins: u32,
@@ -212,7 +215,8 @@ mod tests {
     fn a_run_is_over_when_no_thread_works_and_no_handoff_is_on_its_way() {
         let mut lag = LagLimit::new(2);
         lag.reset(2);
-        // The first sends the other a handoff and rests; the other takes it.
+        // The first thread sends the other a handoff and runs out of work. The other thread
+        // receives it.
         lag.begin();
         lag.end();
         assert!(!lag.is_over());

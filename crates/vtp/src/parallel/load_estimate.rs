@@ -1,38 +1,38 @@
-//! Estimates of the remaining time of each thread, and the handoffs that balance them.
+//! Estimates of the remaining time of each thread, which handoffs balance.
 
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
 
 use super::padded::Padded;
 
-/// The cost of a waiting list beyond its windows, in windows.
+/// The cost of a waiting list in addition to its windows, in units of a window.
 pub(super) const LIST: usize = 16;
 
 /// A thread hands off work if its estimate exceeds the mean by this fraction. 0.05 makes no
-/// difference; with 0.2 two threads take up to 2 % longer, with 0.35 4 %.
+/// difference. With 0.2 two threads take up to 2 % longer, with 0.35 4 %.
 const TOO_MUCH: f64 = 0.1;
 
-/// The weight of earlier turns beside the last one.
+/// The weight of earlier turns relative to the last one.
 const KEPT: f64 = 0.9;
 
-/// The work that waits in one thread, and the time that the thread takes for a unit of it.
+/// The waiting work of a thread, and its time for a unit of work.
 #[derive(Debug, Default)]
 pub(super) struct LoadEstimate {
-    /// The weight of lists and windows that waited at the last estimate.
+    /// The weight of waiting lists and windows at the last estimate.
     weight: f64,
-    /// The time that the thread had worked then.
+    /// The working time of the thread at the last estimate.
     worked: u64,
-    /// Sums over the turns so far, older ones with less weight.
+    /// Sums over the turns so far, with less weight for older ones.
     times: f64,
     weights: f64,
 }
 
 impl LoadEstimate {
-    /// Estimates how long the turns of so many waiting windows and lists will take a thread that
-    /// has [worked](super::clock::Clock) for so long; in a unit that all threads share.
+    /// Estimates how long a thread with `windows` in `lists` will take. `worked` is its [working
+    /// time](super::clock::Clock). The unit is the same for all threads.
     ///
-    /// Called after each turn and after each wait. So a thread that waits seems faster than it is,
-    /// receives more work and waits less.
+    /// Called after each turn and after each wait. A waiting thread therefore seems faster than it
+    /// is, receives more work and waits less.
     pub(super) fn note(&mut self, windows: usize, lists: usize, worked: u64) -> u64 {
         let took = worked.saturating_sub(self.worked);
         self.times = KEPT * self.times + took as f64;
@@ -44,8 +44,8 @@ impl LoadEstimate {
         expected
     }
 
-    /// Time for a unit of weight. Low before the first measurement, so that a thread that has just
-    /// woken up receives work.
+    /// Time for a unit of weight. Before the first measurement it is low, so that a thread that has
+    /// just started receives work.
     fn time_for_each(&self) -> f64 {
         if self.weights > 0.0 && self.times > 0.0 {
             1000.0 * self.times / self.weights
@@ -54,12 +54,12 @@ impl LoadEstimate {
         }
     }
 
-    /// Lists and windows that wait.
+    /// The weight of waiting lists and windows.
     pub(super) fn weight(&self) -> f64 {
         self.weight
     }
 
-    /// Removes the weight of a handoff; returns the fraction that it was.
+    /// Subtracts the weight of a handoff; returns its fraction of the whole.
     pub(super) fn lose(&mut self, weight: usize) -> f64 {
         let part = (weight as f64 / self.weight.max(1.0)).min(1.0);
         self.weight *= 1.0 - part;
@@ -67,7 +67,7 @@ impl LoadEstimate {
     }
 }
 
-/// The estimate of a thread that has not woken up.
+/// The estimate of a thread that has not started.
 const ABSENT: u64 = u64::MAX;
 
 /// The estimates of all threads.
@@ -80,7 +80,7 @@ impl LoadEstimates {
         Self((0..threads).map(absent).collect())
     }
 
-    /// No thread has woken up.
+    /// Resets the estimates to those of threads that have not started.
     pub(super) fn reset(&mut self) {
         self.0.fill_with(|| Padded(AtomicU64::new(ABSENT)));
     }
@@ -90,8 +90,8 @@ impl LoadEstimates {
         self.0[thread].0.store(expected, Relaxed);
     }
 
-    /// The thread to which `thread` should hand off work, and the fraction that evens out both;
-    /// `None` if it has not too much.
+    /// The thread to which `thread` should hand off work, and the fraction that makes both equal;
+    /// `None` if `thread` does not have too much.
     pub(super) fn advice(&self, thread: usize) -> Option<(usize, f64)> {
         let loads = self.0.iter().map(|load| load.0.load(Relaxed)).enumerate();
         let awake = loads.filter(|&(_, load)| load != ABSENT);
@@ -109,7 +109,7 @@ impl LoadEstimates {
         (own > (1.0 + TOO_MUCH) * total / count).then_some((to, share))
     }
 
-    /// `from` has handed off this fraction of its work to `to`.
+    /// Records that `from` has handed off this fraction of its work to `to`.
     pub(super) fn moved(&self, from: usize, to: usize, share: f64) {
         #[allow(clippy::cast_sign_loss)] // No share is negative.
         let moved = (self.0[from].0.load(Relaxed) as f64 * share) as u64;

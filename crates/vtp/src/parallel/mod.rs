@@ -1,6 +1,6 @@
 //! VTP on several threads.
 
-// The kernels must be inlined into the functions that have the features of the processor.
+// Kernels must be inlined into the functions that enable the instructions.
 #![allow(clippy::inline_always)]
 
 mod clock;
@@ -30,10 +30,13 @@ use self::worker::Worker;
 use crate::engine::layout::MeshLayout;
 use crate::fast::{FastOptions, VtpFast};
 
-/// The most threads of a run.
+/// The largest number of threads.
 const MOST_THREADS: usize = 1024;
 
-/// [`VtpFast`](crate::VtpFast) on several threads, on one mesh.
+/// [`VtpFast`] on several threads, on one mesh.
+///
+/// Distances differ from those of [`VtpFast`] by rounding only. Counts vary from
+/// run to run.
 ///
 /// ```
 /// use geobench_mesh::Mesh;
@@ -53,22 +56,22 @@ pub struct Pvtp {
     numbering: Numbering,
     shared: Shared,
     workers: Vec<Worker>,
-    /// The threads of all workers but the first, which works on the thread of the caller.
+    /// The threads of all workers but the first, which runs on the caller's thread.
     pool: Option<ThreadPool>,
 }
 
 impl Pvtp {
-    /// Sets up for `mesh` and a number of threads, from 1 to 1024, with every improvement;
-    /// O(threads · faces).
+    /// Sets up for `mesh` with every improvement; O(threads · faces). `threads` is clamped to
+    /// 1..=1024.
     ///
-    /// To solve from within a task of `rayon` is sound, but the thread may take up another of its
-    /// tasks while it waits for the others to end; so a task must not hold a lock meanwhile that
-    /// others take. Where the system does not start so many threads, solving is an error.
+    /// Solving within a task of `rayon` is sound. But while the thread waits for the others to end,
+    /// it may run other tasks of its pool, so the task must not hold a lock that these take. If the
+    /// system does not start the threads, solving returns an error.
     pub fn new(mesh: &Mesh, threads: usize) -> Self {
         Self::with_options(mesh, threads, FastOptions::default())
     }
 
-    /// The same with other options.
+    /// As [`new`](Self::new), with other options.
     pub fn with_options(mesh: &Mesh, threads: usize, options: FastOptions) -> Self {
         let threads = threads.clamp(1, MOST_THREADS);
         let instructions = options.instructions.or_narrower();
@@ -93,7 +96,7 @@ impl Pvtp {
         }
     }
 
-    /// The options in force, with instructions that the processor has.
+    /// The options in use, with instructions that the processor has.
     pub fn options(&self) -> FastOptions {
         self.options
     }
@@ -110,14 +113,14 @@ fn workers(threads: usize, layout: &MeshLayout, options: &FastOptions) -> Vec<Wo
         .collect()
 }
 
-/// A pool of so many threads; none if there are to be none, or if the system does not start them.
+/// A pool of `threads` threads; `None` if that is 0 or if the system does not start them.
 fn pool_of(threads: usize) -> Option<ThreadPool> {
     let named = ThreadPoolBuilder::new().thread_name(|i| format!("pvtp-{}", i + 1));
     let pool = (threads > 0).then(|| named.num_threads(threads).build());
     pool.and_then(Result::ok)
 }
 
-/// The data of a run that all threads share.
+/// The data that all threads of a run share.
 #[derive(Clone, Copy)]
 struct RunContext<'a> {
     shared: &'a Shared,
@@ -127,8 +130,7 @@ struct RunContext<'a> {
 }
 
 impl RunContext<'_> {
-    /// The task of `worker`, after which it has filled its share of the distances, in the mesh's
-    /// order.
+    /// Runs the task of `worker`, and then fills its share of `distances`, in the mesh's order.
     fn task<P: Probe>(self, worker: &mut Worker, distances: &mut [f64], probe: &mut P) {
         if self.shared.coalesces {
             let task = ThreadTask::<P, true> {
@@ -150,7 +152,7 @@ impl RunContext<'_> {
     }
 }
 
-/// The work of one thread in a run.
+/// The task of one thread in a run.
 struct ThreadTask<'a, P, const COALESCE: bool> {
     run: RunContext<'a>,
     worker: &'a mut Worker,
@@ -217,15 +219,16 @@ impl Propagate for Pvtp {
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
         if P::TRACES {
-            // What each thread knows of origins would have to be compared.
+            // Origins from several threads would have to be compared, so traced runs use one
+            // thread.
             return VtpFast::with_options(&self.mesh, self.options).propagate(sources, probe);
         }
         let others = self.threads() - 1;
         if !P::COUNTS {
             return self.propagate_with(sources, probe, &mut vec![(); others]);
         }
-        // Threads reach their peaks at different times. The reported peak is the sum of the
-        // threads' peaks, an upper bound.
+        // Threads reach their peaks at different times. The reported peak is the sum of their
+        // peaks, which is an upper bound.
         let mut first = Count::default();
         let mut counts = vec![Count::default(); others];
         let solution = self.propagate_with(sources, &mut first, &mut counts);
@@ -242,7 +245,8 @@ impl Propagate for Pvtp {
 }
 
 impl Pvtp {
-    /// As [`propagate`](Propagate::propagate), with probes for the first thread and for the others.
+    /// As [`propagate`](Propagate::propagate), with separate probes for the first thread and the
+    /// others.
     fn propagate_with<P: Probe, Q: Probe + Send>(
         &mut self,
         sources: &[VertexId],
@@ -250,11 +254,11 @@ impl Pvtp {
         others: &mut [Q],
     ) -> Solution {
         if self.shared.lag.is_broken() {
-            // A probe panicked in the last run, and the caller continues.
+            // A probe panicked in the last run, and the caller went on.
             self.workers = workers(self.threads(), &self.shared.layout, &self.options);
             self.shared.recover();
         }
-        // Without a pool the first thread does everything.
+        // Without a pool, the first thread does all work.
         let threads = self.pool.as_ref().map_or(1, |_| self.threads());
         self.shared.start(threads);
         let sources: Vec<u32> = sources
@@ -296,10 +300,10 @@ impl Pvtp {
         match &self.pool {
             None => {
                 run_first();
-                // There is nothing left for them but to hand out their shares of the distances.
+                // The other workers only have to fill their shares of the distances.
                 (0..of_others.len()).for_each(run_other);
             }
-            // If one panics, all end, and the panic goes on from here.
+            // If a thread panics, all threads end, and the panic continues in the caller.
             Some(pool) => pool.in_place_scope(|scope| {
                 scope.spawn_broadcast(|_, thread| run_other(thread.index()));
                 run_first();
@@ -339,7 +343,7 @@ mod tests {
         }
     }
 
-    /// More threads than the system starts once ended in a panic.
+    /// More threads than the system starts once caused a panic.
     #[test]
     fn threads_that_the_system_does_not_start_are_an_error() {
         let soup = generate(&"gen:cube,n=2".parse().unwrap()).unwrap();

@@ -7,13 +7,13 @@ use geobench_mesh::{Mesh, Numbering, VertexId};
 
 use super::padded::Padded;
 
-/// A position; single precision is enough to compare distances.
+/// A position. Single precision suffices to compare distances.
 type Position = [f32; 3];
 
-/// The positions of vertices, and of the region of each thread.
+/// The positions of vertices, and the centre of the region of each thread.
 ///
 /// Compact regions have few half-edges on which two threads have windows, and windows that travel
-/// away from the source stay beside each other. So a thread hands off vertices on the side of the
+/// away from the source stay close to each other. So a thread hands off vertices on the side of the
 /// receiver.
 #[derive(Debug)]
 pub(super) struct Placement {
@@ -22,12 +22,13 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    /// For the vertices of `mesh` by their new numbers. Without positions, neighbours in number
-    /// count as neighbours.
+    /// The placement for the vertices of `mesh`, by their new numbers. Without positions, vertices
+    /// with close numbers count as close.
     pub(super) fn new(mesh: &Mesh, numbering: &Numbering, threads: usize) -> Self {
         let positions = mesh.positions();
-        // So that single precision tells vertices apart wherever the model lies and however large
-        // it is; vertices without faces may lie anywhere.
+        // Positions are shifted and scaled so that single precision distinguishes vertices wherever
+        // the model is and however large it is. Vertices without faces may be anywhere, so they do
+        // not count.
         let on_faces = mesh.vertices().filter(|&v| !mesh.outgoing(v).is_empty());
         let mut places = on_faces.filter_map(|v| positions.get(v.index())).peekable();
         let origin = places.peek().copied().copied().unwrap_or_default();
@@ -48,16 +49,16 @@ impl Placement {
         self.centers.fill_with(Padded::default);
     }
 
-    /// A thread is at work where `vertices` are, if any.
+    /// Sets the region of a thread to the centre of `vertices`, if there are any.
     pub(super) fn come_to(&self, thread: usize, vertices: &[u32]) {
         if let Some(center) = self.center(vertices.iter().copied()) {
             self.centers[thread].0.set(center);
         }
     }
 
-    /// About `share` of `vertices`: those that lie farthest on the side of thread `to`, the
-    /// farthest first; not all of them. If that thread is nowhere yet or in their middle, those at
-    /// one end of where they extend farthest. O(m + n log n) for n of m vertices.
+    /// About `share` of `vertices`, but not all: those farthest on the side of thread `to`,
+    /// farthest first. If that thread has no region yet, or its centre is the same, those at one
+    /// end of the longest axis. O(m + n log n) for n of m vertices.
     pub(super) fn on_the_side_of<'a>(
         &self,
         to: usize,
@@ -106,11 +107,11 @@ impl Placement {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
     pub(super) vertex: u32,
-    /// How far it lies on the side of a possible receiver.
+    /// Its position in the direction of a possible receiver.
     along: f32,
 }
 
-/// The middle of the vertices that had their turns last in a thread; not numbers if none had.
+/// The centre of the vertices that a thread processed last; NaN if there were none.
 #[derive(Debug)]
 struct Center([AtomicU32; 3]);
 
@@ -121,7 +122,7 @@ impl Default for Center {
 }
 
 impl Center {
-    /// Others may see some of the coordinates before the rest.
+    /// Not atomic as a whole: other threads may see some of the coordinates before the others.
     fn set(&self, position: Position) {
         for (to, x) in self.0.iter().zip(position) {
             to.store(x.to_bits(), Relaxed);
@@ -142,7 +143,7 @@ fn dot(a: Position, b: Position) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The axis of the coordinates along which places are farthest from zero, in the mean of squares.
+/// The coordinate axis with the greatest mean square of the positions.
 fn longest_axis(places: impl Iterator<Item = Position>) -> Position {
     let mut sums = Position::default();
     for place in places {
@@ -160,7 +161,7 @@ mod tests {
     use geobench_mesh::TriangleSoup;
     use geobench_mesh::generate::generate;
 
-    /// A plane of 5 x 5 vertices, numbered by rows.
+    /// A plane of 5 × 5 vertices, numbered by rows.
     fn plane() -> TriangleSoup {
         generate(&"gen:grid,n=4".parse().unwrap()).unwrap()
     }
@@ -194,7 +195,7 @@ mod tests {
             assert_eq!(given(&placement, 2, &row, 0.01), [14]);
             assert_eq!(given(&placement, 2, &row, 1.0), [14, 13, 12, 11]);
             placement.reset();
-            // No thread has a place: one end of the longer side.
+            // No thread has a region: one end of the longer side.
             let vertices = [10, 11, 12, 13, 14, 17];
             assert_eq!(given(&placement, 1, &vertices, 0.2), [14, 13]);
             placement.come_to(1, &[12]);
@@ -209,7 +210,7 @@ mod tests {
             for position in &mut soup.positions {
                 *position = position.map(|x| x + 1e9);
             }
-            // The first and the last.
+            // The first vertex and the last one.
             soup.positions.insert(0, [stray; 3]);
             soup.positions.push([0.0; 3]);
             for corner in soup.triangles.iter_mut().flatten() {

@@ -1,15 +1,15 @@
-//! Random delays in unit tests, which change the schedule of threads.
+//! Random delays in unit tests, which vary the schedule of threads.
 //!
-//! A race that shows once in many thousand runs shows in a few with delays between the steps that
-//! other threads may interrupt.
+//! Delays between the steps at which other threads may interfere make races frequent: one that
+//! occurs in some thousands of runs then occurs in a few.
 
-/// Does nothing outside of unit tests.
+/// Does nothing outside unit tests.
 #[cfg(not(test))]
 #[inline(always)]
 pub(super) fn schedule_fuzz() {}
 
-/// Mostly returns at once; now and then spins for some microseconds or yields, and once in two
-/// thousand times sleeps for at most a quarter of a millisecond.
+/// Usually returns at once. Sometimes it spins for some microseconds or yields, and once in two
+/// thousand times it sleeps for at most a quarter of a millisecond.
 #[cfg(test)]
 pub(super) fn schedule_fuzz() {
     use std::cell::RefCell;

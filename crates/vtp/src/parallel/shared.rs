@@ -1,4 +1,4 @@
-//! State that the threads of a run share.
+//! The state that the threads of a run share.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicU64;
@@ -11,17 +11,17 @@ use super::placement::Placement;
 use crate::engine::layout::MeshLayout;
 use crate::fast::FastOptions;
 
-/// The state of a run that threads share.
+/// The state of a run that all threads share.
 ///
-/// Distances are atomic with relaxed order, and a thread that finds a shorter path than it sees
-/// stores its length without an atomic minimum. So a distance that a thread sees may be too long,
-/// which prunes less. The thread that wrote it keeps a copy, or passes it on with a handoff, and
-/// repairs the shared distances at the end
-/// ([`ThreadState::repair`](super::part::ThreadState::repair)).
+/// Distances are atomic with relaxed order. A thread that finds a shorter path than it sees stores
+/// its length without an atomic minimum. A distance that a thread sees may therefore be too long,
+/// which deletes fewer windows. The thread that wrote the shorter distance keeps a copy, or passes
+/// it on with a handoff, and repairs the shared distances at the end
+/// ([`ThreadState::repair`](super::thread_view::ThreadState::repair)).
 #[derive(Debug)]
 pub(super) struct Shared {
     pub(super) layout: MeshLayout,
-    /// Whether windows parted by flat vertices become one again.
+    /// Whether windows are coalesced behind flat vertices.
     pub(super) coalesces: bool,
     pub(super) threads: usize,
     pub(super) distances: Vec<AtomicDistance>,
@@ -51,13 +51,13 @@ impl Shared {
         }
     }
 
-    /// Clears the handoffs of a run that has panicked.
+    /// Removes the handoffs of a run that has panicked.
     pub(super) fn recover(&mut self) {
         self.handoffs = Handoffs::new(self.threads);
     }
 
-    /// Starts another run of so many threads. No handoff may be on its way, as after a run or after
-    /// [`recover`](Self::recover).
+    /// Prepares a run with this number of threads. No handoff may be in transit; none is after a
+    /// complete run or [`recover`](Self::recover).
     pub(super) fn start(&mut self, threads: usize) {
         self.distances.fill_with(AtomicDistance::unknown);
         self.placement.reset();
@@ -65,7 +65,7 @@ impl Shared {
         self.lag.reset(threads);
     }
 
-    /// The share of `thread` in `count` things.
+    /// The share of `thread` of `count` elements.
     pub(super) fn share(&self, thread: usize, count: usize) -> Range<usize> {
         let size = count.div_ceil(self.threads);
         let start = (thread * size).min(count);
@@ -73,7 +73,7 @@ impl Shared {
     }
 }
 
-/// A distance that threads can see, not negative.
+/// A non-negative distance that all threads can read and write.
 #[derive(Debug)]
 pub(super) struct AtomicDistance(AtomicU64);
 
@@ -92,9 +92,9 @@ impl AtomicDistance {
         self.0.store(value.to_bits(), Relaxed);
     }
 
-    /// Takes a lesser value, as an atomic minimum.
+    /// Stores `value` if it is less, as an atomic minimum.
     pub(super) fn lower(&self, value: f64) {
-        // The bits of such numbers are in the same order.
+        // The bits of non-negative numbers have the same order.
         self.0.fetch_min(value.to_bits(), Relaxed);
     }
 }

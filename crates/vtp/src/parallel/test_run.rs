@@ -10,7 +10,7 @@ use crate::engine::layout::{MeshLayout, half_edge, next, parts};
 use crate::fast::FastOptions;
 use crate::wavefront::{Improvement, SurfaceState, Wavefront};
 
-/// What a thread has.
+/// The state of a thread.
 pub(super) struct Thread {
     pub(super) wavefront: Wavefront,
     pub(super) state: ThreadState,
@@ -27,11 +27,11 @@ impl Thread {
         )
     }
 
-    /// Finds a path, and settles what follows.
+    /// Finds a path and applies its effects.
     pub(super) fn find(&mut self, shared: &Shared, path: Improvement) {
         let (wavefront, mut view) = self.view(shared);
         if view.offer(path.vertex, path.distance) {
-            wavefront.hear_of(&mut view, path, &mut ());
+            wavefront.take_over(&mut view, path, &mut ());
             wavefront.settle(&mut view, &mut ());
         }
     }
@@ -62,14 +62,14 @@ pub(super) fn two_threads() -> (Shared, [Thread; 2]) {
     (shared, threads)
 }
 
-/// A vertex inside from which windows start into the shadow of a path.
+/// An interior vertex that sends windows into a spawn wedge.
 pub(super) fn saddle(layout: &MeshLayout) -> u32 {
     let mut vertices = (0..).zip(&layout.vertices);
     let saddle = vertices.find(|(_, v)| v.pseudo_source && !v.all_around);
     saddle.unwrap().0
 }
 
-/// A path of length `distance` to `vertex`, across the face at `place` of its ring.
+/// A path of length `distance` to `vertex`, across the face at index `place` of its ring.
 pub(super) fn path(layout: &MeshLayout, vertex: u32, place: usize, distance: f64) -> Improvement {
     let (f, corner) = parts(layout.ring(vertex)[place]);
     Improvement {

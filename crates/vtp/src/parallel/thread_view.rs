@@ -10,17 +10,18 @@ use crate::engine::prefetch::prefetch;
 use crate::wavefront::SurfaceState;
 use geobench_window::prefetch_line;
 
-/// Faces and vertices: the state that a thread does not share.
+/// The state of faces and vertices that a thread does not share.
 #[derive(Debug)]
 pub(super) struct ThreadState {
     faces: Vec<FaceState>,
-    /// For each vertex the length of the first path that this thread has found or received, and
-    /// later of each path that is shorter than this and than the distance that the thread saw.
-    /// Infinite if there is none, or once the vertex is handed off. So the thread that wrote a
-    /// distance, or received the vertex, has a path that is no longer. If it is finite, the vertex
-    /// has had its turn in this wavefront or waits for it.
+    /// For each vertex, the length of the last path that this thread has recorded; infinite if
+    /// there is none, or once the vertex has been handed off. The first path that the thread finds
+    /// or receives is recorded. A later path is recorded if it is shorter than that and than the
+    /// distance that the thread saw. So the thread that wrote a distance, or received the vertex,
+    /// has a path that is no longer. If the length is finite, the vertex has had its turn in this
+    /// wavefront or waits for it.
     reached: Vec<f64>,
-    /// The target of writes that have no effect, which saves a branch.
+    /// The target of writes without effect, which avoid a branch.
     nowhere: AtomicDistance,
     /// The number of this run.
     run: u8,
@@ -46,7 +47,7 @@ impl ThreadState {
         self.reached.fill(f64::INFINITY);
     }
 
-    /// Lowers the shared distances to those that this thread has found: threads write without
+    /// Lowers the shared distances to those that this thread has found. Threads write without
     /// atomic minima, so a longer path may have overwritten a shorter one.
     pub(super) fn repair(&self, distances: &[AtomicDistance]) {
         for (distance, &reached) in distances.iter().zip(&self.reached) {
@@ -57,7 +58,7 @@ impl ThreadState {
     }
 }
 
-/// A thread's view of the surface: references to shared and to own state.
+/// A thread's view of the surface: references to the shared state and to its own.
 #[derive(Debug)]
 pub(super) struct ThreadView<'a> {
     layout: &'a MeshLayout,
@@ -136,12 +137,13 @@ impl SurfaceState for ThreadView<'_> {
         self.distances[v as usize].get()
     }
 
-    /// A vertex that another thread has reached by a shorter path has a turn in this wavefront too,
-    /// for the lists of this wavefront around it.
+    /// Also accepts the first path of this wavefront to a vertex that another thread has reached by
+    /// a shorter path. The vertex then has a turn in this wavefront as well, for the lists of this
+    /// wavefront around it.
     ///
-    /// Without a branch: whether a path is the shortest is hard to predict. And without an atomic
-    /// minimum: where another thread writes a longer path at the same time, threads may see that
-    /// for a while, which prunes less, until [`ThreadState::repair`].
+    /// Whether a path is the shortest is hard to predict, so there is no branch on it. There is no
+    /// atomic minimum either. If another thread writes a longer path at the same time, threads may
+    /// see that until [`ThreadState::repair`], and delete fewer windows.
     #[inline(always)]
     #[allow(clippy::needless_bitwise_bool)] // The lazy ones are branches.
     fn offer(&mut self, v: u32, d: f64) -> bool {
@@ -197,7 +199,7 @@ mod tests {
         assert_eq!([a.distance(7), b.distance(7)], [1.0; 2]);
     }
 
-    /// A thread that has not seen it may write a longer one at the same time.
+    /// A thread that has not seen the shorter path may write a longer one at the same time.
     #[test]
     fn a_path_that_another_thread_has_overwritten_is_not_lost() {
         let (shared, mut threads) = two_threads();
@@ -214,9 +216,9 @@ mod tests {
         assert_eq!(shared.distances[7].get(), 3.0);
     }
 
-    /// The distance of a vertex once was lowered by another thread, and its turn came before it was
-    /// known by which path: windows started into the shadow of the old path, and never into that of
-    /// the new one.
+    /// Another thread once lowered the distance of a vertex, and its turn came before its path was
+    /// known. Windows started into the spawn wedge of the old path, and never into that of the new
+    /// one.
     #[test]
     fn windows_do_not_start_into_the_shadow_of_a_path_that_is_no_longer_the_shortest() {
         let (shared, mut threads) = two_threads();

@@ -14,10 +14,10 @@ use crate::fast::FastOptions;
 use crate::wavefront::{SurfaceState, Wavefront};
 use geobench_window::simd::Lanes;
 
-/// Buckets between two checks of a thread's load. 1 to 4 make no difference.
+/// Buckets between two checks of a thread's load. Values from 1 to 4 make no difference.
 const BUCKETS: u32 = 4;
 
-/// The state of a thread, kept from run to run; in cache lines of its own.
+/// The state of a thread, in cache lines of its own, reused from run to run.
 #[derive(Debug)]
 #[repr(align(128))]
 pub(super) struct Worker {
@@ -30,12 +30,12 @@ pub(super) struct Worker {
     handoff: Handoff,
     estimate: LoadEstimate,
     /// The bucket of the next check of the load.
-    looks: u32,
-    /// The last bucket whose turn it may take, as read last. Threads that have moved back since
-    /// only let this one go further ahead.
+    next_check: u32,
+    /// The last bucket that may be processed, as read last. Threads that have moved back since only
+    /// let this one run further ahead.
     limit: u32,
     clock: Clock,
-    /// Windows handed off in this run.
+    /// Number of windows handed off in this run.
     pub(super) given: usize,
 }
 
@@ -48,14 +48,14 @@ impl Worker {
             near: Vec::new(),
             handoff: Handoff::default(),
             estimate: LoadEstimate::default(),
-            looks: 0,
+            next_check: 0,
             limit: 0,
             clock: Clock::start(),
             given: 0,
         }
     }
 
-    /// Runs this thread's part of a run from `sources`. Windows are coalesced if `COALESCE`.
+    /// Runs this thread's part of a run from `sources`. Coalesces windows if `COALESCE`.
     #[inline(always)]
     pub(super) fn run<L: Lanes, P: Probe, const COALESCE: bool>(
         &mut self,
@@ -98,13 +98,13 @@ impl Worker {
         );
     }
 
-    /// The first thread starts with the turns of the sources; the others wait for a handoff, so
-    /// that no thread waits for one that wakes up late. Returns whether there is work.
+    /// Starts the thread; returns whether it has work. The first thread processes the sources. The
+    /// others wait for a handoff, so that no thread waits for one that starts late.
     fn start<P: Probe>(&mut self, shared: &Shared, sources: &[u32], probe: &mut P) -> bool {
         self.wavefront.reset();
         self.state.reset();
         self.estimate = LoadEstimate::default();
-        self.looks = 0;
+        self.next_check = 0;
         self.limit = 0;
         self.given = 0;
         self.clock = Clock::start();
@@ -127,8 +127,8 @@ impl Worker {
         self.state.repair(&shared.distances);
     }
 
-    /// Whether the turn of a bucket may be taken. Reads the buckets of the other threads only if it
-    /// must, since each read may miss the cache.
+    /// Whether a bucket may be processed. Reads the buckets of the other threads only if needed,
+    /// because each read may miss the cache.
     fn may_take(&mut self, shared: &Shared, bucket: u32) -> bool {
         if bucket > self.limit {
             self.limit = shared.lag.limit();
@@ -146,13 +146,13 @@ impl Worker {
         }
     }
 
-    /// Hands off vertices on the side of the thread with the least load, if this one has too much
-    /// and the last check was some buckets ago. `bucket` is that of the next turn.
+    /// Hands off vertices to the thread with the least load, if this one has too much and the last
+    /// check was some buckets ago. `bucket` is the next to be processed.
     fn give(&mut self, shared: &Shared, bucket: u32) {
-        if shared.threads == 1 || bucket < self.looks {
+        if shared.threads == 1 || bucket < self.next_check {
             return;
         }
-        self.looks = bucket.saturating_add(BUCKETS);
+        self.next_check = bucket.saturating_add(BUCKETS);
         shared
             .placement
             .come_to(self.thread, self.wavefront.last_turn());
@@ -178,7 +178,7 @@ impl Worker {
         });
     }
 
-    /// Unpacks a handoff; returns whether there was one.
+    /// Unpacks a handoff to this thread; returns whether there was one.
     fn receive<P: Probe>(&mut self, shared: &Shared, probe: &mut P) -> bool {
         let view = &mut ThreadView::new(shared, &mut self.state);
         let (handoff, wavefront) = (&mut self.handoff, &mut self.wavefront);
@@ -186,8 +186,8 @@ impl Worker {
         handoffs.receive(self.thread, &shared.lag, handoff, wavefront, view, probe)
     }
 
-    /// Waits for a handoff, or until `nearest`, the nearest bucket with a vertex, may have its
-    /// turn. Returns whether work is left and no thread has panicked.
+    /// Waits for a handoff, or until `nearest`, the nearest bucket with a vertex, may be processed.
+    /// Returns whether work is left and no thread has panicked.
     fn wait(&mut self, shared: &Shared, nearest: Option<u32>) -> bool {
         let Some(bucket) = nearest else {
             shared.lag.end();
@@ -206,7 +206,7 @@ impl Worker {
         })
     }
 
-    /// Waits for a handoff without other work; returns whether one has come.
+    /// Waits for a handoff without other work; returns whether one has arrived.
     fn rest(&mut self, shared: &Shared) -> bool {
         let mut backoff = shared.lag.backoff();
         self.clock.pause(|| {

@@ -1,11 +1,11 @@
 //! The loop of `vtp-fast` and of each thread of `pvtp`: the vertices of a bucket have their turns,
-//! then lists cross faces until all wait.
+//! then lists cross faces until all of them wait.
 //!
-//! A [`Wavefront`] holds the windows and queues of one thread; a [`SurfaceState`] holds the faces
-//! and distances. The two algorithms differ in the latter, in how a wavefront starts, and in the
-//! steps between turns.
+//! A [`Wavefront`] has the windows and queues of one thread. A [`SurfaceState`] has the faces and
+//! distances. The two algorithms differ in the `SurfaceState`, in how a wavefront starts, and in
+//! the steps between turns.
 
-// The kernels must be inlined into the functions that have the features of the processor.
+// Kernels must be inlined into the functions that enable the instructions.
 #![allow(clippy::inline_always)]
 
 mod surface_state;
@@ -29,44 +29,44 @@ use crate::engine::store::{NO_LIST, WindowStore, admit};
 use crate::fast::FastOptions;
 use crate::precision::extent;
 
-/// The most paths whose effects are deferred.
+/// The largest number of deferred improvements.
 const IMPROVEMENTS: usize = 4096;
 
-/// A distance update whose effects are deferred. One of: the shortest path that this wavefront saw
-/// when it was found; the first path of this wavefront to a vertex that others have reached; a path
-/// received in a handoff.
+/// A distance update whose effects are deferred. It is one of: the shortest path that this
+/// wavefront saw when it was found; the first path of this wavefront to a vertex that other threads
+/// have reached; a path received in a handoff.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Improvement {
     pub(crate) vertex: u32,
-    /// The half-edge that it crossed last.
+    /// The half-edge that the path crossed last.
     pub(crate) h: u32,
     /// The abscissa of that crossing.
     pub(crate) entry: f64,
-    /// Its length.
+    /// The length of the path.
     pub(crate) distance: f64,
 }
 
 /// The windows of one thread, and its queues of lists and vertices.
 #[derive(Clone, Debug)]
 pub(crate) struct Wavefront {
-    /// Lists whose pairs are compared.
+    /// The lists whose pairs are compared.
     compared: Sample,
-    /// Whether pseudo-sources send windows only into the shadow of the path that reached them.
+    /// Whether pseudo-sources send windows only into the spawn wedge of the path that reached them.
     spawn_wedge: bool,
     pub(crate) store: WindowStore,
-    /// Half-edges whose lists are about to cross.
+    /// Half-edges whose lists are queued to cross.
     ready: Vec<u32>,
-    /// Half-edges beside thin faces, by the least distance of their windows, that are to cross when
-    /// no others are ready.
+    /// Half-edges beside thin faces, by the least distance of their windows. They cross when no
+    /// others are queued.
     nearest: MinHeap<u32>,
     pub(crate) buckets: VertexBuckets,
-    /// Vertices that have their turns.
+    /// The vertices of the current bucket.
     turn: Vec<u32>,
-    /// Vertices whose turn has come.
+    /// Vertices that have had their turn.
     passed: Vec<bool>,
-    /// The distance at which each pseudo-source has sent out windows last.
+    /// The distance at which each pseudo-source sent windows last.
     spawned: Vec<f64>,
-    /// The origin of the path to each pseudo-source, that of length
+    /// The origin of the path to each pseudo-source that has length
     /// [`reached`](SurfaceState::reached).
     pub(crate) origins: Vec<PathOrigin>,
     improvements: Vec<Improvement>,
@@ -76,12 +76,12 @@ pub(crate) struct Wavefront {
     levels: Levels,
     kept: KeptWindows,
     lookout: Lookout,
-    /// The faces that have joined, of a run that may end early.
+    /// The faces that have joined, in runs that may end early.
     joined: Vec<u32>,
 }
 
 impl Wavefront {
-    /// For a surface; O(vertices).
+    /// An empty wavefront for `layout`; O(vertices).
     pub(crate) fn new(layout: &MeshLayout, options: &FastOptions) -> Self {
         let vertices = layout.vertices.len();
         Self {
@@ -106,18 +106,19 @@ impl Wavefront {
         }
     }
 
-    /// Whether no window and no vertex waits, as after a run.
+    /// Whether no window and no vertex waits, as after a complete run.
     pub(crate) fn is_empty(&self) -> bool {
         self.store.waiting() == 0 && self.buckets.len() == 0
     }
 
-    /// The vertices that had their turns last.
+    /// The vertices of the last turn.
     pub(crate) fn last_turn(&self) -> &[u32] {
         &self.turn
     }
 
-    /// Whether all that `probe` wants is final before the turn of `bucket`, where no list is ready
-    /// and nothing is to be [settled](Self::settle); `number` is that of a vertex of the mesh.
+    /// Whether everything that `probe` wants is final before the turn of `bucket`. No list may be
+    /// queued, and no effects may be deferred. `number` gives the number here of a vertex of the
+    /// mesh.
     pub(crate) fn ends<P: Probe>(
         &mut self,
         state: &impl SurfaceState,
@@ -135,7 +136,7 @@ impl Wavefront {
         self.lookout.ends(probe, nearest, distance, waiting)
     }
 
-    /// Takes all windows off the surface, which wait on the border of the faces that have joined.
+    /// Removes all windows, which wait on the border of the traversed area.
     pub(crate) fn abandon(&mut self, state: &mut impl SurfaceState) {
         for f in std::mem::take(&mut self.joined) {
             let twins = state.layout().faces[f as usize].twin;
@@ -150,8 +151,8 @@ impl Wavefront {
         }
     }
 
-    /// Clears the state of the last run. Every list must be empty, as after a complete run
-    /// and one that was [abandoned](Self::abandon).
+    /// Clears the state of the last run. Every list must be empty, as after a complete run or
+    /// [`abandon`](Self::abandon).
     pub(crate) fn reset(&mut self) {
         let vertices = self.origins.len();
         self.buckets.reset();
@@ -168,9 +169,9 @@ impl Wavefront {
     }
 }
 
-/// Turns of vertices, and the effects of paths that reach them.
+/// Turns of vertices, and effects of paths that reach them.
 impl Wavefront {
-    /// The turns of the vertices of `bucket`, before which no other one may have any.
+    /// Processes the vertices of `bucket`. No vertex may wait in an earlier bucket.
     pub(crate) fn take_turn<P: Probe>(
         &mut self,
         state: &mut impl SurfaceState,
@@ -210,7 +211,7 @@ impl Wavefront {
         self.spawn_if_nearer(state, v, probe);
     }
 
-    /// Queues the list on half-edge `corner` of face `f` if that has joined.
+    /// Queues the list on half-edge `corner` of face `f`, if the face has joined.
     #[inline(always)]
     pub(crate) fn make_ready(&mut self, state: &mut impl SurfaceState, f: usize, corner: usize) {
         if !self.kept.is_empty() && self.kept.holds(half_edge(f as u32, corner) as usize) {
@@ -221,8 +222,8 @@ impl Wavefront {
     }
 
     /// Queues the list on a half-edge beside a thin face by the least distance of its windows, if
-    /// the face has joined. First in, first out, they would wind around a needle before the windows
-    /// that beat them have come.
+    /// the face has joined. In first-in, first-out order, the windows would wind around a needle
+    /// before those that beat them have arrived.
     #[cold]
     #[inline(never)]
     fn wait_by_distance(&mut self, state: &impl SurfaceState, f: usize, corner: usize) {
@@ -234,13 +235,13 @@ impl Wavefront {
         }
     }
 
-    /// Makes the nearest list beside a thin face ready. Returns whether there was one.
+    /// Queues the nearest list beside a thin face to cross. Returns whether there was one.
     #[cold]
     #[inline(never)]
     fn make_nearest_ready(&mut self, state: &mut impl SurfaceState) -> bool {
         while let Some((_, h)) = self.nearest.pop() {
             let (f, corner) = parts(h);
-            // The list has crossed already if it came nearer since.
+            // Skips lists that have crossed since, as nearer ones.
             if state.list(f, corner) != NO_LIST && state.enqueue(f, corner) {
                 self.ready.push(h);
                 return true;
@@ -249,15 +250,15 @@ impl Wavefront {
         false
     }
 
-    /// Defers the effects of an improvement if `news`. There is room for one.
+    /// Defers the effects of an improvement if `news`. There must be room for it.
     #[inline(always)]
     fn note(&mut self, improvement: Improvement, news: bool) {
         self.improvements[self.improved] = improvement;
         self.improved += usize::from(news);
     }
 
-    /// Takes over a path of another wavefront to a vertex that was handed off to this one.
-    pub(crate) fn hear_of<P: Probe>(
+    /// Takes over another wavefront's path to a vertex that was handed off to this one.
+    pub(crate) fn take_over<P: Probe>(
         &mut self,
         state: &mut impl SurfaceState,
         improvement: Improvement,
@@ -275,7 +276,7 @@ impl Wavefront {
         self.improved == self.improvements.len()
     }
 
-    /// Applies the effects of distances that have improved.
+    /// Applies the deferred effects of improvements.
     pub(crate) fn settle<P: Probe>(&mut self, state: &mut impl SurfaceState, probe: &mut P) {
         for i in 0..std::mem::take(&mut self.improved) {
             let Improvement {
@@ -293,7 +294,7 @@ impl Wavefront {
                 }
             }
             if !self.passed[v] {
-                // Others may have written a longer one since.
+                // Another thread may have written a longer path since.
                 let nearest = state.distance(vertex).min(state.reached(vertex));
                 let news = self.buckets.push(vertex, nearest);
                 probe.add(Counter::QueuePushes, u64::from(news));
@@ -303,9 +304,9 @@ impl Wavefront {
     }
 }
 
-/// Windows that start from a vertex.
+/// Windows that vertices send.
 impl Wavefront {
-    /// The turn of a source, which sends windows all around.
+    /// The turn of a source, which sends windows in all directions.
     pub(crate) fn start_from<P: Probe>(
         &mut self,
         state: &mut impl SurfaceState,
@@ -319,12 +320,12 @@ impl Wavefront {
         }
     }
 
-    /// Sends windows from `v` if it is a pseudo-source that has come nearer since it last did.
+    /// Sends windows from pseudo-source `v` if its distance has decreased since it last did.
     fn spawn_if_nearer<P: Probe>(&mut self, state: &mut impl SurfaceState, v: u32, probe: &mut P) {
         let (vertex, distance) = (state.layout().vertices[v as usize], state.reached(v));
         if vertex.pseudo_source
             && distance < self.spawned[v as usize]
-            // The thread that has found a shorter path sends windows from it.
+            // If another thread has found a shorter path, that thread sends the windows.
             && distance <= state.distance(v)
         {
             self.spawned[v as usize] = distance;
@@ -332,8 +333,8 @@ impl Wavefront {
         }
     }
 
-    /// Sends paths along edges of `v` and windows across its faces, in all directions or into the
-    /// shadow of the path that reached it.
+    /// Offers distances along the edges of `v` and sends windows across its faces, in all
+    /// directions or into the spawn wedge of the path that reached it.
     fn spawn<P: Probe>(
         &mut self,
         state: &mut impl SurfaceState,
@@ -356,15 +357,15 @@ impl Wavefront {
             } else {
                 place + 1
             };
-            // The last edge belongs to the next face, if there is one.
+            // The last edge belongs to the next face of the wedge, if there is one.
             let last = !all_around && i + 1 == wedge.count;
             self.spawn_across(state, v, h, last, probe);
         }
         probe.raise(Counter::PeakWindows, self.store.waiting() as u64);
     }
 
-    /// Sends a path along `h`, which starts at `v`, and a window across its face; along the other
-    /// edge too if that is the last one.
+    /// Offers a distance along `h`, which starts at `v`, and sends a window across its face. If
+    /// `last`, also offers a distance along the other edge of the face.
     #[inline]
     fn spawn_across<F: SurfaceState, P: Probe>(
         &mut self,
@@ -378,7 +379,8 @@ impl Wavefront {
         let spawn = state.layout().spawn(h, d);
         let ([a, b], [to_a, to_b]) = (spawn.ends, spawn.paths);
         let [_, l, px, py, _] = spawn.window;
-        // Seen from the opposite vertices the paths come along the far ends of their half-edges.
+        // As seen from the opposite vertices, these paths arrive at the far ends of their
+        // half-edges.
         let (f, corner) = parts(h);
         let along_b = PathOrigin {
             h: half_edge(f as u32, prev(corner)),
@@ -393,7 +395,7 @@ impl Wavefront {
         }
         let [at_a, at_b] = [a, b].map(|v| state.distance(v));
         probe.add(Counter::Spawned, 1);
-        // The vertex filter: each end's own path along the edge beats the farthest ray.
+        // The vertex filter: a path along the edge from one of its ends beats the farthest ray.
         if (at_b + l) * LOSES < to_a || (at_a + l) * LOSES < to_b {
             probe.add(Counter::Filtered, 1);
             return;
@@ -418,7 +420,7 @@ impl Wavefront {
         self.make_ready(state, target, k);
     }
 
-    /// A path of length `d` reaches `v` along an edge.
+    /// Offers `v` a path of length `d` along an edge.
     #[inline]
     fn offer_along<P: Probe>(
         &mut self,
@@ -448,7 +450,7 @@ impl Wavefront {
 
 /// Lists that cross faces.
 impl Wavefront {
-    /// Lists cross until none is ready. Windows are coalesced if `COALESCE`.
+    /// Propagates lists until none is queued. Coalesces windows if `COALESCE`.
     #[inline(always)]
     pub(crate) fn cross_all<L: Lanes, F: SurfaceState, P: Probe, const COALESCE: bool>(
         &mut self,
@@ -487,14 +489,14 @@ impl Wavefront {
         self.ready.clear();
     }
 
-    /// How many windows wait on `h`.
+    /// Number of windows that wait on `h`.
     #[inline(always)]
     fn waiting_at(&self, state: &impl SurfaceState, h: u32) -> usize {
         let (f, corner) = parts(h);
         self.store.len(state.list(f, corner))
     }
 
-    /// Takes the list on `h` across its face.
+    /// Propagates the list on `h` across its face.
     #[inline(always)]
     fn cross<L: Lanes, F: SurfaceState, P: Probe, const COALESCE: bool>(
         &mut self,
@@ -538,7 +540,7 @@ impl Wavefront {
             let waiting = self.store.first(list, len);
             let size = gate.l + found.distance;
             let best = BestPath::of(waiting, found.best, gate.apex, size);
-            // Effects are deferred: whether a path is the shortest is hard to predict.
+            // Effects are deferred, because whether a path is the shortest is hard to predict.
             let news = state.offer(apex, found.distance);
             if P::TRACES && news {
                 let way = Way::through(best.entry, best.source, triangle.l);
@@ -564,8 +566,8 @@ impl Wavefront {
         probe.raise(Counter::PeakWindows, self.store.waiting() as u64);
     }
 
-    /// Sends what `found` counted in the `list` on `h` across its face, which is `triangle`, into
-    /// the lists behind its two exits.
+    /// Propagates the `list` on `h`, measured as `found`, across its face, which is `triangle`,
+    /// into the lists behind both exits.
     #[allow(clippy::too_many_arguments)] // All of what the caller has found out.
     #[inline(always)]
     fn send<L: Lanes, F: SurfaceState, P: Probe, const COALESCE: bool>(
@@ -638,7 +640,7 @@ impl Wavefront {
         probe.add(Counter::Children, children as u64);
     }
 
-    /// Prefetches the face that the list at `place` of the queue will cross.
+    /// Prefetches the face that the list at index `place` of the queue will cross.
     #[inline(always)]
     fn prefetch_face(&self, state: &impl SurfaceState, place: usize) {
         if let Some(&h) = self.ready.get(place) {
@@ -646,7 +648,8 @@ impl Wavefront {
         }
     }
 
-    /// Prefetches the lists and the distance that the list at `place` of the queue will change.
+    /// Prefetches the lists and the distance that the list at index `place` of the queue will
+    /// change.
     #[inline(always)]
     fn prefetch_beyond(&self, state: &impl SurfaceState, place: usize) {
         if let Some(&h) = self.ready.get(place) {
@@ -659,7 +662,7 @@ impl Wavefront {
     }
 }
 
-/// A list about to cross.
+/// The crossing of a list.
 struct CrossList<'a, F, P, const COALESCE: bool> {
     wavefront: &'a mut Wavefront,
     state: &'a mut F,

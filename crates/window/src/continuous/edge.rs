@@ -4,10 +4,10 @@ use crate::filter::{is_beaten_across, is_beaten_from_ends};
 use crate::frame::Exit;
 use crate::window::Window;
 
-/// The edge of a half-edge at which a window arrives, and the distances known around it.
+/// The edge at which a window arrives, with the known distances of the vertices around it.
 ///
-/// All of it belongs to the face that the window comes from too, so that a crossing gathers it
-/// without touching the face beyond.
+/// All fields come from the face that the window has crossed. Building the view therefore loads
+/// nothing of the face that the window is about to enter.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeView {
     /// Length of the half-edge.
@@ -25,8 +25,8 @@ pub struct EdgeView {
 pub struct Behind {
     /// Its position in the frame of the half-edge, below it.
     pub position: [f64; 2],
-    /// The distance known there; infinite if the window comes from that vertex, which then does not
-    /// compete with it.
+    /// Its known distance. Infinite if the window starts at this vertex: a vertex does not compete
+    /// with its own windows.
     pub distance: f64,
     /// As in [`Exit`].
     pub(super) is_left: f64,
@@ -34,7 +34,8 @@ pub struct Behind {
 }
 
 impl EdgeView {
-    /// The edge by which a window leaves a face; `distances` are those of the exit's corners.
+    /// The view of `exit`, through which a window leaves a face. `distances` are those of the
+    /// exit's corners: tail, head and third vertex.
     #[inline]
     pub fn behind(exit: &Exit, distances: [f64; 3]) -> Self {
         let [tail, head, distance] = distances;
@@ -51,8 +52,8 @@ impl EdgeView {
         }
     }
 
-    /// The vertex filter: whether a path through one of the vertices around beats all of `w`, which
-    /// arrives at this edge.
+    /// Whether a path through one of the three vertices is shorter than every ray of `w`, which
+    /// arrives at this edge. This is the vertex filter, theorem 3.2 of Xin and Wang 2009.
     #[inline]
     pub fn beats(&self, w: &Window) -> bool {
         let Behind {

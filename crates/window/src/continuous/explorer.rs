@@ -1,4 +1,4 @@
-//! Searches for the vertices around one vertex after another.
+//! Searches for direct geodesics from one vertex after another.
 
 use geobench_mesh::VertexId;
 
@@ -7,32 +7,33 @@ use super::propagation::Continuous;
 use crate::probe::Probe;
 use crate::queue::{Discipline, EventKind};
 
-/// A vertex that a straight path leads to.
+/// A vertex that a direct geodesic reaches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Neighbour {
     /// The vertex.
     pub vertex: VertexId,
-    /// Length of the path.
+    /// Length of the geodesic.
     pub distance: f64,
 }
 
-/// Finds the vertices near one vertex after another that a *direct* geodesic leads to, one that
-/// turns at no vertex on its way. A run takes time for the windows that it propagates, not for the
-/// mesh.
+/// Finds the vertices near a start vertex that a *direct* geodesic reaches, which is one that turns
+/// at no vertex. One explorer serves one start vertex after another: the cost of a run depends on
+/// the windows that it propagates, not on the size of the mesh.
 ///
 /// ```
+/// use geobench_ich::ich;
 /// use geobench_mesh::{Mesh, VertexId};
-/// use geobench_window::VertexFilter;
-/// use geobench_window::continuous::{Continuous, Explorer};
-/// use geobench_window::queue::Priority;
-/// # use geobench_window::continuous::{Arrival, Child, Policy};
+/// use geobench_window::continuous::Explorer;
 ///
-/// fn around<W: Policy>(mesh: &Mesh, policy: W) -> usize {
-///     let solver = Continuous::new(mesh, policy, Priority::new(mesh));
-///     let mut explorer = Explorer::new(solver);
-///     explorer.around(VertexId::new(0), Some(20));
-///     explorer.neighbours().len()
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let mut explorer = Explorer::new(ich(&mesh));
+/// for v in [3, 40].map(VertexId::new) {
+///     explorer.around(v, Some(20)); // Among the 20 vertices nearest to `v`.
+///     let found = explorer.neighbours();
+///     assert!(!found.is_empty() && found.len() <= 20);
+///     assert!(found.is_sorted_by_key(|neighbour| neighbour.distance));
 /// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Explorer<W, Q> {
@@ -57,14 +58,14 @@ impl<W: Policy, Q: Discipline> Explorer<W, Q> {
         }
     }
 
-    /// Finds the [neighbours](Self::neighbours) of `v` among the `k` vertices that are nearest to
-    /// it, or among all.
+    /// Finds the [neighbours](Self::neighbours) of `v` among the `k` vertices nearest to it, or
+    /// among all vertices if `k` is `None`.
     pub fn around(&mut self, v: VertexId, k: Option<usize>) {
         let Self { run, found, .. } = self;
         found.begin(k);
         run.begin_run(&[v], found);
-        // Turns until the next look for direct windows, of which there are as many as windows
-        // waited at the last one.
+        // Turns until the next search of the queue for direct windows. It equals the number of
+        // events at the last search, which keeps the cost of all searches linear in the turns.
         let mut turns = 0;
         let mut bound = f64::INFINITY;
         while let Some((label, event)) = run.queue.pop(found) {
@@ -86,7 +87,7 @@ impl<W: Policy, Q: Discipline> Explorer<W, Q> {
         self.forget(v);
     }
 
-    /// What the last run has found, nearest first, without the vertex itself.
+    /// The vertices that the last run found, nearest first, without the start vertex.
     pub fn neighbours(&self) -> &[Neighbour] {
         &self.neighbours
     }
@@ -106,7 +107,7 @@ impl<W: Policy, Q: Discipline> Explorer<W, Q> {
         }));
     }
 
-    /// Makes surface and policy as if there had been no run.
+    /// Resets the parts of surface and policy that the last run changed.
     fn forget(&mut self, v: VertexId) {
         let Continuous {
             mesh,
@@ -119,7 +120,7 @@ impl<W: Policy, Q: Discipline> Explorer<W, Q> {
             surface.forget(r.vertex);
             self.found.places[r.vertex.index()] = u32::MAX;
         }
-        // A window comes to edges only whose ends have been reached.
+        // A window arrives only at edges whose ends have been reached.
         let faces = surface.faces();
         let at = |v: VertexId| mesh.outgoing(v).iter().map(|&h| faces.number(h));
         let reached = self.found.reached.iter().map(|r| r.vertex);
@@ -129,8 +130,8 @@ impl<W: Policy, Q: Discipline> Explorer<W, Q> {
 }
 
 impl<W: Policy, Q: Discipline> Continuous<W, Q> {
-    /// Whether any window waits that starts from the source, among them `taken`, which has just
-    /// come out of the queue; and how many events wait.
+    /// Whether a window waits that starts at the source, and the number of waiting events (0 if
+    /// none does). `taken`, which has just left the queue, counts as waiting.
     fn has_direct(&self, taken: EventKind) -> (bool, usize) {
         let is_direct = |kind| match kind {
             EventKind::Window(h, id) => self.policy.waiting(h, id).is_some_and(|w| w.sigma == 0.0),
@@ -154,41 +155,41 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
 struct Reached {
     vertex: VertexId,
     distance: f64,
-    /// Whether that path turns at no vertex.
+    /// Whether the path turns at no vertex.
     is_direct: bool,
 }
 
-/// Listens to a run, and ends it once enough distances are final.
+/// The probe of an exploration. It ends the run once the nearest `k` distances are final.
 #[derive(Clone, Debug, Default)]
 struct NeighbourSearch {
     k: Option<usize>,
     reached: Vec<Reached>,
-    /// By vertex, its place there; `u32::MAX` without any.
+    /// Index into `reached` by vertex; `u32::MAX` if the vertex has not been reached.
     places: Vec<u32>,
-    /// At least `k` vertices are known to be reached within this distance.
+    /// An upper bound of the distance of the `k`-th nearest vertex.
     limit: f64,
-    /// Improvements since that was looked for.
-    fresh: usize,
-    /// What waited when the run was ended leads nowhere nearer than this.
+    /// Improvements since `limit` was computed.
+    improvements: usize,
+    /// No path that was still open when the run ended is shorter than this.
     bound: f64,
     distances: Vec<f64>,
 }
 
-/// So many improvements are worth a new look for the limit.
-const FRESH: usize = 16;
+/// Improvements after which `limit` is computed anew.
+const IMPROVEMENTS: usize = 16;
 
 impl NeighbourSearch {
     fn begin(&mut self, k: Option<usize>) {
         self.k = k;
         self.reached.clear();
         self.limit = f64::INFINITY;
-        self.fresh = FRESH;
+        self.improvements = IMPROVEMENTS;
         self.bound = f64::INFINITY;
     }
 
-    /// Looks for the `k`-th of the distances.
-    fn look(&mut self, k: usize) {
-        self.fresh = 0;
+    /// Sets `limit` to the `k`-th smallest distance reached.
+    fn update_limit(&mut self, k: usize) {
+        self.improvements = 0;
         self.distances.clear();
         let distances = self.reached.iter().map(|r| r.distance);
         self.distances.extend(distances);
@@ -208,7 +209,7 @@ impl Probe for NeighbourSearch {
             distance: d,
             is_direct: sigma == 0.0,
         };
-        self.fresh += 1;
+        self.improvements += 1;
         if let Some(known) = self.reached.get_mut(self.places[v.index()] as usize) {
             *known = reached;
         } else {
@@ -225,8 +226,8 @@ impl Probe for NeighbourSearch {
         if k == 0 {
             return true;
         }
-        if self.fresh >= FRESH && self.reached.len() >= k {
-            self.look(k);
+        if self.improvements >= IMPROVEMENTS && self.reached.len() >= k {
+            self.update_limit(k);
         }
         self.limit < bound
     }

@@ -1,4 +1,4 @@
-//! Windows that cross before they come out of the queue, several together.
+//! Crossing several windows together before they leave the queue.
 
 use geobench_mesh::HalfEdgeId;
 
@@ -8,10 +8,11 @@ use crate::crossings::{Crossings, LANES};
 use crate::queue::{Discipline, EventKind};
 use crate::simd::Instructions;
 
-/// The next windows of the queue at the last look, in order, and their crossings.
+/// The next windows of the queue at the last refill, in order, with their crossings.
 ///
-/// Results do not depend on the lookahead. Only the crossing is computed ahead of a window's turn;
-/// whether the window is still alive, and what its children are compared with, is decided in turn.
+/// Results do not depend on the lookahead. Only the crossing is computed early. Whether the window
+/// is still alive, and what its children are compared with, is decided when the window leaves the
+/// queue.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lookahead {
     crossings: Crossings,
@@ -21,7 +22,7 @@ pub(super) struct Lookahead {
 }
 
 impl Lookahead {
-    /// Windows cross with `instructions`, or narrower ones if the processor lacks them.
+    /// Crosses windows with `instructions`, or narrower ones if the processor lacks them.
     pub(super) fn new(instructions: Instructions) -> Self {
         Self {
             crossings: Crossings::new(instructions),
@@ -38,8 +39,7 @@ impl Lookahead {
         &self.crossings
     }
 
-    /// The lane of window `id` on `h`, which has come out of `queue`; `None` if it has
-    /// not crossed ahead.
+    /// The lane of window `id` on `h`, which has left `queue`; `None` if it was not crossed early.
     #[inline]
     pub(super) fn lane<W: Policy, Q: Discipline>(
         &mut self,
@@ -50,7 +50,7 @@ impl Lookahead {
         surface: &Surface,
     ) -> Option<usize> {
         if self.next == self.crossings.len() {
-            self.look(h, id, queue, policy, surface);
+            self.refill(h, id, queue, policy, surface);
         }
         let next = self.next;
         if self.ids[next % LANES] == id {
@@ -60,8 +60,8 @@ impl Lookahead {
         self.skip_to(id)
     }
 
-    /// Skips windows that have been overtaken for good. A window pushed after the last look skips
-    /// none.
+    /// Skips the lanes before `id`, whose windows are stale. A window pushed after the last refill
+    /// has no lane and skips none.
     #[cold]
     fn skip_to(&mut self, id: u32) -> Option<usize> {
         let waiting = &self.ids[self.next..self.crossings.len()];
@@ -70,10 +70,10 @@ impl Lookahead {
         Some(lane)
     }
 
-    /// Crosses this window and the next ones, and prefetches what their turns and those of the
-    /// windows after them need.
+    /// Crosses this window and the next ones of the queue, and prefetches the memory that these and
+    /// the windows after them will need.
     #[inline(never)]
-    fn look<W: Policy, Q: Discipline>(
+    fn refill<W: Policy, Q: Discipline>(
         &mut self,
         h: HalfEdgeId,
         id: u32,
@@ -99,7 +99,7 @@ impl Lookahead {
     }
 
     #[inline(always)]
-    #[allow(clippy::inline_always)] // A window is not to pass through memory.
+    #[allow(clippy::inline_always)] // Keeps the window in registers.
     fn add<W: Policy>(&mut self, h: HalfEdgeId, id: u32, policy: &W, surface: &Surface) {
         if let Some(window) = policy.foresee(id) {
             self.ids[self.crossings.len()] = id;

@@ -1,10 +1,9 @@
 //! One window at a time: the frame of the CH family, and of MMP where windows are taken one by one.
 //!
-//! An algorithm of these families is a [`Policy`] (what happens to a window that arrives at a
-//! half-edge, and which children a window that crosses a triangle may have) under a
-//! [`Discipline`] (the order in which windows and pseudo-sources are taken). The rest is here:
-//! the sources, the vertices' distances, pseudo-sources, the crossing of a triangle. Two
-//! algorithms that differ in one choice differ in nothing else.
+//! An algorithm of these families is a [`Policy`] under a [`Discipline`]. The policy decides what
+//! happens to a window that arrives at a half-edge, and which children a window may have. The
+//! discipline is the order in which windows and pseudo-sources are taken. Everything else is shared
+//! and lies here: sources, vertex distances, pseudo-sources and the crossing of a triangle.
 
 mod edge;
 mod explorer;

@@ -22,8 +22,8 @@ pub struct Arrival<L> {
     pub edge: EdgeView,
 }
 
-/// A window that has reached a half-edge, with the facts that a policy which
-/// [foresees](Policy::FORESEES) needs.
+/// A window that has reached a half-edge, with the values that a policy with
+/// [`FORESEES`](Policy::FORESEES) needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Child<L> {
     /// The half-edge, in whose frame the window is.
@@ -34,7 +34,7 @@ pub struct Child<L> {
     pub lineage: L,
     /// Its [least distance](Window::min_distance).
     pub label: f64,
-    /// Whether a path through one of the vertices around beats every ray of it.
+    /// Whether a path through one of the vertices around is shorter than every ray of the window.
     pub is_beaten: bool,
 }
 
@@ -52,11 +52,77 @@ pub enum Dequeued<L> {
 
 /// Decides which part of an arriving window is kept, where it waits, and which children it may
 /// have.
+///
+/// ```
+/// use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+/// use geobench_window::continuous::{Arrival, Continuous, Dequeued, Policy, Surface};
+/// use geobench_window::queue::Fifo;
+/// use geobench_window::{Counter, Crossing, Probe, Solver, Window};
+///
+/// /// Propagates all windows whole. It ends only on convex plane meshes.
+/// #[derive(Default)]
+/// struct PropagateAll(Vec<Window>);
+///
+/// impl Policy for PropagateAll {
+///     type Lineage = ();
+///     const COUNTERS: &'static [Counter] = &[];
+///     const WINDOW_BYTES: usize = size_of::<Window>();
+///
+///     fn reset(&mut self) {
+///         self.0.clear();
+///     }
+///
+///     fn root(&self, _: VertexId, _: &Surface) {}
+///
+///     fn arrive<P: Probe>(
+///         &mut self,
+///         arrival: &Arrival<()>,
+///         _: &Surface,
+///         queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
+///         probe: &mut P,
+///     ) -> bool {
+///         let (window, id) = (arrival.window, self.0.len() as u32);
+///         self.0.push(window);
+///         queue(arrival.h, window.min_distance(), id, probe);
+///         true
+///     }
+///
+///     fn take<P: Probe>(
+///         &mut self,
+///         _: HalfEdgeId,
+///         id: u32,
+///         _: &Surface,
+///         _: &mut P,
+///     ) -> Dequeued<()> {
+///         Dequeued::Propagate(self.0[id as usize], ())
+///     }
+///
+///     fn descend(&self, (): &()) -> Option<()> {
+///         Some(())
+///     }
+///
+///     fn split(
+///         &mut self,
+///         _: HalfEdgeId,
+///         _: &Crossing<'_>,
+///         (): (),
+///         _: &Surface,
+///     ) -> [Option<()>; 2] {
+///         [Some(()); 2]
+///     }
+/// }
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let mut solver = Continuous::new(&mesh, PropagateAll::default(), Fifo::default());
+/// let distances = solver.distances_from(0)?;
+/// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Policy: Send {
     /// The data that children inherit from a window, in addition to their geometry.
     type Lineage: Copy;
 
-    /// The counters that this policy keeps, beside those of every algorithm of the family.
+    /// The counters that this policy keeps, in addition to those of every algorithm of the family.
     const COUNTERS: &'static [Counter];
 
     /// Bytes that a waiting window takes.
@@ -68,15 +134,15 @@ pub trait Policy: Send {
     /// Resets the policy for the next run, keeping the memory.
     fn reset(&mut self);
 
-    /// As [`reset`](Self::reset), after a run whose windows came to no half-edges but
-    /// `half_edges`. A policy that is to [explore](super::Explorer) small parts of a mesh takes
-    /// time for these only.
+    /// As [`reset`](Self::reset), after a run whose windows arrived at no half-edges but
+    /// `half_edges`. A policy used by an [`Explorer`](super::Explorer) should override this with a
+    /// reset whose time depends on these half-edges only.
     fn reset_at(&mut self, half_edges: impl Iterator<Item = HalfEdgeId>) {
         let _ = half_edges;
         self.reset();
     }
 
-    /// Window `id` on `h`, which has an event in the queue, if it exists and waits.
+    /// Window `id` on `h`, which has an event in the queue; `None` if it no longer waits.
     fn waiting(&self, h: HalfEdgeId, id: u32) -> Option<&Window> {
         let _ = h;
         self.foresee(id)
@@ -85,9 +151,9 @@ pub trait Policy: Send {
     /// The lineage of windows that start from `v`.
     fn root(&self, v: VertexId, surface: &Surface) -> Self::Lineage;
 
-    /// A window arrives at a half-edge. Stores the part that may matter, and calls `queue` with
-    /// the half-edge, a label and a number for everything that must wait for its turn. Returns
-    /// whether anything of the window is left.
+    /// A window arrives at a half-edge. Stores the part that may matter. Calls `queue` with a
+    /// half-edge, a label and an id for everything that must wait for its turn. Returns whether any
+    /// part of the window is left.
     fn arrive<P: Probe>(
         &mut self,
         arrival: &Arrival<Self::Lineage>,
@@ -96,7 +162,7 @@ pub trait Policy: Send {
         probe: &mut P,
     ) -> bool;
 
-    /// Window `id` on `h` comes out of the queue: decides whether it is propagated now.
+    /// Decides whether window `id` on `h`, which has left the queue, is propagated now.
     fn take<P: Probe>(
         &mut self,
         h: HalfEdgeId,
@@ -105,16 +171,16 @@ pub trait Policy: Send {
         probe: &mut P,
     ) -> Dequeued<Self::Lineage>;
 
-    /// The least distance of window `id` on `h`, which is in the queue under `label`; `None` if it
-    /// does not exist any more, and nothing waits. It serves samples of the wavefront only.
+    /// The least distance of window `id` on `h`, which is in the queue under `label`; `None` if the
+    /// window no longer exists. Used by samples of the wavefront only.
     fn least_distance(&self, h: HalfEdgeId, id: u32, label: f64) -> Option<f64> {
         let _ = (h, id);
         Some(label)
     }
 
-    /// Whether windows stay as they are while they wait, all that is asked when one arrives is said
-    /// in [`Child`], and both children are [tried](Self::tries). Windows are then crossed before
-    /// their turns, several at a time.
+    /// Whether windows may be crossed several at a time, before they leave the queue. A policy may
+    /// set this if waiting windows do not change, if [`Child`] holds all that it asks about an
+    /// arriving window, and if both children are always [tried](Self::tries).
     const FORESEES: bool = false;
 
     /// Window `id`, which waits, if the policy [foresees](Self::FORESEES).
@@ -124,7 +190,7 @@ pub trait Policy: Send {
         None
     }
 
-    /// As [`take`](Self::take), if the policy [foresees](Self::FORESEES), without the window;
+    /// As [`take`](Self::take), without the window, for a policy that [foresees](Self::FORESEES);
     /// `None` if there is nothing to propagate.
     #[inline]
     fn release<P: Probe>(
@@ -137,9 +203,9 @@ pub trait Policy: Send {
         None
     }
 
-    /// As [`split`](Self::split), if the policy [foresees](Self::FORESEES): the straight path to
-    /// the apex, of length `d`, meets the half-edge `angle` at the fraction `entry` of its length,
-    /// which is NaN if rounding blurs it.
+    /// As [`split`](Self::split), for a policy that [foresees](Self::FORESEES). The straight path
+    /// to the apex has length `d` and meets the half-edge `angle` at the fraction `entry` of its
+    /// length, which is NaN if rounding leaves it undetermined.
     #[inline]
     fn split_at(
         &mut self,
@@ -152,8 +218,8 @@ pub trait Policy: Send {
         [Some(heir); 2]
     }
 
-    /// As [`arrive`](Self::arrive), if the policy [foresees](Self::FORESEES): returns the number by
-    /// which the window waits, if anything of it is left.
+    /// As [`arrive`](Self::arrive), for a policy that [foresees](Self::FORESEES). Returns the id
+    /// under which the window waits, or `None` if no part of it is left.
     #[inline]
     fn admit<P: Probe>(
         &mut self,
@@ -165,33 +231,33 @@ pub trait Policy: Send {
         None
     }
 
-    /// Window `id` on `h` is likely to be taken soon: asks for the memory where it lies, without
-    /// reading any.
+    /// Prefetches the memory of window `id` on `h`, which is likely to be taken soon. Reads
+    /// nothing.
     #[inline]
     fn announce(&self, h: HalfEdgeId, id: u32) {
         let _ = (h, id);
     }
 
-    /// Window `id` on `h`, which was announced a few turns ago, is likely to be taken in a few:
-    /// reads it, and asks for what else [`take`](Self::take) will need.
+    /// Prefetches what [`take`](Self::take) will need for window `id` on `h`, which was announced
+    /// some turns ago and is likely to be taken in a few. May read the window.
     #[inline]
     fn prepare(&self, h: HalfEdgeId, id: u32, surface: &Surface) {
         let _ = (h, id, surface);
     }
 
     /// Which children of a window on one side of the apex are tried, the left and the right one:
-    /// those that must be computed to find out that they are empty. It serves counters only.
+    /// those that must be computed to find that they are empty. Used by counters only.
     #[inline]
     fn tries(crossing: &Crossing<'_>) -> [bool; 2] {
         let _ = crossing;
         [true; 2]
     }
 
-    /// What the children of a window inherit from it; `None` if it must not have any.
+    /// What the children of a window inherit; `None` if it may not have any.
     fn descend(&self, lineage: &Self::Lineage) -> Option<Self::Lineage>;
 
-    /// Whether to try the left and the right child of a window that has come in through `h` and
-    /// covers the apex, and what each inherits; `heir` is what they would without a split.
+    /// Which children to try, left and right, of a window that has entered through `h` and covers
+    /// the apex, and what each inherits. `heir` is what they inherit without a split.
     fn split(
         &mut self,
         h: HalfEdgeId,
@@ -200,7 +266,7 @@ pub trait Policy: Send {
         surface: &Surface,
     ) -> [Option<Self::Lineage>; 2];
 
-    /// The run has ended: last counts.
+    /// Called at the end of a run, for the last counts.
     fn finish<P: Probe>(&mut self, probe: &mut P) {
         let _ = probe;
     }

@@ -1,6 +1,6 @@
 //! The main loop of algorithms that take one window at a time.
 
-// A window is not to pass through memory between its crossing and where it waits.
+// Keeps a window in registers between its crossing and the place where it is stored.
 #![allow(clippy::inline_always)]
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
@@ -36,10 +36,26 @@ const COUNTERS: &[Counter] = &[
 ];
 
 /// How many turns ahead the memory of a window is prefetched. Prefetching the windows that it will
-/// meet costs more than it saves.
+/// be compared with costs more than it saves.
 const AHEAD: usize = 5;
 
 /// An algorithm that takes one window at a time: `policy` under `queue`, on one mesh.
+///
+/// ```
+/// use geobench_ich::Splitting;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::continuous::Continuous;
+/// use geobench_window::queue::Priority;
+/// use geobench_window::{Solver, VertexFilter};
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// // ICH: windows are filtered and split, and taken by least distance.
+/// let policy = Splitting::new(&mesh, VertexFilter::On);
+/// let mut solver = Continuous::new(&mesh, policy, Priority::new(&mesh));
+/// let distances = solver.distances_from(0)?;
+/// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Continuous<W, Q> {
     pub(super) mesh: Mesh,
@@ -50,7 +66,8 @@ pub struct Continuous<W, Q> {
     lookout: Lookout,
     /// Children narrower than this are dropped.
     threshold: f64,
-    /// The share of the way since the last turn that a vertex need not pay.
+    /// The fraction ε/(1+ε) of a straight path that the value of its end vertex omits; see
+    /// [`with_error`](Self::with_error).
     advantage: f64,
 }
 
@@ -69,9 +86,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// Drops windows whose interval is narrower than `width`, in the units of the mesh, when they
-    /// come out of a triangle. The papers do so at a millionth of the model's size; distances are
-    /// then no longer exact.
+    /// Drops children whose interval is narrower than `width`, in the units of the mesh. The papers
+    /// use a millionth of the model's size. Distances are then no longer exact.
     #[must_use]
     pub fn with_threshold(self, width: f64) -> Self {
         Self {
@@ -80,22 +96,24 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// Distances of a [relaying](Relaying) policy are at most 1 + `epsilon` times the exact ones,
-    /// and never less; other policies stay exact. An `epsilon` that is not positive counts as 0.
+    /// Bounds the error of a [relaying](Relaying) policy: distances are at most 1 + `epsilon` times
+    /// the exact ones, and never less. Other policies stay exact. An `epsilon` that is not positive
+    /// counts as 0.
     ///
-    /// A run keeps a *value* V of each vertex. The source has 0. A straight path of length d from
-    /// a vertex r gives vertex v the value V(r) + d/(1+ε), and windows from r start with σ = V(r).
-    /// Everything else compares windows and vertices as an exact algorithm does, by V(r) + d. So a
-    /// vertex beats windows that passed it, if only their way was long, and its own go on instead.
+    /// A run keeps a *value* V of each vertex. The source has the value 0. A straight path of
+    /// length d from a vertex r gives vertex v the value V(r) + d/(1+ε), and windows from r start
+    /// with σ = V(r). Windows and vertices are compared as in an exact algorithm, by V(r) + d. So a
+    /// vertex beats a window that has passed it on a long enough path, and the windows of the
+    /// vertex replace it.
     ///
-    /// *Never less:* (1+ε)·V(v) is the length of a path to v.
+    /// *Never less:* (1+ε)·V(v) is at least the length of some path to v.
     ///
-    /// *At most 1 + ε times as long:* let d(r, q) be the exact distance, and r the vertex of least
-    /// V(r) + d(r, q), of several the nearest to q. If the way from r to q turns first at r', or
-    /// its window is dropped in favour of one of r', then V(r') + d(r', q) is no more, up to
-    /// rounding, and r' is nearer or the sum is less, against the choice of r. So the way is
-    /// straight and its window comes to q, which gives V(q) ≤ V(r) + d(r, q)/(1+ε) ≤ V(r) + d(r, q)
-    /// ≤ d(s, q) for every source s.
+    /// *At most 1 + ε times as long:* let d(r, q) be the exact distance. Let r be the vertex of
+    /// least V(r) + d(r, q), of several the nearest to q. Assume that the path from r to q turns
+    /// first at r', or that its window is dropped in favour of one of r'. Then V(r') + d(r', q) is
+    /// no more, up to rounding, and r' is nearer or the sum is less, which contradicts the choice
+    /// of r. So the path is straight and its window reaches q. Hence V(q) ≤ V(r) + d(r, q)/(1+ε) ≤
+    /// V(r) + d(r, q) ≤ d(s, q) for every source s.
     #[must_use]
     pub fn with_error(self, epsilon: f64) -> Self {
         let epsilon = if epsilon > 0.0 { epsilon } else { 0.0 };
@@ -105,12 +123,13 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// By how much distances are longer than values.
+    /// The factor 1 + ε from values to distances.
     fn scale(&self) -> f64 {
         (1.0 - self.advantage).recip()
     }
 
-    /// The value of a vertex that a path of length `d` reaches whose last turn is at `sigma`.
+    /// The value of a vertex reached by a path of length `d` that turns last at a vertex with value
+    /// `sigma`.
     #[inline(always)]
     fn value(&self, d: f64, sigma: f64) -> f64 {
         if W::RELAYS {
@@ -126,8 +145,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         W::RELAYS || self.mesh.is_pseudo_source(v)
     }
 
-    /// Uses `instructions`, or narrower ones if the processor lacks them; by default the widest
-    /// that it has. Distances and counts are the same.
+    /// Uses `instructions`, or narrower ones if the processor lacks them. The default is the widest
+    /// set of the processor. Distances and counts do not depend on it.
     #[must_use]
     pub fn with_instructions(self, instructions: Instructions) -> Self {
         Self {
@@ -136,7 +155,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// The same with another setting of its policy.
+    /// The same algorithm with its policy replaced by `change` of it.
     #[must_use]
     pub fn map_policy(self, change: impl FnOnce(W) -> W) -> Self {
         Self {
@@ -145,17 +164,17 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// The policy, with what it keeps of the last run.
+    /// The policy, with the state that it keeps from the last run.
     pub fn policy(&self) -> &W {
         &self.policy
     }
 
-    /// The number that half-edge `h` of the mesh has for the policy.
+    /// The number that the policy uses for half-edge `h` of the mesh.
     pub fn number(&self, h: HalfEdgeId) -> HalfEdgeId {
         self.surface.faces().number(h)
     }
 
-    /// The least distances of the windows that wait.
+    /// The least distances of the waiting windows.
     fn waiting(&self) -> impl Iterator<Item = f64> {
         self.queue
             .events()
@@ -165,7 +184,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             })
     }
 
-    /// Whether all that is wanted is final, now that an event under `label` has come out.
+    /// Whether everything that `probe` wants is final, now that an event under `label` has left the
+    /// queue.
     pub(super) fn ends<P: Probe>(&mut self, label: f64, probe: &mut P) -> bool {
         let (surface, scale) = (&self.surface, self.scale());
         let distance = |v| {
@@ -176,8 +196,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         self.queue.ends(label, &mut self.lookout, distance, probe)
     }
 
-    /// A path of length `d` reaches `v`. Only vertices at which a path may turn have a turn, unless
-    /// the discipline goes by vertices. Returns whether it is the shortest so far.
+    /// Offers `v` a path of length `d` and returns whether it is the shortest so far. Only vertices
+    /// at which a path may turn are queued, unless the discipline wants every vertex.
     #[inline(never)]
     fn offer<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) -> bool {
         let improves = self.surface.offer(v, d);
@@ -187,7 +207,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         improves
     }
 
-    /// The same for the apex of `h`, which `window` reaches.
+    /// Offers the apex of `h` a path of `window` of length `d`.
     #[inline(always)]
     fn offer_apex<P: Probe>(
         &mut self,
@@ -209,7 +229,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// Sends out paths along the edges of `v` and windows across its faces.
+    /// Offers distances along the edges of `v` and sends windows across its faces.
     fn spawn<P: Probe>(&mut self, v: VertexId, probe: &mut P) {
         probe.add(Counter::PseudoSources, 1);
         let sigma = self.surface.distance(v);
@@ -249,8 +269,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// Hands a window that has reached a half-edge to the policy; returns whether any of it is
-    /// left.
+    /// Passes a window that has reached a half-edge to the policy; returns whether any part of it
+    /// is left.
     #[inline(always)]
     fn arrive<P: Probe>(&mut self, arrival: &Arrival<W::Lineage>, probe: &mut P) -> bool {
         probe.enter(Phase::Pruning);
@@ -262,7 +282,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         kept
     }
 
-    /// Hands on what a window leaves at an exit, if that is anything.
+    /// Passes on the child of a window at an exit, if there is one.
     #[inline(always)]
     fn send<P: Probe>(
         &mut self,
@@ -291,8 +311,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         probe.enter(Phase::Propagation);
     }
 
-    /// Where window `id` on `h`, which has come out of the queue, is among those crossed before
-    /// their turns.
+    /// The lane of window `id` on `h`, which has left the queue, if it was crossed early.
     #[inline(always)]
     fn foresee(&mut self, h: HalfEdgeId, id: u32) -> Option<usize> {
         if W::FORESEES {
@@ -302,7 +321,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// Asks for the memory that windows to come will need, of a policy that does not foresee them.
+    /// Prefetches the memory of coming windows, for a policy that does not foresee them.
     #[inline(always)]
     fn read_ahead(&self) {
         if let Some(EventKind::Window(h, id)) = self.queue.upcoming(AHEAD).map(Event::kind) {
@@ -311,7 +330,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// A window on the face of `h` has its turn.
+    /// Counts a window that enters the face of `h`.
     #[inline(always)]
     fn begin<P: Probe>(&self, probe: &mut P) {
         probe.enter(Phase::Propagation);
@@ -321,7 +340,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// The window has left the face of `h`, where its children of these sides were tried.
+    /// Counts the children tried on the face of `h`, once its window has been propagated.
     #[inline(always)]
     fn end<P: Probe>(&mut self, h: HalfEdgeId, tried: [bool; 2], probe: &mut P) {
         if P::COUNTS {
@@ -334,7 +353,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         probe.enter(Phase::Management);
     }
 
-    /// Takes a window across the face of `h`.
+    /// Propagates a window across the face of `h`.
     #[inline(always)]
     fn cross<P: Probe>(
         &mut self,
@@ -370,8 +389,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         self.end(h, tried, probe);
     }
 
-    /// Takes a window that covers the apex across the face of `h`, as far as the policy lets it;
-    /// returns which sides are tried.
+    /// Propagates a window that covers the apex across the face of `h`, as far as the policy
+    /// allows. Returns which children were tried.
     #[inline(never)]
     fn split<P: Probe>(
         &mut self,
@@ -405,7 +424,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         [left.is_some(), right.is_some()]
     }
 
-    /// As [`cross`](Self::cross), for a window that has crossed the face of `h` ahead of its turn.
+    /// As [`cross`](Self::cross), for a window that was crossed early.
     #[inline(always)]
     fn cross_ahead<P: Probe>(
         &mut self,
@@ -438,8 +457,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         self.end(h, tried, probe);
     }
 
-    /// As [`split`](Self::split), for a window that has crossed ahead of its turn; `d` is the
-    /// length of its straight path to the apex.
+    /// As [`split`](Self::split), for a window that was crossed early; `d` is the length of its
+    /// straight path to the apex.
     #[inline(never)]
     fn split_ahead<P: Probe>(
         &mut self,
@@ -466,7 +485,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         [left.is_some(), right.is_some()]
     }
 
-    /// Sends on a child of a window that has crossed ahead of its turn, unless it is empty.
+    /// Passes on a child of a window that was crossed early, unless it is empty.
     #[inline(always)]
     fn send_ahead<P: Probe>(&mut self, child: &CrossedChild, lineage: W::Lineage, probe: &mut P) {
         let CrossedChild {
@@ -500,7 +519,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         probe.enter(Phase::Propagation);
     }
 
-    /// Starts a run: `sources` send out their windows. Surface and policy know of no other run.
+    /// Starts a run: `sources` send out their windows. Surface and policy must be reset.
     pub(super) fn begin_run<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) {
         self.queue.clear();
         self.lookahead.clear();
@@ -515,7 +534,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// The turn of `event`, which has come out of the queue under `label`.
+    /// Processes `event`, which has left the queue under `label`.
     #[inline(always)]
     pub(super) fn turn<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
         if !W::FORESEES {
@@ -523,7 +542,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
         match event.kind() {
             EventKind::Vertex(v) => {
-                // A vertex is queued anew whenever it improves; older entries are void.
+                // A vertex is queued anew whenever it improves; its older entries are void.
                 if self.surface.distance(v) == label && (!Q::EVERY_VERTEX || self.turns_at(v)) {
                     self.spawn(v, probe);
                 }

@@ -9,11 +9,11 @@ use crate::crossing::Crossing;
 use crate::probe::Probe;
 use crate::window::Window;
 
-/// A policy under which every vertex relays paths, and has an advantage over the windows that
-/// passed it: distances are approximate, and fewer windows are needed.
+/// A policy under which every vertex relays paths and is preferred to the windows that passed it.
+/// Distances are approximate, and fewer windows are needed.
 ///
-/// [`Continuous::with_error`](super::Continuous::with_error) says what the advantage is and proves
-/// the bound. The policy itself compares windows as ever.
+/// [`Continuous::with_error`](super::Continuous::with_error) defines the preference and proves the
+/// bound of the error. The wrapped policy compares windows as it does without relaying.
 #[derive(Clone, Debug)]
 pub struct Relaying<W>(pub W);
 

@@ -1,4 +1,4 @@
-//! The faces and the distances of the vertices during a run.
+//! The faces of a mesh and the vertex distances of a run.
 
 use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
 
@@ -6,7 +6,7 @@ use super::edge::{Behind, EdgeView};
 use crate::frame::Faces;
 use crate::prefetch::prefetch;
 
-/// The faces of the mesh, with the distance that every vertex has been reached by so far.
+/// The faces of the mesh, with the least distance found so far of every vertex.
 ///
 /// ```
 /// use geobench_mesh::{Mesh, VertexId};
@@ -27,8 +27,8 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The order in which faces are laid out, whose numbers half-edges have during a run: breadth
-    /// first. O(faces).
+    /// The order in which faces are laid out: breadth first. Half-edges have its numbers during a
+    /// run. O(faces).
     pub fn order(mesh: &Mesh) -> Numbering {
         Numbering::breadth_first(mesh)
     }
@@ -47,12 +47,12 @@ impl Surface {
         self.distances.resize(vertices, f64::INFINITY);
     }
 
-    /// Forgets the distance of `v`.
+    /// Sets the distance of `v` to infinity.
     pub(super) fn forget(&mut self, v: VertexId) {
         self.distances[v.index()] = f64::INFINITY;
     }
 
-    /// Takes the distances out.
+    /// Takes the distances, leaving none.
     pub fn take_distances(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.distances)
     }
@@ -63,14 +63,14 @@ impl Surface {
         &self.faces
     }
 
-    /// Length of the shortest path to `v` found so far. A window whose σ is more than the distance
-    /// of its (pseudo-)source starts from a path that has been improved since.
+    /// Length of the shortest path to `v` found so far. A window is stale if its σ exceeds the
+    /// distance of its (pseudo-)source.
     #[inline]
     pub fn distance(&self, v: VertexId) -> f64 {
         self.distances[v.index()]
     }
 
-    /// A path of length `d` reaches `v`; returns whether it is the shortest so far.
+    /// Offers `v` a path of length `d`; returns whether it is the shortest so far.
     #[inline]
     pub fn offer(&mut self, v: VertexId, d: f64) -> bool {
         let known = &mut self.distances[v.index()];
@@ -81,14 +81,14 @@ impl Surface {
         improves
     }
 
-    /// A window is likely to enter the face of `h` soon: prefetches the face.
+    /// Prefetches the face of `h`, which a window is likely to enter soon.
     #[inline]
     pub fn announce(&self, h: HalfEdgeId) {
         self.faces.announce(h);
     }
 
-    /// A window is likely to enter the face of `h` in one or two turns: prefetches the distances of
-    /// its vertices.
+    /// Prefetches the distances of the vertices of the face of `h`, which a window is likely to
+    /// enter in one or two turns.
     #[inline]
     pub fn prepare(&self, h: HalfEdgeId) {
         for v in self.faces.corners(h) {
@@ -102,7 +102,7 @@ impl Surface {
         prefetch(&self.distances, v.index());
     }
 
-    /// The edge of `h` for a window that starts there.
+    /// The edge of `h`, for a window that starts there.
     #[inline]
     pub fn edge(&self, h: HalfEdgeId) -> EdgeView {
         let [tail, head, _] = self.faces.corners(h).map(|v| self.distance(v));

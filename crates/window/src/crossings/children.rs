@@ -1,44 +1,46 @@
-//! Children of windows that cross several at a time.
+//! Children of windows that are crossed several at a time.
 
 use crate::frame::ExitEdge;
 use crate::precision;
 use crate::window::{Window, norm};
 
-/// How much shorter than a window's a path through a vertex must be, relatively, to beat it: as in
+/// How much shorter than a window a path through a vertex must be, relatively, to beat it. As in
 /// [the filter](crate::is_beaten_from_ends).
 const MARGIN: f64 = 1.0 - precision::MARGIN;
 
 /// The child of a window at one exit, in the frame of the neighbour's half-edge.
 #[derive(Clone, Copy, Debug)]
 pub struct CrossedChild {
-    /// The edge by which it leaves.
+    /// The edge through which the window leaves the triangle.
     pub exit_edge: ExitEdge,
     /// The window; empty if `b0` is not less than `b1`.
     pub window: Window,
     /// Its [least distance](Window::min_distance).
     pub label: f64,
-    /// See [`is_beaten`](Self::is_beaten).
+    /// Upper bounds of the vertex distances that beat the window; see
+    /// [`is_beaten`](Self::is_beaten).
     pub(super) limits: [f64; 3],
 }
 
 impl CrossedChild {
-    /// Whether a path through one of the outlet's corners, whose distances these are, beats every
-    /// ray of the window: the vertex filter of Xin and Wang 2009, theorem 3.2.
+    /// Whether a path through one of the corners of the exit edge is shorter than every ray of the
+    /// window: the vertex filter of Xin and Wang 2009, theorem 3.2. `distances` are those of the
+    /// tail, the head and the third vertex.
     ///
-    /// Each of the three tests has its distance on the left alone, and a bound on the right that
-    /// does not depend on any.
+    /// Each of the three tests compares a distance with a limit that depends on the window alone,
+    /// so limits can be computed before distances are known.
     #[inline]
-    #[allow(clippy::needless_bitwise_bool)] // Hardly any window is beaten: one branch for all three.
+    #[allow(clippy::needless_bitwise_bool)] // Few windows are beaten: one branch for all three.
     pub fn is_beaten(&self, distances: [f64; 3]) -> bool {
         let [tail, head, behind] = self.limits;
         (distances[0] < tail) | (distances[1] < head) | (distances[2] < behind)
     }
 }
 
-/// The edge by which a window leaves a triangle.
+/// The edge through which a window leaves a triangle.
 #[derive(Clone, Copy)]
 pub(super) struct ExitSide {
-    /// 1 for the side on which it leaves, the left or the right one, and 0 for the other.
+    /// 1 if the exit is the left one, else 0.
     pub(super) left: f64,
     pub(super) right: f64,
     pub(super) length: f64,
@@ -46,7 +48,8 @@ pub(super) struct ExitSide {
     pub(super) behind: [f64; 2],
 }
 
-/// The label of `window`, which has come through `edge`, and the limits of the distances around.
+/// The label of `window`, which has left through `edge`, and the limits for
+/// [`CrossedChild::is_beaten`].
 #[inline(always)]
 #[allow(clippy::inline_always)] // It is compiled for the instructions of its caller.
 pub(super) fn measure(window: &Window, edge: &ExitSide) -> (f64, [f64; 3]) {

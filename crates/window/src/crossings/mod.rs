@@ -1,14 +1,14 @@
-//! Windows crossing triangles several at a time.
+//! Crossing triangles by several windows at a time.
 //!
 //! The child of a window that passes the apex on one side, the left child of one that covers it,
-//! and the bounds that are compared with distances depend on the window and its triangle alone. So
-//! they are computed before the window's turn, for the next [`LANES`] windows together, in
-//! structures of arrays: one instruction serves two windows, or four with AVX2. One by one a
-//! crossing takes 600 instructions a window, most of them here; [`Crossings`] takes a sixth. The
+//! and the limits of the vertex filter depend on the window and its triangle alone. They are
+//! therefore computed before the window leaves the queue, for the next [`LANES`] windows together,
+//! in structures of arrays. One instruction then handles two windows, or four with AVX2. Crossed
+//! one by one, a window takes 600 instructions, most of them here; [`Crossings`] takes a sixth. The
 //! formulas are those of [`Crossing`](crate::Crossing).
 //!
-//! All instruction sets do the same operations in the same order and precision, so that results do
-//! not depend on the processor.
+//! All instruction sets do the same operations in the same order and precision. Results do not
+//! depend on the processor.
 
 mod children;
 
@@ -22,7 +22,7 @@ use crate::window::{Window, greater, less, norm};
 
 pub use self::children::CrossedChild;
 
-/// How many windows cross together.
+/// Number of windows that are crossed together.
 pub const LANES: usize = 8;
 
 /// One number for each window.
@@ -48,7 +48,7 @@ type Row = [f64; LANES];
 pub struct Crossings {
     len: usize,
     simd: Simd,
-    /// The half-edges through which the windows come.
+    /// The half-edges through which the windows enter.
     entrances: [HalfEdgeId; LANES],
     exit_edges: [ExitEdge; LANES],
     apices: [VertexId; LANES],
@@ -56,7 +56,7 @@ pub struct Crossings {
     leaving: Leaving,
 }
 
-/// The windows that enter.
+/// The windows, as they enter.
 #[derive(Clone, Debug, Default)]
 struct Entering {
     b0: Row,
@@ -82,15 +82,14 @@ struct Leaving {
 }
 
 impl Default for Crossings {
-    /// With the widest instructions of this processor.
+    /// Uses the widest instructions of this processor.
     fn default() -> Self {
         Self::new(Instructions::detect())
     }
 }
 
 impl Crossings {
-    /// Without windows; they cross with `instructions`, or narrower ones if the processor lacks
-    /// them.
+    /// An empty batch, crossed with `instructions`, or narrower ones if the processor lacks them.
     pub fn new(instructions: Instructions) -> Self {
         Self {
             len: 0,
@@ -115,7 +114,7 @@ impl Crossings {
         self.len == 0
     }
 
-    /// Forgets the windows.
+    /// Removes all windows.
     #[inline]
     pub fn clear(&mut self) {
         self.len = 0;
@@ -150,10 +149,10 @@ impl Crossings {
         }
     }
 
-    /// Takes all windows across their triangles.
+    /// Crosses all windows.
     #[inline]
     pub fn cross(&mut self, faces: &Faces) {
-        // What lies in lanes without a window is crossed as well, and never asked for.
+        // Lanes without a window are crossed as well. Their results are never read.
         let simd = self.simd;
         simd.run(CrossAll {
             crossings: self,
@@ -169,18 +168,18 @@ impl Crossings {
 
     /// The apex of the triangle that window `lane` crosses.
     #[inline]
-    pub fn apex(&self, lane: usize) -> VertexId {
+    pub(crate) fn apex(&self, lane: usize) -> VertexId {
         self.apices[lane]
     }
 
-    /// Length of the path of window `lane` to the apex: straight if it covers that, else bent at
-    /// the end of the window that is nearer to the straight path.
+    /// Length of the shortest path of window `lane` to the apex: straight if the window covers the
+    /// apex, else bent at the end of the window nearer to the straight path.
     #[inline]
     pub fn apex_distance(&self, lane: usize) -> f64 {
         self.leaving.apex_distance[lane]
     }
 
-    /// What window `lane` leaves; on the left, if it covers the apex.
+    /// The child of window `lane`; the left one if it covers the apex.
     #[inline]
     pub fn child(&self, lane: usize) -> CrossedChild {
         let out = &self.leaving;
@@ -199,8 +198,8 @@ impl Crossings {
         }
     }
 
-    /// Where the ray to the apex, which window `lane` covers, meets the half-edge: see
-    /// [`Crossing::entry`](crate::Crossing::entry).
+    /// The fraction of the half-edge at which the ray to the apex meets it, for window `lane`,
+    /// which covers the apex. See [`Crossing::entry`](crate::Crossing::entry).
     #[inline]
     pub fn entry(&self, lane: usize, faces: &Faces) -> f64 {
         let entrance = faces.half_edge(self.entrances[lane]);
@@ -208,7 +207,7 @@ impl Crossings {
         entry(offset, height, self.entering.px[lane], entrance.length)
     }
 
-    /// What window `lane`, which covers the apex, leaves on the right.
+    /// The right child of window `lane`, which covers the apex.
     #[inline]
     pub fn right_child(&self, lane: usize, faces: &Faces) -> CrossedChild {
         let w = &self.entering;
@@ -255,7 +254,7 @@ impl Crossings {
         [cy * px - py * cx, cy - py]
     }
 
-    /// The program behind [`cross`](Self::cross).
+    /// The body of [`cross`](Self::cross).
     #[inline(always)]
     #[allow(clippy::inline_always)] // It is compiled for the instructions of its caller.
     fn run(&mut self, faces: &Faces) {
@@ -268,7 +267,7 @@ impl Crossings {
             [cx[i], cy[i]] = entrance.apex;
             cx_from_head[i] = entrance.apex_from_head;
         }
-        // s·e - D0 at both ends, and on which side the window leaves.
+        // s·e - D0 at both ends, and the side on which the window leaves.
         let (mut side0, mut side1, mut is_right) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
             let offset = cy[i] * w.px[i] - w.py[i] * cx[i];
@@ -300,7 +299,7 @@ impl Crossings {
             let uy = (left - right) * cy[i] * inverse[i];
             let (x, y) = (w.px[i] - right * cx[i], w.py[i] - right * cy[i]);
             let (px, across) = (ux * x + uy * y, ux * y - uy * x);
-            // Both parts into which each end's ray divides the exit: see `Crossing`.
+            // The two parts into which the ray of each end divides the exit; see `Crossing`.
             let (n0, m0) = (-w.py[i] * (left * b0 + right * (l[i] - b0)), side0[i].abs());
             let (n1, m1) = (-w.py[i] * (left * b1 + right * (l[i] - b1)), side1[i].abs());
             let start = length[i] * (left * n0 + right * m0) / (n0 + m0);
@@ -311,7 +310,7 @@ impl Crossings {
             } else {
                 less(end, length[i])
             };
-            // The path to the apex has a bend at that end, or in the source itself.
+            // The shortest path to the apex bends at that end, or at the source itself.
             let bend = left * b1 + right * b0;
             let [bend_x, bend_y] = [
                 if covered { w.px[i] } else { bend },
@@ -346,7 +345,7 @@ impl Crossings {
     }
 }
 
-/// All windows cross, compiled for an instruction set by the compiler's own vectorizer.
+/// Crosses all windows, vectorised by the compiler for the instruction set of `run`.
 struct CrossAll<'a> {
     crossings: &'a mut Crossings,
     faces: &'a Faces,

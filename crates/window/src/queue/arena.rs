@@ -6,7 +6,7 @@ use crate::prefetch::prefetch;
 /// No link.
 const NONE: u32 = u32::MAX;
 
-/// An event with the one behind it, in its chain or among the free ones.
+/// An event and its successor in its chain or in the free list.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     label: f64,
@@ -14,7 +14,7 @@ struct Link {
     next: u32,
 }
 
-/// A queue in an [`Arena`], first in, first out.
+/// A first-in, first-out list in an [`Arena`].
 #[derive(Clone, Copy, Debug)]
 pub struct Chain {
     pub(super) head: u32,
@@ -23,7 +23,7 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// Without any event.
+    /// A chain without events.
     pub const EMPTY: Self = Self {
         head: NONE,
         tail: NONE,
@@ -43,8 +43,8 @@ impl Chain {
     }
 }
 
-/// The events of any number of chains. A link that becomes free goes to the next event that comes,
-/// so that as many are ever taken from the allocator as are needed at one time.
+/// The events of any number of chains. Freed links are reused, so the arena allocates as many links
+/// as are in use at one time.
 ///
 /// ```
 /// use geobench_mesh::VertexId;
@@ -87,7 +87,7 @@ impl Arena {
 
     /// Appends an event to `chain`.
     #[inline(always)]
-    #[allow(clippy::inline_always)] // Its events are not to pass through memory on their way.
+    #[allow(clippy::inline_always)] // Keeps the event in registers.
     pub fn append(&mut self, chain: &mut Chain, label: f64, event: Event) {
         self.len += 1;
         let mut place = self.free;
@@ -99,14 +99,14 @@ impl Arena {
         } else {
             place = self.lengthen(label, event);
         }
-        // Buckets are empty as often as not: no branch tells the two cases apart.
+        // Half of all buckets are empty: a branch on that would be mispredicted.
         let last = self.links.get_mut(chain.tail as usize);
         *last.map_or(&mut chain.head, |last| &mut last.next) = place;
         chain.tail = place;
         chain.len += 1;
     }
 
-    /// Takes a link from the allocator.
+    /// Adds a link to the array.
     #[cold]
     #[inline(never)]
     fn lengthen(&mut self, label: f64, event: Event) -> u32 {
@@ -145,16 +145,17 @@ impl Arena {
         Some((link.label, link.event))
     }
 
-    /// Asks for the memory of the first event of `chain`.
+    /// Prefetches the first event of `chain`.
     #[inline]
-    pub fn announce(&self, chain: Chain) {
+    pub(crate) fn announce(&self, chain: Chain) {
         prefetch(&self.links, chain.head as usize);
     }
 
-    /// Asks for the memory of the event behind one that was asked for a while ago; both are told by
-    /// their places.
+    /// Moves `place` to the next link of its chain and prefetches that link. The link at `place`
+    /// should have been prefetched some time ago.
     ///
-    /// Nothing depends on it: a place that has become free since leads somewhere else.
+    /// Results do not depend on it. If the link has been freed since, some other link is
+    /// prefetched.
     #[inline]
     pub(crate) fn walk(&self, place: &mut u32) {
         if let Some(link) = self.links.get(*place as usize) {
@@ -163,11 +164,11 @@ impl Arena {
         }
     }
 
-    /// Takes all events of `chain` and puts them behind those in `to`.
+    /// Moves all events of `chain` behind those in `to`.
     #[inline]
     pub fn drain(&mut self, chain: &mut Chain, to: &mut Vec<(f64, Event)>) {
-        // To know how many come, instead of waiting for the last one to tell, lets the processor
-        // begin with what follows.
+        // The count ends the loop before the last link has been loaded, so the processor can go on
+        // with the code that follows.
         let mut next = chain.head;
         to.extend((0..chain.len).map(|_| {
             let link = &self.links[next as usize];
@@ -211,7 +212,7 @@ impl Arena {
             .map(|(link, _)| (link.label, link.event))
     }
 
-    /// Forgets all events, keeping the memory; every chain must be made empty too.
+    /// Removes all events, keeping the memory. Every chain must be set to [`Chain::EMPTY`] as well.
     pub fn clear(&mut self) {
         self.links.clear();
         self.free = NONE;

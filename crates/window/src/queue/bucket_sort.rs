@@ -1,4 +1,4 @@
-//! Sorting of a few events whose labels lie about evenly in a range.
+//! Sorting of a few events whose labels are spread about evenly over a range.
 
 use super::Event;
 use super::calendar::INTEGERS;
@@ -6,17 +6,15 @@ use super::calendar::INTEGERS;
 /// The most events that are sorted by bins.
 const MOST: usize = 255;
 
-/// Appends `events` to `sorted` in the order of their labels, those of equal labels in the order in
-/// which they are.
+/// Appends `events` to `sorted` in the order of their labels. The sort is stable.
 ///
-/// `place` says how far a label lies within the range, from 0 to 1, up to rounding, and must not
-/// decrease. So many bins as there are events bring them nearly in order; the rest is done by
-/// insertion, which predicts nearly all of its branches. A sort that compares pairs
-/// mispredicts half of its branches.
+/// `place` gives the position of a label within the range, from 0 to 1 up to rounding, and must not
+/// decrease. As many bins as events bring them nearly in order. Insertion does the rest, and nearly
+/// all of its branches are predictable. A comparison sort mispredicts half of its branches.
 ///
 /// # Cost
 ///
-/// O(k) for k events that spread; O(k log k) if there are many; O(k²) for up to 255 that do not
+/// O(k) for k evenly spread events; O(k log k) for more than 255; O(k²) for up to 255 that are not
 /// spread.
 pub(super) fn append_in_order(
     sorted: &mut Vec<(f64, Event)>,
@@ -24,7 +22,7 @@ pub(super) fn append_in_order(
     place: impl Fn(f64) -> f64,
 ) {
     if events.len() > MOST {
-        // Labels are not negative, and then in the order of their bits.
+        // Labels are not negative, so their bits have the same order.
         events.sort_by_key(|&(label, _)| label.to_bits());
         sorted.extend_from_slice(events);
         return;
@@ -32,7 +30,7 @@ pub(super) fn append_in_order(
     let (scale, last) = (events.len() as f64, events.len() as u8);
     let (mut bins, mut ends) = ([0; MOST], [0; MOST + 1]);
     for (bin, &(label, _)) in bins.iter_mut().zip(&*events) {
-        // Any bin will do for a label that lies outside the range.
+        // A label outside the range may fall into any bin.
         *bin = ((place(label) * scale + INTEGERS).to_bits() as u8).min(last);
         ends[usize::from(*bin)] += 1u8;
     }

@@ -1,4 +1,4 @@
-//! A calendar queue: events in buckets of labels.
+//! A calendar queue: events in buckets of equal label width.
 
 use geobench_mesh::Mesh;
 
@@ -7,25 +7,24 @@ use super::ring::Ring;
 use super::{Event, MinHeap};
 use crate::window::less;
 
-/// The most buckets that a ring can have, 3 MB. Events beyond them wait in a heap.
+/// The most buckets of a ring, 3 MB. Events beyond them wait in a heap.
 const MOST_BUCKETS: u64 = 1 << 18;
 
-/// The number of the last bucket; no label of a mesh comes near it.
+/// The number of the last bucket, far above the labels of any mesh.
 const LAST_BUCKET: f64 = (1u64 << 51) as f64;
 
-/// Where the integers are the only numbers: what is added to it is rounded to one, which then
-/// stands in the last bits.
+/// The least power of two above which `f64` has no fractions. Adding it to a smaller number rounds
+/// that to an integer and leaves the integer in the low bits.
 pub(super) const INTEGERS: f64 = (1u64 << 52) as f64;
 
-/// Buckets of equal width that hold events first in, first out, from a first bucket on that only
-/// moves upwards.
+/// Buckets of equal width, each first in, first out. The first bucket only moves upwards.
 ///
 /// # Cost
 ///
-/// O(1) for each event, whatever the number of buckets. They form a ring from the first bucket on,
-/// of as many slots as the labels that wait are apart; a label more than 262,144 buckets further
-/// up, which only a very small width or an edge of thousands of times the mean length can bring,
-/// waits in a heap, at O(log k). An event takes 24 bytes and a slot 12.
+/// O(1) for each event, whatever the number of buckets. The buckets form a ring that starts at the
+/// first bucket and spans the labels that wait. A label more than 262,144 buckets above the first
+/// waits in a heap, at O(log k); it takes a very small width or an edge of thousands of times the
+/// mean length. An event takes 24 bytes and a slot 12.
 ///
 /// ```
 /// use geobench_mesh::VertexId;
@@ -46,15 +45,15 @@ pub struct Calendar {
     per_length: f64,
     arena: Arena,
     ring: Ring,
-    /// The place of an event, see [`Calendar::walk`].
+    /// The link to prefetch next; see [`Calendar::walk`].
     walker: u32,
-    /// Events whose buckets the ring may not reach; all beyond it.
+    /// Events that were too far above the first bucket for the ring.
     far: MinHeap<Event>,
 }
 
 impl Calendar {
-    /// Empty buckets of this width. One that is not positive, or not finite, puts all events into
-    /// one bucket.
+    /// A calendar without events, with buckets of this width. All events share one bucket if the
+    /// width is not positive or not finite.
     pub fn new(width: f64) -> Self {
         let per_length = width.recip();
         let usable = width > 0.0 && per_length.is_finite();
@@ -67,18 +66,18 @@ impl Calendar {
         }
     }
 
-    /// The width by which Xu et al. 2015 divide labels, h/√n for h the mean length of the edges and
-    /// n the number of vertices; O(edges).
+    /// The label width of Xu et al. 2015: h/√n, where h is the mean length of the edges and n the
+    /// number of vertices. O(edges).
     pub fn usual_width(mesh: &Mesh) -> f64 {
         mean_edge_length(mesh) / (mesh.vertex_count() as f64).sqrt()
     }
 
-    /// The width of a bucket; infinite if there is one only.
+    /// The width of a bucket; infinite if there is only one.
     pub fn width(&self) -> f64 {
         self.per_length.recip()
     }
 
-    /// The bucket that holds `label`. Labels in order have buckets in order.
+    /// The bucket of `label`. It does not decrease with the label.
     #[inline]
     pub fn bucket(&self, label: f64) -> u64 {
         let place = self.place(label);
@@ -86,20 +85,19 @@ impl Calendar {
         rounded.to_bits() - INTEGERS.to_bits() - u64::from(rounded - INTEGERS > place)
     }
 
-    /// Where `label` lies, in widths of a bucket: bucket k holds what is at k or above and below k
-    /// + 1.
+    /// The position of `label` in widths of a bucket: bucket k holds k ≤ position < k + 1.
     #[inline]
     pub fn place(&self, label: f64) -> f64 {
         less(label * self.per_length, LAST_BUCKET)
     }
 
-    /// How far `label` lies within its bucket: from 0 to 1, up to rounding.
+    /// The position of `label` within its bucket: from 0 to 1, up to rounding.
     #[inline]
     pub(super) fn place_in(&self, bucket: u64, label: f64) -> f64 {
         label * self.per_length - bucket as f64
     }
 
-    /// Number of events, those detached included.
+    /// Number of events, including detached ones.
     #[inline]
     pub fn len(&self) -> usize {
         self.arena.len() + self.far.len()
@@ -110,15 +108,15 @@ impl Calendar {
         self.len() == 0
     }
 
-    /// The lowest bucket that it can hold.
+    /// The first bucket, below which no event can be put.
     #[inline]
     pub fn first(&self) -> u64 {
         self.ring.first()
     }
 
-    /// Puts an event into a bucket that is not below the first.
+    /// Puts an event into `bucket`, which must not be below the first.
     #[inline(always)]
-    #[allow(clippy::inline_always)] // Its events are not to pass through memory on their way.
+    #[allow(clippy::inline_always)] // Keeps the event in registers.
     pub fn put(&mut self, bucket: u64, label: f64, event: Event) {
         if bucket - self.ring.first() < MOST_BUCKETS {
             let chain = self.ring.occupy(bucket);
@@ -150,44 +148,44 @@ impl Calendar {
         Some(first)
     }
 
-    /// The lowest bucket that is not empty from `from` on, of those that are not far away.
+    /// The lowest non-empty bucket of the ring from `from` on. Events in the heap are not
+    /// considered.
     #[inline]
     pub fn next_occupied(&self, from: u64) -> Option<u64> {
         self.ring.next_occupied(from)
     }
 
-    /// Takes all events of a bucket, first in, first out, and puts them behind those in `to`.
+    /// Moves all events of a bucket behind those in `to`, in the order in which they were put.
     #[inline]
     pub fn drain(&mut self, bucket: u64, to: &mut Vec<(f64, Event)>) {
         let chain = self.ring.vacate(bucket);
         self.arena.drain(chain, to);
     }
 
-    /// Finds the bucket that comes after `bucket`, for [`walk`](Self::walk).
+    /// Sets [`walk`](Self::walk) to the first event of the bucket that follows `bucket`.
     #[inline]
-    pub(super) fn look_behind(&mut self, bucket: u64) {
+    pub(super) fn prepare_walk(&mut self, bucket: u64) {
         if let Some(next) = self.ring.next_occupied(bucket + 1) {
             self.walker = self.ring.chain(next).head;
         }
     }
 
-    /// Asks for the memory of one more event of the bucket that was looked for. An event tells
-    /// where the next one lies, so that a bucket whose events are far apart would take long to
-    /// [drain](Self::drain) otherwise.
+    /// Prefetches one more event of the bucket set by [`prepare_walk`](Self::look_behind). The
+    /// events of a bucket form a linked list, so [draining](Self::drain) it without prefetching
+    /// would wait for each link.
     #[inline]
     pub(super) fn walk(&mut self) {
         self.arena.walk(&mut self.walker);
     }
 
-    /// Takes all events of a bucket, first in, first out, and puts them behind those of `to`, in
-    /// constant time.
+    /// Moves all events of a bucket behind those of `to`, in constant time.
     #[inline]
     pub fn detach(&mut self, bucket: u64, to: &mut Chain) {
         self.arena.join(to, self.ring.vacate(bucket));
     }
 
-    /// Takes the first of the events that were [detached](Self::detach), with its label, and asks
-    /// for the memory of the next.
+    /// Takes the first of the [detached](Self::detach) events, with its label, and prefetches the
+    /// next one.
     #[inline]
     pub fn take(&mut self, detached: &mut Chain) -> Option<(f64, Event)> {
         let taken = self.arena.take(detached);
@@ -195,12 +193,12 @@ impl Calendar {
         taken
     }
 
-    /// All events that wait with their labels, those detached included, in no order.
+    /// All waiting events with their labels, including detached ones, in no order.
     pub fn events(&self) -> impl Iterator<Item = (f64, Event)> {
         self.arena.events().chain(self.far.iter().copied())
     }
 
-    /// Forgets all events, keeping the memory; the first bucket is number 0 again.
+    /// Removes all events, keeping the memory. The first bucket becomes number 0.
     pub fn clear(&mut self) {
         self.arena.clear();
         self.ring.clear();
@@ -208,7 +206,7 @@ impl Calendar {
     }
 }
 
-/// Mean length of the edges, each once; 0 without any. O(edges).
+/// Mean length of the edges, each counted once; 0 without edges. O(edges).
 pub fn mean_edge_length(mesh: &Mesh) -> f64 {
     let once = |&h: &_| mesh.twin(h).is_none_or(|twin| h < twin);
     let (mut sum, mut edges) = (0.0, 0.0);

@@ -19,8 +19,8 @@ pub struct Event {
     id: u32,
 }
 
-/// Marks a vertex in [`Event`]. Half-edges stay below it: a mesh with 2³¹ of them would not fit
-/// beside its own queue.
+/// The bit that marks a vertex in [`Event`]. Half-edge ids stay below it: a mesh with 2³¹ of them
+/// would not fit into memory beside its queue.
 const VERTEX: u32 = 1 << 31;
 
 /// An unpacked [`Event`].
@@ -28,8 +28,8 @@ const VERTEX: u32 = 1 << 31;
 pub enum EventKind {
     /// A vertex whose distance has improved.
     Vertex(VertexId),
-    /// A window that waits on this half-edge, and the number by which its solver finds it again; 0
-    /// where the whole list of the half-edge waits.
+    /// A window that waits on this half-edge, with the id that its solver uses; the id is 0 where
+    /// the whole list of the half-edge waits.
     Window(HalfEdgeId, u32),
 }
 
@@ -49,7 +49,7 @@ impl Event {
         Self { place: h.raw(), id }
     }
 
-    /// Whether it is a window's.
+    /// Whether it is the event of a window.
     #[inline]
     pub(crate) const fn is_window(self) -> bool {
         self.place & VERTEX == 0

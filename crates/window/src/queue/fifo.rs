@@ -1,4 +1,4 @@
-//! The queue that is first in, first out.
+//! The first-in, first-out queue.
 
 use std::collections::VecDeque;
 
@@ -6,8 +6,8 @@ use super::{Discipline, Event};
 use crate::counters::Counter;
 use crate::probe::Probe;
 
-/// Takes events in the order in which they came, whatever their labels: breadth first in the
-/// sequence tree of Chen and Han.
+/// Takes events in the order of arrival, whatever their labels: breadth first in the sequence tree
+/// of Chen and Han.
 ///
 /// ```
 /// use geobench_mesh::VertexId;

@@ -1,11 +1,12 @@
 //! A heap of labelled items.
 
-/// Children of a node. Four make the heap half as deep as two, and lie in one or two cache lines.
+/// Children of a node. With four the heap is half as deep as with two, and the children of a node
+/// lie in one or two cache lines.
 const ARITY: usize = 4;
 
-/// A 4-ary heap of items by label. Items of equal labels come in an order that depends on the
-/// insertions alone, so it is the same in every run. Entries cannot be removed or changed: push
-/// anew, and skip outdated entries when they come out.
+/// A 4-ary min-heap of labelled items. The order of items with equal labels depends on the
+/// insertions alone, so it is the same in every run. Entries cannot be removed or changed: push a
+/// new entry, and skip outdated ones when they are popped.
 ///
 /// ```
 /// use geobench_window::queue::MinHeap;
@@ -41,8 +42,8 @@ impl<T: Copy> MinHeap<T> {
         let Some(&least) = self.nodes.first() else {
             return Some(last);
         };
-        // The last node nearly always belongs near the bottom: let the hole sink all the way and
-        // the node rise from there, rather than compare it on the way down.
+        // The last node nearly always belongs near the bottom. So the hole sinks to the bottom
+        // first, and the node rises from there, which saves comparisons with it on the way down.
         let mut hole = 0;
         while let Some(child) = self.least_child(hole) {
             self.nodes[hole] = self.nodes[child];
@@ -80,7 +81,7 @@ impl<T: Copy> MinHeap<T> {
         self.nodes.clear();
     }
 
-    /// Moves the hole at `hole` towards the root until `node` fits into it.
+    /// Moves the hole towards the root until `node` fits into it.
     #[inline]
     fn rise(&mut self, mut hole: usize, node: (f64, T)) {
         while hole > 0 {
@@ -94,8 +95,8 @@ impl<T: Copy> MinHeap<T> {
         self.nodes[hole] = node;
     }
 
-    /// The least of the children of `hole`. Which one it is cannot be predicted, so a full family
-    /// is compared without branches.
+    /// The least child of `hole`. Which one it is cannot be predicted, so four children are
+    /// compared without branches.
     #[inline]
     fn least_child(&self, hole: usize) -> Option<usize> {
         let first = ARITY * hole + 1;

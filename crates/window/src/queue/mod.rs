@@ -1,4 +1,4 @@
-//! Disciplines: the orders in which events are taken.
+//! Disciplines: the order in which a solver takes its events.
 
 mod arena;
 mod bucket_sort;
@@ -22,8 +22,8 @@ use crate::counters::Counter;
 use crate::goal::Lookout;
 use crate::probe::Probe;
 
-/// An order in which events are taken. A discipline sees the labels and places of events only.
-/// Results do not depend on it; costs do.
+/// An order in which events are taken. A discipline sees only the labels and places of events.
+/// Distances do not depend on it; counts and time do.
 ///
 /// ```
 /// use geobench_mesh::VertexId;
@@ -39,11 +39,11 @@ pub trait Discipline: Send {
     /// The counters that this discipline keeps.
     const COUNTERS: &'static [Counter];
 
-    /// Whether it wants the event of every vertex whose distance improves, not only of those at
-    /// which a path may turn.
+    /// Whether every vertex whose distance improves is pushed, not only those at which a path may
+    /// turn.
     const EVERY_VERTEX: bool = false;
 
-    /// `source` sends out its windows now, without having waited.
+    /// Tells that `source` sends out its windows now, without having waited.
     fn start(&mut self, source: VertexId) {
         let _ = source;
     }
@@ -52,13 +52,14 @@ pub trait Discipline: Send {
     fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P);
 
     /// Adds the event of a half-edge whose windows are taken together, with the least of their
-    /// labels; each of them has been [weighed](Self::weigh).
+    /// labels. Each of these windows has been passed to [`weigh`](Self::weigh).
     #[inline]
     fn push_list<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {
         self.push(label, event, probe);
     }
 
-    /// A window of this label comes to wait on a half-edge whose windows are taken together.
+    /// Tells that a window with this label now waits on a half-edge whose windows are taken
+    /// together.
     #[inline]
     fn weigh(&mut self, label: f64) {
         let _ = label;
@@ -67,50 +68,50 @@ pub trait Discipline: Send {
     /// Takes the next event, with its label.
     fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)>;
 
-    /// A lower bound of the labels of all that waits and of `label`, that of an event which has
-    /// just come out, if the order of this queue gives one.
+    /// A lower bound of the labels of all waiting events and of `label`, the label of an event that
+    /// has just left the queue; `None` if the order of this queue gives no bound.
     #[inline]
     fn bound(&self, label: f64) -> Option<f64> {
         let _ = label;
         None
     }
 
-    /// Whether an event that has just come out may be dealt with although its label has grown to
-    /// this; of a list, whether a window of this label goes with it.
+    /// Whether an event that has just left the queue may still be processed if its label has grown
+    /// to `label`. For a list: whether a window with this label is propagated with it.
     #[inline]
     fn is_due(&self, label: f64) -> bool {
         let _ = label;
         true
     }
 
-    /// The event that is likely to come after `skipped` others, if that is cheap to tell: what it
-    /// needs is then read ahead of time.
+    /// The event that is likely to come after `skipped` others, if that is cheap to find. Its
+    /// memory is prefetched.
     #[inline]
     fn upcoming(&self, skipped: usize) -> Option<Event> {
         let _ = skipped;
         None
     }
 
-    /// The events that are likely to come next, in that order, as far as it is cheap to tell.
+    /// The events that are likely to come next, in that order, as far as they are cheap to find.
     #[inline]
     fn coming(&self) -> impl Iterator<Item = Event> {
         (0..).map_while(|skipped| self.upcoming(skipped))
     }
 
-    /// A window has crossed the face of `h`, and `tries` children of it were tried.
+    /// Tells that a window has crossed the face of `h`, where `tries` children of it were tried.
     #[inline]
     fn crossed<P: Probe>(&mut self, h: HalfEdgeId, tries: u64, probe: &mut P) {
         let _ = (h, tries, probe);
     }
 
-    /// All events that wait with their labels, outdated ones included, in no order.
+    /// All waiting events with their labels, including outdated ones, in no order.
     fn events(&self) -> impl Iterator<Item = (f64, Event)>;
 
     /// Removes all events, keeping the memory.
     fn clear(&mut self);
 
-    /// Whether a run ends now that an event under `label` has come out: all that `probe` wants is
-    /// final, given the distances known.
+    /// Whether a run ends now that an event under `label` has left the queue: everything that
+    /// `probe` wants is final, given the known distances.
     fn ends<P: Probe>(
         &self,
         label: f64,

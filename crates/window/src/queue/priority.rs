@@ -7,28 +7,28 @@ use super::{Calendar, Discipline, Event, MinHeap};
 use crate::counters::Counter;
 use crate::probe::Probe;
 
-/// Width of a bucket, as a multiple of the [usual one](Calendar::usual_width): it then holds some
+/// Bucket width as a multiple of the [usual one](Calendar::usual_width): a bucket then holds some
 /// ten to a hundred events.
 const WIDTH: f64 = 1.0;
 
-/// How many events, at least, are known to come next, as far as so many wait.
+/// Least number of next events to keep sorted, if so many wait.
 const KNOWN: usize = 16;
 
-/// How many events a late one may pass on its way to its place among those that are in order.
+/// How many sorted events a late one may be moved past.
 const REACH: usize = 16;
 
 /// A priority queue, which makes an algorithm a continuous Dijkstra.
 ///
-/// Only the events that are next to come are in order: the buckets of a [`Calendar`] are taken and
-/// sorted one after the other, a few events ahead. What comes later and belongs before the end of
-/// them, as every child does whose window touches the vertex where its parent is nearest, is put in
-/// its place if that is near the front, where nearly all belong, and else into a heap. Events come
-/// in exactly the order of one heap for all of them, up to those of equal labels, which come in an
-/// order that depends on the insertions alone.
+/// Only the next events are sorted: the buckets of a [`Calendar`] are taken and sorted one after
+/// the other, a few events ahead. A later event may belong before the end of the sorted ones; every
+/// child does whose window touches the vertex where its parent is nearest. Such a *late* event is
+/// inserted if its position is near the front, which is the usual case, and else goes to a heap.
+/// Events are taken exactly in the order of a heap of all events. The order of events with equal
+/// labels depends on the insertions alone.
 ///
 /// # Cost
 ///
-/// O(1) for each event where labels spread, O(log n) where they do not.
+/// O(1) for each event if labels are spread, O(log n) if not.
 ///
 /// ```
 /// use geobench_mesh::VertexId;
@@ -42,24 +42,24 @@ const REACH: usize = 16;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Priority {
-    /// Events of the buckets up to the current one that are to come, the next one last.
+    /// Events of the buckets up to the current one, the next one last.
     sorted: Vec<(f64, Event)>,
-    /// Later events of the same buckets and of lower ones.
+    /// Late events: those of the same or lower buckets that were not inserted into `sorted`.
     late: MinHeap<Event>,
     current: u64,
     later: Calendar,
-    /// Room for a refill.
+    /// Buffers of [`refill`](Self::refill).
     fresh: Vec<(f64, Event)>,
     drained: Vec<(f64, Event)>,
 }
 
 impl Priority {
-    /// An empty queue whose buckets suit `mesh`; O(edges).
+    /// An empty queue with a bucket width for `mesh`; O(edges).
     pub fn new(mesh: &Mesh) -> Self {
         Self::with_width(WIDTH * Calendar::usual_width(mesh))
     }
 
-    /// The same with buckets of this width; they should hold some ten events.
+    /// An empty queue with buckets of this width. They should hold some ten events.
     pub fn with_width(width: f64) -> Self {
         Self {
             sorted: Vec::new(),
@@ -76,7 +76,7 @@ impl Priority {
         self.sorted.len() + self.late.len() + self.later.len()
     }
 
-    /// Sorts the next buckets, until enough events are known or there are no more.
+    /// Sorts the next buckets, until [`KNOWN`] events are sorted or no bucket is left.
     #[cold]
     fn refill(&mut self) {
         self.fresh.clear();
@@ -89,14 +89,14 @@ impl Priority {
             let place = |label| self.later.place_in(bucket, label);
             append_in_order(&mut self.fresh, &mut self.drained, place);
         }
-        self.later.look_behind(self.current);
+        self.later.prepare_walk(self.current);
         self.fresh.reverse();
         self.fresh.append(&mut self.sorted);
         std::mem::swap(&mut self.fresh, &mut self.sorted);
     }
 
-    /// Puts an event in its place among those that are in order, or into the heap if that is far
-    /// from the front.
+    /// Inserts an event into the sorted ones, or pushes it to the heap if its position is far from
+    /// the front.
     #[inline]
     fn insert(&mut self, label: f64, event: Event) {
         let behind = self.sorted.len().checked_sub(REACH + 1);
@@ -188,7 +188,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Against a sorted list, with labels that come below those already taken as well.
+        /// Compares with a sorted list; some labels are below those already taken.
         #[test]
         fn the_least_label_comes_first_at_any_width(
             width in prop_oneof![0.01..100.0f64, Just(0.0), Just(f64::INFINITY), Just(1e-9), Just(f64::NAN)],

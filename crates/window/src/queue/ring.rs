@@ -1,12 +1,12 @@
-//! A ring of numbered buckets, a range of numbers that moves upwards.
+//! A ring of numbered buckets whose range of numbers moves upwards.
 
 use super::arena::Chain;
 
 /// Slots of the smallest ring: one word of the bit set.
 const SMALLEST: usize = 64;
 
-/// The buckets from `first` on, as many as there are slots; bucket b lies in slot b modulo their
-/// number, which is a power of two and grows when a bucket further up is needed.
+/// The buckets from `first` on, one for each slot. Bucket b lies in slot b modulo the number of
+/// slots. That is a power of two, and grows when a higher bucket is needed.
 #[derive(Clone, Debug)]
 pub(crate) struct Ring {
     slots: Vec<Chain>,
@@ -23,17 +23,18 @@ impl Ring {
         }
     }
 
-    /// The lowest bucket that it can hold.
+    /// The lowest bucket.
     pub(crate) fn first(&self) -> u64 {
         self.first
     }
 
-    /// Gives up the buckets below `first`, which must be empty.
+    /// Sets the lowest bucket to `first`. The buckets below must be empty.
     pub(crate) fn advance(&mut self, first: u64) {
         self.first = first;
     }
 
-    /// Makes room for `bucket`, which must not be below `first`, and marks it as occupied.
+    /// Marks `bucket` as occupied, after growing the ring if needed. `bucket` must not be below
+    /// `first`.
     #[inline]
     pub(crate) fn occupy(&mut self, bucket: u64) -> &mut Chain {
         if bucket - self.first >= self.slots.len() as u64 {
@@ -44,13 +45,13 @@ impl Ring {
         &mut self.slots[i]
     }
 
-    /// The events of `bucket`, which has a slot.
+    /// The events of `bucket`, which must have a slot.
     #[inline]
     pub(crate) fn chain(&self, bucket: u64) -> Chain {
         self.slots[self.index(bucket)]
     }
 
-    /// Marks `bucket`, which has a slot, as empty, which its events must then become.
+    /// Marks `bucket` as empty. It must have a slot, and the caller must remove its events.
     #[inline]
     pub(crate) fn vacate(&mut self, bucket: u64) -> &mut Chain {
         let i = self.index(bucket);
@@ -70,7 +71,7 @@ impl Ring {
         (bucket - self.first < self.slots.len() as u64).then_some(bucket)
     }
 
-    /// Makes all buckets empty, and the first one number 0.
+    /// Empties all buckets and makes number 0 the first.
     pub(crate) fn clear(&mut self) {
         self.slots.fill(Chain::EMPTY);
         self.occupied.clear();
@@ -103,11 +104,12 @@ impl Ring {
     }
 }
 
-/// A set of numbers below a multiple of 64, in which the next member is found with few looks.
+/// A set of numbers below a multiple of 64. Two levels of words make the search for the next member
+/// short.
 #[derive(Clone, Debug)]
 struct BitSet {
     words: Vec<u64>,
-    /// Which of the words are not 0.
+    /// Bit i tells whether word i is not 0.
     summary: Vec<u64>,
 }
 
@@ -153,7 +155,7 @@ impl BitSet {
     }
 }
 
-/// The number of the first bit that is set in `words`, from number `from` on.
+/// The position of the first set bit of `words` that is not before `from`.
 #[inline]
 fn next_bit(words: &[u64], from: usize) -> Option<usize> {
     let start = from / 64;

@@ -1,6 +1,6 @@
 //! Four lanes: AVX2.
 
-// Intrinsics are unsafe outside of functions with their features.
+// Intrinsics are unsafe outside functions that enable their features.
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::{
@@ -17,21 +17,21 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 use super::instructions::Instructions;
 use super::lanes::{LaneMask, Lanes};
 
-/// The processor has AVX2.
+/// The proof that the processor has AVX2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Avx2Token(());
 
 impl Avx2Token {
-    /// The proof, if the processor has the instructions.
+    /// The token, if the processor has the instructions.
     pub(super) fn detect() -> Option<Self> {
         Instructions::Avx2.is_available().then_some(Self(()))
     }
 }
 
-/// Intrinsics in a place where a token or a vector exists.
+/// Calls an intrinsic where a token or a vector exists.
 macro_rules! intrinsics {
     ($($body:tt)*) => {{
-        // SAFETY: vectors come from tokens, and these from detection, so the processor has AVX2.
+        // SAFETY: tokens come from detection and vectors from tokens, so the processor has AVX2.
         #[allow(unused_unsafe)]
         unsafe { $($body)* }
     }};
@@ -41,19 +41,18 @@ macro_rules! intrinsics {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Avx2(__m256d);
 
-/// Four answers: all bits of a lane are set, or none.
+/// Four truth values: a lane has all bits set, or none.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mask4(__m256d);
 
-/// A table of registers, one for each of the sixteen masks.
+/// A table of registers, one for each of the 16 masks.
 #[repr(align(32))]
 struct Table([[u32; 8]; 16]);
 
-/// For each mask the places from which a permutation takes 32-bit halves to bring the chosen lanes
-/// to the front.
+/// For each mask, the permutation of 32-bit halves that moves the chosen lanes to the front.
 static CHOSEN: Table = Table(chosen());
 
-/// For each mask the lanes themselves, all bits set or none.
+/// For each mask, the lanes with all bits set or none.
 static LANES: Table = Table(lanes());
 
 const fn chosen() -> [[u32; 8]; 16] {
@@ -94,7 +93,7 @@ const fn lanes() -> [[u32; 8]; 16] {
 #[inline(always)]
 fn entry(_: Avx2Token, table: &Table, bits: u8) -> __m256i {
     let row: *const [u32; 8] = &raw const table.0[usize::from(bits & 15)];
-    // SAFETY: the token; the row has 32 bytes, and the table is aligned to that.
+    // SAFETY: the token proves AVX2; the row has 32 bytes, and the table is aligned to that.
     unsafe { _mm256_load_si256(row.cast()) }
 }
 
@@ -139,13 +138,13 @@ impl Lanes for Avx2 {
 
     #[inline(always)]
     unsafe fn load(_: Avx2Token, from: *const f64) -> Self {
-        // SAFETY: the token, and the trait's contract.
+        // SAFETY: the token proves AVX2; the caller guarantees the range.
         Self(unsafe { _mm256_loadu_pd(from) })
     }
 
     #[inline(always)]
     unsafe fn store(self, to: *mut f64) {
-        // SAFETY: a vector exists, and the trait's contract.
+        // SAFETY: a vector exists, which proves AVX2; the caller guarantees the range.
         unsafe { _mm256_storeu_pd(to, self.0) }
     }
 
@@ -154,8 +153,8 @@ impl Lanes for Avx2 {
         let bits = mask.bits();
         let first = ((1_u32 << bits.count_ones()) - 1) as u8;
         let simd = Avx2Token(());
-        // SAFETY: a vector exists, and the trait's contract; lanes that are not among the first
-        // are not written.
+        // SAFETY: a vector exists, which proves AVX2; only the lanes that the caller guarantees are
+        // written.
         unsafe {
             let chosen = entry(simd, &CHOSEN, bits);
             let front = _mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), chosen);

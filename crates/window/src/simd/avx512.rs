@@ -1,6 +1,6 @@
 //! Eight lanes: AVX-512 F, DQ and VL.
 
-// Intrinsics are unsafe outside of functions with their features.
+// Intrinsics are unsafe outside functions that enable their features.
 #![allow(unsafe_code)]
 
 use std::arch::x86_64::{
@@ -16,21 +16,21 @@ use super::dispatch::{SimdProgram, run_avx512_apart};
 use super::instructions::Instructions;
 use super::lanes::{LaneMask, Lanes};
 
-/// The processor has AVX-512 F, DQ and VL.
+/// The proof that the processor has AVX-512 F, DQ and VL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Avx512Token(());
 
 impl Avx512Token {
-    /// The proof, if the processor has the instructions.
+    /// The token, if the processor has the instructions.
     pub(super) fn detect() -> Option<Self> {
         Instructions::Avx512.is_available().then_some(Self(()))
     }
 }
 
-/// Intrinsics in a place where a token or a vector exists.
+/// Calls an intrinsic where a token or a vector exists.
 macro_rules! intrinsics {
     ($($body:tt)*) => {{
-        // SAFETY: vectors come from tokens, and these from detection, so the processor has AVX-512.
+        // SAFETY: tokens come from detection and vectors from tokens, so the processor has AVX-512.
         #[allow(unused_unsafe)]
         unsafe { $($body)* }
     }};
@@ -40,7 +40,7 @@ macro_rules! intrinsics {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Avx512(__m512d);
 
-/// Eight answers.
+/// Eight truth values.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mask8(u8);
 
@@ -86,13 +86,13 @@ impl Lanes for Avx512 {
 
     #[inline(always)]
     unsafe fn load(_: Avx512Token, from: *const f64) -> Self {
-        // SAFETY: the token, and the trait's contract.
+        // SAFETY: the token proves AVX-512; the caller guarantees the range.
         Self(unsafe { _mm512_loadu_pd(from) })
     }
 
     #[inline(always)]
     unsafe fn store(self, to: *mut f64) {
-        // SAFETY: a vector exists, and the trait's contract.
+        // SAFETY: a vector exists, which proves AVX-512; the caller guarantees the range.
         unsafe { _mm512_storeu_pd(to, self.0) }
     }
 
@@ -100,8 +100,8 @@ impl Lanes for Avx512 {
     #[inline(always)]
     unsafe fn store_chosen(self, mask: Mask8, to: *mut f64) {
         let first = ((1_u32 << mask.0.count_ones()) - 1) as u8;
-        // SAFETY: a vector exists, and the trait's contract; lanes that are not among the first
-        // are not written.
+        // SAFETY: a vector exists, which proves AVX-512; only the lanes that the caller guarantees
+        // are written.
         unsafe { _mm512_mask_storeu_pd(to, first, _mm512_maskz_compress_pd(mask.0, self.0)) }
     }
 

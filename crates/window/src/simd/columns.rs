@@ -1,8 +1,9 @@
-//! Bounded views of structures of arrays: blocks of columns, each a whole number of cache lines.
+//! Bounds-checked views of structures of arrays: blocks of columns, each a whole number of cache
+//! lines.
 
-// Registers are loaded and stored by address, within bounds that the views keep.
+// Registers are loaded and stored through pointers, within bounds that the views check.
 #![allow(unsafe_code)]
-// An iterator over registers may not be inlined into code that is compiled for vectors.
+// An iterator over registers might not be inlined into code that is compiled for vectors.
 #![allow(clippy::needless_range_loop)]
 
 use std::marker::PhantomData;
@@ -19,28 +20,29 @@ impl Line {
     pub const LANES: usize = 8;
 }
 
-/// Number of registers that the first `len` numbers of a column take.
+/// Number of registers that hold the first `len` numbers of a column.
 #[inline(always)]
 fn registers<L: Lanes>(len: usize) -> usize {
     const { assert!(Line::LANES.is_multiple_of(L::COUNT)) };
     len.div_ceil(L::COUNT)
 }
 
-/// Numbers from one column to the next of `N` columns of `column` lines, which fit into `lines`
-/// lines with `more` behind them.
+/// The stride between `N` columns of `column` lines each, in numbers. Panics if the columns and
+/// `more` lines behind them do not fit into `lines` lines.
 #[inline(always)]
 fn stride_of<const N: usize>(lines: usize, column: u32, more: u64) -> usize {
-    // In 64 bits, where nothing overflows.
+    // Computed in 64 bits, which cannot overflow here.
     let needed = N as u64 * u64::from(column) + more;
     assert!(needed <= lines as u64, "the columns do not fit");
     column as usize * Line::LANES
 }
 
-/// One register of each of `N` columns, `stride` numbers apart, the first one at `from`.
+/// Loads one register from each of `N` columns that are `stride` numbers apart. The first one is at
+/// `from`.
 ///
 /// # Safety
 ///
-/// All of them must be readable.
+/// `L::COUNT` numbers must be readable at each of these places.
 #[inline(always)]
 unsafe fn load<L: Lanes, const N: usize>(
     simd: L::Token,
@@ -49,17 +51,18 @@ unsafe fn load<L: Lanes, const N: usize>(
 ) -> [L; N] {
     let mut loaded = [L::splat(simd, 0.0); N];
     for column in 0..N {
-        // SAFETY: the views below keep these bounds.
+        // SAFETY: the caller guarantees the ranges.
         loaded[column] = unsafe { L::load(simd, from.add(column * stride)) };
     }
     loaded
 }
 
-/// Writes the lanes that `mask` chooses to `N` columns, `stride` numbers apart, from `to` on.
+/// Writes the lanes that `mask` chooses to `N` columns that are `stride` numbers apart. The first
+/// one is at `to`.
 ///
 /// # Safety
 ///
-/// As many numbers must be writable in each.
+/// `mask.count()` numbers must be writable at each of these places.
 #[inline(always)]
 unsafe fn store<L: Lanes, const N: usize>(
     to: *mut f64,
@@ -69,7 +72,7 @@ unsafe fn store<L: Lanes, const N: usize>(
 ) {
     let all = L::STORES_SOME_SLOWLY && mask.count() == L::COUNT;
     for column in 0..N {
-        // SAFETY: the views below keep these bounds; all lanes are chosen if `all`.
+        // SAFETY: the caller guarantees the ranges; all lanes are chosen if `all`.
         unsafe {
             let to = to.add(column * stride);
             if all {
@@ -85,18 +88,18 @@ unsafe fn store<L: Lanes, const N: usize>(
 #[derive(Clone, Copy, Debug)]
 pub struct Columns<'a, const N: usize> {
     start: *const f64,
-    /// Numbers from one column to the next, of which `len` are read. There are `N` times as many.
+    /// Numbers from one column to the next. `len` of them are rows. There are `N` columns.
     stride: usize,
     len: usize,
     lines: PhantomData<&'a [Line]>,
 }
 
 impl<'a, const N: usize> Columns<'a, N> {
-    /// The first `len` rows of the block at the start of `lines`, `N` columns of `column` lines.
+    /// The first `len` rows of `N` columns of `column` lines each, at the start of `lines`.
     ///
     /// # Panics
     ///
-    /// If there are not so many lines, or columns are shorter than `len`.
+    /// If there are fewer lines, or columns are shorter than `len`.
     #[inline(always)]
     pub fn new(lines: &'a [Line], column: u32, len: usize) -> Self {
         let stride = stride_of::<N>(lines.len(), column, 0);
@@ -121,7 +124,7 @@ impl<'a, const N: usize> Columns<'a, N> {
         self.len == 0
     }
 
-    /// Number of registers that the rows of a column take.
+    /// Number of registers that hold the rows of a column.
     #[inline(always)]
     pub fn registers<L: Lanes>(&self) -> usize {
         registers::<L>(self.len)
@@ -133,23 +136,23 @@ impl<'a, const N: usize> Columns<'a, N> {
         L::within(simd, register * L::COUNT, self.len)
     }
 
-    /// One register of each column. Lanes behind the last row hold any number.
+    /// Loads one register of each column. Lanes behind the last row hold any number.
     ///
     /// # Panics
     ///
-    /// If the rows do not take so many [registers](Self::registers).
+    /// If `register` is not less than [`registers`](Self::registers).
     #[inline(always)]
     pub fn load<L: Lanes>(&self, simd: L::Token, register: usize) -> [L; N] {
         assert!(register < self.registers::<L>());
-        // SAFETY: columns have whole lines, so that each register with a row lies within one.
+        // SAFETY: columns are whole cache lines, so a register with a row lies within its column.
         unsafe { load(simd, self.start.add(register * L::COUNT), self.stride) }
     }
 
-    /// Row `i`.
+    /// The numbers of row `i`.
     ///
     /// # Panics
     ///
-    /// If there are not so many rows.
+    /// If `i` is not less than `len`.
     #[inline(always)]
     pub fn row(&self, i: usize) -> [f64; N] {
         assert!(i < self.len);
@@ -168,11 +171,11 @@ pub struct Block<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Block<'a, N> {
-    /// The block at the start of `lines`, `N` columns of `column` lines.
+    /// `N` columns of `column` lines each, at the start of `lines`.
     ///
     /// # Panics
     ///
-    /// If there are not so many lines.
+    /// If there are fewer lines.
     #[inline(always)]
     pub fn new(lines: &'a mut [Line], column: u32) -> Self {
         Self {
@@ -182,7 +185,7 @@ impl<'a, const N: usize> Block<'a, N> {
         }
     }
 
-    /// Adds rows behind the first `len`, which it has.
+    /// Appends rows behind the first `len`.
     #[inline(always)]
     pub fn append(&mut self, len: usize) -> Sink<'_, N> {
         Sink {
@@ -210,7 +213,7 @@ impl<'a, const N: usize> Block<'a, N> {
     }
 }
 
-/// Rows that are added to a [`Block`].
+/// Appends rows to a [`Block`].
 #[derive(Debug)]
 pub struct Sink<'a, const N: usize> {
     start: *mut f64,
@@ -233,7 +236,7 @@ impl<const N: usize> Sink<'_, N> {
         self.len == 0
     }
 
-    /// Adds the rows that `mask` chooses.
+    /// Appends the rows that `mask` chooses.
     ///
     /// # Panics
     ///
@@ -242,13 +245,13 @@ impl<const N: usize> Sink<'_, N> {
     pub fn add<L: Lanes>(&mut self, mask: L::Mask, rows: [L; N]) {
         let len = self.len + mask.count();
         assert!(len <= self.stride, "no room in a list");
-        // SAFETY: there is room for them in each column.
+        // SAFETY: each column has room for the chosen rows.
         unsafe { store(self.start.add(self.len), self.stride, mask, rows) };
         self.len = len;
     }
 }
 
-/// A block of `N` columns with a line behind it that may be read.
+/// A block of `N` columns with one more line behind it, so that loads may start one row later.
 #[derive(Debug)]
 pub struct PaddedBlock<'a, const N: usize> {
     start: *mut f64,
@@ -258,11 +261,11 @@ pub struct PaddedBlock<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> PaddedBlock<'a, N> {
-    /// The block at the start of `lines`, `N` columns of `column` lines, and one line more.
+    /// `N` columns of `column` lines each and one more line, at the start of `lines`.
     ///
     /// # Panics
     ///
-    /// If there are not so many lines.
+    /// If there are fewer lines.
     #[inline(always)]
     pub fn new(lines: &'a mut [Line], column: u32) -> Self {
         Self {
@@ -272,7 +275,7 @@ impl<'a, const N: usize> PaddedBlock<'a, N> {
         }
     }
 
-    /// The first `len` rows, of which some are dropped.
+    /// The first `len` rows, to be filtered in place.
     ///
     /// # Panics
     ///
@@ -290,7 +293,7 @@ impl<'a, const N: usize> PaddedBlock<'a, N> {
     }
 }
 
-/// Rows of a [`PaddedBlock`] of which some are dropped: rows are read, and those that stay are
+/// Filters the rows of a [`PaddedBlock`] in place: rows are loaded, and those that are kept are
 /// written from the start on.
 #[derive(Debug)]
 pub struct InPlace<'a, const N: usize> {
@@ -303,7 +306,7 @@ pub struct InPlace<'a, const N: usize> {
 }
 
 impl<const N: usize> InPlace<'_, N> {
-    /// Number of registers that the rows of a column take.
+    /// Number of registers that hold the rows of a column.
     #[inline(always)]
     pub fn registers<L: Lanes>(&self) -> usize {
         registers::<L>(self.len)
@@ -315,17 +318,17 @@ impl<const N: usize> InPlace<'_, N> {
         L::within(simd, register * L::COUNT, self.len)
     }
 
-    /// The lanes of a register that hold rows before the last one.
+    /// The lanes of a register that hold rows with a successor.
     #[inline(always)]
     pub fn with_next<L: Lanes>(&self, simd: L::Token, register: usize) -> L::Mask {
         L::within(simd, register * L::COUNT, self.len - 1)
     }
 
-    /// One register of each column. Lanes behind the last row hold any number.
+    /// Loads one register of each column. Lanes behind the last row hold any number.
     ///
     /// # Panics
     ///
-    /// If the rows do not take so many [registers](Self::registers).
+    /// If `register` is not less than [`registers`](Self::registers).
     #[inline(always)]
     pub fn load<L: Lanes>(&self, simd: L::Token, register: usize) -> [L; N] {
         assert!(register < self.registers::<L>());
@@ -333,7 +336,7 @@ impl<const N: usize> InPlace<'_, N> {
         unsafe { load(simd, self.start.add(register * L::COUNT), self.stride) }
     }
 
-    /// The same, one row further on.
+    /// As [`load`](Self::load), one row further on.
     ///
     /// # Panics
     ///
@@ -345,8 +348,8 @@ impl<const N: usize> InPlace<'_, N> {
         unsafe { load(simd, self.start.add(register * L::COUNT + 1), self.stride) }
     }
 
-    /// Keeps the rows that `mask` chooses, behind those that have been kept. Rows that have not
-    /// been loaded yet are overwritten if more rows are kept than have been loaded.
+    /// Writes the rows that `mask` chooses behind those that have been kept. Load rows before
+    /// keeping more rows than have been loaded: rows that have not been loaded are overwritten.
     ///
     /// # Panics
     ///
@@ -355,7 +358,7 @@ impl<const N: usize> InPlace<'_, N> {
     pub fn keep<L: Lanes>(&mut self, mask: L::Mask, rows: [L; N]) {
         let kept = self.kept + mask.count();
         assert!(kept <= self.stride, "no room in a list");
-        // SAFETY: there is room for them in each column.
+        // SAFETY: each column has room for the chosen rows.
         unsafe { store(self.start.add(self.kept), self.stride, mask, rows) };
         self.kept = kept;
     }
@@ -367,22 +370,22 @@ impl<const N: usize> InPlace<'_, N> {
     }
 }
 
-/// A block of `N` columns that are written and read as whole registers.
+/// A block of `N` columns that are stored and loaded as whole registers.
 #[derive(Debug)]
 pub struct Scratch<'a, const N: usize> {
     start: *mut f64,
-    /// As in [`Columns`]; columns go on for a line behind `len`.
+    /// As in [`Columns`]; columns have at least one line more than `len` rows take.
     stride: usize,
     len: usize,
     lines: PhantomData<&'a mut [Line]>,
 }
 
 impl<'a, const N: usize> Scratch<'a, N> {
-    /// For `len` rows in `lines`, `N` columns of equal length.
+    /// Columns for `len` rows: `lines` divided into `N` equal columns.
     ///
     /// # Panics
     ///
-    /// If columns have no line more than `len` rows.
+    /// If columns do not have one line more than `len` rows take.
     #[inline(always)]
     pub fn new(lines: &'a mut [Line], len: usize) -> Self {
         let stride = lines.len() / N * Line::LANES;
@@ -398,17 +401,17 @@ impl<'a, const N: usize> Scratch<'a, N> {
         }
     }
 
-    /// Writes one register of each column.
+    /// Stores one register of each column.
     ///
     /// # Panics
     ///
-    /// If the rows do not take so many registers.
+    /// If the register does not hold any of the rows.
     #[inline(always)]
     pub fn store<L: Lanes>(&mut self, register: usize, rows: [L; N]) {
         self.store_at(register, 0, rows);
     }
 
-    /// The same, one row further on.
+    /// As [`store`](Self::store), one row further on.
     ///
     /// # Panics
     ///
@@ -428,7 +431,7 @@ impl<'a, const N: usize> Scratch<'a, N> {
         }
     }
 
-    /// One register of each column.
+    /// Loads one register of each column.
     ///
     /// # Panics
     ///
@@ -440,11 +443,11 @@ impl<'a, const N: usize> Scratch<'a, N> {
         unsafe { load(simd, self.start.add(register * L::COUNT), self.stride) }
     }
 
-    /// Writes row `i`.
+    /// Sets row `i`.
     ///
     /// # Panics
     ///
-    /// If there are not so many rows.
+    /// If `i` is not less than the number of rows.
     #[inline(always)]
     pub fn set_row(&mut self, i: usize, row: [f64; N]) {
         assert!(i < self.len);
@@ -460,8 +463,8 @@ mod tests {
     use super::*;
     use crate::simd::{Instructions, Scalar, Simd, SimdProgram};
 
-    /// Keeps the rows of a list whose first number is less than their successor's, in place, and
-    /// appends them to `sink`, which they fill.
+    /// Keeps the rows whose first number is less than that of their successor, in place, and
+    /// appends them to a sink, which they fill.
     struct KeepRising<'a>(&'a mut [Line], usize, &'a mut [Line]);
 
     impl SimdProgram for KeepRising<'_> {

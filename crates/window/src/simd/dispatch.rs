@@ -12,17 +12,18 @@ use super::{
     avx512::{Avx512, Avx512Token},
 };
 
-/// Code that is compiled for every instruction set.
+/// A program that is compiled for every instruction set.
 pub trait SimdProgram {
     /// The result.
     type Output;
 
-    /// Runs the program with the instructions of `L`. Must be `#[inline(always)]`, as must all that
-    /// it calls with vectors, so that it is compiled for the features of its caller.
+    /// Runs the program with the instructions of `L`. This function, and every function that it
+    /// passes vectors to, must be `#[inline(always)]`, so that it is compiled with the features of
+    /// its caller.
     fn run<L: Lanes>(self, simd: L::Token) -> Self::Output;
 }
 
-/// An instruction set that this processor has: the proof, made by detection.
+/// The proof that this processor has an instruction set. Made by detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Simd(Kind);
 
@@ -36,7 +37,7 @@ enum Kind {
 }
 
 impl Simd {
-    /// The given instructions, or narrower ones if the processor lacks them.
+    /// The proof for `instructions`, or for narrower ones if the processor lacks them.
     pub fn new(instructions: Instructions) -> Self {
         #[cfg(target_arch = "x86_64")]
         if instructions >= Instructions::Avx512
@@ -92,8 +93,9 @@ fn run_avx512<T: SimdProgram>(program: T, token: Avx512Token) -> T::Output {
     program.run::<Avx512>(token)
 }
 
-/// [`run_avx512`] is not inlined into a function without its features, and this one into none; on
-/// a function with both attributes, the compiler drops the one against inlining.
+/// Keeps [`run_avx512`] out of its caller. `run_avx512` cannot be inlined into this function, which
+/// lacks its features, and this function is never inlined. With both attributes on one function the
+/// compiler would drop `inline(never)`.
 #[cfg(target_arch = "x86_64")]
 #[inline(never)]
 pub(super) fn run_avx512_apart<T: SimdProgram>(program: T, token: Avx512Token) -> T::Output {

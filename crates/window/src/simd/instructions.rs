@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// An instruction set for which vector code is compiled; the narrower of two is the lesser.
+/// An instruction set for which vector code is compiled. Narrower sets are less than wider ones.
 ///
 /// ```
 /// use geobench_window::simd::Instructions;
@@ -15,7 +15,7 @@ use std::str::FromStr;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Instructions {
-    /// One number at a time; any processor.
+    /// One number at a time, on any processor.
     Scalar,
     /// Four numbers at a time.
     Avx2,
@@ -53,7 +53,7 @@ impl Instructions {
         self == Self::Scalar
     }
 
-    /// The next narrower set; `None` below [`Scalar`](Self::Scalar).
+    /// The next narrower set; `None` for [`Scalar`](Self::Scalar).
     pub fn narrower(self) -> Option<Self> {
         match self {
             Self::Avx512 => Some(Self::Avx2),
@@ -72,7 +72,7 @@ impl Instructions {
         set
     }
 
-    /// The name that users type and read.
+    /// The name in command lines and result files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Scalar => "scalar",
@@ -82,7 +82,7 @@ impl Instructions {
     }
 }
 
-/// The bit instructions that vector code uses beside the lanes.
+/// Whether the processor has the bit instructions that vector code uses in addition.
 #[cfg(target_arch = "x86_64")]
 fn has_bit_instructions() -> bool {
     is_x86_feature_detected!("bmi1")
@@ -106,7 +106,7 @@ impl FromStr for Instructions {
     }
 }
 
-/// A name that no instruction set has.
+/// The name of no instruction set.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown instructions `{0}`; expected `scalar`, `avx2` or `avx512`")]
 pub struct UnknownInstructions(pub String);

@@ -1,12 +1,12 @@
 //! Vector instructions: detection at run time, and generic code over several numbers at once.
 //!
 //! A [`SimdProgram`] is written once, generic over [`Lanes`], and compiled for every instruction
-//! set. [`Simd`] is the proof that the processor has a set; it is made by detection, and its
-//! [`run`](Simd::run) hands the program a zero-sized *token* ([`Lanes::Token`]), without which no
-//! vector exists. [`Columns`], [`Block`], [`InPlace`] and [`Scratch`] are bounded views of
-//! structures of arrays. So programs need no unsafe code.
+//! set. [`Simd`] is the proof that the processor has a set. Detection makes it. Its
+//! [`run`](Simd::run) passes the program a zero-sized *token* ([`Lanes::Token`]). Vectors can be
+//! made only with a token. [`Columns`], [`Block`], [`InPlace`] and [`Scratch`] are bounds-checked
+//! views of structures of arrays. Programs therefore need no unsafe code.
 //!
-//! All operations round as IEEE 754 says and none is fused: every set gives the same bits.
+//! All operations round as IEEE 754 prescribes, and none is fused. Every set gives the same bits.
 //!
 //! ```
 //! use geobench_window::simd::{Columns, Instructions, Lanes, Line, Simd, SimdProgram};

@@ -1,6 +1,6 @@
 //! One lane: any processor.
 
-// Loads and stores take addresses.
+// Loads and stores take pointers.
 #![allow(unsafe_code)]
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
@@ -11,7 +11,7 @@ use super::lanes::{LaneMask, Lanes};
 #[derive(Clone, Copy, Debug)]
 pub struct Scalar(f64);
 
-/// One answer.
+/// One truth value.
 #[derive(Clone, Copy, Debug)]
 pub struct ScalarMask(bool);
 
@@ -56,20 +56,20 @@ impl Lanes for Scalar {
 
     #[inline(always)]
     unsafe fn load((): (), from: *const f64) -> Self {
-        // SAFETY: the trait's contract.
+        // SAFETY: the caller guarantees the range.
         Self(unsafe { from.read() })
     }
 
     #[inline(always)]
     unsafe fn store(self, to: *mut f64) {
-        // SAFETY: the trait's contract.
+        // SAFETY: the caller guarantees the range.
         unsafe { to.write(self.0) }
     }
 
     #[inline(always)]
     unsafe fn store_chosen(self, mask: ScalarMask, to: *mut f64) {
         if mask.0 {
-            // SAFETY: the trait's contract.
+            // SAFETY: the mask is set, so the caller guarantees the range.
             unsafe { to.write(self.0) }
         }
     }

@@ -1,7 +1,7 @@
 //! Comparison of two windows of one edge: the range on which each is shorter.
 
-// Which of two conditions fails is chance, and both are cheap: a single branch is foreseen wrongly
-// less often.
+// Which of two conditions fails is unpredictable, and both are cheap: one branch for both is
+// mispredicted less often than two.
 #![allow(clippy::needless_bitwise_bool)]
 
 use std::cmp::Ordering;
@@ -11,76 +11,76 @@ use crate::precision::{GRAIN, PLACE};
 use crate::tie::{TiePoints, tie_points};
 use crate::window::{Window, greater, less};
 
-/// By how much a distance of `d` at a point of an edge of length `l` must differ from another one
-/// to be the shorter or the longer one of both.
+/// The least difference of two distances at a point of an edge of length `l` that counts. `d` is
+/// one of them.
 ///
-/// A new window must be so much shorter to take ground from a stored one. The old one wins ties, so
-/// that a window that comes twice is not stored twice, and one that has wound around a needle not
-/// at all. Where a source is much nearer than the edge is long, its place is known to the rounding
-/// of the edge only.
+/// A new window must be shorter by this much to take a range from a stored one. The stored window
+/// wins ties. So a window that arrives twice is not stored twice, and one that has wound around a
+/// needle is not stored at all. The second term covers sources much nearer than the edge is long:
+/// their position is known only to the rounding of the edge.
 #[inline(always)]
 #[allow(clippy::inline_always)] // Twice in each comparison.
 fn doubt(d: f64, l: f64) -> f64 {
     GRAIN * d + PLACE * l
 }
 
-/// How much of [`GRAIN`] is doubt enough to take what lies beside the foot of a window.
+/// The part of [`GRAIN`] that suffices beside the foot of a window; see [`is_new_shorter`].
 const LESS: f64 = 1.0 / 16.0;
 
-/// Width below which what trimming leaves of a window is dropped, as a fraction of the edge or of
+/// Width below which the remainder of a trimmed window is dropped, as a fraction of the edge or of
 /// the distance of the source, whichever is less.
 ///
-/// Windows that meet along a ray overlap by rounding, and trimming then leaves slivers of 1e-17 to
+/// Windows that meet along a ray overlap by rounding. Trimming then leaves slivers of 1e-17 to
 /// 1e-11 of an edge, a third of all windows on scans, while true windows are wider than 1e-9. The
-/// bent paths along the neighbours of a sliver are as short as its own to far below rounding.
-/// Only where a source stands on the edge, behind a face of no area, do rays of all directions pass
-/// through as little as that; hence the distance of the source.
+/// bent paths of a sliver's neighbours are as short as its own, to far below rounding. The
+/// exception is a source on the edge, behind a face of no area: rays of all directions pass through
+/// so small a width. Hence the limit by the distance of the source.
 const SLIVER: f64 = 1e-10;
 
-/// Width, in terms of the height of a source over the edge, on which its distances are taken to be
-/// a straight line: some √(2·[`GRAIN`]); see [`is_straight`].
+/// Width on which the distances of a window are taken to be linear, in units of the height of its
+/// source over the edge: some √(2·[`GRAIN`]). See [`is_straight`].
 const STRAIGHT: f64 = 4e-7;
 
-/// What a new window takes from an old one of a range that they share.
+/// The part of a common range on which a new window is shorter than an old one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Comparison {
-    /// This part of it.
+    /// The new window is shorter on this range.
     Won(f64, f64),
-    /// Nothing.
+    /// The new window is nowhere shorter.
     Lost,
-    /// Not as simple as that.
+    /// The distances at the ends do not decide.
     Open,
 }
 
-/// Whether hardly any ray of `w` passes between `start` and `end`: what trimming leaves of a window
-/// there is dropped.
+/// Whether the remainder `start..end` of `w`, on an edge of length `l`, is so narrow that trimming
+/// drops it.
 #[inline]
 pub fn is_sliver(w: &Window, start: f64, end: f64, l: f64) -> bool {
     let width = end - start;
     width <= SLIVER * l && is_narrow(w, start, end)
 }
 
-/// The part of [`is_sliver`] that is hardly ever asked for.
+/// The second condition of [`is_sliver`], which is rarely reached.
 #[cold]
 fn is_narrow(w: &Window, start: f64, end: f64) -> bool {
     let beside = (start - w.px).max(w.px - end).max(0.0);
     end - start <= SLIVER * (beside + w.py.abs())
 }
 
-/// Whether `start..end` is wide enough to matter to one of the windows.
+/// Whether `start..end` is not a sliver of both windows.
 #[inline]
 pub fn matters(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool {
     start < end && !(is_sliver(old, start, end, l) && is_sliver(new, start, end, l))
 }
 
 impl Comparison {
-    /// Who is shorter on `lo..hi` on an edge of length `l`: a range that matters to neither is left
-    /// to the old one.
+    /// Compares the windows on `lo..hi`, on an edge of length `l`. A range that is a sliver of both
+    /// stays with the old one.
     ///
-    /// The distances at both ends tell it for all cases but those in which there may be two tie
-    /// points or the windows are equal at the ends: these are left [open](Comparison::Open).
+    /// The distances at both ends decide, unless there may be two tie points or the windows are
+    /// equal at the ends: these cases are [open](Comparison::Open).
     #[inline(always)]
-    #[allow(clippy::inline_always)] // The windows are not to pass through memory.
+    #[allow(clippy::inline_always)] // Keeps the window in registers.
     pub fn between(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
         if hi - lo <= SLIVER * l {
             return Self::on_narrow(old, new, lo, hi, l);
@@ -88,7 +88,7 @@ impl Comparison {
         Self::on_wide(old, new, lo, hi, l)
     }
 
-    /// As [`between`](Self::between) where the range may not matter or be a foot.
+    /// As [`between`](Self::between) for a range that may be a sliver or a foot.
     #[cold]
     #[inline(never)]
     fn on_narrow(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
@@ -103,20 +103,20 @@ impl Comparison {
         Self::on_wide(old, new, lo, hi, l)
     }
 
-    /// As [`between`](Self::between) where the range matters and is no foot.
+    /// As [`between`](Self::between) for a range that is neither a sliver nor a foot.
     #[inline(always)]
     #[allow(clippy::inline_always)] // As `between`.
     fn on_wide(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
         let held = [old.distance(lo), old.distance(hi)];
         let gains = [held[0] - new.distance(lo), held[1] - new.distance(hi)];
         let width = hi - lo;
-        // At the other end the distance is no longer than this.
+        // The distance at the other end is at most this.
         let doubt = doubt(held[0] + width, l);
         let wins = greater(gains[0], gains[1]) > doubt;
         let loses = less(gains[0], gains[1]) < -doubt;
         if wins & loses {
             let tie = tie_between(old, new, lo, hi);
-            // The bisector may be beside it by rounding.
+            // Rounding may put the bisector outside the range.
             if !(lo < tie && tie < hi) {
                 return Self::Open;
             }
@@ -139,7 +139,8 @@ impl Comparison {
                 Self::Open
             };
         }
-        // Distances change by no more than the way, so that differences change by twice that.
+        // Distances change by at most the way along the edge, and differences by at most twice
+        // that.
         if (gains[0] + gains[1]).abs() < 2.0 * width
             && may_tie_twice(old, new, lo, hi)
             && within(tie_points(old, new).as_slice(), lo, hi).count() > 0
@@ -152,7 +153,7 @@ impl Comparison {
         }
     }
 
-    /// As [`between`](Self::between) where a tie is close to one of the ends.
+    /// As [`between`](Self::between), where a tie is close to one of the ends.
     #[cold]
     fn beside(wins_first: bool, matters: [bool; 2], [lo, tie, hi]: [f64; 3]) -> Self {
         match (wins_first, matters[0], matters[1]) {
@@ -165,12 +166,13 @@ impl Comparison {
     }
 }
 
-/// Whether the distances of both windows are straight lines over `width`, to a fourth of the
-/// [margin](GRAIN), so that what are equal at the ends are equal between them.
+/// Whether the distances of both windows are linear over `width`, to a fourth of the
+/// [margin](GRAIN). Windows that are equal at the ends are then equal between them.
 ///
-/// The second derivative of √(x² + y²) is at most 1/|y|, which bends the curve by width²/(8|y|),
-/// and the distances are |y| or more. Windows that meet along a ray overlap by so little, and by as
-/// much as rounding has moved the ray: a tenth of all windows on scans.
+/// The second derivative of √(x² + y²) is at most 1/|y|, so the curve deviates from a line by at
+/// most width²/(8|y|), and the distances are at least |y|. Windows that meet along a ray overlap by
+/// such small widths, by which rounding has moved the ray. They are a tenth of all windows on
+/// scans.
 #[inline]
 fn is_straight(old: &Window, new: &Window, width: f64) -> bool {
     width <= STRAIGHT * old.py.abs().min(new.py.abs())
@@ -178,8 +180,8 @@ fn is_straight(old: &Window, new: &Window, width: f64) -> bool {
 
 /// The tie point of two windows of which one is shorter at `lo` and the other at `hi`.
 ///
-/// The formulas are those of [`tie_points`], which does the same for both roots: here one of them
-/// is between `lo` and `hi`, and hardly ever both.
+/// The formulas are those of [`tie_points`]. One root is between `lo` and `hi`, and hardly ever
+/// both.
 #[inline(always)]
 #[allow(clippy::inline_always)] // As `between`.
 fn tie_between(old: &Window, new: &Window, lo: f64, hi: f64) -> f64 {
@@ -209,8 +211,8 @@ fn tie_between(old: &Window, new: &Window, lo: f64, hi: f64) -> f64 {
     }
 }
 
-/// The same where both roots are there, or neither is a tie: where both σ are the same up to
-/// rounding, so are both roots, and their signs are chance.
+/// The tie point by bisection, where `tie_between` cannot tell the roots apart: where both σ are
+/// equal up to rounding, so are the roots, and their signs are rounding errors.
 #[cold]
 #[inline(never)]
 fn bisected_tie(old: &Window, new: &Window, mut lo: f64, mut hi: f64) -> f64 {
@@ -229,33 +231,33 @@ fn bisected_tie(old: &Window, new: &Window, mut lo: f64, mut hi: f64) -> f64 {
     }
 }
 
-/// The points of an edge of length `l` at which the shorter one of two windows may change between
-/// `lo` and `hi`.
+/// The points between `lo` and `hi`, on an edge of length `l`, at which the shorter of two windows
+/// may change.
 ///
-/// As [`tie_points`], but never none where one is shorter at `lo` and the other at `hi`.
+/// As [`tie_points`], but never empty if one window is shorter at `lo` and the other at `hi`.
 pub fn ties_between(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> TiePoints {
     let gains = [lo, hi].map(|x| old.distance(x) - new.distance(x));
     let doubt = doubt(old.distance(lo) + (hi - lo), l);
     if greater(gains[0], gains[1]) > doubt && less(gains[0], gains[1]) < -doubt {
-        // Of two ties both are between them or neither is.
+        // One window is shorter at each end, so one tie is between the ends.
         TiePoints::one(tie_between(old, new, lo, hi))
     } else {
         tie_points(old, new)
     }
 }
 
-/// Those of `ties` that are between `lo` and `hi`.
+/// The elements of `ties` between `lo` and `hi`.
 #[inline]
 fn within(ties: &[f64], lo: f64, hi: f64) -> impl Iterator<Item = f64> {
     ties.iter().copied().filter(move |&t| lo < t && t < hi)
 }
 
-/// Whether the curves of the windows may cross twice between `lo` and `hi`, where one of them is
+/// Whether the distances of the windows may cross twice between `lo` and `hi`, where one window is
 /// shorter at both.
 ///
-/// The [tie points](tie_points) are among the roots of A·u² + 2ab·u + (b² - D²·y1²), which then lie
-/// on both sides of the vertex of this parabola: without real roots, or with the vertex elsewhere,
-/// they do not.
+/// The [tie points](tie_points) are roots of A·u² + 2ab·u + (b² - D²·y1²). Two roots lie on both
+/// sides of the parabola's vertex. If it has no real roots, or its vertex is not between `lo` and
+/// `hi`, there are no two crossings.
 #[inline]
 fn may_tie_twice(old: &Window, new: &Window, lo: f64, hi: f64) -> bool {
     let a = new.px - old.px;
@@ -265,18 +267,19 @@ fn may_tie_twice(old: &Window, new: &Window, lo: f64, hi: f64) -> bool {
     let slope = |x: f64| leading * (x - new.px) + a * b;
     let sides = slope(lo) * slope(hi);
     let lack = -(b * b + leading * new.py * new.py);
-    // Neither may be positive. Which one is, is chance: a single branch for both.
+    // Neither may be positive. Which one is, is unpredictable: one branch for both.
     let greater = if sides > lack { sides } else { lack };
     greater <= 0.0 && delta != 0.0
 }
 
 /// Whether the new one of two windows is shorter on a range without a tie.
 ///
-/// The middle tells, unless they are equal there. Two sources on the line of the edge are equal all
-/// along the side on which one stands behind the other, and part where the nearer one stands: the
-/// ends tell then. Where they are equal there, too, the old one stays; but if its source stands on
-/// the edge and that of the new one does not, less doubt is enough: all its directions are in its
-/// foot, and what lies beside that has one, along the edge.
+/// The midpoint decides, unless the windows are equal there. Two sources on the line of the edge
+/// are equal all along one side, on which one source is behind the other, and differ beyond the
+/// nearer source: then the ends decide. If the windows are equal at the ends as well, the old one
+/// stays, with one exception. If the source of the old one is on the edge and that of the new one
+/// is not, a smaller difference is enough: all directions of the old one pass through its foot, and
+/// the rest of it has one direction, along the edge.
 pub(super) fn is_new_shorter(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool {
     let compare = |x: f64| {
         let (held, offered) = (old.distance(x), new.distance(x));
@@ -342,8 +345,8 @@ mod tests {
             prop_assert!(won <= least * (1.0 + 1e-9), "{won} {least}");
         }
 
-        /// Windows that meet along a ray overlap by as much as rounding has moved it. These were a
-        /// tenth of all on scans, and each took the way of those that may tie twice.
+        /// Windows that meet along a ray overlap by rounding. A tenth of all comparisons on scans
+        /// were of this kind, and all of them took the slow path for two ties.
         #[test]
         fn windows_that_meet_along_a_ray_are_told_apart_at_once(
             old in windows(), lo in 0.0..1.0f64, slope in -1.0..1.0f64, width in 1e-10..1e-7f64, at in 0.0..1.0f64,
@@ -371,7 +374,8 @@ mod tests {
             }
         }
 
-        /// Same direction, as in lists of half-edges: nearly all comparisons are decided at once.
+        /// Windows of one direction, as in lists of half-edges: nearly all comparisons are decided
+        /// by the ends.
         #[test]
         fn comparisons_of_one_direction_are_seldom_open(old in windows(), new in windows()) {
             let below = |w: Window| Window { py: -w.py.abs(), ..w };

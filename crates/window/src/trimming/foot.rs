@@ -1,37 +1,38 @@
-//! Sources on the line of an edge: all their directions pass through one point, their foot.
+//! Windows whose source is on the line of their edge: all directions pass through one point, the
+//! foot.
 //!
 //! Trimming compares distances along the edge. A source V on the edge itself, behind a face of no
-//! area, sends rays of all directions through its foot, where its distance is σ, and only grazing
-//! ones through all other points. A window of another source that comes along the edge, V on its
-//! way, ties with it at the foot and beyond, and has one direction only. If it took the foot from
-//! V, or half of that piece by rounding, the other directions would be lost.
+//! area, sends rays of all directions through its foot, where its distance is σ. Through all other
+//! points of the edge it sends grazing rays only. Let a window of another source arrive along the
+//! edge, with V on its path. It ties with V at the foot and beyond, and has one direction only. If
+//! it took the foot from V, or half of the foot by rounding, the other directions would be lost.
 //!
 //! So the foot of a window is a piece of its own, as wide as rounding moves it. It is compared with
 //! other windows as a whole, at the foot, and yields only to one that is shorter there: then V is
-//! no shortest path to its own foot, and none of its directions is of use. Among equals it stays,
-//! since it holds every direction that they have.
+//! not on a shortest path to its own foot, and none of its directions is needed. Among equal
+//! windows the foot stays, since it holds every direction that they have.
 
 use crate::precision::{GRAIN, PLACE};
 use crate::window::Window;
 
-/// How far a foot reaches to both sides, as a fraction of the edge: over it the distance of the
-/// source hardly grows beyond rounding.
+/// Half the width of a foot, as a fraction of the edge. Over it the distance of the source hardly
+/// grows beyond rounding.
 const HALF_WIDTH: f64 = 7.5 * PLACE;
 
-/// How far an interval must reach to both sides of the foot to hold all directions, as a fraction
-/// of the edge: some units in the last place of an abscissa.
+/// How far an interval must reach beyond the foot on both sides to hold all directions, as a
+/// fraction of the edge: a few units in the last place of an abscissa.
 const CLEARANCE: f64 = 0.25 * PLACE;
 
-/// How close to the edge a source stands on it, as a fraction of the edge.
+/// The greatest height of a source that counts as on the edge, as a fraction of the edge.
 const CLOSE: f64 = 2.5 * PLACE;
 
-/// How far both reach beyond that, in heights of the source over the edge. Rays that go further
-/// along the edge graze it.
+/// What a source above the edge adds to [`HALF_WIDTH`] and [`CLEARANCE`], in heights of the source.
+/// Rays that meet the edge farther away graze it.
 const STEEP: f64 = 20.0;
 
-/// The foot of `w` on an edge of length `l`, if its source stands on the edge, or closer to it than
-/// 1e-14 of that, and all directions of the source are its own: an interval that ends beside the
-/// foot has only some of them, and rounding does not tell which.
+/// The foot of `w` on an edge of length `l`. `None` if the source is farther from the edge than 2.5
+/// [`PLACE`] of its length, or if `w` does not hold all directions of the source: an interval that
+/// ends at the foot has only some of them, and rounding hides which.
 #[inline]
 pub fn foot(w: &Window, l: f64) -> Option<[f64; 2]> {
     grazes(w, l).then(|| whole_foot(w, l))?
@@ -46,26 +47,26 @@ fn whole_foot(w: &Window, l: f64) -> Option<[f64; 2]> {
     (is_whole && start < end).then_some([start, end])
 }
 
-/// Whether the source of `w` stands on the edge: beside its foot `w` has one direction only.
+/// Whether the source of `w` is on the edge. Beside its foot, `w` then has one direction only.
 #[inline]
 pub(super) fn grazes(w: &Window, l: f64) -> bool {
     w.py.abs() <= CLOSE * l
 }
 
-/// Whether `w` is nothing but a foot.
+/// Whether all of `w` is a foot.
 #[inline]
 fn is_foot(w: &Window, l: f64) -> bool {
     foot(w, l) == Some([w.b0, w.b1])
 }
 
-/// Whether any common range of two windows, of this width, may be part of a foot.
+/// Whether a common range of two windows with this width may be part of a foot.
 #[inline]
 pub(super) fn may_be_foot(width: f64, l: f64) -> bool {
     width <= 2.5 * (HALF_WIDTH + STEEP * CLOSE) * l
 }
 
-/// Whether the whole range that `old` and `new` share goes to `new`, if one of them is a foot;
-/// `None` if neither is.
+/// Whether `new` gets the whole range that it shares with `old`, if one of them is a foot; `None`
+/// if neither is.
 #[cold]
 pub(super) fn does_new_win(old: &Window, new: &Window, l: f64) -> Option<bool> {
     if is_foot(old, l) {
@@ -77,14 +78,14 @@ pub(super) fn does_new_win(old: &Window, new: &Window, l: f64) -> Option<bool> {
     }
 }
 
-/// Whether `w` reaches the foot of `foot` and is shorter there beyond doubt.
+/// Whether `w` contains the foot of `foot` and is shorter there by more than rounding.
 fn is_shorter_at_foot(w: &Window, foot: &Window, l: f64) -> bool {
     let x = foot.px;
     let d = foot.distance(x);
     w.b0 <= x && x <= w.b1 && w.distance(x) < d - (GRAIN * d + PLACE * l)
 }
 
-/// The pieces of a window with a foot: first the foot, then the pieces on its left and right.
+/// The pieces of a window: its foot first, if it has one, then the parts on the left and right.
 pub fn pieces(w: &Window, l: f64) -> impl Iterator<Item = Window> {
     let [start, end] = foot(w, l).unwrap_or([w.b0, w.b1]);
     let ranges = [[start, end], [w.b0, start], [end, w.b1]];
@@ -130,7 +131,7 @@ mod tests {
             b0: 0.0,
             ..ON_EDGE
         };
-        // At the foot the other's distance is 1.5 more than its σ.
+        // At the foot the distance of the other window is its σ plus 1.5.
         for (sigma, shorter) in [(-0.5, false), (-0.5 - 1e-9, true), (-0.5 + 1e-9, false)] {
             assert_eq!(does_new_win(&foot, &along(sigma), 1.0), Some(shorter));
             assert_eq!(does_new_win(&along(sigma), &foot, 1.0), Some(!shorter));

@@ -1,4 +1,4 @@
-//! Windows stored beside thin faces, so that windows that wind around a needle end.
+//! Windows stored beside thin faces, to end those that wind around a needle.
 
 use geobench_mesh::{HalfEdgeId, Mesh};
 
@@ -7,13 +7,13 @@ use super::overlap::{Overlap, Owner};
 use super::thin::ThinFaces;
 use crate::window::Window;
 
-/// The windows that have come to the half-edges of thin faces, for algorithms that keep none.
+/// The windows that have arrived at the half-edges of thin faces, for algorithms that store none.
 ///
-/// No shortest path crosses an edge twice. A window that winds around a needle does, and the vertex
-/// filter deletes it as soon as it is longer than a path along an edge, which on a thin needle it
-/// never is beyond rounding. MMP does not propagate it: where it comes to a half-edge for the
-/// second time, the window that came first is as short, and of equal windows the first one stays.
-/// The same is done here on the half-edges of thin faces, which hardly any mesh has.
+/// No shortest path crosses an edge twice, but a window that winds around a needle does. The vertex
+/// filter deletes it once it is longer than a path along an edge. On a thin needle the difference
+/// never exceeds rounding. MMP ends such a window when it arrives at a half-edge for the second
+/// time: the stored window is as short, and among equal windows the stored one stays. This type
+/// does the same on the half-edges of thin faces, which few meshes have.
 ///
 /// ```
 /// use geobench_mesh::{HalfEdgeId, Mesh};
@@ -30,7 +30,8 @@ use crate::window::Window;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct KeptWindows {
-    /// Which list each half-edge has, by its number; none if `NO_LIST`. Empty if no face is thin.
+    /// The list of each half-edge, by its number; `NO_LIST` if it has none. Empty if no face is
+    /// thin.
     lists: Vec<u32>,
     kept: Vec<KeptList>,
     doubt: f64,
@@ -39,7 +40,7 @@ pub struct KeptWindows {
     replaced: Vec<Window>,
 }
 
-/// The windows of one half-edge, which do not overlap, in ascending order.
+/// The windows of one half-edge, ascending and without overlaps.
 #[derive(Clone, Debug)]
 struct KeptList {
     length: f64,
@@ -49,8 +50,8 @@ struct KeptList {
 const NO_LIST: u32 = u32::MAX;
 
 impl KeptWindows {
-    /// For `mesh`, whose half-edges have the numbers that `number` gives, all less than `numbers`;
-    /// O(faces).
+    /// Empty lists for `mesh`. `number` gives the number of each half-edge, which is less than
+    /// `numbers`. O(faces).
     pub fn new(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
         let mut kept = Self::default();
         let thin = ThinFaces::of(mesh, numbers, &number);
@@ -69,44 +70,45 @@ impl KeptWindows {
         kept
     }
 
-    /// Whether no face is thin: then no window is kept, and none needs to be asked for.
+    /// Whether no face is thin. Then no window is stored, and calls of the other methods can be
+    /// skipped.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.lists.is_empty()
     }
 
-    /// The [doubt](ThinFaces::doubt) about windows that are kept.
+    /// As [`ThinFaces::doubt`], for the stored windows.
     #[inline]
     pub fn doubt(&self) -> f64 {
         self.doubt
     }
 
-    /// Whether the windows that come to half-edge number `h` are kept.
+    /// Whether windows that arrive at half-edge number `h` are stored.
     #[inline]
     pub fn holds(&self, h: usize) -> bool {
         self.lists.get(h).is_some_and(|&list| list != NO_LIST)
     }
 
-    /// Forgets all windows.
+    /// Removes all windows.
     pub fn clear(&mut self) {
         for list in &mut self.kept {
             list.windows.clear();
         }
     }
 
-    /// Forgets the windows of half-edge number `h`.
+    /// Removes the windows of half-edge number `h`.
     pub fn clear_at(&mut self, h: usize) {
         if self.holds(h) {
             self.kept[self.lists[h] as usize].windows.clear();
         }
     }
 
-    /// Keeps `new`, which comes to half-edge number `h`, and returns the part of it that is to be
-    /// propagated; `None` if nothing is. A window to a half-edge of no thin face is returned whole.
-    /// O(k) for k windows kept there.
+    /// Stores `new`, which arrives at half-edge number `h`, and returns the part of it to
+    /// propagate; `None` if no part is needed. Returns `new` unchanged if `h` is not beside a thin
+    /// face. O(k) for k windows stored there.
     ///
-    /// The returned part must be propagated, even when its root has been reached by a shorter path
-    /// since: it may have taken the place of a window that was equal to it.
+    /// The returned part must be propagated, even if a shorter path to its root has been found
+    /// since: it may have replaced an equal window.
     #[cold]
     pub fn admit(&mut self, h: usize, new: &Window) -> Option<Window> {
         let list = self.lists.get(h).copied().unwrap_or(NO_LIST);
@@ -147,7 +149,7 @@ impl KeptWindows {
             }
             list.splice(first..first + self.met.len(), self.replaced.iter().copied());
         }
-        // What lies between two parts is not needed, and does no harm.
+        // The range between two parts is not needed, but harmless.
         parts.map(|[b0, b1]| Window { b0, b1, ..*new })
     }
 }

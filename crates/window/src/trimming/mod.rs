@@ -1,8 +1,8 @@
 //! Windows of one half-edge trimmed against each other where they tie, as in MMP.
 //!
-//! A range that two windows share goes to the one that is shorter there; the one that was first
-//! keeps what both offer alike. The MMP crate keeps whole lists by these rules, [`KeptWindows`]
-//! those beside thin faces for the algorithms that keep none.
+//! A range that two windows share goes to the one that is shorter there. Where both are equal, the
+//! first one keeps it. The MMP crate stores whole lists by these rules. [`KeptWindows`] does so
+//! beside thin faces, for algorithms that store no windows.
 
 mod compare;
 mod foot;

@@ -1,15 +1,16 @@
-//! Division of the overlap of a new window and the windows that it meets, in the general case.
+//! Division of the overlap of a new window and the stored windows that it meets, in the general
+//! case.
 
 use super::compare::{is_new_shorter, is_sliver, matters, ties_between};
 use super::foot::{does_new_win, may_be_foot};
 use crate::window::Window;
 
-/// Who is shorter on a range.
+/// The window that is shorter on a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Owner {
     /// The new window.
     New,
-    /// The stored window at this place among those that the new one meets.
+    /// The stored window with this index among those that the new one meets.
     Old(usize),
 }
 
@@ -24,8 +25,7 @@ pub struct Segment {
     pub owner: Owner,
 }
 
-/// What a new window and stored ones cover together: ranges in ascending order, each with its
-/// owner.
+/// The ranges that a new window and stored ones cover together, ascending, each with its owner.
 ///
 /// ```
 /// use geobench_window::Window;
@@ -46,13 +46,13 @@ pub struct Overlap {
 }
 
 impl Overlap {
-    /// The ranges.
+    /// The ranges, ascending.
     pub fn segments(&self) -> &[Segment] {
         &self.segments
     }
 
-    /// Divides the ranges of `met` and `new`, on an edge of length `l`, between them; slivers are
-    /// left out.
+    /// Divides the union of `met` and `new`, on an edge of length `l`, into ranges with one owner
+    /// each. Slivers are left out.
     pub fn share_out(&mut self, met: &[Window], new: &Window, l: f64) {
         self.segments.clear();
         let mut covered = new.b0;
@@ -61,7 +61,7 @@ impl Overlap {
             let (lo, hi) = (w.b0.max(new.b0), w.b1.min(new.b1));
             self.grant(covered, w.b0, Owner::New);
             self.grant(w.b0, lo, old);
-            // Ranges that matter to neither are not worth a trim.
+            // Ranges that are slivers of both windows are not worth a trim.
             let matters = |start, end| matters(w, new, start, end, l);
             let winner = |start, end| {
                 if is_new_shorter(w, new, start, end, l) {

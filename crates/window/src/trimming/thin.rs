@@ -7,19 +7,19 @@ use crate::precision::MARGIN;
 /// Height of a face, relative to its longest edge, below which it is thin.
 ///
 /// A path that winds N times around a needle of length L and girth c is longer than a straight one
-/// by some (Nc)²/2L. The vertex filter deletes its window once that is more than the detour by way
-/// of a vertex, which is up to c: at N = √(2L/c), three turns where faces are as thin as this, and
-/// 2,000 where they are 100,000 times thinner. Lengths do not tell both paths apart at all, to the
-/// [margin](crate::precision::MARGIN) m, up to N = √(2m)·L/c.
+/// by some (Nc)²/2L. The vertex filter deletes its window once this exceeds the detour through a
+/// vertex, which is up to c: at N = √(2L/c). That is three turns at this limit, and 2,000 turns
+/// where faces are 100,000 times thinner. Up to N = √(2m)·L/c the lengths differ by less than the
+/// [margin](crate::precision::MARGIN) m, and cannot be told apart at all.
 const THIN: f64 = 6.5e-3;
 
-/// The same on a mesh with a tip.
+/// As [`THIN`], on a mesh with a tip.
 ///
-/// No face of a needle is this thin if it is 20 times as long as wide, and windows still turn
-/// around it ten times. Scans have no tips, and are spared the asking for each window.
+/// On a needle 20 times as long as wide no face is thin by [`THIN`], but windows still wind around
+/// it ten times. Scans have no tips, so they do not pay for this wider limit.
 const THIN_AROUND_TIPS: f64 = 0.1;
 
-/// Total angle of a vertex, in radians, below which it is the tip of a needle.
+/// Total angle of a vertex, in radians, below which it counts as the tip of a needle.
 const TIP: f64 = 0.35;
 
 /// The half-edges of thin faces.
@@ -39,14 +39,14 @@ const TIP: f64 = 0.35;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct ThinFaces {
-    /// By number of half-edge, whether the face on either side is thin; empty if none is.
+    /// Whether the face on either side is thin, by number of half-edge; empty if no face is thin.
     beside: Vec<bool>,
     doubt: f64,
 }
 
 impl ThinFaces {
-    /// Looks for those of `mesh`, whose half-edges have the numbers that `number` gives, all less
-    /// than `numbers`; O(faces).
+    /// The thin faces of `mesh`. `number` gives the number of each half-edge, which is less than
+    /// `numbers`. O(faces).
     pub fn of(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
         let mut thin = Self::default();
         let limit = if mesh.vertices().any(|v| is_tip(mesh, v)) {
@@ -54,7 +54,7 @@ impl ThinFaces {
         } else {
             THIN
         };
-        // The faces are told apart by another formula than the lowest one was found by.
+        // Some rounding slack: the faces are selected by another formula.
         if mesh.least_relative_height() > 1.001 * limit {
             return thin;
         }
@@ -77,8 +77,8 @@ impl ThinFaces {
         self.beside.is_empty()
     }
 
-    /// How much longer than the shortest path a window may be that was first among equals: beside a
-    /// thin face that is up to the [margin](MARGIN) of its longest side.
+    /// How much longer than the shortest path a window may be that was stored first among equals:
+    /// beside thin faces up to the [margin](MARGIN) of their longest side.
     #[inline]
     pub fn doubt(&self) -> f64 {
         self.doubt
@@ -98,7 +98,7 @@ fn relative_height(mesh: &Mesh, h: HalfEdgeId) -> f64 {
     lengths[0] * mesh.apex(h)[1] / (longest * longest)
 }
 
-/// Whether windows may turn around `v` more than once.
+/// Whether windows may wind around `v` more than once.
 fn is_tip(mesh: &Mesh, v: VertexId) -> bool {
     let angle = mesh.total_angle(v);
     0.0 < angle && angle < TIP && !mesh.is_boundary(v)

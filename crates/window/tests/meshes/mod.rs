@@ -1,6 +1,6 @@
-//! Small meshes on which solvers were wrong, and how a solver is checked on them.
+//! Small meshes on which solvers were wrong, and the checks of a solver on them.
 //!
-//! The tests of every crate with solvers include this file, so that the meshes stand once.
+//! The tests of all crates with solvers include this file, so the meshes exist once.
 
 #![allow(dead_code)] // Each crate uses the meshes on which its own solvers were wrong.
 
@@ -33,12 +33,12 @@ pub(crate) struct Case {
 }
 
 impl Case {
-    /// Checks all `solvers` on this mesh, to rounding of the greatest distance.
+    /// Checks all `solvers` on this mesh, up to rounding of the greatest distance.
     pub(crate) fn check(&self, solvers: impl Fn(&Mesh) -> Solvers) {
         self.check_beyond(FLOOR, solvers);
     }
 
-    /// The same with each distance to 1e-9 of itself, however small it is.
+    /// Checks each distance to 1e-9 of itself, however small it is.
     pub(crate) fn check_relative(&self, solvers: impl Fn(&Mesh) -> Solvers) {
         self.check_beyond(0.0, solvers);
     }
@@ -66,10 +66,10 @@ fn mesh(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Mesh {
         .0
 }
 
-/// Rounding that every distance may have, as a fraction of the greatest one.
+/// Rounding error of every distance, as a fraction of the greatest one.
 const FLOOR: f64 = 1e-13;
 
-/// The first vertex whose distance is wrong, and how it is. `floor` is as [`FLOOR`].
+/// The first wrong distance, with its vertex; `floor` as in [`FLOOR`].
 fn wrong(found: &[f64], expected: &[f64], floor: f64) -> Option<String> {
     assert_eq!(found.len(), expected.len());
     let reached = expected.iter().copied().filter(|d| d.is_finite());
@@ -80,11 +80,11 @@ fn wrong(found: &[f64], expected: &[f64], floor: f64) -> Option<String> {
         .map(|v| format!("vertex {v} at {} instead of {}", found[v], expected[v]))
 }
 
-/// Most windows that a solver may propagate on a needle: ten times 200, which MMP stays below.
+/// Most windows that a solver may propagate on a needle: ten times 200, which MMP does not reach.
 const NEEDLE_WINDOWS: u64 = 2000;
 
-/// Checks distances and work of all `solvers` on open cones of ten faces around a tip, of base
-/// radius 1 and heights up to 1e10, from a vertex of the base.
+/// Checks the distances and the work of all `solvers` on open cones of ten faces around a tip, of
+/// base radius 1 and heights up to 1e10, from a vertex of the base.
 pub(crate) fn check_needles(solvers: impl Fn(&Mesh) -> Solvers) {
     for height in [1e2, 1e4, 1e6, 1e8, 1e10] {
         let (mesh, expected) = needle(height);
@@ -101,8 +101,8 @@ pub(crate) fn check_needles(solvers: impl Fn(&Mesh) -> Solvers) {
     }
 }
 
-/// An open cone with vertex 0 as its tip, and the distances from vertex 1. Unrolled, the cone is a
-/// fan of equal triangles, and the shortest paths are its chords.
+/// An open cone with vertex 0 as its tip, and the distances from vertex 1. Unfolded, the cone is a
+/// fan of equal triangles, and the shortest paths are chords of the fan.
 fn needle(height: f64) -> (Mesh, Vec<f64>) {
     let corners = 10;
     let on_base = |i: u32| {

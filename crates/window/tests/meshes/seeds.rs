@@ -1,6 +1,7 @@
-//! Random nasty meshes by their seeds, on which solvers were wrong or took far too many windows.
+//! Random nasty meshes, by their seeds, on which solvers were wrong or propagated far too many
+//! windows.
 //!
-//! For the tests of crates that have the oracle; the meshes of the parent module need none.
+//! For the tests of crates that use the oracle. The meshes of the parent module do not need it.
 
 #![allow(dead_code)] // Each crate has its own seeds.
 
@@ -11,16 +12,16 @@ use geobench_window::{Counter, Solver, precision};
 /// The solvers of a crate, set up for a mesh, with their names.
 pub(crate) type Solvers = Vec<(&'static str, Box<dyn Solver>)>;
 
-/// Far more than the oracle takes for any mesh here.
+/// Far more beams than the oracle needs for any mesh here.
 const MOST_BEAMS: u64 = 100_000;
 
-/// The mesh of a seed, its sources, and the distances that are right.
+/// The mesh of a seed, its sources, and the right distances.
 fn case(seed: u64) -> (Mesh, Vec<VertexId>, Vec<f64>) {
     let model = nasty::mesh(seed).model;
     let positions = model.positions().unwrap().to_vec();
     let soup = TriangleSoup::new(positions.clone(), model.triangles.clone());
     let (mesh, _) = Mesh::from_soup(soup).unwrap();
-    // The mesh has its faces turned the same way.
+    // The mesh has its faces oriented consistently.
     let faces = mesh.faces().map(|f| mesh.face_vertices(f));
     let faces = faces.map(|corners| corners.map(VertexId::raw)).collect();
     let surface = Model::new("", positions, faces).surface::<DoubleDouble>();
@@ -29,7 +30,7 @@ fn case(seed: u64) -> (Mesh, Vec<VertexId>, Vec<f64>) {
     (mesh, sources, rounded(&found))
 }
 
-/// The largest error beyond what rounding explains, `None` if all distances are right.
+/// The largest error that rounding does not explain; `None` if all distances are right.
 fn error(found: &[f64], expected: &[f64]) -> Option<f64> {
     let reached = expected.iter().copied().filter(|d| d.is_finite());
     let slack = 1e-13 * reached.fold(0.0, f64::max);
@@ -39,7 +40,7 @@ fn error(found: &[f64], expected: &[f64]) -> Option<f64> {
 }
 
 /// Checks that all `solvers` are right on the mesh of `seed`, and that none propagates more than
-/// `most` windows: ten times what `mmp-fast` does, if that is more than 200.
+/// `most` windows. `most` should be ten times the number of `mmp-fast`, and at least 200.
 pub(crate) fn check(seed: u64, most: u64, solvers: impl Fn(&Mesh) -> Solvers) {
     let (mesh, sources, expected) = case(seed);
     for (name, mut solver) in solvers(&mesh) {
@@ -54,8 +55,8 @@ pub(crate) fn check(seed: u64, most: u64, solvers: impl Fn(&Mesh) -> Solvers) {
     }
 }
 
-/// Checks that all `solvers` are right on the mesh of `seed` to what the solve itself says that its
-/// distances may be off by.
+/// Checks that all `solvers` are right on the mesh of `seed`, up to the doubt that the solve
+/// reports.
 pub(crate) fn check_doubtful(seed: u64, solvers: impl Fn(&Mesh) -> Solvers) {
     let (mesh, sources, expected) = case(seed);
     for (name, mut solver) in solvers(&mesh) {

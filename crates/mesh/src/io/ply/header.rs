@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use crate::io::error::Flaw;
 use crate::io::text::{Lines, integer, shown, words};
 
-/// What the header declares, checked to hold vertices and faces.
+/// A valid header, with vertices and faces.
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     /// In the order of the payload.
@@ -19,7 +19,7 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
-/// A kind of element and the number of them.
+/// A kind of element with its count and properties.
 pub(super) struct Element {
     pub(super) name: String,
     pub(super) kind: Kind,
@@ -27,7 +27,7 @@ pub(super) struct Element {
     pub(super) properties: Vec<Property>,
 }
 
-/// What becomes of an element.
+/// How an element is used.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Vertex,
@@ -35,17 +35,17 @@ pub(super) enum Kind {
     Skipped,
 }
 
-/// A number, or a list of numbers, of every element.
+/// A property of an element: a number or a list of numbers.
 pub(super) struct Property {
     pub(super) name: String,
     pub(super) role: Role,
-    /// Type of the length of a list.
+    /// Type of the length, for a list.
     pub(super) length: Option<Scalar>,
     /// Type of the number, or of each number in the list.
     pub(super) value: Scalar,
 }
 
-/// What becomes of a property.
+/// How a property is used.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
     /// A coordinate of a vertex: 0 for x, 1 for y, 2 for z.
@@ -83,7 +83,7 @@ impl Scalar {
         })
     }
 
-    /// Bytes that it takes.
+    /// Size in bytes.
     pub(super) fn size(self) -> u64 {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -123,19 +123,19 @@ impl Element {
         }
     }
 
-    /// Bytes that one takes in a binary payload if all its lists are empty.
+    /// Size in bytes of an element in a binary payload, if all its lists are empty.
     pub(super) fn smallest_size(&self) -> u64 {
         let first = |p: &Property| p.length.unwrap_or(p.value).size();
         self.properties.iter().map(first).sum()
     }
 }
 
-/// A name as it can be shown in a message, without quotation marks.
+/// A name for use in a message, without quotation marks.
 fn plain(name: &[u8]) -> String {
     String::from_utf8_lossy(name).escape_debug().to_string()
 }
 
-/// Takes `lines` to the end of the header.
+/// Reads `lines` to the end of the header.
 pub(super) fn read(lines: &mut Lines<'_>) -> Result<Header, Flaw> {
     if lines
         .next()
@@ -167,17 +167,18 @@ pub(super) fn read(lines: &mut Lines<'_>) -> Result<Header, Flaw> {
     ))
 }
 
-/// What the lines of a header have declared so far.
+/// The declarations of a header so far.
 #[derive(Default)]
 struct Declarations<'a> {
     encoding: Option<Encoding>,
     elements: Vec<Element>,
-    /// Names of elements, with 0, and of properties, with the number of elements up to theirs.
+    /// Names of elements, with 0, and of properties, with the number of elements declared before
+    /// them.
     names: HashSet<(usize, &'a [u8])>,
 }
 
 impl<'a> Declarations<'a> {
-    /// Adds the declaration that `words` make, or says what is wrong with it.
+    /// Adds the declaration in `words`, or returns what is wrong with it.
     fn add(&mut self, words: &[&'a [u8]]) -> Result<(), &'static str> {
         let invalid = "is no valid line of a PLY header";
         let scalar = |name| Scalar::from_name(name).ok_or(invalid);
@@ -218,8 +219,8 @@ impl<'a> Declarations<'a> {
     }
 }
 
-/// Checks that there are vertices with coordinates and faces with corners, and that the lengths
-/// of lists are integers.
+/// Checks that there are vertices with coordinates and faces with corners, and that list lengths
+/// are integers.
 fn check(elements: &[Element]) -> Result<(), Flaw> {
     for property in elements.iter().flat_map(|e| &e.properties) {
         if let Some(Scalar::F32 | Scalar::F64) = property.length {

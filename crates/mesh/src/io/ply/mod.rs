@@ -1,9 +1,9 @@
 //! PLY, text and binary of both byte orders.
 //!
-//! Text coordinates are read as `f64` even where the header declares `float`: programs declare
-//! that out of habit and then write all the digits they have. Binary coordinates are what they
-//! are. Elements other than `vertex` and `face`, and properties other than `x y z` and the list
-//! `vertex_indices` (or `vertex_index`), are skipped; the elements may come in any order.
+//! Text coordinates are read as `f64` even where the header declares `float`: many programs declare
+//! `float` and then write all digits. Binary coordinates have the declared type. Elements other
+//! than `vertex` and `face` are skipped, as are properties other than `x y z` and the list
+//! `vertex_indices` (or `vertex_index`). Elements may come in any order.
 
 mod header;
 mod payload;
@@ -15,7 +15,7 @@ use crate::soup::TriangleSoup;
 use header::{Element, Encoding, Kind, Role};
 use payload::{Binary, Payload, Text};
 
-/// Reads a whole PLY file.
+/// Reads a PLY file.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     let mut lines = Lines::new(bytes);
     let header = header::read(&mut lines)?;
@@ -28,7 +28,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
 }
 
 fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<TriangleSoup, Flaw> {
-    // Counts are believed as far as the payload can hold so many elements.
+    // Counts reserve memory only as far as the payload can hold so many elements.
     let room = |kind| {
         let element = elements.iter().find(|e| e.kind == kind);
         element.map_or(0, |e| payload.most(e).min(e.count) as usize)
@@ -36,7 +36,7 @@ fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<Tri
     let mut positions = Vec::with_capacity(room(Kind::Vertex));
     let mut faces = FaceList::with_capacity(room(Kind::Face));
     let (mut position, mut corners) = ([0.0; 3], Vec::new());
-    // An element without properties takes no bytes and no line, however many there are.
+    // An element without properties takes no bytes and no line, whatever its count.
     for element in elements.iter().filter(|e| !e.properties.is_empty()) {
         payload.begin(element)?;
         match element.kind {
@@ -68,7 +68,7 @@ fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<Tri
                     Role::Axis(axis) => position[axis] = payload.coordinate(property)?,
                     Role::Corners => {
                         corners.clear();
-                        // Ends with the line or the file, however large the length is.
+                        // Ends with the line or the file, however large `length` is.
                         for _ in 0..length {
                             corners.push(payload.corner(property)?);
                         }

@@ -1,48 +1,47 @@
-//! What follows the header of a PLY file.
+//! The payload of a PLY file, after the header.
 
 use super::header::{Element, Kind, Property, Role, Scalar};
 use crate::io::error::{Flaw, Place};
 use crate::io::text::{self, Lines, Words, integer, shown, words};
 
-/// The numbers of a payload, in order.
+/// Reads the numbers of a payload in order.
 pub(super) trait Payload {
-    /// Whether every element has a line of its own, so that what is left of one can be dropped.
+    /// Whether every element has a line of its own, so that the rest of an element can be skipped.
     const IN_LINES: bool;
 
-    /// The most elements of this kind that there can be.
+    /// Upper bound of the number of elements of this kind.
     fn most(&self, element: &Element) -> u64;
-    /// All elements of one kind follow.
+    /// Called before the elements of one kind.
     fn begin(&self, _element: &Element) -> Result<(), Flaw> {
         Ok(())
     }
-    /// All of these vertices, if they can be taken at once; else nothing is taken.
+    /// Reads all vertices at once, or returns `None` without reading anything.
     fn positions(&mut self, _vertices: &Element) -> Option<Vec<[f64; 3]>> {
         None
     }
-    /// All of these faces, if they are triangles and can be taken at once; else nothing is taken.
+    /// Reads all faces at once if they are triangles, or returns `None` without reading anything.
     fn triangles(&mut self, _faces: &Element) -> Option<Vec<[u32; 3]>> {
         None
     }
-    /// An element follows, the `number`th of its kind.
+    /// Called before element `number` of its kind.
     fn next(&mut self, element: &Element, number: u64) -> Result<(), Flaw>;
-    /// The length of a list.
+    /// Reads the length of a list.
     fn length(&mut self, property: &Property) -> Result<u64, Flaw>;
-    /// A coordinate.
+    /// Reads a coordinate.
     fn coordinate(&mut self, property: &Property) -> Result<f64, Flaw>;
-    /// A vertex number.
+    /// Reads a vertex number.
     fn corner(&mut self, property: &Property) -> Result<u32, Flaw>;
     /// Skips `count` numbers.
     fn skip(&mut self, property: &Property, count: u64) -> Result<(), Flaw>;
-    /// The element must end here.
+    /// Checks that the element ends here.
     fn end(&mut self, _element: &Element) -> Result<(), Flaw> {
         Ok(())
     }
-    /// The file must end here: elements that the header does not count would be lost without a
-    /// word.
+    /// Checks that the file ends here: elements beyond the header's counts would be lost silently.
     fn finish(&mut self) -> Result<(), Flaw>;
 }
 
-/// A text payload, one line for each element; blank lines are passed over.
+/// A text payload, one line for each element. Blank lines are skipped.
 pub(super) struct Text<'a> {
     lines: Lines<'a>,
     /// Number of the current line.
@@ -138,7 +137,7 @@ impl Payload for Text<'_> {
 
 /// A binary payload.
 pub(super) struct Binary<'a, const BIG_ENDIAN: bool> {
-    /// What has not been read yet.
+    /// The bytes that have not been read yet.
     rest: &'a [u8],
     file_size: usize,
     /// The current element.
@@ -162,7 +161,7 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
         }
     }
 
-    /// The number of 32 bits with which `bytes` start.
+    /// The first 32 bits of `bytes` as a number.
     #[inline]
     fn word(bytes: &[u8]) -> u32 {
         let bytes = std::array::from_fn(|i| bytes[i]);
@@ -178,7 +177,8 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
         self.flaw("the file ends within it; the file is cut off or its header wrong")
     }
 
-    /// The next number, unless the file ends within it. An `f64` holds the values of all types.
+    /// The next number, or an error if the file ends within it. An `f64` holds all values of all
+    /// types.
     fn number(&mut self, scalar: Scalar) -> Result<f64, Flaw> {
         macro_rules! read {
             ($type:ty) => {{
@@ -205,10 +205,10 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
         })
     }
 
-    /// The next number if it is a whole one of 32 bits without a sign.
+    /// The next number, which must be an unsigned integer of 32 bits.
     fn whole(&mut self, scalar: Scalar, wanted: &str) -> Result<u32, Flaw> {
         let number = self.number(scalar)?;
-        // The cast saturates, so that what is no such number becomes a different one.
+        // The cast saturates, so a number out of range becomes a different one.
         #[expect(clippy::cast_sign_loss, reason = "a negative number becomes 0")]
         let whole = number as u32;
         if f64::from(whole) == number {
@@ -223,7 +223,7 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
     const IN_LINES: bool = false;
 
     fn most(&self, element: &Element) -> u64 {
-        // A triangle has three corners, so three more bytes at least; polygons grow the list.
+        // A triangle has three corners of at least one byte each. Polygons enlarge the list later.
         let more = if element.kind == Kind::Face { 3 } else { 0 };
         self.rest.len() as u64 / (element.smallest_size() + more) + 1
     }
@@ -346,7 +346,7 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
         Ok(())
     }
 
-    /// Blanks and zero bytes may follow.
+    /// Blanks and zero bytes may follow the payload.
     fn finish(&mut self) -> Result<(), Flaw> {
         let filling = |byte: &u8| *byte == 0 || byte.is_ascii_whitespace();
         if self.rest.iter().all(filling) {

@@ -14,7 +14,7 @@ fn window(number: f64, label: f64) -> Window {
     }
 }
 
-/// Its number, and its label while it waits.
+/// The number of the window, and its label while it waits.
 fn described(stored: &StoredWindow) -> (f64, f64) {
     let label = stored.window.min_distance();
     let label = if stored.waits() { label } else { f64::INFINITY };
@@ -23,9 +23,10 @@ fn described(stored: &StoredWindow) -> (f64, f64) {
 
 #[derive(Clone, Debug)]
 enum Step {
-    /// In this list, from here on, this share of what is behind, by windows of these labels.
+    /// In this list, from this position on, replaces a fraction of the windows by windows with
+    /// these labels.
     Replace(usize, Index, Index, Vec<u8>),
-    /// The windows due by this label.
+    /// Takes the windows due at this label.
     Take(usize, u8),
     Forget(usize),
 }
@@ -42,7 +43,7 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
 }
 
 proptest! {
-    /// Against a vector of numbers and labels for each list.
+    /// Compares with a vector of numbers and labels for each list.
     #[test]
     fn lists_in_one_array_do_not_disturb_each_other(steps in steps(), keeps_levels in any::<bool>()) {
         let (mut store, mut model) = (Store::new(4), vec![Vec::<(f64, f64)>::new(); 4]);
@@ -117,7 +118,7 @@ proptest! {
         let mut ends: Vec<f64> = ends.into_iter().map(f64::from).collect();
         ends.sort_by(f64::total_cmp);
         let mut store = Store::new(1);
-        // What others have left behind must not count.
+        // Freed blocks contain old windows, which must not count.
         let relic = StoredWindow::waiting(window(0.5, 0.0));
         store.replace(0, 0, 0, &[relic; 70], &[]);
         store.evict(0);

@@ -159,8 +159,8 @@ fn both_parts_of_a_waiting_window_wait() {
     assert_eq!((list.len(0), list.waiting()), (1, 1));
 }
 
-/// The fan of a source that stands on the edge passes through no width at all; when such windows
-/// were dropped as slivers, vertices behind flat faces came out twice as far.
+/// The windows of a source on the edge have zero width there. When they were dropped as slivers,
+/// vertices behind flat faces were twice as far.
 #[test]
 fn a_window_of_a_source_on_the_edge_is_no_sliver_however_narrow() {
     let whole = window(0.0, 1.0, 0.5, -1.0, 1.0);
@@ -169,9 +169,10 @@ fn a_window_of_a_source_on_the_edge_is_no_sliver_however_narrow() {
     assert_eq!(insert_all(&[fan]).len(0), 1);
 }
 
-/// Sources at 0.75 and, by way of it, at 0.5 are equal left of 0.5. The middle of the edge being
-/// there, the first to come kept all of it, and rays to the right were 5e-2 too long: on an
-/// edge with two vertices on it and faces without area between, in any order but nearest first.
+/// Sources at 0.75 and, through it, at 0.5 are equal left of 0.5. The midpoint of the edge is
+/// there, so the first to arrive kept all of the edge, and rays to the right were 5e-2 too long.
+/// This happened on an edge with two vertices on it and faces without area between, in all orders
+/// but nearest first.
 #[test]
 fn sources_on_the_edge_are_told_apart_where_they_differ() {
     let far = window(0.0, 1.0, 0.5, -4e-31, 0.25);
@@ -183,8 +184,8 @@ fn sources_on_the_edge_are_told_apart_where_they_differ() {
     }
 }
 
-/// Windows that meet along a ray overlap by rounding. When the splinters of such overlaps were
-/// kept, the horse took twice its windows and each edge up to 7,000 of them.
+/// Windows that meet along a ray overlap by rounding. When the slivers of such overlaps were
+/// stored, the horse had twice as many windows, and up to 7,000 on an edge.
 #[test]
 fn overlaps_by_rounding_leave_no_splinters() {
     let left = window(0.0, 0.5 + 1e-15, 0.5, -1.0, 0.0);
@@ -194,9 +195,9 @@ fn overlaps_by_rounding_leave_no_splinters() {
     assert!(stored(&list).iter().all(|w| w.b1 - w.b0 > 0.4));
 }
 
-/// A search finds windows up to a millionth, and one that ends before the new one begins may be the
-/// first that is compared. When all from its end on counted as free, the new window began too far
-/// left, and needles came out 1e-10 too long.
+/// A search finds windows up to a millionth, so the first window compared may end before the new
+/// one begins. When everything from its end on counted as free, the new window began too far left,
+/// and distances on needles were 1e-10 too long.
 #[test]
 fn a_window_begins_no_further_left_than_it_came() {
     let old = window(0.0, 0.5, 0.2, -1.0, 0.0);

@@ -15,7 +15,8 @@ fn window(number: f64) -> Window {
 
 #[derive(Clone, Debug)]
 enum Step {
-    /// In this list, from here on, this share of what is behind, by so many windows.
+    /// In this list, from this position on, replaces a fraction of the windows by this many
+    /// windows.
     Replace(usize, Index, Index, usize, bool),
     Take(Index),
     Forget(usize),
@@ -32,7 +33,7 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
 }
 
 proptest! {
-    /// Against a vector for each list, and a queue of all that were ever stored to wait.
+    /// Compares with a vector for each list, and a queue of all windows stored as waiting.
     #[test]
     fn lists_in_one_array_do_not_disturb_each_other(steps in steps()) {
         let (mut lists, mut model) = (Lists::new(4), vec![Vec::<(Slot, f64)>::new(); 4]);

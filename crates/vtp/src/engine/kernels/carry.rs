@@ -1,4 +1,5 @@
-//! Last pass over a list: its windows cross the face, each through the exits that a rule leaves it.
+//! The last pass over a list: propagates its windows across the face, through the exits that a rule
+//! allows.
 
 use geobench_window::simd::{LaneMask, Lanes};
 
@@ -6,10 +7,10 @@ use super::columns::Windows;
 use super::exits::{Rays, Rule, Sides};
 use crate::engine::store::{Block, Columns};
 
-/// Products of two divisors within these bounds can be inverted without loss.
+/// Bounds within which the product of two divisors can be inverted without loss of precision.
 const INVERTIBLE: [f64; 2] = [1e-280, 1e280];
 
-/// The triangle that the windows cross, seen from the half-edge through which they enter.
+/// The triangle that the windows cross, in the frame of the entered half-edge.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Triangle {
     /// Length of the half-edge AB.
@@ -23,8 +24,8 @@ pub(crate) struct Triangle {
 }
 
 impl Triangle {
-    /// Where the source image of a window lies for its children behind AC (0) or CB (1): the same
-    /// arithmetic, and so the same bits, as in [`carry`].
+    /// The source image of a window in the frame of its children behind AC (0) or CB (1). The
+    /// arithmetic, and so every bit, is that of [`carry`].
     #[inline]
     pub(crate) fn source_beyond(&self, side: usize, [px, py]: [f64; 2]) -> [f64; 2] {
         let [ux, uy] = self.directions[side];
@@ -36,35 +37,36 @@ impl Triangle {
     }
 }
 
-/// A list behind an exit.
+/// The list behind an exit.
 #[derive(Debug)]
 pub(crate) struct Target<'a> {
-    /// Its block, with room for all the windows that may come.
+    /// Its block, with room for all windows that may arrive.
     pub(crate) block: Block<'a>,
-    /// Windows that it has; afterwards those that it has then.
+    /// Number of windows in the list, updated by [`carry`].
     pub(crate) len: usize,
-    /// Whether there is anything behind the exit.
+    /// Whether there is a face behind the exit.
     pub(crate) open: bool,
 }
 
-/// What came of a list.
+/// Counts of [`carry`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Carried {
-    /// Children tried, those of which nothing came included.
+    /// Children tried, including empty ones.
     pub(crate) tried: usize,
-    /// Children that arrived, but were narrower than the threshold.
+    /// Children narrower than the threshold, which were dropped.
     pub(crate) tiny: usize,
 }
 
-/// Takes those windows of `list` for which `keep` has bits across `triangle`, as `rule` lets them,
-/// and adds those that arrive and are no narrower than `threshold` to the targets behind AC and CB.
-/// `keep` comes from [`measure`](super::measure()), and the targets have room for its bounds.
+/// Propagates the windows of `list` whose bits are set in `keep` across `triangle`, as far as
+/// `rule` allows. Children of at least the width `threshold` are appended to the targets behind AC
+/// and CB. `keep` comes from [`measure`](super::measure()), and the targets have room for its
+/// bounds.
 ///
 /// With e, D and m(s) as in [`measure`](super::measure()), the ray through abscissa s divides AC as
 /// n : |m(s)| with n = -py·s, and BC as n : |m(s)| with n = -py·(l - s), from the ends that they
-/// share with the half-edge. Neither part is negative, so their sum loses no digits, however close
-/// the source is to the half-edge. Each end of a window leaves through one exit, so both ends take
-/// two divisions, which are made as one: 1/(d₀d₁).
+/// share with the half-edge. Neither part is negative, so their sum has no cancellation, however
+/// close the source is to the half-edge. Each end of a window leaves through one exit. Both ends
+/// take two divisions, which are computed as one: 1/(d₀d₁).
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // As in `geobench_window::simd`, without iterators.
 #[allow(clippy::too_many_arguments)] // The parts of one crossing, which its callers hold apart.
@@ -124,7 +126,7 @@ pub(crate) fn carry<L: Lanes, R: Rule>(
         let go_left = tried[0] & starts_left;
         let go_right = tried[1] & zero.lt(m1);
         let (cut_left, cut_right) = (go_left & cut[0], go_right & cut[1]);
-        // Where both ends arrive, each at its own exit.
+        // The positions at which both ends arrive, each at its own exit.
         let depth = zero - py;
         let (from_corner0, from_corner1) = (
             depth * L::select(starts_left, b0, l - b0),
@@ -190,10 +192,10 @@ pub(crate) fn carry<L: Lanes, R: Rule>(
     carried
 }
 
-/// Both quotients, by one division where the product of the divisors allows it.
+/// Both quotients, with one division if the product of the divisors allows it.
 ///
-/// The product of two quotients' divisors leaves the range of f64 only in faces without area; there
-/// each gets a division of its own. `wanted` are the lanes that matter.
+/// The product leaves the range of `f64` only in faces without area. There each quotient has its
+/// own division. `wanted` are the lanes whose results are used.
 #[inline(always)]
 fn quotients<L: Lanes>(simd: L::Token, n: [L; 2], d: [L; 2], wanted: L::Mask) -> [L; 2] {
     let product = d[0] * d[1];

@@ -1,6 +1,6 @@
-//! Windows of a list as registers full of them.
+//! Windows of a list in registers.
 
-/// As many windows as the registers have lanes.
+/// One window in each lane of the registers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Windows<L> {
     pub(super) b0: L,

@@ -6,18 +6,18 @@ use super::columns::Windows;
 use crate::engine::store::PaddedBlock;
 use crate::precision::{CLEARANCE, WINS};
 
-/// Scratch of the comparison of neighbours, kept from list to list: the ends of what neighbours
-/// leave of intervals.
+/// Scratch for the comparison of neighbours, reused from list to list: the ends of the intervals
+/// that each comparison leaves.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cuts {
     /// After the comparison with the right neighbour.
     by_right: Vec<Line>,
-    /// After that with the left one.
+    /// After the comparison with the left neighbour.
     by_left: Vec<Line>,
 }
 
 impl Cuts {
-    /// For a list of `len`.
+    /// The scratch for a list of `len` windows.
     #[inline(always)]
     pub(super) fn of(&mut self, len: usize) -> ListCuts<'_> {
         let lines = 2 * (len / Line::LANES + 2);
@@ -39,21 +39,21 @@ pub(super) struct ListCuts<'a> {
 }
 
 impl ListCuts<'_> {
-    /// Notes the remainders of the windows of a register, compared with their right neighbours, and
-    /// of these.
+    /// Stores what the comparison with right neighbours leaves of the windows of a register, and of
+    /// these neighbours.
     #[inline(always)]
     pub(super) fn note<L: Lanes>(&mut self, register: usize, [of_a, of_b]: [[L; 2]; 2]) {
         self.by_right.store(register, of_a);
         self.by_left.store_next(register, of_b);
     }
 
-    /// The first window has no left neighbour.
+    /// Sets the entry of the first window, which has no left neighbour.
     #[inline(always)]
     pub(super) fn open(&mut self) {
         self.by_left.set_row(0, [f64::NEG_INFINITY, f64::INFINITY]);
     }
 
-    /// What both neighbours have left of the windows of a register.
+    /// What both comparisons leave of the windows of a register.
     #[inline(always)]
     pub(super) fn left<L: Lanes>(&self, simd: L::Token, register: usize) -> [L; 2] {
         let by_right = self.by_right.load::<L>(simd, register);
@@ -63,14 +63,14 @@ impl ListCuts<'_> {
 }
 
 /// Compares neighbours among the first `len` windows of `block`, on an edge with this
-/// [`extent`](crate::precision::extent), cuts each by its losses, drops those that have lost
-/// everything, and returns how many are left.
+/// [`extent`](crate::precision::extent). Cuts each by its losses, drops windows that have lost
+/// everything, and returns the number of windows left.
 ///
-/// As [`check_pair`](crate::pairs::check_pair) for windows that overlap, but all comparisons are
-/// made with the windows as they came: a ray that is cut crosses a real path that is shorter, and
-/// that stays true when the winner is cut elsewhere. So the comparisons need no order, and whole
-/// registers of neighbours are compared at once. Windows apart are not compared (cases 3 and 6),
-/// which saves next to nothing.
+/// As [`check_pair`](crate::pairs::check_pair) for windows that overlap, but all comparisons use
+/// the windows as they were before any cut. A ray is cut because it crosses a shorter real path.
+/// That stays true if the winner is cut elsewhere. So comparisons need no order, and whole
+/// registers of neighbours are compared at once. Disjoint windows are not compared (cases 3 and 6),
+/// which would save next to nothing.
 #[inline(always)]
 pub(crate) fn compare<L: Lanes>(
     simd: L::Token,
@@ -91,7 +91,7 @@ pub(crate) fn compare<L: Lanes>(
     }
     cuts.open();
     for register in 0..registers {
-        // Read before anything is written: fewer windows are kept than have been read.
+        // Loaded before anything is stored: fewer windows have been kept than loaded.
         let w = Windows::new(list.load::<L>(simd, register));
         let [b0, b1] = cuts.left::<L>(simd, register);
         let alive = b0.lt(b1) & list.listed::<L>(simd, register);
@@ -100,8 +100,8 @@ pub(crate) fn compare<L: Lanes>(
     list.kept()
 }
 
-/// The remainders of the intervals of `a` and of `b` after each of `pairs` was compared, and
-/// which of these do not meet.
+/// What the comparison of each of `pairs` leaves of the intervals of `a` and `b`, and which pairs
+/// are disjoint.
 #[inline(always)]
 pub(super) fn losses<L: Lanes>(
     simd: L::Token,
@@ -148,8 +148,9 @@ pub(super) fn losses<L: Lanes>(
     ([of_a, of_b], apart)
 }
 
-/// Whether the source at `offset` from that of `w` lies clearly left, and clearly right, of the ray
-/// of `w` through abscissa `x`; `size` is the size of their coordinates times the clearance.
+/// The lanes in which the source at `offset` from that of `w` is clearly left, and clearly right,
+/// of the ray of `w` through abscissa `x`. `size` is the size of the coordinates times the
+/// clearance.
 #[inline(always)]
 pub(super) fn side<L: Lanes>(
     w: &Windows<L>,

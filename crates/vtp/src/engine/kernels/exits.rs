@@ -1,27 +1,27 @@
-//! Through which exits of its face a window may leave.
+//! Rules for the exits through which windows may leave a face.
 
 use super::columns::Windows;
 use crate::engine::store::Columns;
 use crate::precision::{CLEARANCE, MARGIN, RESOLUTION, WINS};
 use geobench_window::simd::{LaneMask, Lanes};
 
-/// By how far, as a fraction of the half-edge and of the best path, rays of a source close to the
-/// edge must lie beyond that path before rule 1 cuts them.
+/// How far beyond the best path, as a fraction of the half-edge and of the path, rays of a source
+/// close to the edge must be before rule 1 cuts them.
 ///
-/// Such a source sends rays of all directions through less width than rounding moves the path by.
-/// Of two paths with equal lengths one may turn at the source, and the other one as far from it as
-/// the rounding of their lengths.
+/// The rays of all directions of such a source pass through a width smaller than the rounding of
+/// the path. Of two paths with equal lengths one may turn at the source, and the other as far from
+/// it as the rounding of their lengths.
 const SLACK: f64 = MARGIN;
 
-/// How close, as a fraction of both: nearer sources see the slack under more than the least angle
-/// that lengths tell from 0.
+/// How close such a source is, as a fraction of both. A nearer source sees the slack under an angle
+/// above [`RESOLUTION`].
 const CLOSE: f64 = RESOLUTION;
 
-/// Windows about to cross, and where their rays go.
+/// Windows that enter a face, and the sides on which their rays leave.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rays<L: Lanes> {
     pub(super) windows: Windows<L>,
-    /// Those that are in the list.
+    /// The lanes whose windows are kept.
     pub(super) kept: L::Mask,
     /// cy - py and cy·px - cx·py: a ray through abscissa s leaves to the left if s·e < d.
     pub(super) e: L,
@@ -31,19 +31,20 @@ pub(crate) struct Rays<L: Lanes> {
 /// What a rule leaves of windows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sides<L: Lanes> {
-    /// Those to be tried at the left and at the right exit.
+    /// The windows to be tried at the left and at the right exit.
     pub(super) tried: [L::Mask; 2],
-    /// Those of them whose rays for it are cut.
+    /// Those of them that lose a part of their rays at that exit.
     pub(super) cut: [L::Mask; 2],
-    /// Where: only rays left of the first may go left, only those right of the second right.
+    /// The limits: only rays left of the first may leave to the left, and only rays right of the
+    /// second to the right.
     pub(super) limits: [L; 2],
 }
 
 impl<L: Lanes> Sides<L> {
-    /// What this and another rule leave together.
+    /// The rays that both rules allow.
     #[inline(always)]
     fn and(self, other: Self) -> Self {
-        // No closures: they would be functions of their own, without the features of the processor.
+        // Closures would be separate functions, compiled without the features of the processor.
         let either = [self.cut[0] | other.cut[0], self.cut[1] | other.cut[1]];
         let both = [self.cut[0] & other.cut[0], self.cut[1] & other.cut[1]];
         let one = [
@@ -64,13 +65,13 @@ impl<L: Lanes> Sides<L> {
     }
 }
 
-/// Says which rays may leave where.
+/// Decides which rays may leave through which exit.
 pub(crate) trait Rule {
-    /// The remainder of `rays`, beyond the condition that each leaves through its own exit.
+    /// What the rule leaves of `rays`. That each ray leaves on its own side is ensured elsewhere.
     fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L>;
 }
 
-/// None: every ray leaves where it leads.
+/// No rule: all rays leave.
 #[derive(Clone, Copy, Debug)]
 pub struct Free;
 
@@ -86,34 +87,34 @@ impl Rule for Free {
     }
 }
 
-/// A shortest path to the apex: that of a list, for rule 1 (one angle, two sides).
+/// The shortest path to the apex of all windows in a list, for rule 1 (one angle, two sides).
 ///
-/// Let S be where it enters and q its source. Every path of a window to the apex C is at least as
-/// long. A ray that enters left of S but heads for the right exit crosses the segment from S to C,
-/// and is useless from there on; so rays left of S may only go left, and rays right of S only
-/// right. Rays on their own side survive, unless the best path has crossed them before it reached
-/// S: that is certain for all rays right of S if q lies right of the window's last ray and the
-/// window's source left of the best path, and mirrored on the left.
+/// Let S be the point where it enters and q its source. Every path of a window to the apex C is at
+/// least as long. A ray that enters left of S but leads to the right exit crosses the segment from
+/// S to C, and is useless from there on. So rays left of S may leave only to the left, and rays
+/// right of S only to the right. Rays on their own side survive, unless the best path has crossed
+/// them before S. All rays right of S are crossed if q is right of the window's last ray and the
+/// window's source is left of the best path. The left side is symmetric.
 ///
-/// The printed rule drops a window's whole side by comparing where rays to C enter; that is unsound
-/// where intervals overlap.
+/// The rule as printed (proposition 4.1 of Qin et al. 2016) drops a window's whole side by
+/// comparing where rays to C enter. That is unsound where intervals overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct BestPath {
-    /// Where it crosses the half-edge.
+    /// The abscissa at which it crosses the half-edge.
     pub(crate) entry: f64,
-    /// Where it comes from.
+    /// Its source.
     pub(crate) source: [f64; 2],
-    /// By how much rounding may move it.
+    /// The bound of its rounding error.
     slack: f64,
-    /// What of that counts for windows whose sources are below this ordinate: nothing, unless the
-    /// source of the path is close to the half-edge itself.
+    /// The part of `slack` that applies to windows whose sources are below `close`: 0, unless the
+    /// source of the path itself is close to the half-edge.
     least_slack: f64,
     close: f64,
 }
 
 impl BestPath {
-    /// The path that crosses a half-edge at `entry`; `size` is the length of the half-edge and of
-    /// the path together.
+    /// The path that crosses a half-edge at `entry`. `size` is the length of the half-edge plus
+    /// that of the path.
     #[inline(always)]
     pub(crate) fn new(entry: f64, source: [f64; 2], size: f64) -> Self {
         Self {
@@ -129,7 +130,7 @@ impl BestPath {
         }
     }
 
-    /// The path of window `i` of `list` to `apex`; `size` as for [`new`](Self::new).
+    /// The path of window `i` of `list` to `apex`; `size` as in [`new`](Self::new).
     #[inline(always)]
     pub(crate) fn of(list: Columns<'_>, i: usize, apex: [f64; 2], size: f64) -> Self {
         let [b0, b1, px, py, _] = list.row(i);
@@ -172,9 +173,9 @@ impl Rule for BestPath {
     }
 }
 
-/// Where the best path has, beyond doubt, crossed all rays of a window left of its entry, and all
-/// right of it: its source lies beyond the outer ray, and the window's source on the other side of
-/// it.
+/// The lanes in which the best path has clearly crossed all rays of a window left of its entry, and
+/// all rays right of it: its source is beyond the outer ray, and the window's source is on the
+/// other side of the path.
 #[inline(always)]
 fn crossed<L: Lanes>(simd: L::Token, w: &Windows<L>, best: &BestPath) -> [L::Mask; 2] {
     let Windows { b0, b1, px, py, .. } = *w;
@@ -187,13 +188,13 @@ fn crossed<L: Lanes>(simd: L::Token, w: &Windows<L>, best: &BestPath) -> [L::Mas
     );
     let (dx, dy) = (qx - px, qy - py);
     let size = clearance * (px.abs() + py.abs() + qx.abs() + qy.abs());
-    // Twice the area of the window's source, its end x on the edge, and the best source; the sign
-    // is that of the side on which the latter lies.
+    // Twice the area of the window's source, its end on the edge, and the best source. The sign is
+    // the side of the best source.
     let left = (b0 - px) * dy + py * dx;
     let left_doubt = size * ((b0 - px).abs() + py.abs());
     let right = (b1 - px) * dy + py * dx;
     let right_doubt = size * ((b1 - px).abs() + py.abs());
-    // The same of the best path and the window's source.
+    // The same for the best path and the window's source.
     let own = zero - ((s - qx) * dy + qy * dx);
     let own_doubt = size * ((s - qx).abs() + qy.abs());
     [
@@ -202,20 +203,20 @@ fn crossed<L: Lanes>(simd: L::Token, w: &Windows<L>, best: &BestPath) -> [L::Mas
     ]
 }
 
-/// How far the ends of a half-edge are on paths across its face from the other two half-edges.
+/// The lengths of paths across the face from its other two half-edges to the ends of this one.
 ///
-/// A path from BC to A parts AB from AC, so every ray of a window for the left exit crosses it. The
-/// crossing lies on a path of the window to A, and of these the one bent at `b0` is the shortest;
-/// if the path from BC is shorter, so it is up to the crossing, and the ray is useless from there
-/// on. Mirrored for B and the right exit (Strategy II of the transfer report, figure 5.6 c; case 11
-/// of Qin et al. 2016).
+/// A path from BC to A separates AB from AC, so every ray of a window for the left exit crosses it.
+/// The crossing is on a path of the window to A, and the shortest of these is bent at `b0`. If the
+/// path from BC is shorter, it is shorter up to the crossing, and the ray is useless from there on.
+/// B and the right exit are symmetric (strategy II of the transfer report, figure 5.6 c; case 11 of
+/// Qin et al. 2016).
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
     /// Length of the half-edge.
     pub(crate) l: f64,
-    /// The tail A, on a path that enters through the edge BC.
+    /// The length of a path to the tail A that enters through the edge BC.
     pub(crate) tail: f64,
-    /// The head B, on a path that enters through the edge CA.
+    /// The length of a path to the head B that enters through the edge CA.
     pub(crate) head: f64,
 }
 
@@ -246,7 +247,7 @@ impl Rule for Reach {
     }
 }
 
-/// Two rules.
+/// Both rules.
 impl<A: Rule, B: Rule> Rule for (A, B) {
     #[inline(always)]
     fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L> {
@@ -254,9 +255,9 @@ impl<A: Rule, B: Rule> Rule for (A, B) {
     }
 }
 
-/// The paths of all windows of a list to the apex C: none of them is crossed by a ray of a window
-/// whose own path to C is longer (cases 7 to 10 of Qin et al. 2016 for all pairs, which rule 1
-/// makes for the best window only).
+/// The paths of all windows of a list to the apex C. No ray of a window crosses such a path if it
+/// is shorter than the window's own path to C (cases 7 to 10 of Qin et al. 2016, for all pairs;
+/// rule 1 applies them to the best window only).
 #[derive(Clone, Copy, Debug)]
 pub struct EveryBetterPath<'a> {
     pub(crate) apex: [f64; 2],
@@ -287,8 +288,8 @@ impl Rule for EveryBetterPath<'_> {
     }
 }
 
-/// The lengths of the shortest paths of windows to the apex: straight where they see it, else
-/// bent at the end of the interval that is nearest to the straight ray.
+/// The lengths of the shortest paths of windows to the apex: straight if the window sees it, else
+/// bent at the end nearest to the straight ray.
 #[inline(always)]
 fn to_apex<L: Lanes>(simd: L::Token, rays: &Rays<L>, apex: [f64; 2]) -> L {
     let Windows {
@@ -314,7 +315,7 @@ mod tests {
     use super::*;
     use geobench_window::simd::Scalar;
 
-    /// The limits within which one window may go on to the left and to the right.
+    /// The limits within which a window may leave to the left and to the right.
     #[derive(Debug, PartialEq)]
     struct Open {
         left: Option<f64>,
@@ -384,8 +385,9 @@ mod tests {
 
     #[test]
     fn a_window_split_left_of_the_best_path_is_cut_there() {
-        // Its rays between 0.3 and 0.5 head right and cross the best path; those beyond 0.5 head
-        // right too, and are crossed before the edge if the best source lies beyond them.
+        // Its rays between 0.3 and 0.5 lead to the right and cross the best path. Those beyond 0.5
+        // lead to the right as well, and are crossed before the edge if the best source is beyond
+        // them.
         let w = window(0.1, 0.9, 0.2, -1.0);
         let beside = sides(&best(0.5, [0.6, -0.2]), w, 0.3);
         assert_eq!(beside, open(Some(0.3), Some(0.5)));
@@ -402,9 +404,9 @@ mod tests {
         assert_eq!(beyond, open(None, Some(0.7)));
     }
 
-    /// On a flat grid all windows have one source, seen through different triangles. When the side
-    /// on which its images lie was read from their rounding, whole windows died and hundreds of
-    /// vertices stayed at infinity.
+    /// On a flat grid all windows have one source, seen through different triangles. When the
+    /// rounding of its images decided the side on which they lie, whole windows were deleted, and
+    /// hundreds of vertices stayed at infinity.
     #[test]
     fn rounding_between_images_of_one_source_deletes_nothing() {
         let noise = [-3e-16, 0.0, 3e-16];
@@ -430,7 +432,7 @@ mod tests {
         assert_eq!(sides(&(Free, both.0), w, 0.3), open(Some(0.3), Some(0.5)));
     }
 
-    /// A window from a source on the edge: the shortest ways to both ends have length 1 + 0.25 +
+    /// A window whose source is on the edge. The shortest paths to both ends have length 1 + 0.25 +
     /// 0.25.
     const ON_EDGE: [f64; 5] = [0.25, 0.75, 0.5, 0.0, 1.0];
 
@@ -457,7 +459,7 @@ mod tests {
 
     #[test]
     fn only_paths_shorter_than_a_window_s_own_part_it() {
-        // The apex stands 1 above its source (the e of `sides`): its own path there, through 0.25,
+        // The apex is 1 above the source (the e of `sides`). The window's own path, through 0.25,
         // is a little longer.
         let w = window(0.1, 0.9, 0.2, -1.0);
         let paths = |length| [(best(0.5, [0.6, -0.2]), length)];

@@ -1,4 +1,4 @@
-//! The vertex filter, and lists brought together under it.
+//! The vertex filter, applied while lists are gathered.
 
 use geobench_window::simd::{LaneMask, Lanes};
 
@@ -6,22 +6,23 @@ use super::columns::Windows;
 use crate::engine::store::{Block, Columns};
 use crate::precision::MARGIN;
 
-/// The factor of a path through a vertex and the edge before it is compared with a window: rounding
-/// may be that of the edge, where the vertex is much nearer than its length.
+/// The factor of a path through a vertex, and of the edge, before the comparison with a window. The
+/// edge counts because rounding may be relative to it, where the vertex is much nearer than its
+/// length.
 pub(crate) const LOSES: f64 = 1.0 + MARGIN;
 
-/// The half-edge on which a list waits, as the passes see it.
+/// The half-edge of a list, with the values that the passes over the list need.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Gate {
     /// Length of the half-edge.
     pub(crate) l: f64,
     /// Position of the apex.
     pub(crate) apex: [f64; 2],
-    /// Distances known at the tail and the head.
+    /// Known distances of the tail and the head.
     pub(crate) ends: [f64; 2],
 }
 
-/// The vertex filter at one half-edge.
+/// The vertex filter on one half-edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Filter<L> {
     tail: L,
@@ -29,9 +30,6 @@ pub(super) struct Filter<L> {
 }
 
 impl<L: Lanes> Filter<L> {
-    /// # Safety
-    ///
-    /// The processor must know the instructions of `L`.
     #[inline(always)]
     pub(super) fn new(simd: L::Token, gate: &Gate) -> Self {
         Self {
@@ -40,9 +38,9 @@ impl<L: Lanes> Filter<L> {
         }
     }
 
-    /// The windows that no path from an end of the edge along it beats at their far end, and so
-    /// everywhere (Xin and Wang 2009, theorem 3.2); `squares` are those of the distances from the
-    /// source to both ends of the window.
+    /// The windows that no path along the edge from one of its ends beats at their far end. A
+    /// window beaten there is beaten everywhere (Xin and Wang 2009, theorem 3.2). `squares` are the
+    /// squared distances from the sources to both ends of the windows.
     #[inline(always)]
     pub(super) fn passes(&self, w: &Windows<L>, squares: [L; 2], zero: L) -> L::Mask {
         let (from_tail, from_head) = (self.tail - w.sigma + w.b1, self.head - w.sigma - w.b0);
@@ -52,7 +50,7 @@ impl<L: Lanes> Filter<L> {
     }
 }
 
-/// The squares of the distances from the sources to both ends of the windows.
+/// The squared distances from the sources to both ends of the windows.
 #[inline(always)]
 pub(super) fn squares<L: Lanes>(w: &Windows<L>) -> [L; 2] {
     let py2 = w.py * w.py;
@@ -60,8 +58,8 @@ pub(super) fn squares<L: Lanes>(w: &Windows<L>) -> [L; 2] {
     [x0 * x0 + py2, x1 * x1 + py2]
 }
 
-/// Writes the windows of `lists` that pass the filter into `hand`, one list behind the other, and
-/// returns how many there are.
+/// Writes the windows of `lists` that pass the filter into `hand`, one list after the other.
+/// Returns their number.
 #[inline(always)]
 pub(crate) fn gather<L: Lanes>(
     simd: L::Token,

@@ -1,5 +1,5 @@
-//! Pass over a list that is about to cross its face: the vertex filter, if that has not been
-//! applied yet, and the shortest path to the apex.
+//! The pass over a list before it crosses its face: finds the shortest path to the apex, and
+//! applies the vertex filter if that has not been done.
 
 use geobench_window::simd::{LaneMask, Lanes};
 
@@ -7,31 +7,32 @@ use super::columns::Windows;
 use super::filter::{Filter, Gate, squares};
 use crate::engine::store::Columns;
 
-/// What the pass found.
+/// The result of the pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Measured {
     /// Number of windows measured.
     pub(crate) len: usize,
     /// The length of the shortest path to the apex; infinite if no window is left.
     pub(crate) distance: f64,
-    /// Number of the window that it belongs to, the first of equal ones.
+    /// The number of the window with this path, the first of equal ones.
     pub(crate) best: usize,
-    /// Windows that are left.
+    /// Number of windows left.
     pub(crate) kept: usize,
-    /// Windows with rays for the left and for the right exit, at most.
+    /// Upper bounds of the numbers of windows with rays for the left and for the right exit.
     pub(crate) bound: [usize; 2],
 }
 
-/// Measures the windows of `list` from `start` on, those that pass the vertex filter if `FILTER`;
-/// leaves in `keep` a bit for each window, a byte for each register, whether it is left.
+/// Measures the windows of `list` from `start` on; with `FILTER` only those that pass the vertex
+/// filter. Sets in `keep` a bit for each window that is left, in one byte for each register.
 ///
 /// With e = cy - py and D = cy·px - cx·py, a ray through abscissa s leaves to the left if m(s) =
-/// s·e - D < 0: the sides of both ends of a window take no division. It offers the apex C σ + |pC|
-/// if it sees it, else σ + |p s| + |s C| with s its end nearest to the ray to C.
+/// s·e - D < 0. So the sides of both ends of a window take no division. A window that sees the apex
+/// C offers it σ + |pC|. Any other window offers σ + |p s| + |s C|, where s is its end nearest to
+/// the ray to C.
 ///
-/// All paths are measured, and each lane keeps its shortest until the end. Two square roots take
-/// less time than a branch on whether a path is the shortest so far, which is hard to predict: 8 %
-/// of a solve one window at a time, 4 % four at a time, nothing eight at a time.
+/// All paths are measured, and each lane keeps its shortest one. Two square roots take less time
+/// than a branch on whether a path is the shortest so far, which is hard to predict. The branch
+/// would cost 8 % of a solve with one window at a time, 4 % with four, and nothing with eight.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // As in `geobench_window::simd`, without iterators.
 pub(crate) fn measure<L: Lanes, const FILTER: bool>(
@@ -42,7 +43,7 @@ pub(crate) fn measure<L: Lanes, const FILTER: bool>(
     keep: &mut Vec<u8>,
 ) -> Measured {
     let len = list.len();
-    // A byte for each register, whatever its size.
+    // One byte for each register, whatever its size.
     if keep.len() < len {
         keep.resize(len.next_power_of_two(), 0);
     }
@@ -61,7 +62,7 @@ pub(crate) fn measure<L: Lanes, const FILTER: bool>(
     let (cx, cy) = (L::splat(simd, gate.apex[0]), L::splat(simd, gate.apex[1]));
     let cy2 = cy * cy;
     let nothing = L::splat(simd, f64::INFINITY);
-    // The shortest path in each lane, and the number of the first window in its register.
+    // The shortest path in each lane, and the number of the first window of its register.
     let (mut shortest, mut place) = (nothing, zero);
     for register in first..registers {
         let windows = Windows::new(list.load::<L>(simd, register));
@@ -81,7 +82,7 @@ pub(crate) fn measure<L: Lanes, const FILTER: bool>(
             py,
             sigma,
         } = windows;
-        // On which side of the apex its ends pass.
+        // The side of the apex on which both ends pass.
         let e = cy - py;
         let d = cy * px - cx * py;
         let only_right = zero.lt(b0 * e - d);

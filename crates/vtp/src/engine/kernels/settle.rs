@@ -1,4 +1,4 @@
-//! Rules 2 and 3 as the paper has them: neighbours are compared until all of them stay.
+//! Rules 2 and 3 as in the paper: neighbours are compared until no window is deleted.
 
 use geobench_window::simd::{LaneMask, Lanes};
 
@@ -10,20 +10,20 @@ use crate::pairs::{BLURRED, INSIDE};
 use crate::precision::{CLEARANCE, WINS, extent};
 
 /// Compares neighbours among the first `len` windows of `block`, cuts each by its losses, drops
-/// those that have lost everything, compares new neighbours, and so on. Returns how many windows
-/// are left, and whether they have settled.
+/// windows that have lost everything, compares new neighbours, and so on. Returns the number of
+/// windows left, and whether the list has settled.
 ///
-/// If `TRIM` says so, neighbours also give up the stretches of their overlap on which the other is
-/// shorter. If one of them would be left in several pieces by that, or out of order, the list has
-/// not settled and must be taken on window by window.
+/// With `TRIM`, neighbours also give up the ranges of their overlap on which the other is shorter.
+/// If that would leave one of them in several pieces, or the list out of order, the list has not
+/// settled and must be processed window by window.
 ///
-/// `l` is the length of the edge, `behind` finds the third vertex of the triangle below it, `again`
-/// is scratch.
+/// `l` is the length of the edge. `behind` returns the third vertex of the triangle below it.
+/// `again` is scratch.
 ///
-/// The paper goes through the list from one end, and a window meets its second neighbour as the
-/// first one has left it. Here all pairs of a round meet as they came, registers at a time: a ray
-/// that is cut crosses a real path that is shorter, and that stays true when the winner is cut
-/// elsewhere. Which windows are compared is the same.
+/// The paper traverses the list from one end, and a window meets its second neighbour after the
+/// first one has cut it. Here all pairs of a round are compared as they were before the round,
+/// whole registers at a time. A ray is cut because it crosses a shorter real path, which stays true
+/// if the winner is cut elsewhere. The pairs of windows that are compared are the same.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // As in `geobench_window::simd`, without iterators.
 pub(crate) fn settle<L: Lanes, const TRIM: bool>(
@@ -40,7 +40,7 @@ pub(crate) fn settle<L: Lanes, const TRIM: bool>(
     }
     let behind = behind();
     let extent = extent(l, behind);
-    // A bit for each window that is to be compared with the next one, a byte for each register.
+    // A bit for each window that must be compared with the next one, in one byte for each register.
     again.clear();
     again.resize(len.div_ceil(L::COUNT), u8::MAX);
     loop {
@@ -73,7 +73,7 @@ pub(crate) fn settle<L: Lanes, const TRIM: bool>(
         cuts.open();
         again.fill(0);
         for register in 0..registers {
-            // Read before anything is written: fewer windows are kept than have been read.
+            // Loaded before anything is stored: fewer windows have been kept than loaded.
             let w = Windows::new(list.load::<L>(simd, register));
             let [b0, b1] = cuts.left::<L>(simd, register);
             let listed = list.listed::<L>(simd, register);
@@ -91,8 +91,8 @@ pub(crate) fn settle<L: Lanes, const TRIM: bool>(
     }
 }
 
-/// Sets the bits of windows whose right neighbours have died. Of `listed` windows of a register
-/// those in `alive` stay, behind `before` others.
+/// Sets the bits of windows whose right neighbours were deleted. Of the `listed` windows of a
+/// register, those in `alive` are kept, behind `before` others.
 #[inline(always)]
 fn bring_together<L: Lanes>(alive: L::Mask, listed: usize, before: usize, again: &mut [u8]) {
     let mut place = before;
@@ -106,11 +106,12 @@ fn bring_together<L: Lanes>(alive: L::Mask, listed: usize, before: usize, again:
     }
 }
 
-/// The remainders `left` of neighbours after those `apart` have been compared (cases 3 and 6): if
-/// their nearest rays have crossed inside the triangle behind the edge, the one that is longer up
-/// to there dies.
+/// What is `left` of neighbours after the disjoint pairs, `apart`, have been compared (cases 3 and
+/// 6). If their nearest rays have crossed inside the triangle behind the edge, the window whose
+/// path to the crossing is longer is deleted.
 ///
-/// [`check_pair`](crate::pairs::check_pair), the plain form, proves that the whole window may go.
+/// [`check_pair`](crate::pairs::check_pair), the scalar form, proves that the whole window may be
+/// deleted.
 #[inline(always)]
 fn crossings<L: Lanes>(
     simd: L::Token,
@@ -128,7 +129,8 @@ fn crossings<L: Lanes>(
     let blur = L::splat(simd, CLEARANCE * extent(l, behind));
     let in_order = a.b1.lt(b.b0);
     let (v, u) = (select(in_order, a, b), select(in_order, b, a));
-    // Rays to the nearest ends cross below the edge if each source lies beyond the other's ray.
+    // The rays to the nearest ends cross below the edge if each source is beyond the ray of the
+    // other.
     let (dx, dy) = (u.px - v.px, u.py - v.py);
     let size = clearance * (a.px.abs() + a.py.abs() + b.px.abs() + b.py.abs()) + blur;
     let beyond_left = side(&v, v.b1, [dx, dy], size, zero)[0];
@@ -145,7 +147,7 @@ fn crossings<L: Lanes>(
     left
 }
 
-/// Windows of `yes` where `mask` holds, of `no` elsewhere.
+/// Windows of `yes` where `mask` is set, of `no` elsewhere.
 #[inline(always)]
 fn select<L: Lanes>(mask: L::Mask, yes: &Windows<L>, no: &Windows<L>) -> Windows<L> {
     Windows {
@@ -157,7 +159,7 @@ fn select<L: Lanes>(mask: L::Mask, yes: &Windows<L>, no: &Windows<L>) -> Windows
     }
 }
 
-/// Which of the left windows `v` and which of the right ones `u` die of each other, among `pairs`.
+/// Which of the left windows `v` and of the right windows `u` are deleted, among `pairs`.
 #[inline(always)]
 fn dearer<L: Lanes>(
     simd: L::Token,
@@ -259,8 +261,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
 
-        /// Two windows leave of each other what the plain form leaves, except that both of its cuts
-        /// are made with the windows as they came.
+        /// A list of two windows keeps what the scalar form keeps, except that both cuts use the
+        /// windows before any cut.
         #[test]
         fn two_windows_fare_as_in_the_plain_form(a in windows(), b in windows()) {
             let (mut first, mut second) = (a, b);
@@ -282,8 +284,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
 
-        /// At every point of the edge the shorter one of the two is kept, and no overlap is left
-        /// that is worth a tie.
+        /// At every point of the edge the shorter window is kept, and the remaining overlap is not
+        /// worth a tie.
         #[test]
         fn trimmed_neighbours_lose_no_distance(
             a in windows(), b in windows(), x in 0.0..1.0f64,
@@ -303,7 +305,7 @@ mod tests {
                 let equal = (a.distance(x) - b.distance(x)).abs() <= 1e-11 * a.distance(x);
                 prop_assert!(overlap <= 1e-9 || equal, "{found:?}");
             }
-            // What the ends of the overlap tell may go further than the overlap.
+            // Cuts that follow from the ends of the overlap may extend beyond the overlap.
             let before = reached(&settled::<false>(&[a, b]));
             let after = reached(&found);
             prop_assert!(before == after || (after - before).abs() <= 1e-12 * before);
@@ -333,7 +335,7 @@ mod tests {
             sigma,
         };
         let better = window(0.0, 0.6, 0.1, 0.0);
-        // The first neighbours are no neighbours of the one that kills them all.
+        // The windows that are deleted first are not adjacent to the window that beats all of them.
         let dear = [0.1, 0.2, 0.3].map(|b0| window(b0, b0 + 0.1, 0.9, 3.0));
         let list = [&dear[..], &[better]].concat();
         assert_eq!(settled::<false>(&list), [better]);

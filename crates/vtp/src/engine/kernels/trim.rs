@@ -6,12 +6,12 @@ use crate::precision::WINS;
 use crate::trim::ON_EDGE;
 use geobench_window::simd::{LaneMask, Lanes};
 
-/// The remainders `left` of the intervals of neighbours `a` and `b` after each of `pairs` gave up
-/// the stretches of their overlap on which the other is shorter; and the pairs of which one would
-/// be left in several pieces, or both in the wrong order, for which a list would have to be made
-/// anew.
+/// What is `left` of the intervals of neighbours `a` and `b` after each of `pairs` gives up the
+/// ranges of their overlap on which the other is shorter. Also returns the pairs for which the list
+/// would have to be rebuilt: one window would be left in several pieces, or both in the wrong
+/// order.
 ///
-/// The vector form of [`trim_pair`](crate::trim::trim_pair), with the formulas of
+/// This is the vector form of [`trim_pair`](crate::trim::trim_pair), with the formulas of
 /// [`geobench_window::tie_points`].
 #[inline(always)]
 pub(super) fn trim<L: Lanes>(
@@ -34,7 +34,7 @@ pub(super) fn trim<L: Lanes>(
         return (left, overlap);
     }
     let ties = ties(simd, a, b);
-    // A tie elsewhere leaves an empty stretch at the start.
+    // A tie outside the overlap gives an empty range at its start.
     let t = L::select(lo.lt(ties[0]) & ties[0].lt(hi), ties[0], lo);
     let u = L::select(lo.lt(ties[1]) & ties[1].lt(hi), ties[1], lo);
     let stretches = [[lo, t.min(u)], [t.min(u), t.max(u)], [t.max(u), hi]];
@@ -64,8 +64,8 @@ pub(super) fn trim<L: Lanes>(
     (left, overlap & (a_parted | b_parted | disordered))
 }
 
-/// The remainder of an interval that has `lost` some of three consecutive stretches in it, some of
-/// which may be `empty`, and whether a lost one parts it.
+/// What is left of an interval with three consecutive ranges in it, of which those in `lost` are
+/// lost and some may be `empty`, and whether a lost range splits the interval.
 #[inline(always)]
 fn rest<L: Lanes>(
     [start, end]: [L; 2],
@@ -102,7 +102,7 @@ fn ties<L: Lanes>(simd: L::Token, w0: &Windows<L>, w1: &Windows<L>) -> [L; 2] {
     let y1 = w1.py;
     let leading = (a - delta) * (a + delta);
     let b = half * (leading + (w0.py - y1) * (w0.py + y1));
-    // Of a negative radicand nothing comes but NaN.
+    // A negative radicand gives NaN, which counts as no tie.
     let root = delta * (b * b + leading * y1 * y1).sqrt();
     let middle = zero - a * b;
     let numerators = [middle + root, middle - root];

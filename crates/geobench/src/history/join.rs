@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::measure::conditions;
 use crate::schema::difference::first_difference;
-use crate::schema::{Cell, GroupRecord, ResultFile, SourceLabel};
+use crate::schema::{Cell, CellPlace, GroupRecord, ResultFile};
 
 /// A joined file.
 #[derive(Clone, Debug)]
@@ -69,8 +69,6 @@ pub fn extend(
 ///
 /// When files have different models of one name.
 pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
-    type Identity = (Option<String>, String, Option<SourceLabel>, String, usize);
-
     let mut names = Vec::new();
     for place in 1..files.len() {
         let (before, rest) = files.split_at_mut(place);
@@ -79,21 +77,11 @@ pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
             rename_models(known, first, name, file)?;
         }
     }
-    let identity = |cell: &Cell| -> Identity {
-        let (group, model) = (cell.group.clone(), cell.model.clone());
-        (
-            group,
-            model,
-            cell.source.clone(),
-            cell.algorithm.clone(),
-            cell.threads,
-        )
-    };
-    let mut holders: HashMap<Identity, usize> = HashMap::new();
+    let mut holders: HashMap<CellPlace, usize> = HashMap::new();
     for (name, file) in &files {
         names.push(name.clone());
         for cell in &file.cells {
-            *holders.entry(identity(cell)).or_default() += 1;
+            *holders.entry(cell.place()).or_default() += 1;
         }
     }
     let stem = |name: &str| {
@@ -105,7 +93,7 @@ pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
         let is_unique = stems.iter().filter(|stem| **stem == stems[place]).count() == 1;
         let shown = if is_unique { &stems[place] } else { &*name };
         for cell in &mut file.cells {
-            if holders[&identity(cell)] > 1 {
+            if holders[&cell.place()] > 1 {
                 cell.algorithm = format!("{} ({shown})", cell.algorithm);
             }
         }
@@ -219,12 +207,8 @@ fn add(
     }
     let mut in_both = 0;
     for cell in file.cells {
-        let same = |known: &Cell| {
-            is_beside(known, &cell)
-                && known.algorithm == cell.algorithm
-                && known.threads == cell.threads
-        };
-        match whole.cells.iter().position(same) {
+        let same = cell.place();
+        match whole.cells.iter().position(|known| known.place() == same) {
             Some(place) => {
                 in_both += 1;
                 if wins == Winner::Added {

@@ -7,9 +7,9 @@ use serde::Serialize;
 use super::Verdict;
 use super::args::{self, Algorithms, ListFormat};
 use super::terminal::{self, Terminal};
-use crate::registry::{self, Algorithm, Numbers, Parameter, Selection, Value};
+use crate::registry::{self, Algorithm, Parameter, Selection, Value};
 use crate::table::terminal::listing;
-use crate::table::{Column, Entry, Table};
+use crate::table::{Column, Entry, Table, json_lines};
 
 #[derive(Args, Debug)]
 pub(super) struct AlgosOptions {
@@ -68,18 +68,12 @@ pub(super) fn algos(options: &AlgosOptions, terminal: Terminal) -> anyhow::Resul
             )
         }
         (false, ListFormat::Table, Some(_)) => show(&facts(&chosen(options)), None),
-        (false, ListFormat::Json, _) => {
-            let entries: Vec<_> = chosen(options)
-                .into_iter()
-                .map(AlgorithmEntry::from)
-                .collect();
-            serde_json::to_string_pretty(&entries)? + "\n"
-        }
+        (false, ListFormat::Json, _) => json_lines(&chosen(options))?,
         (true, ListFormat::Table, _) => {
             let rows = counters().into_iter().map(|c| [c.name, c.definition]);
             show(&plain(["", ""], rows.collect()), None)
         }
-        (true, ListFormat::Json, _) => serde_json::to_string_pretty(&counters())? + "\n",
+        (true, ListFormat::Json, _) => json_lines(&counters())?,
     };
     terminal::print_rendered(&text)?;
     Ok(Verdict::Passed)
@@ -100,79 +94,11 @@ fn chosen(options: &AlgosOptions) -> Vec<&Algorithm> {
     algorithms
 }
 
-/// An algorithm in JSON.
-#[derive(Serialize)]
-struct AlgorithmEntry {
-    name: &'static str,
-    family: &'static str,
-    exact: bool,
-    paper: &'static str,
-    summary: &'static str,
-    complexity: &'static str,
-    keeps: &'static str,
-    choose: &'static str,
-    departs: &'static str,
-    parameters: Vec<ParameterEntry>,
-}
-
-/// A parameter in JSON. The ends of its range are null if it takes words only.
-#[derive(Serialize)]
-struct ParameterEntry {
-    name: &'static str,
-    default: serde_json::Value,
-    whole: bool,
-    min: Option<serde_json::Value>,
-    max: Option<serde_json::Value>,
-    words: &'static [&'static str],
-    meaning: &'static str,
-}
-
 /// A counter in JSON.
 #[derive(Serialize)]
 struct CounterEntry {
     name: &'static str,
     definition: &'static str,
-}
-
-impl From<&Algorithm> for AlgorithmEntry {
-    fn from(algorithm: &Algorithm) -> Self {
-        Self {
-            name: algorithm.name,
-            family: algorithm.family,
-            exact: algorithm.exact,
-            paper: algorithm.paper,
-            summary: algorithm.summary,
-            complexity: algorithm.complexity,
-            keeps: algorithm.keeps,
-            choose: algorithm.choose,
-            departs: algorithm.departs,
-            parameters: algorithm.parameters.iter().map(Into::into).collect(),
-        }
-    }
-}
-
-impl From<&Parameter> for ParameterEntry {
-    fn from(parameter: &Parameter) -> Self {
-        let (whole, range) = match parameter.allowed.numbers {
-            Numbers::None => (false, None),
-            Numbers::Integers(least, most) => (true, Some((least.into(), most.into()))),
-            Numbers::Reals(least, most) => (false, Some((least.into(), most.into()))),
-        };
-        let (min, max) = range.unzip();
-        Self {
-            name: parameter.name,
-            default: match parameter.default {
-                Value::Integer(n) => n.into(),
-                Value::Real(x) => x.into(),
-                Value::Word(word) => word.into(),
-            },
-            whole,
-            min,
-            max,
-            words: parameter.allowed.words,
-            meaning: parameter.meaning,
-        }
-    }
 }
 
 /// Every counter of the result file.
@@ -281,7 +207,7 @@ fn facts(algorithms: &[&Algorithm]) -> Table {
 fn plain<const N: usize>(heads: [&str; N], rows: Vec<[impl Into<String>; N]>) -> Table {
     let row = |row: [_; N]| row.map(Entry::new).into();
     Table::new(
-        heads.map(Column::text).into(),
+        Column::of(heads, [""; 0]),
         rows.into_iter().map(row).collect(),
     )
 }

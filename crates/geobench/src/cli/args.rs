@@ -15,11 +15,9 @@ use super::history::{RecordOptions, TrendOptions};
 use super::info::InfoOptions;
 use super::isolation::{DecompressionOptions, IsolationOptions, ReadingOptions};
 use super::merge::MergeOptions;
-use super::points::wanted_targets;
 use super::pool::PoolOptions;
 use super::shell::{CompletionsOptions, ManOptions};
 use crate::UsageError;
-use crate::exec::goal::GoalSpec;
 use crate::exec::source::{SourceSpec, TargetSpec};
 use crate::measure::instructions;
 use crate::plan::sampling::{Seconds, Share};
@@ -268,11 +266,25 @@ pub(super) struct SourceOptions {
     pub(super) sources_together: bool,
 }
 
+/// Sources of a command on one model.
+#[derive(Args, Debug)]
+pub(super) struct SourcesOptions {
+    /// The source: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W,
+    /// at:X,Y,Z or a list of these; may be repeated. Of several sources the nearest counts
+    #[arg(
+        long,
+        value_name = "SRC",
+        required = true,
+        allow_negative_numbers = true
+    )]
+    pub(super) source: Vec<SourceSpec>,
+}
+
 /// What runs are to find.
 #[derive(Args, Debug)]
 pub(super) struct GoalOptions {
     /// Only the distances of these points, in the forms of --source; may be repeated. Runs end as
-    /// soon as they are final, and only they are compared [default: all vertices]
+    /// soon as they are final [default: all vertices]
     #[arg(long, value_name = "DST", allow_negative_numbers = true)]
     pub(super) target: Vec<TargetSpec>,
 
@@ -280,21 +292,9 @@ pub(super) struct GoalOptions {
     #[arg(long, value_name = "FILE")]
     pub(super) targets: Option<PathBuf>,
 
-    /// Only distances up to R, in the units of the model. Runs end there
+    /// Only distances up to R, in the units of the model; others are infinite. Runs end there
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = radius)]
     pub(super) radius: Option<f64>,
-}
-
-impl GoalOptions {
-    /// Reads the file of targets.
-    pub(super) fn goal(&self) -> anyhow::Result<GoalSpec> {
-        let wanted = wanted_targets(&self.target, self.targets.as_deref())?;
-        let targets = wanted.map(|all| TargetSpec::of_all(all.into_iter().map(|(one, _)| one)));
-        Ok(GoalSpec {
-            targets,
-            radius: self.radius,
-        })
-    }
 }
 
 impl SourceOptions {
@@ -350,7 +350,7 @@ impl CsvOptions {
 
     /// The same for the files at `paths`.
     pub(super) fn outputs(self, paths: &[PathBuf]) -> anyhow::Result<Vec<(Format, OutputFile)>> {
-        let outputs = output::results(paths)?.into_iter();
+        let outputs = output::prepare(paths)?.into_iter();
         Ok(outputs
             .map(|(format, file)| (self.of(format), file))
             .collect())
@@ -429,15 +429,8 @@ pub(super) struct CertifyOptions {
     #[arg(value_name = "MODEL")]
     pub(super) model: String,
 
-    /// The source: a vertex number, first, random:N[,seed=S], edge:A-B,T, face:F,U,V,W, at:X,Y,Z or
-    /// a list of these; of several sources the nearest counts
-    #[arg(
-        long,
-        value_name = "SRC",
-        required = true,
-        allow_negative_numbers = true
-    )]
-    pub(super) source: Vec<SourceSpec>,
+    #[command(flatten)]
+    pub(super) sources: SourcesOptions,
 
     /// Distances to prove, of any program: lines `vertex,distance`, for all vertices or some
     /// [default: those of mmp]
@@ -471,16 +464,8 @@ pub(super) struct PathOptions {
     #[arg(value_name = "MODEL")]
     pub(super) model: String,
 
-    /// The source: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W,
-    /// at:X,Y,Z or a list of these; may be repeated. From several sources a path starts at the
-    /// nearest
-    #[arg(
-        long,
-        value_name = "SRC",
-        required = true,
-        allow_negative_numbers = true
-    )]
-    pub(super) source: Vec<SourceSpec>,
+    #[command(flatten)]
+    pub(super) sources: SourcesOptions,
 
     /// The targets, in the same forms; the search ends when all are reached
     #[arg(
@@ -522,16 +507,8 @@ pub(super) struct IsolinesOptions {
     #[arg(value_name = "MODEL")]
     pub(super) model: String,
 
-    /// The source: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W,
-    /// at:X,Y,Z or a list of these; may be repeated. From several sources the distance is that from
-    /// the nearest
-    #[arg(
-        long,
-        value_name = "SRC",
-        required = true,
-        allow_negative_numbers = true
-    )]
-    pub(super) source: Vec<SourceSpec>,
+    #[command(flatten)]
+    pub(super) sources: SourcesOptions,
 
     /// Isolines at all multiples of this distance
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = positive_distance)]
@@ -572,29 +549,11 @@ pub(super) struct DistanceOptions {
     #[arg(value_name = "MODEL")]
     pub(super) model: String,
 
-    /// The source: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W,
-    /// at:X,Y,Z or a list of these; may be repeated. From several sources the distance is that from
-    /// the nearest, but see --each
-    #[arg(
-        long,
-        value_name = "SRC",
-        required = true,
-        allow_negative_numbers = true
-    )]
-    pub(super) source: Vec<SourceSpec>,
+    #[command(flatten)]
+    pub(super) sources: SourcesOptions,
 
-    /// Only the distances of these points, in the forms of --source; may be repeated. The run ends
-    /// as soon as they are final [default: all vertices]
-    #[arg(long, value_name = "DST", allow_negative_numbers = true)]
-    pub(super) target: Vec<TargetSpec>,
-
-    /// The same from a file with one DST in a line
-    #[arg(long, value_name = "FILE")]
-    pub(super) targets: Option<PathBuf>,
-
-    /// Only distances up to R, in the units of the model; others are infinite. The run ends there
-    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = radius)]
-    pub(super) radius: Option<f64>,
+    #[command(flatten)]
+    pub(super) goal: GoalOptions,
 
     /// The algorithm
     #[arg(long, value_name = "A", default_value = "vtp-fast", value_parser = registry::select_one)]
@@ -639,15 +598,8 @@ pub(super) struct VoronoiOptions {
     #[arg(value_name = "MODEL")]
     pub(super) model: String,
 
-    /// The sources: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W,
-    /// at:X,Y,Z or a list of these; may be repeated
-    #[arg(
-        long,
-        value_name = "SRC",
-        required = true,
-        allow_negative_numbers = true
-    )]
-    pub(super) source: Vec<SourceSpec>,
+    #[command(flatten)]
+    pub(super) sources: SourcesOptions,
 
     /// The algorithm: window-vtp, lct11 or xls14
     #[arg(long, value_name = "A", default_value = "window-vtp", value_parser = registry::select_one)]
@@ -819,7 +771,7 @@ fn tolerance(text: &str) -> Result<f64, String> {
     suite::tolerance(text.parse().ok())
 }
 
-fn row(name: &str) -> Result<String, table::UnknownFigure> {
+fn row(name: &str) -> Result<String, UsageError> {
     table::figure(name).map(|figure| figure.key.to_owned())
 }
 

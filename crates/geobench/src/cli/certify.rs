@@ -13,15 +13,14 @@ use super::points::Points;
 use super::terminal;
 use crate::exec::expected::Expected;
 use crate::exec::model;
+use crate::table::json_lines;
 
 pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     let model = model::only(&options.model)?;
     let mesh = &model.mesh_within(options.reading)?;
-    let points = Points::new(mesh, &options.source, None, &model.path)?;
+    let points = Points::new(mesh, &options.sources.source, None, &model.path)?;
     if options.format == CertificateFormat::Text {
-        for note in &points.notes {
-            terminal::print(&format!("{note}\n"))?;
-        }
+        points.print_notes()?;
     }
     // A file that cannot be read is told before the work.
     let given = options.distances.as_ref().map(|path| {
@@ -29,24 +28,15 @@ pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
         Expected::File(path.clone()).find(path, label, mesh.vertex_count())
     });
     let given = given.transpose()?;
-    let sources: Vec<VertexId> = points.sources.iter().map(|(_, vertex)| *vertex).collect();
-    let proof = Certificate::of(&points.refined.mesh, &sources)?;
+    let proof = Certificate::of(&points.refined.mesh, &points.source_vertices())?;
     let compared = given.map(|field| proof.compare(field.distances));
     let certificate = Document::new(mesh, &points, &proof, compared.as_ref(), options.tolerance);
     let text = match options.format {
         CertificateFormat::Text => certificate.text(&model.name, options.tolerance),
-        CertificateFormat::Json => {
-            let mut text = serde_json::to_string_pretty(&certificate)?;
-            text.push('\n');
-            text
-        }
+        CertificateFormat::Json => json_lines(&certificate)?,
     };
     terminal::print(&text)?;
-    Ok(if certificate.certified {
-        Verdict::Passed
-    } else {
-        Verdict::Failed
-    })
+    Ok(Verdict::of(certificate.certified))
 }
 
 /// What is printed.

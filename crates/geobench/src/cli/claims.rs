@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::Args;
 
 use super::Verdict;
@@ -10,6 +10,7 @@ use super::terminal::{self, Terminal};
 use crate::report::claims::{self, ClaimsFile, ClaimsFormat, Input};
 use crate::schema::result_file;
 use crate::table::output;
+use crate::usage::files_in;
 
 #[derive(Args, Debug)]
 #[command(
@@ -40,7 +41,7 @@ pub(super) struct ClaimsOptions {
 }
 
 pub(super) fn claims(options: &ClaimsOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
-    let outputs = output::prepare(&options.output, ClaimsFormat::of_path)?;
+    let outputs = output::prepare::<ClaimsFormat>(&options.output)?;
     let wanted = match &options.claims {
         None => claims::known()?,
         Some(given) => {
@@ -58,7 +59,7 @@ pub(super) fn claims(options: &ClaimsOptions, terminal: Terminal) -> anyhow::Res
     }
     let report = claims::judge(&wanted, &results)?;
     if !options.quiet {
-        report.notes.iter().for_each(|note| terminal::warning(note));
+        terminal::warnings(&report.notes);
     }
     for (format, file) in &outputs {
         file.write(
@@ -78,21 +79,9 @@ fn files(given: &Path, ending: &str) -> anyhow::Result<Vec<PathBuf>> {
     if !given.is_dir() {
         return Ok(vec![given.to_owned()]);
     }
-    let shown = given.display();
-    let entries = given
-        .read_dir()
-        .with_context(|| format!("{shown}: cannot be read"))?;
-    let paths = entries.map(|entry| entry.map(|entry| entry.path()));
-    let mut paths: Vec<PathBuf> = paths
-        .collect::<Result<_, _>>()
-        .with_context(|| format!("{shown}: cannot be read"))?;
-    paths.retain(|path| {
-        path.extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case(ending))
-    });
-    paths.sort_unstable();
+    let paths = files_in(given, ending)?;
     if paths.is_empty() {
-        bail!("{shown}: it holds no .{ending} file");
+        bail!("{}: it holds no .{ending} file", given.display());
     }
     Ok(paths)
 }

@@ -13,8 +13,9 @@ use super::terminal::{self, Terminal};
 use crate::plan::Plan;
 use crate::plan::suite::Plans;
 use crate::run::cluster::{
-    ClusterDirectory, ClusterRecord, EXCLUSIVE, PartState, Placement, Resources, quoted, ranges,
+    ClusterDirectory, ClusterRecord, EXCLUSIVE, PartState, Placement, Resources, ranges,
 };
+use crate::table::escape::shell;
 use crate::table::terminal::listing;
 use crate::table::{Column, Entry, Table};
 
@@ -111,9 +112,7 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
             "--shards {parts}: the plan has {units} pairs of model and source, so at most as many parts"
         );
     }
-    for note in &notes {
-        terminal::warning(note);
-    }
+    terminal::warnings(&notes);
     directory.create()?;
     let program = std::env::current_exe().context("cannot tell the path of this program")?;
     let here = std::env::current_dir().context("cannot tell the current directory")?;
@@ -168,7 +167,7 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
 
 /// Options as the shell takes them.
 fn in_shell(options: &[String]) -> String {
-    let words: Vec<String> = options.iter().map(|word| quoted(word)).collect();
+    let words: Vec<String> = options.iter().map(|word| shell(word)).collect();
     words.join(" ")
 }
 
@@ -282,8 +281,8 @@ fn status(directory: &ClusterDirectory, terminal: Terminal) -> anyhow::Result<Ve
         };
         Some([part.to_string(), state, place].map(Entry::new).to_vec())
     });
-    let columns = ["part", "state", "node, or why"].map(Column::text);
-    let table = Table::new(columns.to_vec(), rows.collect());
+    let columns = Column::of(["part", "state", "node, or why"], [""; 0]);
+    let table = Table::new(columns, rows.collect());
     let head = format!(
         "{done} of {} parts done, {queued} waiting or running, {failed} failed\n",
         record.parts
@@ -301,9 +300,5 @@ fn status(directory: &ClusterDirectory, terminal: Terminal) -> anyhow::Result<Ve
         ""
     };
     terminal::print_rendered(&[&head, &rest, advice].concat())?;
-    Ok(if failed > 0 {
-        Verdict::Failed
-    } else {
-        Verdict::Passed
-    })
+    Ok(Verdict::of(failed == 0))
 }

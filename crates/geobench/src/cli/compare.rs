@@ -9,7 +9,7 @@ use super::terminal::{self, Terminal};
 use super::{Verdict, history};
 use crate::UsageError;
 use crate::history::compare::{self as comparing, Rules, Several};
-use crate::schema::{ResultFile, result_file};
+use crate::schema::result_file;
 use crate::table::output;
 use crate::table::{ComparisonFormat, Look};
 
@@ -56,7 +56,7 @@ pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::R
     if let Some(range) = &options.against {
         return history::against(options, range, terminal);
     }
-    let outputs = output::prepare(&options.output, ComparisonFormat::of_path)?;
+    let outputs = output::prepare::<ComparisonFormat>(&options.output)?;
     let mut paths = options.files.clone();
     if let Some(baseline) = &options.baseline {
         // Named among the files or beside them.
@@ -66,10 +66,7 @@ pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::R
     if paths.len() < 2 {
         bail!("{}: give two or more files to compare", paths[0].display());
     }
-    let files = paths
-        .iter()
-        .map(|path| Ok((path.display().to_string(), result_file::read(path)?)))
-        .collect::<anyhow::Result<Vec<(String, ResultFile)>>>()?;
+    let files = result_file::read_all(&paths)?;
     let (name, first) = &files[0];
     let render: Box<dyn Fn(ComparisonFormat, Look) -> anyhow::Result<String>>;
     let is_worse;
@@ -88,11 +85,7 @@ pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::R
     if outputs.iter().all(|(_, file)| !file.is_standard_output()) {
         terminal::print_rendered(&render(options.format, terminal.look())?)?;
     }
-    Ok(if is_worse {
-        Verdict::Failed
-    } else {
-        Verdict::Passed
-    })
+    Ok(Verdict::of(!is_worse))
 }
 
 fn rules(text: &str) -> Result<Rules, UsageError> {

@@ -5,18 +5,19 @@ use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use geobench_mesh::{Mesh, VertexId};
-use geobench_window::{Goal, Solver, precision};
+use geobench_window::{Solver, precision};
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::Verdict;
 use super::args::DistanceOptions;
-use super::points::{Points, wanted_targets};
+use super::points::Points;
 use super::terminal;
 use crate::exec::expected::file_word;
 use crate::exec::model;
 use crate::registry::Selection;
 use crate::schema::SourceLabel;
+use crate::table::FileForm;
 use crate::table::distance_formats::{DistanceField, DistanceMatrix, FieldFormat, MatrixFormat};
 use crate::table::output::OutputFile;
 
@@ -34,7 +35,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     };
     let output = OutputFile::prepare(&options.output)?;
     let model = model::only(&options.model)?;
-    let wanted = wanted_targets(&options.target, options.targets.as_deref())?;
+    let wanted = options.goal.wanted()?;
     if let (Form::Field(format), Some(_)) = (&form, &wanted)
         && format.is_mesh()
     {
@@ -45,11 +46,14 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     }
     let pool = pool_of(options.threads)?;
     let mesh = within(pool.as_ref(), || model.mesh_within(options.reading))?;
-    let points = Points::new(&mesh, &options.source, wanted.as_deref(), &model.path)?;
+    let points = Points::new(
+        &mesh,
+        &options.sources.source,
+        wanted.as_deref(),
+        &model.path,
+    )?;
     if !options.quiet {
-        for note in &points.notes {
-            terminal::print(&format!("{note}\n"))?;
-        }
+        points.print_notes()?;
     }
     let request = Request {
         options,
@@ -156,7 +160,7 @@ impl Request<'_> {
                 algorithm: algorithm.label(),
                 sources: &labels,
                 targets: self.points.labels(),
-                radius: self.options.radius,
+                radius: self.options.goal.radius,
                 mesh: self.mesh,
                 distances: &distances,
             };
@@ -188,7 +192,7 @@ impl Request<'_> {
         for row in rows {
             distances.extend(row);
         }
-        let sources: Vec<SourceLabel> = sources.iter().map(|(label, _)| label.clone()).collect();
+        let sources = self.points.source_labels();
         output.write(&format.render(&DistanceMatrix {
             sources: &sources,
             columns: &columns,
@@ -235,13 +239,7 @@ impl Request<'_> {
 
     /// The distances of the targets, or of the vertices of the model.
     fn solve(&self, solver: &mut dyn Solver, sources: &[VertexId]) -> anyhow::Result<Vec<f64>> {
-        let mut goal = match &self.points.targets {
-            Some((_, targets)) => Goal::targets(targets.iter().copied()),
-            None => Goal::everything(),
-        };
-        if let Some(radius) = self.options.radius {
-            goal = goal.within(radius);
-        }
+        let goal = self.points.goal(self.options.goal.radius);
         let mut distances = solver.solve_until(sources, &goal)?.distances;
         if let Some(doubt) = precision::doubt(&self.points.refined.mesh, &distances) {
             // Printed even with `--quiet`: distances that may be wrong always come with a warning.
@@ -258,10 +256,7 @@ impl Request<'_> {
 fn summary(distances: &[f64], targets: Option<&[SourceLabel]>, path: &Path) -> String {
     let reached = || distances.iter().enumerate().filter(|(_, d)| d.is_finite());
     let name = |place: usize| match targets {
-        Some(labels) => match &labels[place] {
-            SourceLabel::Vertex(vertex) => format!("vertex {vertex}"),
-            SourceLabel::Other(text) => text.clone(),
-        },
+        Some(labels) => labels[place].in_words(),
         None => format!("vertex {place}"),
     };
     let farthest = reached()

@@ -1,6 +1,6 @@
 //! `geobench record`, `geobench trend`, and `geobench compare DIR --against RANGE`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, SystemTime};
 
@@ -14,9 +14,9 @@ use super::terminal::{self, Terminal};
 use crate::history::records::{self, Record};
 use crate::history::{gate, trend};
 use crate::report;
-use crate::schema::{ResultFile, result_file};
+use crate::schema::result_file;
 use crate::table::output::OutputFile;
-use crate::table::{self, ComparisonFormat};
+use crate::table::{self, ComparisonFormat, json_lines};
 
 #[derive(Args, Debug)]
 pub(super) struct RecordOptions {
@@ -62,7 +62,7 @@ pub(super) fn record(options: &RecordOptions) -> anyhow::Result<Verdict> {
         let file = result_file::read(path)?;
         let commit = options.commit.as_deref().or(file.tool.commit.as_deref());
         let committed = commit.and_then(time_of);
-        let suite = options.suite.clone().or_else(|| suite_of(&file));
+        let suite = options.suite.clone().or_else(|| file.suite());
         let record = Record::new(&file, options.commit.as_deref(), committed, suite);
         all.push(record.with_context(|| path.display().to_string())?);
     }
@@ -73,22 +73,6 @@ pub(super) fn record(options: &RecordOptions) -> anyhow::Result<Verdict> {
         }
     }
     Ok(Verdict::Passed)
-}
-
-/// The suite of a result file: the name of its suite file without the ending.
-fn suite_of(file: &ResultFile) -> Option<String> {
-    let mut words = file.command.iter();
-    let after = words.find_map(|word| match word.strip_prefix("--config") {
-        Some("") => Some(None),
-        Some(rest) => rest.strip_prefix('=').map(Some),
-        None => None,
-    })?;
-    let path = match after {
-        Some(path) => path,
-        None => words.next()?,
-    };
-    let stem = Path::new(path).file_stem()?;
-    Some(stem.to_string_lossy().into_owned())
 }
 
 /// The output of `git` with these arguments, in this directory.
@@ -121,14 +105,10 @@ pub(super) fn trend(options: &TrendOptions, terminal: Terminal) -> anyhow::Resul
             return Ok(Verdict::Passed);
         }
     }
-    match options.format {
-        ListFormat::Json => {
-            terminal::print_rendered(&(serde_json::to_string_pretty(&found)? + "\n"))?;
-        }
-        ListFormat::Table => {
-            terminal::print_rendered(&table::change_points(&found, terminal.look()))?;
-        }
-    }
+    terminal::print_rendered(&match options.format {
+        ListFormat::Json => json_lines(&found)?,
+        ListFormat::Table => table::change_points(&found, terminal.look()),
+    })?;
     Ok(Verdict::Passed)
 }
 
@@ -147,22 +127,11 @@ pub(super) fn against(
     };
     let commits: Vec<String> = commits.lines().map(str::to_owned).collect();
     let gate = gate::gate(&records, &commits, &options.fail_on)?;
-    match options.format {
-        ComparisonFormat::Json => {
-            terminal::print_rendered(&(serde_json::to_string_pretty(&gate)? + "\n"))?;
-        }
-        ComparisonFormat::Table | ComparisonFormat::Markdown => {
-            let text = table::gate(&gate, terminal.look());
-            let fenced = match options.format {
-                ComparisonFormat::Markdown => format!("```text\n{text}```\n"),
-                _ => text,
-            };
-            terminal::print_rendered(&fenced)?;
-        }
-    }
-    Ok(if gate.is_worse() {
-        Verdict::Failed
-    } else {
-        Verdict::Passed
-    })
+    let table = || table::gate(&gate, terminal.look());
+    terminal::print_rendered(&match options.format {
+        ComparisonFormat::Json => json_lines(&gate)?,
+        ComparisonFormat::Table => table(),
+        ComparisonFormat::Markdown => format!("```text\n{}```\n", table()),
+    })?;
+    Ok(Verdict::of(!gate.is_worse()))
 }

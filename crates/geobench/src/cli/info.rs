@@ -13,6 +13,7 @@ use super::terminal;
 use crate::exec::model::{self, LoadedModel, ModelError, ModelRef};
 use crate::measure::number::grouped;
 use crate::table::escape::printable;
+use crate::table::json_lines;
 
 #[derive(Args, Debug)]
 #[command(after_help = MODELS_HELP)]
@@ -35,7 +36,7 @@ pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
     let as_json = options.format == ListFormat::Json;
     for (i, model) in model::collect(&options.models)?.iter().enumerate() {
         if as_json {
-            let loaded = model.load_within(options.reading);
+            let loaded = model.load(options.reading);
             if let Err(error) = &loaded {
                 verdict = Verdict::BadInput;
                 terminal::error(&error.to_string());
@@ -46,7 +47,7 @@ pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
         if i > 0 {
             terminal::print("\n")?;
         }
-        match model.load_within(options.reading) {
+        match model.load(options.reading) {
             Ok(loaded) => terminal::print(&describe(&loaded))?,
             Err(error) => {
                 verdict = Verdict::BadInput;
@@ -56,7 +57,7 @@ pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
         }
     }
     if as_json {
-        terminal::print_rendered(&(serde_json::to_string_pretty(&list)? + "\n"))?;
+        terminal::print_rendered(&json_lines(&list)?)?;
     }
     Ok(verdict)
 }

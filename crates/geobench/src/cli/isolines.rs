@@ -14,10 +14,8 @@ use super::points::Points;
 use super::terminal;
 use crate::exec::model;
 use crate::report::Scene;
-use crate::schema::SourceLabel;
-use crate::table::counted;
 use crate::table::isoline_formats::{IsolineFormat, IsolineSet};
-use crate::table::output::OutputFile;
+use crate::table::{FileForm, counted};
 
 /// The most levels of which the summary has a line each.
 const LINES: usize = 20;
@@ -32,16 +30,13 @@ const GAP: f64 = 1e-6;
 const TOLERANCE: f64 = 1e-4;
 
 pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
-    let format = IsolineFormat::of_path(&options.output)?;
-    let output = OutputFile::prepare(&options.output)?;
+    let (format, output) = IsolineFormat::output(&options.output)?;
     let model = model::only(&options.model)?;
     let mesh = &model.mesh_within(options.reading)?;
-    let points = Points::new(mesh, &options.source, None, &model.path)?;
+    let points = Points::new(mesh, &options.sources.source, None, &model.path)?;
     let is_quiet = options.quiet || options.output == Path::new("-");
     if !is_quiet {
-        for note in &points.notes {
-            terminal::print(&format!("{note}\n"))?;
-        }
+        points.print_notes()?;
     }
     let field = Field::new(mesh, &points.places).with_context(|| model.path.clone())?;
     if let Some(doubt) = precision::doubt(mesh, field.distances()) {
@@ -66,10 +61,9 @@ pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
             ));
         }
     }
-    let labels: Vec<SourceLabel> = points.sources.iter().map(|(l, _)| l.clone()).collect();
     let set = IsolineSet {
         model: &model.name,
-        sources: &labels,
+        sources: &points.source_labels(),
         mesh,
         isolines: &isolines,
         tolerance: options.tolerance.unwrap_or_else(|| TOLERANCE * size(mesh)),
@@ -80,12 +74,9 @@ pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
             .map(|line| line.polyline(mesh, set.tolerance))
             .collect();
         let scene = Scene {
-            mesh,
-            distances: field.distances(),
-            paint: None,
             sources: &points.positions(mesh),
             isolines: &lines,
-            paths: &[],
+            ..Scene::new(mesh, field.distances())
         };
         scene.draw(format == IsolineFormat::Png, &model.name, "Isolines")?
     } else {

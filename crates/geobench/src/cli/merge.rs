@@ -31,11 +31,7 @@ pub(super) struct MergeOptions {
 
 pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<Verdict> {
     let outputs = options.csv_rows.outputs(&options.output)?;
-    let files = options
-        .parts
-        .iter()
-        .map(|path| Ok((path.display().to_string(), result_file::read(path)?)))
-        .collect::<anyhow::Result<Vec<_>>>()?;
+    let files = result_file::read_all(&options.parts)?;
     // The parts of one run, or different runs.
     let is_part = |(_, file): &(String, ResultFile)| {
         file.plan.as_ref().is_some_and(|plan| plan.shard.is_some())
@@ -44,9 +40,7 @@ pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<Verdict> {
         parts::merge(files)?
     } else {
         let joined = join::join(files)?;
-        for note in &joined.notes {
-            terminal::warning(note);
-        }
+        terminal::warnings(&joined.notes);
         joined.file
     };
     if !parts::is_of_one_machine(&whole) {

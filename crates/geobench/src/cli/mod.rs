@@ -56,6 +56,17 @@ enum Verdict {
     Interrupted,
 }
 
+impl Verdict {
+    /// That of a command with one check.
+    const fn of(has_passed: bool) -> Self {
+        if has_passed {
+            Self::Passed
+        } else {
+            Self::Failed
+        }
+    }
+}
+
 /// Runs the command of the arguments.
 pub fn main() -> ExitCode {
     report_panics_in_one_line();

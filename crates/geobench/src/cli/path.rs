@@ -6,7 +6,7 @@ use std::path::Path as FilePath;
 use anyhow::{Context, bail};
 use geobench_mesh::{Mesh, VertexId};
 use geobench_paths::{Path, Paths, Place, Point};
-use geobench_window::{Goal, precision};
+use geobench_window::precision;
 
 use super::Verdict;
 use super::args::PathOptions;
@@ -15,7 +15,7 @@ use super::terminal;
 use crate::exec::model;
 use crate::report::Scene;
 use crate::schema::SourceLabel;
-use crate::table::output::OutputFile;
+use crate::table::FileForm;
 use crate::table::path_formats::{FoundPath, PathFormat, PathSet};
 
 /// The most paths of which the summary has a line each.
@@ -28,35 +28,35 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
             options.algo.label()
         );
     }
-    let output = match &options.output {
-        Some(path) => Some((PathFormat::of_path(path)?, OutputFile::prepare(path)?)),
-        None => None,
-    };
+    let output = options.output.as_deref();
+    let output = output.map(PathFormat::output).transpose()?;
     let model = model::only(&options.model)?;
     let mesh = &model.mesh_within(options.reading)?;
     let wanted: Option<Vec<WantedTarget>> =
         (!options.all_targets).then(|| options.target.iter().map(|t| (t.clone(), None)).collect());
-    let points = Points::new(mesh, &options.source, wanted.as_deref(), &model.path)?;
+    let points = Points::new(
+        mesh,
+        &options.sources.source,
+        wanted.as_deref(),
+        &model.path,
+    )?;
     if !options.quiet {
-        for note in &points.notes {
-            terminal::print(&format!("{note}\n"))?;
-        }
+        points.print_notes()?;
     }
-    let sources: Vec<VertexId> = points.sources.iter().map(|(_, vertex)| *vertex).collect();
+    let sources = points.source_vertices();
     let refined = &points.refined.mesh;
-    let (targets, goal) = match &points.targets {
+    let targets: Vec<(SourceLabel, VertexId)> = match &points.targets {
         None => {
             let label = |v: VertexId| (SourceLabel::Vertex(v.raw()), v);
-            (mesh.vertices().map(label).collect(), Goal::everything())
+            mesh.vertices().map(label).collect()
         }
         Some((labels, vertices)) => {
-            let goal = Goal::targets(vertices.iter().copied());
-            let targets = labels.iter().cloned().zip(vertices.iter().copied());
-            (targets.collect::<Vec<_>>(), goal)
+            let vertices = vertices.iter().copied();
+            labels.iter().cloned().zip(vertices).collect()
         }
     };
     let mut solver = options.algo.build(refined);
-    let paths = Paths::find(solver.as_mut(), refined, &sources, &goal)
+    let paths = Paths::find(solver.as_mut(), refined, &sources, &points.goal(None))
         .with_context(|| options.algo.label().to_owned())?;
     if let Some(doubt) = precision::doubt(refined, paths.distances()) {
         terminal::warning(&format!("{}: {doubt}", model.name));
@@ -94,12 +94,9 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
             let lines = found.iter().filter_map(|found| found.path.as_ref());
             let lines: Vec<_> = lines.map(|(_, path)| path.polyline(mesh)).collect();
             let scene = Scene {
-                mesh,
-                distances: &distances,
-                paint: None,
                 sources: &points.positions(mesh),
-                isolines: &[],
                 paths: &lines,
+                ..Scene::new(mesh, &distances)
             };
             scene.draw(format == PathFormat::Png, &model.name, "Shortest paths")?
         } else {
@@ -167,7 +164,7 @@ impl Totals {
             .longest
             .as_ref()
             .map_or_else(String::new, |(target, length)| {
-                format!(", the longest to {} of length {length}", named(target))
+                format!(", the longest to {} of length {length}", target.in_words())
             });
         format!(
             "{} paths, {} unreachable, {} edges crossed{longest}\n",
@@ -176,19 +173,12 @@ impl Totals {
     }
 }
 
-fn named(label: &SourceLabel) -> String {
-    match label {
-        SourceLabel::Vertex(vertex) => format!("vertex {vertex}"),
-        SourceLabel::Other(text) => text.clone(),
-    }
-}
-
 fn lines(paths: &[FoundPath]) -> String {
     let mut text = String::new();
     for found in paths {
         let target = &found.target;
         let _ = match &found.path {
-            None => writeln!(text, "{}: unreachable", named(target)),
+            None => writeln!(text, "{}: unreachable", target.in_words()),
             Some((source, path)) => {
                 // The ends may be vertices or not.
                 let inner = path.points.get(1..path.points.len().saturating_sub(1));
@@ -196,7 +186,7 @@ fn lines(paths: &[FoundPath]) -> String {
                 writeln!(
                     text,
                     "{} to {target}: length {}, {} edges crossed, {} vertices passed",
-                    named(source),
+                    source.in_words(),
                     path.length,
                     inner
                         .clone()

@@ -1,43 +1,56 @@
 //! Sources and targets of a command, found on a mesh.
 
-use std::io::Read;
 use std::path::Path;
 use std::{fs, io};
 
 use anyhow::{Context, anyhow};
 use geobench_mesh::{Mesh, Refined, SurfacePoint, VertexId};
+use geobench_window::Goal;
 
-use crate::exec::goal::targets_in;
+use super::args::GoalOptions;
+use super::terminal;
+use crate::exec::goal::{GoalSpec, targets_in};
 use crate::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
 use crate::schema::SourceLabel;
 
 /// A target, and its line if it is from a file.
 pub(super) type WantedTarget = (TargetSpec, Option<String>);
 
-/// The targets of the options and of a file, `-` for standard input; `None` for all vertices.
-///
-/// # Errors
-///
-/// When the file cannot be read, or a line in it is not a target.
-pub(super) fn wanted_targets(
-    targets: &[TargetSpec],
-    file: Option<&Path>,
-) -> anyhow::Result<Option<Vec<WantedTarget>>> {
-    let mut all: Vec<WantedTarget> = targets.iter().map(|t| (t.clone(), None)).collect();
-    if let Some(path) = file {
-        let mut text = String::new();
-        if path == Path::new("-") {
-            io::stdin()
-                .read_to_string(&mut text)
-                .context("the targets cannot be read from standard input")?;
-        } else {
-            text =
-                fs::read_to_string(path).map_err(|error| anyhow!("{}: {error}", path.display()))?;
+impl GoalOptions {
+    /// The targets of the options and of the file, `-` for standard input; `None` for all vertices.
+    ///
+    /// # Errors
+    ///
+    /// When the file cannot be read, or a line in it is not a target.
+    pub(super) fn wanted(&self) -> anyhow::Result<Option<Vec<WantedTarget>>> {
+        let named = self.target.iter().map(|target| (target.clone(), None));
+        let mut all: Vec<WantedTarget> = named.collect();
+        if let Some(path) = &self.targets {
+            let text = if path == Path::new("-") {
+                io::read_to_string(io::stdin())
+                    .context("the targets cannot be read from standard input")?
+            } else {
+                fs::read_to_string(path).map_err(|error| anyhow!("{}: {error}", path.display()))?
+            };
+            let read = targets_in(path, &text)?.into_iter();
+            all.extend(read.map(|(target, place)| (target, Some(place))));
         }
-        let read = targets_in(path, &text)?.into_iter();
-        all.extend(read.map(|(target, place)| (target, Some(place))));
+        Ok((!all.is_empty()).then_some(all))
     }
-    Ok((!all.is_empty()).then_some(all))
+
+    /// What runs are to find.
+    ///
+    /// # Errors
+    ///
+    /// As [`wanted`](Self::wanted).
+    pub(super) fn goal(&self) -> anyhow::Result<GoalSpec> {
+        let targets = self.wanted()?;
+        let targets = targets.map(|all| TargetSpec::of_all(all.into_iter().map(|(one, _)| one)));
+        Ok(GoalSpec {
+            targets,
+            radius: self.radius,
+        })
+    }
 }
 
 /// Sources and targets as vertices of a refined mesh.
@@ -97,6 +110,34 @@ impl Points {
             places,
             refined,
         })
+    }
+
+    /// The sources as vertices.
+    pub(super) fn source_vertices(&self) -> Vec<VertexId> {
+        self.sources.iter().map(|(_, vertex)| *vertex).collect()
+    }
+
+    /// The names of the sources.
+    pub(super) fn source_labels(&self) -> Vec<SourceLabel> {
+        self.sources
+            .iter()
+            .map(|(label, _)| label.clone())
+            .collect()
+    }
+
+    /// The distances of the targets, or of all vertices, up to `radius`.
+    pub(super) fn goal(&self, radius: Option<f64>) -> Goal {
+        let goal = GoalSpec {
+            targets: None,
+            radius,
+        };
+        goal.of_solver(self.targets.as_ref().map(|(_, vertices)| &vertices[..]))
+    }
+
+    /// Prints the notes, one in each line.
+    pub(super) fn print_notes(&self) -> anyhow::Result<()> {
+        let mut notes = self.notes.iter();
+        notes.try_for_each(|note| terminal::print(&format!("{note}\n")))
     }
 
     /// The names of the targets.

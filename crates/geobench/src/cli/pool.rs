@@ -7,7 +7,7 @@ use clap::Args;
 use super::Verdict;
 use crate::history::pool as rounds;
 use crate::schema::result_file;
-use crate::table::output;
+use crate::table::{Format, output};
 
 #[derive(Args, Debug)]
 pub(super) struct PoolOptions {
@@ -26,12 +26,8 @@ pub(super) struct PoolOptions {
 }
 
 pub(super) fn pool(options: &PoolOptions) -> anyhow::Result<Verdict> {
-    let outputs = output::results(&options.output)?;
-    let files = options
-        .rounds
-        .iter()
-        .map(|path| Ok((path.display().to_string(), result_file::read(path)?)))
-        .collect::<anyhow::Result<_>>()?;
+    let outputs = output::prepare::<Format>(&options.output)?;
+    let files = result_file::read_all(&options.rounds)?;
     let joined = rounds::pool(files, options.pairing.clone())?;
     for (format, file) in &outputs {
         file.write(format.render(&joined)?.as_bytes())?;

@@ -111,11 +111,6 @@ impl Progress {
         self.bar.reset_eta();
     }
 
-    /// One more run than planned.
-    pub(super) fn extend(&mut self) {
-        self.bar.inc_length(1);
-    }
-
     /// Adds runs that were not planned.
     pub(super) fn more(&mut self, runs: usize) {
         self.bar.inc_length(runs as u64);

@@ -82,20 +82,15 @@ fn draw(new: &Remeshed, png: bool, model: &str) -> anyhow::Result<Vec<u8>> {
     let at = |v: VertexId| sites[v.index()];
     let edges = edges.map(|h| vec![at(new.mesh.tail(h)), at(new.mesh.head(h))]);
     let cells = Scene {
-        mesh: before,
-        distances: &flat,
         paint: Some(&Paint::cells(&new.diagram)),
         sources: sites,
         isolines: &diagram_formats::long_lines(&new.diagram).unwrap_or_default(),
-        paths: &[],
+        ..Scene::new(before, &flat)
     };
     let triangles = Scene {
-        mesh: &new.mesh,
-        distances: &flat,
         paint: Some(&Paint::plain(&new.mesh, PLAIN)),
-        sources: &[],
         isolines: &edges.collect::<Vec<_>>(),
-        paths: &[],
+        ..Scene::new(&new.mesh, &flat)
     };
     cells.draw_beside(&triangles, png, model, "Cells and dual")
 }

@@ -38,9 +38,7 @@ pub(super) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
         match join::beside(files) {
             Ok(joined) => {
                 if !options.quiet {
-                    for note in &joined.notes {
-                        terminal::warning(note);
-                    }
+                    terminal::warnings(&joined.notes);
                 }
                 inputs = vec![Input {
                     path: first.path.clone(),

@@ -41,9 +41,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         );
     }
     if !options.quiet {
-        for note in &notes {
-            terminal::warning(note);
-        }
+        terminal::warnings(&notes);
     }
     interrupt::listen().context("cannot listen to signals")?;
     let plan = plan::record(&plans, options.isolation.record(options.jobs));
@@ -179,17 +177,13 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     if let Some(suite) = &suite {
         programs = programs.or(&suite.programs);
     }
-    let mut reference: Option<Reference> = match &options.check {
-        Some(check) => Some(check.parse().context("--check")?),
-        None => None,
-    };
-    if let Some(reference) = &mut reference {
-        reference.resolve(Path::new("")).context("--check")?;
-    }
-    let models = options
-        .models
-        .iter()
-        .map(|m| Spanned::new(0..0, WantedModel::new(m)));
+    let reference = options.check.as_deref().map(|check| {
+        let mut reference: Reference = check.parse()?;
+        reference.resolve(Path::new("")).map(|()| reference)
+    });
+    let reference = reference.transpose().context("--check")?;
+    let models = options.models.iter();
+    let models = models.map(|model| Spanned::new(0..0, WantedModel::new(model)));
     let goal = options.goal.goal()?;
     let asked = Settings {
         models: (!options.models.is_empty()).then(|| models.collect()),
@@ -216,15 +210,10 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         ratios_to: options.ratios_to.clone(),
         wavefront: options.extras.wavefront.then_some(true),
     };
+    let library = options.scale.library.as_deref().map(Library::open);
     let scale = ModelChoice {
         full: options.scale.full,
-        library: options
-            .scale
-            .library
-            .as_deref()
-            .map(Library::open)
-            .transpose()
-            .context("--models")?,
+        library: library.transpose().context("--models")?,
     };
     let mut plans = suite::plans(suite.as_ref(), &asked, &scale)?;
     for plan in &mut plans.plans {
@@ -497,9 +486,7 @@ impl Reporter {
         let mut failed = Vec::new();
         let Joined { file: whole, notes } = self.whole()?;
         if !self.quiet {
-            for note in notes {
-                self.progress.suspend(|| terminal::warning(&note));
-            }
+            self.progress.suspend(|| terminal::warnings(&notes));
         }
         for (format, file) in &self.outputs {
             if let Err(error) = file.write(format.render(&whole)?.as_bytes()) {
@@ -574,10 +561,6 @@ impl Listener for Reporter {
             source.unwrap_or_default()
         );
         self.progress.suspend(|| terminal::warning(&text));
-    }
-
-    fn extended(&mut self) {
-        self.progress.extend();
     }
 
     fn more(&mut self, runs: usize) {

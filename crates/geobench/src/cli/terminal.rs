@@ -92,6 +92,13 @@ pub(super) fn warning(message: &str) {
     note("warning", message);
 }
 
+/// Writes a warning for each of `messages`.
+pub(super) fn warnings(messages: &[String]) {
+    for message in messages {
+        warning(message);
+    }
+}
+
 fn note(kind: &str, message: &str) {
     let message = printable(message);
     // A failure of standard error cannot be reported.

@@ -144,7 +144,7 @@ struct LoadedModelCheck<'a> {
 
 impl LoadedModelCheck<'_> {
     fn verify(&self, session: &mut dyn Session, tally: &mut Tally) -> anyhow::Result<()> {
-        let vertices = self.record.vertices.unwrap_or(0) as usize;
+        let vertices = self.record.vertex_count();
         let sources = SourceSpec::of_all(self.options.source.iter().cloned());
         let mut sources = match sources.and_then(|sources| sources.points(vertices)) {
             Ok(sources) => sources,
@@ -211,7 +211,7 @@ impl LoadedModelCheck<'_> {
         session: &mut dyn Session,
         tally: &mut Tally,
     ) -> anyhow::Result<()> {
-        let vertices = self.record.vertices.unwrap_or(0) as usize;
+        let vertices = self.record.vertex_count();
         let stored = self.stored(source, vertices, tally);
         let asked = Asked::new(self.goal, vertices);
         let count = asked.count(vertices);

@@ -21,30 +21,26 @@ use crate::report::{Paint, Scene};
 use crate::schema::SourceLabel;
 use crate::table::diagram_formats::{self, BorderFormat, DiagramFile, DiagramFormat, LabelFormat};
 use crate::table::output::OutputFile;
+use crate::table::{FileForm, no_coordinates};
 
 /// Obstacles that an error message names.
 const NAMED: usize = 4;
 
 pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
-    let format = DiagramFormat::of_path(&options.output)?;
-    let output = OutputFile::prepare(&options.output)?;
-    let borders = match &options.borders {
-        Some(path) => Some((BorderFormat::of_path(path)?, OutputFile::prepare(path)?)),
-        None => None,
-    };
-    let labels = match &options.labels {
-        Some(path) => Some((LabelFormat::of_path(path)?, OutputFile::prepare(path)?)),
-        None => None,
-    };
+    let (format, output) = DiagramFormat::output(&options.output)?;
+    let borders = options.borders.as_deref();
+    let borders = borders.map(BorderFormat::output).transpose()?;
+    let labels = options.labels.as_deref();
+    let labels = labels.map(LabelFormat::output).transpose()?;
     let dual_file = match &options.dual {
         Some(path) => Some((path, generate::ending(path)?, OutputFile::prepare(path)?)),
         None => None,
     };
     let model = model::only(&options.model)?;
     let mesh = &model.mesh_within(options.reading)?;
-    let points = Points::new(mesh, &options.source, Some(&[]), &model.path)?;
+    let points = Points::new(mesh, &options.sources.source, Some(&[]), &model.path)?;
     let refined = &points.refined.mesh;
-    let sources: Vec<VertexId> = points.sources.iter().map(|(_, vertex)| *vertex).collect();
+    let sources = points.source_vertices();
     let Some(mut solver) = registry::field_solver(&options.algo, refined) else {
         bail!(
             "{} keeps no windows from which a diagram could be made; use window-vtp, lct11 or xls14",
@@ -57,12 +53,10 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let start = Instant::now();
     let diagram = Diagram::new(&field, sources.len());
     let extraction = start.elapsed().as_secs_f64();
-    let labels_of_sources = points.sources.iter().map(|(label, _)| label.clone());
-    let labels_of_sources: Vec<SourceLabel> = labels_of_sources.collect();
     let file = DiagramFile {
         model: &model.name,
         algorithm: options.algo.label(),
-        sources: &labels_of_sources,
+        sources: &points.source_labels(),
         mesh,
         refined: &points.refined,
         places: &points.places,
@@ -123,12 +117,10 @@ fn picture(file: &DiagramFile<'_>, sources: &[VertexId], png: bool) -> anyhow::R
         .iter()
         .filter_map(|s| positions.get(s.index()).copied());
     let scene = Scene {
-        mesh,
-        distances: file.distances,
         paint: Some(&Paint::cells(file.diagram)),
         sources: &at.collect::<Vec<_>>(),
         isolines: &diagram_formats::long_lines(file.diagram).unwrap_or_default(),
-        paths: &[],
+        ..Scene::new(mesh, file.distances)
     };
     scene.draw(png, file.model, "Voronoi diagram")
 }
@@ -142,7 +134,7 @@ fn dual_mesh(
 ) -> anyhow::Result<TriangleSoup> {
     let positions = diagram.mesh().positions();
     if positions.is_empty() {
-        bail!("{}: the mesh has no coordinates to write", path.display());
+        return Err(no_coordinates(path.display()));
     }
     if !dual.obstacles.is_empty() {
         let named: Vec<String> = dual

@@ -3,29 +3,11 @@
 use std::io;
 use std::str::FromStr;
 
+use crate::UsageError;
+
 /// Processor numbers: at least one, sorted, without duplicates.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CpuList(Vec<usize>);
-
-/// Why a list of processors is invalid or not available.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum CpuError {
-    /// Not a list of processor numbers.
-    #[error("`{0}` is not a list of processors; give numbers and ranges such as 2 or 0,4-7")]
-    Syntax(String),
-    /// This process may not use one of them.
-    #[error("processor {cpu} is not one of those that this process may use: {allowed}")]
-    NotAllowed {
-        /// The processor.
-        cpu: usize,
-        /// The processors that it may use, as a list.
-        allowed: String,
-    },
-    /// The system does not support pinning.
-    #[error("this system does not pin processes: {0}")]
-    Unsupported(io::Error),
-}
 
 impl CpuList {
     /// The numbers.
@@ -35,10 +17,14 @@ impl CpuList {
 }
 
 impl FromStr for CpuList {
-    type Err = CpuError;
+    type Err = UsageError;
 
-    fn from_str(text: &str) -> Result<Self, CpuError> {
-        let syntax = || CpuError::Syntax(text.to_owned());
+    fn from_str(text: &str) -> Result<Self, UsageError> {
+        let syntax = || {
+            UsageError(format!(
+                "`{text}` is not a list of processors; give numbers and ranges such as 2 or 0,4-7"
+            ))
+        };
         // The size of the system's processor sets.
         let number = |text: &str| {
             let number: usize = text.trim().parse().map_err(|_| syntax())?;
@@ -68,14 +54,15 @@ impl FromStr for CpuList {
 /// # Errors
 ///
 /// Names the first of them, or the error of the system.
-pub fn check(cpus: &CpuList) -> Result<(), CpuError> {
-    let allowed = system::allowed().map_err(CpuError::Unsupported)?;
+pub fn check(cpus: &CpuList) -> Result<(), UsageError> {
+    let allowed = system::allowed()
+        .map_err(|error| UsageError(format!("this system does not pin processes: {error}")))?;
     match cpus.0.iter().find(|cpu| !allowed.contains(cpu)) {
         None => Ok(()),
-        Some(&cpu) => Err(CpuError::NotAllowed {
-            cpu,
-            allowed: show(&allowed),
-        }),
+        Some(cpu) => Err(UsageError(format!(
+            "processor {cpu} is not one of those that this process may use: {}",
+            show(&allowed)
+        ))),
     }
 }
 
@@ -195,6 +182,10 @@ mod tests {
         .join()
         .unwrap();
         let error = check(&"1023".parse().unwrap()).unwrap_err();
-        assert!(matches!(error, CpuError::NotAllowed { cpu: 1023, .. }));
+        assert!(
+            error
+                .to_string()
+                .starts_with("processor 1023 is not one of those")
+        );
     }
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::{fmt, fs};
 
+use crate::UsageError;
 use crate::schema::SourceLabel;
 
 /// Where stored distances are looked for.
@@ -24,36 +25,6 @@ pub struct Field {
     pub path: PathBuf,
     /// Vertices and their distances, at least one.
     pub distances: Vec<(usize, f64)>,
-}
-
-/// Why there are no stored distances.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ExpectedError {
-    /// There is no file for this model and source.
-    #[error("there is no {name} beside the model, in its folder `expected` or in `../expected`")]
-    NotFound {
-        /// Name of the file looked for.
-        name: String,
-    },
-    /// The file cannot be read.
-    #[error("{}: {error}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// The error of the system.
-        error: std::io::Error,
-    },
-    /// A line is not `vertex,distance`.
-    #[error("{}, line {line}: {problem}", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// The line, counted from 1.
-        line: usize,
-        /// The error.
-        problem: String,
-    },
 }
 
 impl fmt::Display for Expected {
@@ -78,16 +49,17 @@ impl Expected {
         model: &Path,
         source: &SourceLabel,
         vertices: usize,
-    ) -> Result<Field, ExpectedError> {
+    ) -> Result<Field, UsageError> {
         let path = match self {
             Self::File(path) => path.clone(),
             Self::BesideModels => {
                 let name = format!("{}.s{}.csv", stem(model), file_word(source));
-                folders(model)
-                    .into_iter()
-                    .map(|folder| folder.join(&name))
-                    .find(|path| path.is_file())
-                    .ok_or(ExpectedError::NotFound { name })?
+                let mut paths = folders(model).into_iter().map(|folder| folder.join(&name));
+                paths.find(|path| path.is_file()).ok_or_else(|| {
+                    UsageError(format!(
+                        "there is no {name} beside the model, in its folder `expected` or in `../expected`"
+                    ))
+                })?
             }
         };
         read(&path, vertices)
@@ -150,11 +122,9 @@ pub(crate) fn stem(path: &Path) -> String {
     }
 }
 
-fn read(path: &Path, vertices: usize) -> Result<Field, ExpectedError> {
-    let text = fs::read_to_string(path).map_err(|error| ExpectedError::Unreadable {
-        path: path.to_owned(),
-        error,
-    })?;
+fn read(path: &Path, vertices: usize) -> Result<Field, UsageError> {
+    let text = fs::read_to_string(path);
+    let text = text.map_err(|error| UsageError(format!("{}: {error}", path.display())))?;
     parse(path, &text, vertices)
 }
 
@@ -163,27 +133,21 @@ fn read(path: &Path, vertices: usize) -> Result<Field, ExpectedError> {
 /// # Errors
 ///
 /// Names the line.
-pub(crate) fn parse(path: &Path, text: &str, vertices: usize) -> Result<Field, ExpectedError> {
+pub(crate) fn parse(path: &Path, text: &str, vertices: usize) -> Result<Field, UsageError> {
+    let error = |line: usize, problem: &str| {
+        UsageError(format!("{}, line {line}: {problem}", path.display()))
+    };
     let mut distances = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();
         if line.is_empty() || (index == 0 && line.eq_ignore_ascii_case("vertex,distance")) {
             continue;
         }
-        distances.push(
-            parse_line(line, vertices).map_err(|problem| ExpectedError::Line {
-                path: path.to_owned(),
-                line: index + 1,
-                problem,
-            })?,
-        );
+        let parsed = parse_line(line, vertices);
+        distances.push(parsed.map_err(|problem| error(index + 1, &problem))?);
     }
     if distances.is_empty() {
-        return Err(ExpectedError::Line {
-            path: path.to_owned(),
-            line: 1,
-            problem: "the file holds no distances".into(),
-        });
+        return Err(error(1, "the file holds no distances"));
     }
     Ok(Field {
         path: path.to_owned(),

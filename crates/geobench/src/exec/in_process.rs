@@ -124,7 +124,7 @@ impl InProcess {
     ///
     /// When the model cannot be used.
     pub(crate) fn open(model: &ModelRef, limit: DecompressionLimit) -> Result<Self, Refusal> {
-        let loaded = model.load_within(limit).map_err(|error| Refusal {
+        let loaded = model.load(limit).map_err(|error| Refusal {
             message: error.to_string(),
         })?;
         Ok(Self {

@@ -1,11 +1,11 @@
 //! A backend that computes nothing, for tests: results are made up.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use geobench_window::{Counter, Counters};
 
 use crate::exec::model::ModelRef;
-use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
+use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step, lock};
 use crate::measure::memory::Peaks;
 use crate::schema::{ModelRecord, Phases, Status};
 
@@ -31,15 +31,12 @@ pub(crate) const VERTICES: usize = 4;
 impl MockBackend {
     /// Every run so far in order, such as `time mmp 0`.
     pub(crate) fn log(&self) -> Vec<String> {
-        self.log
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
+        lock(&self.log).clone()
     }
 
     /// Notes a run and returns how many there have been.
     fn note(&self, run: String) -> usize {
-        let mut log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut log = lock(&self.log);
         log.push(run);
         log.len()
     }
@@ -151,10 +148,8 @@ pub(crate) fn spoil_vtp(step: &Step<'_>, observation: &mut Observation) -> Optio
 /// Lets `ich` crash when it is timed.
 pub(crate) fn crash_ich(step: &Step<'_>, _: &mut Observation) -> Option<Failure> {
     if step.algorithm.label() == "ich" && step.pass == Pass::Time {
-        return Some(Failure {
-            status: Status::Crashed,
-            message: "the algorithm panicked: index out of bounds".into(),
-        });
+        let message = "the algorithm panicked: index out of bounds";
+        return Some(Failure::new(Status::Crashed, message));
     }
     None
 }

@@ -20,6 +20,8 @@ mod protocol;
 pub mod slurm;
 pub mod source;
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use geobench_window::Counters;
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +31,11 @@ use crate::exec::source::SourceSpec;
 use crate::measure::memory::Peaks;
 use crate::registry::Selection;
 use crate::schema::{Cell, InstructionCount, ModelRecord, Phases, Status, WavefrontRecord};
+
+/// The value in `mutex`. A panic while it was held has ended its run only.
+pub(crate) fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// The purpose of a run. Journals hold the names in snake case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -115,7 +122,7 @@ pub struct Failure {
 }
 
 impl Failure {
-    fn new(status: Status, message: impl Into<String>) -> Self {
+    pub(crate) fn new(status: Status, message: impl Into<String>) -> Self {
         Self {
             status,
             message: message.into(),
@@ -213,10 +220,8 @@ pub trait Listener: Send {
         let _ = (cell, error);
     }
 
-    /// A timed run beyond the fewest of a cell is about to be made.
-    fn extended(&mut self) {}
-
-    /// Runs that were not planned, of the vertices of a model that has become known.
+    /// Runs that were not planned: of the vertices of a model that has become known, or beyond the
+    /// fewest timed runs of a cell.
     fn more(&mut self, runs: usize) {
         let _ = runs;
     }

@@ -17,7 +17,7 @@ use geobench_mesh::{
 use sha2::{Digest, Sha256};
 
 use crate::exec::expected::stem;
-use crate::exec::limits::{DecompressionLimit, MemoryLimit};
+use crate::exec::limits::MemoryLimit;
 use crate::schema::ModelRecord;
 
 /// A model that a user named, not loaded yet.
@@ -62,26 +62,9 @@ pub enum ModelError {
         /// The error.
         problem: String,
     },
-    /// The ending of the file is not supported.
-    #[error(
-        "{path}: not a mesh file by its ending; OBJ, PLY, OFF and STL are read, each also with .gz"
-    )]
-    NotAMesh {
-        /// The argument.
-        path: String,
-    },
-    /// No mesh file in a directory.
-    #[error("{path}: no mesh file (OBJ, PLY, OFF, STL, also .gz) in this directory or below it")]
-    EmptyDirectory {
-        /// The argument.
-        path: String,
-    },
-    /// The file or the spec cannot be read.
-    #[error("{message}")]
-    Unreadable {
-        /// The error and its place.
-        message: String,
-    },
+    /// The file, the directory or the spec cannot be read: the error and its place.
+    #[error("{0}")]
+    Unreadable(String),
     /// The mesh has fatal defects.
     #[error("{path}: {error}")]
     Invalid {
@@ -136,17 +119,17 @@ pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelErr
             let mut found = Vec::new();
             search(path, &mut found).map_err(missing)?;
             if found.is_empty() {
-                return Err(ModelError::EmptyDirectory {
-                    path: argument.to_owned(),
-                });
+                return Err(ModelError::Unreadable(format!(
+                    "{argument}: no mesh file (OBJ, PLY, OFF, STL, also .gz) in this directory or below it"
+                )));
             }
             models.extend(found.into_iter().map(ModelRef::file));
         } else if mesh_io::is_mesh_file(path) {
             models.push(ModelRef::file(path.to_owned()));
         } else {
-            return Err(ModelError::NotAMesh {
-                path: argument.to_owned(),
-            });
+            return Err(ModelError::Unreadable(format!(
+                "{argument}: not a mesh file by its ending; OBJ, PLY, OFF and STL are read, each also with .gz"
+            )));
         }
     }
     make_names_unique(&mut models);
@@ -204,9 +187,8 @@ impl ModelRef {
     ///
     /// When there is no such generator or its parameters are not valid.
     pub fn generated(spec: &str) -> Result<Self, ModelError> {
-        let parsed: Spec = spec.parse().map_err(|error| ModelError::Unreadable {
-            message: format!("{spec}: {error}"),
-        })?;
+        let parsed = spec.parse::<Spec>();
+        let parsed = parsed.map_err(|error| ModelError::Unreadable(format!("{spec}: {error}")))?;
         Ok(Self {
             name: spec.strip_prefix("gen:").unwrap_or(spec).to_owned(),
             path: parsed.to_string(),
@@ -322,30 +304,18 @@ impl ModelRef {
                     Some(path) => spec.modifiers().apply(read_file(Path::new(path), options)?),
                     None => generate::generate(spec),
                 };
-                made.map_err(|error| ModelError::Unreadable {
-                    message: format!("{}: {error}", self.path),
-                })
+                made.map_err(|error| ModelError::Unreadable(format!("{}: {error}", self.path)))
             }
         }
     }
 
-    /// Reads or generates the model, checks it and builds its mesh. A compressed file may
-    /// decompress to the usual number of bytes.
+    /// Reads or generates the model, checks it and builds its mesh. Files are read with `options`,
+    /// such as a limit of what compressed ones decompress to.
     ///
     /// # Errors
     ///
     /// Names the file and the line or the elements that make it unusable.
-    pub fn load(&self) -> Result<LoadedModel, ModelError> {
-        self.load_within(DecompressionLimit::default())
-    }
-
-    /// As [`load`](Self::load), but files are read with `options`, such as a limit of what
-    /// compressed ones decompress to.
-    ///
-    /// # Errors
-    ///
-    /// As [`load`](Self::load).
-    pub fn load_within(&self, options: impl Into<ReadOptions>) -> Result<LoadedModel, ModelError> {
+    pub fn load(&self, options: impl Into<ReadOptions>) -> Result<LoadedModel, ModelError> {
         if let Origin::Memory(mesh) = &self.origin {
             let known_by_positions = mesh.positions().len() == mesh.vertex_count();
             let sha256 = known_by_positions.then(|| hash_soup(&soup_of(mesh)));
@@ -367,7 +337,7 @@ impl ModelRef {
         Ok(loaded)
     }
 
-    /// Its mesh alone. As [`load_within`](Self::load_within), but nothing is hashed or measured.
+    /// Its mesh alone. As [`load`](Self::load), but nothing is hashed or measured.
     ///
     /// # Errors
     ///
@@ -421,22 +391,21 @@ fn soup_of(mesh: &Mesh) -> TriangleSoup {
 }
 
 fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, ModelError> {
-    options.read(path).map_err(|error| ModelError::Unreadable {
-        message: match error {
-            mesh_io::FileError::TooLarge {
-                path,
-                compressed,
-                limit,
-            } => format!(
-                "{}: {} decompress to more than {}; if the file can be trusted, raise the limit \
-                 with --max-decompressed SIZE",
-                path.display(),
-                MemoryLimit(Some(compressed)),
-                MemoryLimit(Some(limit))
-            ),
-            error => error.to_string(),
-        },
-    })
+    let read = options.read(path).map_err(|error| match error {
+        mesh_io::FileError::TooLarge {
+            path,
+            compressed,
+            limit,
+        } => format!(
+            "{}: {} decompress to more than {}; if the file can be trusted, raise the limit with \
+             --max-decompressed SIZE",
+            path.display(),
+            MemoryLimit(Some(compressed)),
+            MemoryLimit(Some(limit))
+        ),
+        error => error.to_string(),
+    });
+    read.map_err(ModelError::Unreadable)
 }
 
 /// SHA-256 of a file's bytes in hexadecimal.
@@ -484,6 +453,7 @@ impl io::Write for HashWriter<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exec::limits::DecompressionLimit;
 
     const FACE: &str = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 
@@ -527,7 +497,13 @@ mod tests {
 
     #[test]
     fn a_generated_model_is_hashed_by_its_data() {
-        let load = |spec: &str| ModelRef::generated(spec).unwrap().load().unwrap().record;
+        let load = |spec: &str| {
+            ModelRef::generated(spec)
+                .unwrap()
+                .load(DecompressionLimit::default())
+                .unwrap()
+                .record
+        };
         let plain = load("gen:cube,n=2");
         assert_eq!(plain.path, "gen:cube,n=2,side=1");
         assert_eq!(plain.sha256, load("gen:cube,side=1,n=2").sha256);

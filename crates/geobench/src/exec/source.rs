@@ -287,21 +287,6 @@ impl SourceSpec {
         Ok(points)
     }
 
-    /// The sources as vertices, for commands that take no other points.
-    ///
-    /// # Errors
-    ///
-    /// As [`points`](Self::points), and when one is not given as a vertex.
-    pub fn vertices(&self, vertices: usize) -> Result<Vec<VertexId>, UsageError> {
-        let vertex = |point: PointSpec| match point {
-            PointSpec::Vertex(v) => Ok(VertexId::new(v)),
-            other => Err(UsageError(format!(
-                "{other} is not a vertex; this command takes vertices only, so give a vertex number"
-            ))),
-        };
-        self.points(vertices)?.into_iter().map(vertex).collect()
-    }
-
     /// The points, called `noun` in messages.
     fn points_as(&self, noun: &str, vertices: usize) -> Result<Vec<PointSpec>, UsageError> {
         let mut points = Vec::new();

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::measure::conditions;
 use crate::schema::difference::first_difference;
-use crate::schema::{Cell, GroupRecord, ResultFile, SourceLabel};
+use crate::schema::{Cell, CellPlace, GroupRecord, ResultFile};
 
 /// A joined file.
 #[derive(Clone, Debug)]
@@ -59,7 +59,7 @@ pub fn extend(
     };
     let is_timed_before = |cell: &Cell| {
         let mut known = joined.file.cells.iter();
-        known.any(|known| is_same(known, cell) && known.time == cell.time)
+        known.any(|known| known.place() == cell.place() && known.time == cell.time)
     };
     if !new.cells.iter().all(is_timed_before) {
         check_machine(&joined.file, earlier_name, new_name, &new)?;
@@ -75,8 +75,6 @@ pub fn extend(
 ///
 /// When files have different models of one name.
 pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
-    type Identity = (Option<String>, String, Option<SourceLabel>, String, usize);
-
     let mut names = Vec::new();
     for place in 1..files.len() {
         let (before, rest) = files.split_at_mut(place);
@@ -85,21 +83,11 @@ pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
             rename_models(known, first, name, file)?;
         }
     }
-    let identity = |cell: &Cell| -> Identity {
-        let (group, model) = (cell.group.clone(), cell.model.clone());
-        (
-            group,
-            model,
-            cell.source.clone(),
-            cell.algorithm.clone(),
-            cell.threads,
-        )
-    };
-    let mut holders: HashMap<Identity, usize> = HashMap::new();
+    let mut holders: HashMap<CellPlace, usize> = HashMap::new();
     for (name, file) in &files {
         names.push(name.clone());
         for cell in &file.cells {
-            *holders.entry(identity(cell)).or_default() += 1;
+            *holders.entry(cell.place()).or_default() += 1;
         }
     }
     let stem = |name: &str| {
@@ -111,7 +99,7 @@ pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
         let is_unique = stems.iter().filter(|stem| **stem == stems[place]).count() == 1;
         let shown = if is_unique { &stems[place] } else { &*name };
         for cell in &mut file.cells {
-            if holders[&identity(cell)] > 1 {
+            if holders[&cell.place()] > 1 {
                 cell.algorithm = format!("{} ({shown})", cell.algorithm);
             }
         }
@@ -225,7 +213,8 @@ fn add(
     }
     let mut in_both = 0;
     for cell in file.cells {
-        match whole.cells.iter().position(|known| is_same(known, &cell)) {
+        let same = cell.place();
+        match whole.cells.iter().position(|known| known.place() == same) {
             Some(place) => {
                 in_both += 1;
                 if wins == Winner::Added {
@@ -256,11 +245,6 @@ fn add(
     whole.started = whole.started.clone().min(file.started);
     whole.finished = whole.finished.clone().max(file.finished);
     Ok(in_both)
-}
-
-/// Whether two cells are of the same runs.
-fn is_same(a: &Cell, b: &Cell) -> bool {
-    is_beside(a, b) && a.algorithm == b.algorithm && a.threads == b.threads
 }
 
 /// Whether two cells are of the same group, model and source.

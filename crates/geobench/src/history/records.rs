@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 
 use crate::history::compare::{CellKey, Measure};
 use crate::schema::{Cell, Host, ResultFile, Status};
+use crate::usage::{check_schema, files_in};
 
 /// The schema of a record.
 pub const SCHEMA: &str = "geobench-record/1";
@@ -179,12 +180,7 @@ fn read(path: &Path) -> anyhow::Result<Record> {
     let text = fs::read_to_string(path).with_context(|| format!("{shown}: cannot be read"))?;
     let record: Record = serde_json::from_str(&text)
         .map_err(|error| anyhow!("{shown}: not a record of `geobench record`: {error}"))?;
-    if record.schema != SCHEMA {
-        bail!(
-            "{shown}: `schema` is `{}`, but this version of geobench reads `{SCHEMA}`",
-            record.schema
-        );
-    }
+    check_schema(path, &record.schema, SCHEMA)?;
     Ok(record)
 }
 
@@ -194,25 +190,14 @@ fn read(path: &Path) -> anyhow::Result<Record> {
 ///
 /// When there are none, or a file is no record.
 pub fn read_all(directory: &Path) -> anyhow::Result<Vec<Record>> {
-    let shown = directory.display();
-    let files = fs::read_dir(directory).with_context(|| format!("{shown}: cannot be read"))?;
-    let mut paths = Vec::new();
-    for file in files {
-        let path = file
-            .with_context(|| format!("{shown}: cannot be read"))?
-            .path();
-        let hidden = path
-            .file_name()
-            .is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        if !hidden && path.extension().is_some_and(|ending| ending == "json") {
-            paths.push(path);
-        }
-    }
-    paths.sort();
+    let paths = files_in(directory, "json")?;
     let records = paths.iter().map(|path| read(path));
     let mut records = records.collect::<anyhow::Result<Vec<Record>>>()?;
     if records.is_empty() {
-        bail!("{shown}: no records in this directory; add some with `geobench record`");
+        bail!(
+            "{}: no records in this directory; add some with `geobench record`",
+            directory.display()
+        );
     }
     // RFC 3339 times sort as text.
     records.sort_by(|a, b| (a.time(), &a.started).cmp(&(b.time(), &b.started)));

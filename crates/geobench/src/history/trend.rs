@@ -60,37 +60,15 @@ pub struct ChangePoint {
     pub p: Option<f64>,
 }
 
-/// A figure of a record.
-struct TrendFigure {
-    name: &'static str,
-    /// The least change that is reported.
-    least: f64,
-}
-
 /// The figures whose trends are shown, with the least changes that are reported. Code that does not
 /// change takes up to 1.5 % more or fewer instructions from commit to commit, because of changes
 /// elsewhere in the program, so that less than 2 % is none.
-const FIGURES: [TrendFigure; 5] = [
-    TrendFigure {
-        name: "time",
-        least: 0.03,
-    },
-    TrendFigure {
-        name: "instructions",
-        least: 0.02,
-    },
-    TrendFigure {
-        name: "heap_peak_bytes",
-        least: 0.01,
-    },
-    TrendFigure {
-        name: "propagated",
-        least: 1e-4,
-    },
-    TrendFigure {
-        name: "kept",
-        least: 1e-4,
-    },
+const FIGURES: [(&str, f64); 5] = [
+    ("time", 0.03),
+    ("instructions", 0.02),
+    ("heap_peak_bytes", 0.01),
+    ("propagated", 1e-4),
+    ("kept", 1e-4),
 ];
 
 /// All series of `records`, which are in order.
@@ -98,13 +76,13 @@ pub fn series(records: &[Record]) -> Vec<TrendSeries> {
     let mut all: Vec<TrendSeries> = Vec::new();
     for record in records {
         for cell in record.cells.iter().filter(|c| c.status == Status::Ok) {
-            for figure in &FIGURES {
-                let Some(point) = point(record, cell, figure.name) else {
+            for (figure, _) in FIGURES {
+                let Some(point) = point(record, cell, figure) else {
                     continue;
                 };
                 let machine = record.machine();
                 let same = |s: &&mut TrendSeries| {
-                    s.figure == figure.name
+                    s.figure == figure
                         && s.machine == machine
                         && s.suite == record.suite
                         && s.cell.is_same(&cell.cell)
@@ -115,7 +93,7 @@ pub fn series(records: &[Record]) -> Vec<TrendSeries> {
                         cell: cell.cell.clone(),
                         machine,
                         suite: record.suite.clone(),
-                        figure: figure.name,
+                        figure,
                         points: vec![point],
                         changes: Vec::new(),
                     }),
@@ -125,8 +103,8 @@ pub fn series(records: &[Record]) -> Vec<TrendSeries> {
     }
     for series in &mut all {
         let values: Vec<f64> = series.points.iter().map(|point| point.value).collect();
-        let figure = FIGURES.iter().find(|figure| figure.name == series.figure);
-        series.changes = changes::changes(&values, figure.map_or(0.0, |figure| figure.least));
+        let figure = FIGURES.iter().find(|(figure, _)| *figure == series.figure);
+        series.changes = changes::changes(&values, figure.map_or(0.0, |(_, least)| *least));
     }
     all
 }

@@ -28,6 +28,15 @@ pub(crate) fn group(digits: &str) -> String {
     text
 }
 
+/// A ratio with two decimals, or none from 100 on.
+pub(crate) fn ratio(ratio: f64) -> String {
+    if ratio < 99.5 {
+        format!("{ratio:.2}")
+    } else {
+        format!("{ratio:.0}")
+    }
+}
+
 /// A small number by its size alone.
 pub(crate) fn scientific(value: f64) -> String {
     if value == 0.0 {

@@ -59,14 +59,8 @@ pub fn time(samples: Vec<f64>, setup: Option<f64>) -> Time {
         note: too_few(samples.len()),
         outliers: summary.and_then(|s| s.outliers),
         setup,
-        extraction: None,
         samples,
-        places: Vec::new(),
-        solves: Vec::new(),
-        precision: None,
-        outside: Vec::new(),
-        claimed: Vec::new(),
-        doubted: false,
+        ..Time::default()
     }
 }
 
@@ -74,6 +68,12 @@ pub fn time(samples: Vec<f64>, setup: Option<f64>) -> Time {
 pub fn too_few(samples: usize) -> Option<String> {
     (samples < FEWEST_FOR_INTERVAL)
         .then(|| format!("no confidence interval from fewer than {FEWEST_FOR_INTERVAL} samples"))
+}
+
+/// The least and the greatest of `values`; none if there are none.
+pub(crate) fn range_of(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
+    let ends = values.into_iter().map(|value| [value; 2]);
+    ends.reduce(|[least, most], [value, _]| [least.min(value), most.max(value)])
 }
 
 /// The median of `values`, in any order; none if there are none.
@@ -227,18 +227,6 @@ pub struct Ratio {
     /// Its 95 % interval by the percentile bootstrap; none from fewer than
     /// [`FEWEST_FOR_INTERVAL`] samples on a side.
     pub ci95: Option<[f64; 2]>,
-}
-
-impl Ratio {
-    /// Whether the interval lies wholly above `limit`.
-    pub fn exceeds(&self, limit: f64) -> bool {
-        self.ci95.is_some_and(|[low, _]| low > limit)
-    }
-
-    /// Whether the interval lies wholly below `limit`.
-    pub fn falls_below(&self, limit: f64) -> bool {
-        self.ci95.is_some_and(|[_, high]| high < limit)
-    }
 }
 
 /// The median of `over[i] / under[i]`, where the samples at the same place were taken next to each
@@ -523,20 +511,17 @@ mod tests {
         assert!((paired.ratio - 1.2).abs() < 1e-12);
         let [low, high] = paired.ci95.unwrap();
         assert!((low - 1.2).abs() < 1e-12 && (high - 1.2).abs() < 1e-12);
-        assert!(paired.exceeds(1.1) && !paired.exceeds(1.21) && !paired.falls_below(1.1));
 
         let unpaired = unpaired_ratio(&over, &under).unwrap();
         assert!((unpaired.ratio - 1.2).abs() < 1e-12);
         let [low, high] = unpaired.ci95.unwrap();
         assert!(low < 0.9 && high > 1.5, "{low} {high}");
-        assert!(!unpaired.exceeds(1.0));
     }
 
     #[test]
     fn too_few_samples_have_a_ratio_and_no_interval() {
         let ratio = paired_ratio(&[3.0, 3.0], &[2.0, 2.0]).unwrap();
         assert_eq!((ratio.ratio, ratio.ci95), (1.5, None));
-        assert!(!ratio.exceeds(1.0) && !ratio.falls_below(9.0));
         let ratio = unpaired_ratio(&[3.0; 9], &[2.0; 4]).unwrap();
         assert_eq!((ratio.ratio, ratio.ci95), (1.5, None));
     }

@@ -14,7 +14,7 @@ use crate::exec::limits::Limits;
 use crate::exec::model::ModelRef;
 use crate::exec::source::SourceSpec;
 use crate::plan::sampling::Sampling;
-use crate::registry::{self, Programs, Selection, SimdChoice, Value};
+use crate::registry::{self, Programs, Selection, SimdChoice};
 use crate::schema::{
     GroupRecord, IsolationRecord, PlanRecord, PlannedAlgorithm, PlannedGroup, PlannedModel, Shard,
 };
@@ -354,11 +354,7 @@ pub(crate) fn planned(selection: &Selection) -> PlannedAlgorithm {
         label: selection.label().to_owned(),
         parameters: parameters
             .map(|parameter| {
-                let value = match selection.value(parameter) {
-                    Value::Integer(n) => n.into(),
-                    Value::Real(x) => x.into(),
-                    Value::Word(word) => word.into(),
-                };
+                let value = serde_json::json!(selection.value(parameter));
                 (parameter.name.to_owned(), value)
             })
             .chain(program.map(|(name, value)| (name.to_owned(), value)))

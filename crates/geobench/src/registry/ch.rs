@@ -60,8 +60,8 @@ pub(super) const FAMILY: &[Algorithm] = &[
         choose: "to compare pvtp with the papers' parallel algorithm",
         parameters: &[THREADS, BUCKET],
         build: |mesh, values| {
-            let threads = values.integer_or_word(&THREADS).unwrap_or(1) as usize;
-            Box::new(Pch::with_bucket(mesh, threads, values.real(&BUCKET)))
+            let bucket = values.real(&BUCKET);
+            Box::new(Pch::with_bucket(mesh, values.threads(), bucket))
         },
         ..Algorithm::EXACT
     },

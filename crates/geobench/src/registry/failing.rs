@@ -8,7 +8,7 @@ use std::time::Duration;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_mmp::mmp_fast;
 use geobench_window::simd::Instructions;
-use geobench_window::{Counter, Counters, PhaseSampler, Solution, SolveError, Solver};
+use geobench_window::{Counters, PhaseSampler, Solution, SolveError, Solver};
 use rustix::process::{Signal, getpid, kill_process};
 
 use super::{Algorithm, Parameter, Values};
@@ -127,17 +127,14 @@ const fn algorithm(
         name,
         family: "test-family",
         paper: "none",
-        // Held to the tolerance.
-        exact: true,
         summary: "does what its name says",
-        departs: "",
         complexity: "none",
         keeps: "nothing",
         choose: "never",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
         parameters,
         build,
+        // Held to the tolerance.
+        ..Algorithm::EXACT
     }
 }
 

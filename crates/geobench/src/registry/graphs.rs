@@ -34,7 +34,7 @@ fn svg_options(values: &Values) -> SvgOptions {
             Some("fwp-mmp") => SvgBuilder::FwpMmp,
             _ => SvgBuilder::Ich,
         },
-        threads: values.integer_or_word(&THREADS).unwrap_or(1) as usize,
+        threads: values.threads(),
     }
 }
 

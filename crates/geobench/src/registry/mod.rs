@@ -11,6 +11,7 @@ use geobench_mesh::Mesh;
 use geobench_window::continuous::{Continuous, Policy};
 use geobench_window::queue::Discipline;
 use geobench_window::{Counter, Solver};
+use serde::Serialize;
 
 mod approx;
 mod certificate;
@@ -73,38 +74,41 @@ where
     Box::new(solver.with_instructions(values.instructions()))
 }
 
-/// A registered algorithm.
-#[derive(Clone, Copy, Debug)]
+/// A registered algorithm. In JSON it is what `geobench algos` tells.
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Algorithm {
     /// Its name, in lower case.
     pub name: &'static str,
     /// The group that `--algo` can ask for as a whole, such as `vtp-family`.
     pub family: &'static str,
-    /// Where it is described: authors, year, section.
-    pub paper: &'static str,
     /// Whether its distances are exact up to rounding (as long as its parameters are the defaults).
     /// Approximate ones are compared with the reference, but not held to the tolerance.
     pub exact: bool,
+    /// Where it is described: authors, year, section.
+    pub paper: &'static str,
     /// What it does, in one line.
     pub summary: &'static str,
-    /// Where it departs from its paper at the default parameters; `docs/algorithms` says why.
-    pub departs: &'static str,
     /// Worst-case time and space; n is the number of faces.
     pub complexity: &'static str,
     /// Data that it keeps in memory during the run and at the end.
     pub keeps: &'static str,
     /// When to choose it.
     pub choose: &'static str,
+    /// Where it departs from its paper at the default parameters; `docs/algorithms` says why.
+    pub departs: &'static str,
     /// The counter of windows that the papers charge to its memory: those stored at the end for
     /// algorithms that keep every window, those alive at the peak for the others.
+    #[serde(skip)]
     pub memory_counter: Counter,
     /// For an algorithm that is slower by orders of magnitude: the number of faces that it solves
     /// in about a minute. `verify` skips it on larger models unless it is named.
+    #[serde(skip)]
     pub comfortable_faces: Option<u64>,
     /// Its parameters, in the order of labels, `name{key=value}`.
     pub parameters: &'static [Parameter],
     /// Sets it up for a mesh with these values of its parameters. Set-up is not part of the time of
     /// a solve.
+    #[serde(skip)]
     pub build: fn(&Mesh, &Values) -> Box<dyn Solver>,
 }
 
@@ -134,9 +138,4 @@ impl Algorithm {
         parameters: &[],
         ..Self::EXACT
     };
-
-    /// Sets the algorithm up for `mesh`, every parameter at its default.
-    pub fn build_default(&self, mesh: &Mesh) -> Box<dyn Solver> {
-        (self.build)(mesh, &Values::default())
-    }
 }

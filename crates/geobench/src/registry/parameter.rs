@@ -6,6 +6,8 @@ use std::str::FromStr;
 
 use geobench_mesh::Mesh;
 use geobench_window::simd::Instructions;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 
 use crate::UsageError;
 
@@ -34,22 +36,25 @@ pub const MOST_THREADS: u32 = 1024;
 ///     .with_default(Value::Word("none"));
 /// const ORDER: Parameter = Parameter::word("order", &["fifo", "nearest"], "the order of windows");
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Parameter {
     /// The key by which users set it, in lower case.
     pub name: &'static str,
     /// Its value by default.
     pub default: Value,
     /// The values it can take.
+    #[serde(flatten)]
     pub allowed: Allowed,
     /// Its meaning, in one line.
     pub meaning: &'static str,
     /// The parameter on which this one depends, and the value that it must have.
+    #[serde(skip)]
     pub only_with: Option<(&'static str, &'static str)>,
 }
 
 /// A value of a parameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Value {
     /// A whole number.
     Integer(u64),
@@ -77,6 +82,23 @@ pub enum Numbers {
     Integers(u64, u64),
     /// Numbers in this range.
     Reals(f64, f64),
+}
+
+impl Serialize for Allowed {
+    /// The ends of the range are null for words only.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let ends = match self.numbers {
+            Numbers::None => [None; 2],
+            Numbers::Integers(least, most) => [least, most].map(|n| Some(Value::Integer(n))),
+            Numbers::Reals(least, most) => [least, most].map(|x| Some(Value::Real(x))),
+        };
+        let mut fields = serializer.serialize_struct("Allowed", 4)?;
+        fields.serialize_field("whole", &matches!(self.numbers, Numbers::Integers(..)))?;
+        fields.serialize_field("min", &ends[0])?;
+        fields.serialize_field("max", &ends[1])?;
+        fields.serialize_field("words", self.words)?;
+        fields.end()
+    }
 }
 
 impl Parameter {
@@ -270,6 +292,11 @@ impl Values {
         let other = parameters.iter().find(|p| p.name == name);
         let fits = other.is_some_and(|other| self.word(other) == Some(word));
         (!fits).then(|| format!("{name}={word}"))
+    }
+
+    /// The value of [`THREADS`], 1 without any.
+    pub(super) fn threads(&self) -> usize {
+        self.integer_or_word(&THREADS).unwrap_or(1) as usize
     }
 
     /// The value of a parameter that is a whole number; `None` if a word stands instead.

@@ -112,29 +112,27 @@ impl Program {
     }
 }
 
-/// Outside programs by name.
+/// Outside programs with different names, in the order of their files.
 #[derive(Clone, Debug, Default)]
-pub struct Programs(BTreeMap<String, Arc<Program>>, Vec<String>);
+pub struct Programs(Vec<Arc<Program>>);
 
 impl Programs {
+    fn called(&self, name: &str) -> Option<&Arc<Program>> {
+        self.0.iter().find(|program| program.name == name)
+    }
+
     /// Adds a program; false if the name is taken.
-    pub(crate) fn add(&mut self, program: Program) -> bool {
-        let free = !self.0.contains_key(&program.name);
-        if free {
-            self.1.push(program.name.clone());
-            self.0.insert(program.name.clone(), Arc::new(program));
-        }
-        free
+    pub(crate) fn add(&mut self, program: Arc<Program>) -> bool {
+        let is_free = self.called(&program.name).is_none();
+        self.0.extend(is_free.then_some(program));
+        is_free
     }
 
     /// These, and those of `others` whose names are not among them.
     #[must_use]
     pub fn or(mut self, others: &Self) -> Self {
-        for name in &others.1 {
-            if let Some(program) = others.0.get(name).filter(|_| !self.0.contains_key(name)) {
-                self.0.insert(name.clone(), program.clone());
-                self.1.push(name.clone());
-            }
+        for program in &others.0 {
+            self.add(program.clone());
         }
         self
     }
@@ -142,11 +140,12 @@ impl Programs {
     /// The names of the programs that `name` stands for: its own, or, if its parameters have several
     /// values, that of each combination, in the order of the file.
     pub(crate) fn meant_by(&self, name: &str) -> Vec<String> {
-        if self.0.contains_key(name) {
+        if self.called(name).is_some() {
             return vec![name.to_owned()];
         }
-        let begins = |full: &&String| full.strip_prefix(name).is_some_and(|r| r.starts_with('{'));
-        self.1.iter().filter(begins).cloned().collect()
+        let begins = |full: &&str| full.strip_prefix(name).is_some_and(|r| r.starts_with('{'));
+        let names = self.0.iter().map(|program| program.name.as_str());
+        names.filter(begins).map(str::to_owned).collect()
     }
 
     /// The program called `name`.
@@ -155,8 +154,9 @@ impl Programs {
     ///
     /// When there is none of this name.
     pub fn find(&self, name: &str) -> Result<Arc<Program>, UsageError> {
-        self.0.get(name).cloned().ok_or_else(|| {
-            let known: Vec<&str> = self.0.keys().map(String::as_str).collect();
+        self.called(name).cloned().ok_or_else(|| {
+            let mut known: Vec<&str> = self.0.iter().map(|p| p.name.as_str()).collect();
+            known.sort_unstable();
             let prefixed: Vec<String> =
                 known.iter().map(|name| format!("{PREFIX}{name}")).collect();
             let prefixed: Vec<&str> = prefixed.iter().map(String::as_str).collect();
@@ -182,16 +182,12 @@ pub(super) static OUTSIDE: Algorithm = Algorithm {
     name: "ext",
     family: "ext",
     paper: "its own",
-    exact: false,
     summary: "an outside program",
-    departs: "",
     complexity: "its own",
     keeps: "its own",
     choose: "to compare with",
     memory_counter: Counter::StoredWindows,
-    comfortable_faces: None,
-    parameters: &[],
-    build: |_, _| panic!("an outside program has no solver in this one"),
+    ..Algorithm::APPROXIMATE
 };
 
 #[cfg(test)]

@@ -187,7 +187,7 @@ impl Selection {
     pub fn threads(&self) -> usize {
         match &self.program {
             Some(program) if program.takes_threads() => self.threads,
-            _ if self.is_parallel() => self.values.integer_or_word(&THREADS).unwrap_or(1) as usize,
+            _ if self.is_parallel() => self.values.threads(),
             _ => 1,
         }
     }

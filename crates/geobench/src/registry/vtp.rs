@@ -175,15 +175,11 @@ pub(super) const FAST: &[Algorithm] = &[
         parameters: &[THREADS, SIMD, PAIRS, BUCKET, SHADOW, REUNITE, RENUMBER],
         build: |mesh, values| {
             let options = options(values);
-            Box::new(Pvtp::with_options(mesh, threads(values), options))
+            Box::new(Pvtp::with_options(mesh, values.threads(), options))
         },
         ..Algorithm::EXACT
     },
 ];
-
-fn threads(values: &Values) -> usize {
-    values.integer_or_word(&THREADS).unwrap_or(1) as usize
-}
 
 fn options(values: &Values) -> FastOptions {
     FastOptions {

@@ -3,7 +3,8 @@
 use serde_json::Value;
 
 use crate::schema::{ResultFile, Status, Tool};
-use crate::table::counted;
+use crate::table::escape::shell;
+use crate::table::{capitalised, counted};
 
 /// Names and values of all known facts.
 pub(crate) fn facts(result: &ResultFile) -> Vec<(String, String)> {
@@ -104,9 +105,7 @@ fn flatten(name: &str, value: &Value, facts: &mut Vec<(String, String)>) {
         }
         value => plain(value),
     };
-    let mut letters = name.chars();
-    let first = letters.next().map(|c| c.to_uppercase().to_string());
-    facts.push((first.unwrap_or_default() + letters.as_str(), text));
+    facts.push((capitalised(name), text));
 }
 
 fn plain(value: &Value) -> String {
@@ -129,15 +128,8 @@ fn compiler(tool: &Tool) -> String {
 
 /// A command, quoted for a shell.
 fn command(words: &[String]) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_=./:,@%+".contains(c);
-    let quoted = words.iter().map(|word| {
-        if !word.is_empty() && word.chars().all(plain) {
-            word.clone()
-        } else {
-            format!("'{}'", word.replace('\'', "'\\''"))
-        }
-    });
-    quoted.collect::<Vec<_>>().join(" ")
+    let quoted: Vec<String> = words.iter().map(|word| shell(word)).collect();
+    quoted.join(" ")
 }
 
 /// The outcome of the run, in one or two sentences.

@@ -88,7 +88,7 @@ fn numbers(plot: &Plot) -> Table {
             .collect()
     };
     Table::new(
-        heads.map(Column::text).into(),
+        Column::of(heads, [""; 0]),
         plot.chart.data().into_iter().map(row).collect(),
     )
 }

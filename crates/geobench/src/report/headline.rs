@@ -2,9 +2,9 @@
 
 use crate::measure::statistics::{Variable, interval_of, median};
 use crate::schema::{Cell, ResultFile, Status};
-use crate::table::disturbance;
 use crate::table::figures::time;
 use crate::table::group::{GroupCells, pairs};
+use crate::table::{capitalised, disturbance};
 
 /// Largest relative difference of an answer that counts as exact.
 pub(super) const EXACT: f64 = 1e-6;
@@ -140,9 +140,7 @@ pub(crate) fn warnings(result: &ResultFile) -> Vec<String> {
         .flat_map(|conditions| conditions.warnings.clone())
         .chain(disturbance(result))
     {
-        let mut letters = warning.chars();
-        let first = letters.next().map(|c| c.to_uppercase().to_string());
-        let text = format!("{}{}.", first.unwrap_or_default(), letters.as_str());
+        let text = capitalised(&warning) + ".";
         if !warnings.contains(&text) {
             warnings.push(text);
         }

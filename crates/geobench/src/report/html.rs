@@ -1,8 +1,6 @@
 //! A report as one self-contained page, without network. Without scripts it shows everything; the
 //! scripts in `assets` add filters, sorting, values on hover and the model in 3D.
 
-use std::fmt::Write;
-
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
@@ -70,13 +68,10 @@ fn contents(html: &mut String, document: &Document) {
     html.push_str("<nav aria-label=\"Contents\"><ul>\n");
     for section in &document.sections {
         let class = if section.top { " class=\"top\"" } else { "" };
-        line(
-            html,
-            format_args!(
-                "<li{class}><a href=\"#{}\">{}</a></li>",
-                section.id,
-                escape(&section.heading)
-            ),
+        *html += &format!(
+            "<li{class}><a href=\"#{}\">{}</a></li>\n",
+            section.id,
+            escape(&section.heading)
         );
     }
     html.push_str("</ul></nav>\n");
@@ -85,10 +80,7 @@ fn contents(html: &mut String, document: &Document) {
 fn section(html: &mut String, section: &Section) {
     let (id, heading) = (&section.id, escape(&section.heading));
     let tag = if section.top { "h2" } else { "h3" };
-    line(
-        html,
-        format_args!("<section id=\"{id}\">\n<{tag}>{heading}</{tag}>"),
-    );
+    *html += &format!("<section id=\"{id}\">\n<{tag}>{heading}</{tag}>\n");
     for block in &section.blocks {
         write_block(html, block);
     }
@@ -99,28 +91,22 @@ fn write_block(html: &mut String, block: &Block) {
     match block {
         Block::Headlines(texts) => {
             for text in texts {
-                line(
-                    html,
-                    format_args!("<p class=\"headline\">{}</p>", escape(text)),
-                );
+                *html += &format!("<p class=\"headline\">{}</p>\n", escape(text));
             }
         }
         Block::Warnings(texts) => {
             html.push_str("<ul class=\"warnings\" aria-label=\"Warnings\">\n");
             for text in texts {
-                line(html, format_args!("<li>{}</li>", escape(text)));
+                *html += &format!("<li>{}</li>\n", escape(text));
             }
             html.push_str("</ul>\n");
         }
-        Block::Text(text) => line(html, format_args!("<p>{}</p>", escape(text))),
-        Block::Heading(text) => line(html, format_args!("<h4>{}</h4>", escape(text))),
+        Block::Text(text) => *html += &format!("<p>{}</p>\n", escape(text)),
+        Block::Heading(text) => *html += &format!("<h4>{}</h4>\n", escape(text)),
         Block::Facts(facts) => {
             html.push_str("<dl>\n");
             for (name, value) in facts {
-                line(
-                    html,
-                    format_args!("<dt>{}</dt><dd>{}</dd>", escape(name), escape(value)),
-                );
+                *html += &format!("<dt>{}</dt><dd>{}</dd>\n", escape(name), escape(value));
             }
             html.push_str("</dl>\n");
         }
@@ -141,21 +127,18 @@ fn write_block(html: &mut String, block: &Block) {
                 } else {
                     ""
                 };
-                line(html, format_args!("<li{class}>{}</li>", escape(&note.text)));
+                *html += &format!("<li{class}>{}</li>\n", escape(&note.text));
             }
             html.push_str("</ul>\n");
         }
         Block::Links(links) => {
             html.push_str("<p class=\"links\">\n");
             for link in links {
-                line(
-                    html,
-                    format_args!(
-                        "<a href=\"{}\" download=\"{}\">{}</a>",
-                        escape(&link.address),
-                        escape(&link.file),
-                        escape(&link.label)
-                    ),
+                *html += &format!(
+                    "<a href=\"{}\" download=\"{}\">{}</a>\n",
+                    escape(&link.address),
+                    escape(&link.file),
+                    escape(&link.label)
                 );
             }
             html.push_str("</p>\n");
@@ -164,16 +147,13 @@ fn write_block(html: &mut String, block: &Block) {
 }
 
 fn write_plot(html: &mut String, plot: &Plot) {
-    line(
-        html,
-        format_args!(
-            "<figure id=\"{}\">\n<figcaption><b>{}</b> {}</figcaption>\n{}{}</figure>",
-            plot.id,
-            escape(&plot.title),
-            escape(&plot.caption),
-            plot.draw(false),
-            data(plot)
-        ),
+    *html += &format!(
+        "<figure id=\"{}\">\n<figcaption><b>{}</b> {}</figcaption>\n{}{}</figure>\n",
+        plot.id,
+        escape(&plot.title),
+        escape(&plot.caption),
+        plot.draw(false),
+        data(plot)
     );
 }
 
@@ -188,8 +168,4 @@ fn data(plot: &Plot) -> String {
     json.map_or_else(String::new, |json| {
         format!("<script type=\"application/json\">{json}</script>\n")
     })
-}
-
-fn line(html: &mut String, text: std::fmt::Arguments<'_>) {
-    let _ = writeln!(html, "{text}"); // Writing to a string cannot fail.
 }

@@ -36,16 +36,18 @@ use std::path::PathBuf;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
+use crate::UsageError;
 use crate::exec::limits::DecompressionLimit;
 use crate::schema::{GroupRecord, ResultFile};
 use crate::table::group::{GroupCells, algorithms};
 use crate::table::{Format, Note, results};
+use chart::{LinePoint, Series};
 use document::{Block, Document, Link, Section, slug};
 
 pub use files::{Form, write_files};
 pub use html::page;
 pub use papers::Tables;
-pub use picture::plot::{PictureError, Wanted};
+pub use picture::plot::Wanted;
 pub(crate) use picture::{Paint, Scene};
 pub use trend::page as trend_page;
 
@@ -94,23 +96,19 @@ impl Setting<'_> {
         let found = self.styles.iter().position(|name| *name == algorithm);
         found.unwrap_or(0)
     }
-}
 
-/// Why a report cannot be made.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ReportError {
-    /// The results lack the algorithm that is to be the base of ratios.
-    #[error("--ratio-to {name}: no group has this algorithm; there are {}", known.join(", "))]
-    UnknownBase {
-        /// Its name.
-        name: String,
-        /// The algorithms of the results.
-        known: Vec<String>,
-    },
-    /// The requested picture cannot be drawn.
-    #[error(transparent)]
-    Picture(#[from] PictureError),
+    /// The line of an algorithm.
+    fn series(&self, algorithm: &str, points: Vec<LinePoint>) -> Series {
+        Series {
+            style: self.style(algorithm),
+            name: algorithm.to_owned(),
+            algorithm: algorithm.to_owned(),
+            joined: true,
+            hollow: false,
+            points,
+            fit: None,
+        }
+    }
 }
 
 /// Largest result that is part of the page, in bytes; a larger one is linked.
@@ -121,14 +119,14 @@ const MOST_EMBEDDED: usize = 4 << 20;
 /// # Errors
 ///
 /// When the results lack something that `options` ask for.
-pub fn build(inputs: &[Input], options: &Options) -> Result<Report, ReportError> {
+pub fn build(inputs: &[Input], options: &Options) -> Result<Report, UsageError> {
     if let Some(name) = &options.ratio_to {
         let known = algorithms(inputs.iter().flat_map(|input| &input.result.cells));
         if !known.contains(&name.as_str()) {
-            return Err(ReportError::UnknownBase {
-                name: name.clone(),
-                known: known.into_iter().map(str::to_owned).collect(),
-            });
+            return Err(UsageError(format!(
+                "--ratio-to {name}: no group has this algorithm; there are {}",
+                known.join(", ")
+            )));
         }
     }
     let mut sections = Vec::new();
@@ -162,7 +160,7 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, ReportError>
         sections.extend(of_result(input, &result, &prefix, picture, options));
     }
     if let (false, Some(error), Wanted::Of { .. }) = (pictured, missing, &options.picture) {
-        return Err(error.into());
+        return Err(error);
     }
     let title = match inputs {
         [one] => format!("Exact geodesic distances: {}", stem(&one.path)),
@@ -224,7 +222,7 @@ fn of_result(
         blocks: head,
     }];
     let styles = algorithms(&result.cells);
-    let tables = options.tables.of(&result.command);
+    let tables = options.tables.of(result);
     for (i, group) in groups.iter().enumerate() {
         let record = group.record;
         let id = match record.name.as_deref().map(slug) {

@@ -30,38 +30,8 @@ pub(crate) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
     plots
 }
 
-/// A lane for each algorithm on each model, with its `value`. If the value needs a figure of `base`
-/// and `base` failed, the lane shows that failure.
-fn bands(
-    group: &GroupCells<'_>,
-    setting: Setting<'_>,
-    base: Option<&str>,
-    value: impl Fn(&str, &str) -> Option<Estimate>,
-) -> Vec<Band> {
-    let lane = |model: &str, algorithm: &&str| {
-        let found = value(model, algorithm);
-        let absent = match found {
-            Some(_) => None,
-            None => group.failure(model, algorithm).or_else(|| {
-                let base = base?;
-                Some(format!("no ratio: {base} {}", group.failure(model, base)?))
-            }),
-        };
-        let point = found.map(|value| Point {
-            style: setting.style(algorithm),
-            name: (*algorithm).to_owned(),
-            model: Some(model.to_owned()),
-            value,
-            hollow: false,
-        });
-        (point.is_some() || absent.is_some()).then(|| Lane {
-            label: (*algorithm).to_owned(),
-            algorithm: Some((*algorithm).to_owned()),
-            samples: Vec::new(),
-            points: point.into_iter().collect(),
-            absent,
-        })
-    };
+/// The lanes of all algorithms on all models.
+fn bands(group: &GroupCells<'_>, lane: impl Fn(&str, &str) -> Option<Lane>) -> Vec<Band> {
     let band = |model: &&ModelRecord| {
         let lanes = group.algorithms.iter();
         Band {
@@ -73,6 +43,43 @@ fn bands(
     bands.filter(|band| !band.lanes.is_empty()).collect()
 }
 
+/// The point of an algorithm on a model.
+fn point(setting: Setting<'_>, model: &str, algorithm: &str, value: Estimate) -> Point {
+    Point {
+        style: setting.style(algorithm),
+        name: algorithm.to_owned(),
+        model: Some(model.to_owned()),
+        value,
+        hollow: false,
+    }
+}
+
+/// A lane for each algorithm on each model, with its `value`. If the value needs a figure of `base`
+/// and `base` failed, the lane shows that failure.
+fn bands_of_values(
+    group: &GroupCells<'_>,
+    setting: Setting<'_>,
+    base: Option<&str>,
+    value: impl Fn(&str, &str) -> Option<Estimate>,
+) -> Vec<Band> {
+    bands(group, |model, algorithm| {
+        let found = value(model, algorithm);
+        let absent = match found {
+            Some(_) => None,
+            None => group.failure(model, algorithm).or_else(|| {
+                let base = base?;
+                Some(format!("no ratio: {base} {}", group.failure(model, base)?))
+            }),
+        };
+        let point = found.map(|value| point(setting, model, algorithm, value));
+        (point.is_some() || absent.is_some()).then(|| Lane {
+            points: point.into_iter().collect(),
+            absent,
+            ..Lane::of(algorithm)
+        })
+    })
+}
+
 fn drawn(bands: &[Band]) -> impl Iterator<Item = f64> {
     let lanes = bands.iter().flat_map(|band| &band.lanes);
     lanes.flat_map(|lane| &lane.points).map(|p| p.value.value)
@@ -80,7 +87,7 @@ fn drawn(bands: &[Band]) -> impl Iterator<Item = f64> {
 
 /// The points of one figure, if there are any.
 fn values(group: &GroupCells<'_>, setting: Setting<'_>, figure: &'static Figure) -> Option<Plot> {
-    let bands = bands(group, setting, None, |model, algorithm| {
+    let bands = bands_of_values(group, setting, None, |model, algorithm| {
         group.value(figure, model, algorithm)
     });
     drawn(&bands).next()?;
@@ -101,7 +108,7 @@ fn values(group: &GroupCells<'_>, setting: Setting<'_>, figure: &'static Figure)
 
 /// The ratios of times to those of `base`.
 fn ratios(group: &GroupCells<'_>, setting: Setting<'_>, base: &str) -> Option<Plot> {
-    let mut bands = bands(group, setting, Some(base), |model, algorithm| {
+    let mut bands = bands_of_values(group, setting, Some(base), |model, algorithm| {
         group.ratio(time(), model, algorithm, base)
     });
     // The ratio of `base` to itself is always 1.
@@ -186,46 +193,26 @@ fn spread(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
         let samples = cell.time.samples.iter();
         median.map_or_else(Vec::new, |median| samples.map(|s| s / median).collect())
     };
-    let lane = |model: &str, algorithm: &&str| {
+    let bands = bands(group, |model, algorithm| {
         let cells = group.of(model, algorithm);
         let samples: Vec<f64> = cells.iter().flat_map(relative).collect();
+        let interval = match &cells[..] {
+            [cell] => cell.time.ci95.zip(cell.time.median),
+            _ => None,
+        };
+        let median = Estimate {
+            value: 1.0,
+            interval: interval.map(|(ends, median)| ends.map(|end| end / median)),
+        };
         (samples.len() >= FEWEST_FOR_SPREAD).then(|| Lane {
-            label: (*algorithm).to_owned(),
-            algorithm: Some((*algorithm).to_owned()),
             points: vec![Point {
-                style: setting.style(algorithm),
-                name: (*algorithm).to_owned(),
-                model: Some(model.to_owned()),
-                value: Estimate {
-                    value: 1.0,
-                    interval: match &cells[..] {
-                        [cell] => cell
-                            .time
-                            .ci95
-                            .zip(cell.time.median)
-                            .map(|(ends, median)| ends.map(|end| end / median)),
-                        _ => None,
-                    },
-                },
                 hollow: true,
+                ..point(setting, model, algorithm, median)
             }],
             samples,
-            absent: None,
+            ..Lane::of(algorithm)
         })
-    };
-    let bands: Vec<Band> = group
-        .models
-        .iter()
-        .map(|model| Band {
-            title: model.name.clone(),
-            lanes: group
-                .algorithms
-                .iter()
-                .filter_map(|name| lane(&model.name, name))
-                .collect(),
-        })
-        .filter(|band| !band.lanes.is_empty())
-        .collect();
+    });
     // With more, the lanes of a model would be merged, and its samples with them.
     let lanes: usize = bands.iter().map(|band| band.lanes.len()).sum();
     if bands.is_empty() || lanes > MOST_LANES {
@@ -261,21 +248,10 @@ fn quantiles(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
             .filter_map(|cell| Some((cell.time.median?, *cell)))
             .collect();
         times.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let points = times.iter().enumerate().map(|(i, (time, cell))| LinePoint {
-            x: (i + 1) as f64,
-            value: (*time).into(),
-            deviation: None,
-            model: cell.model.clone(),
-        });
-        Series {
-            style: setting.style(name),
-            name: (*name).to_owned(),
-            algorithm: (*name).to_owned(),
-            joined: true,
-            hollow: false,
-            points: points.collect(),
-            fit: None,
-        }
+        let points = times.iter().enumerate();
+        let points =
+            points.map(|(i, (time, cell))| LinePoint::new((i + 1) as f64, *time, &cell.model));
+        setting.series(name, points.collect())
     };
     let series: Vec<Series> = group.algorithms.iter().map(series).collect();
     let most = series.iter().map(|series| series.points.len()).max()?;
@@ -325,26 +301,21 @@ fn wavefront(
         let Some(cell) = cells.first().filter(|cell| cell.status == Status::Ok) else {
             continue;
         };
-        let line = |name: String, hollow, points| Series {
-            style: setting.style(&cell.algorithm),
-            name,
-            algorithm: cell.algorithm.clone(),
-            joined: true,
-            hollow,
-            points,
-            fit: None,
-        };
         let waiting = wavefront_points(cell, |sample| Some(sample.windows as f64));
         let batches = wavefront_points(cell, |sample| Some(sample.k? as f64));
         if !waiting.is_empty() {
-            series.push(line((*name).to_owned(), false, waiting));
+            series.push(setting.series(name, waiting));
         }
         if !batches.is_empty() {
             let batches = batches.into_iter().map(|point| LinePoint {
                 deviation: None,
                 ..point
             });
-            series.push(line(format!("{name}: K"), true, batches.collect()));
+            series.push(Series {
+                name: format!("{name}: K"),
+                hollow: true,
+                ..setting.series(name, batches.collect())
+            });
         }
     }
     (!series.is_empty()).then(|| Plot {
@@ -371,10 +342,8 @@ fn wavefront_points(
     let points = cell.wavefront.iter().filter_map(|sample| {
         let value = value(sample)?;
         sample.distance.is_finite().then(|| LinePoint {
-            x: sample.distance,
-            value: value.into(),
             deviation: Some(sample.deviation).filter(|d| d.is_finite() && *d > 0.0),
-            model: cell.model.clone(),
+            ..LinePoint::new(sample.distance, value, &cell.model)
         })
     });
     let mut points: Vec<LinePoint> = points.collect();

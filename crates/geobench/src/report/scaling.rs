@@ -130,24 +130,14 @@ fn against_plots(
     joined: bool,
 ) -> Vec<Plot> {
     let series = |value: &dyn Fn(&str, &str) -> Option<Estimate>| -> Vec<Series> {
-        let series = group.algorithms.iter().map(|name| Series {
-            style: setting.style(name),
-            name: (*name).to_owned(),
-            algorithm: (*name).to_owned(),
-            joined,
-            hollow: false,
-            points: models
-                .iter()
-                .filter_map(|(at, model)| {
-                    Some(LinePoint {
-                        x: *at,
-                        value: value(&model.name, name)?,
-                        deviation: None,
-                        model: model.name.clone(),
-                    })
-                })
-                .collect(),
-            fit: None,
+        let series = group.algorithms.iter().map(|name| {
+            let points = models.iter().filter_map(|(at, model)| {
+                Some(LinePoint::new(*at, value(&model.name, name)?, &model.name))
+            });
+            Series {
+                joined,
+                ..setting.series(name, points.collect())
+            }
         });
         series.filter(|series| !series.points.is_empty()).collect()
     };

@@ -61,11 +61,8 @@ pub(crate) fn by_algorithm(table: &Table) -> Table {
             ..part.clone()
         }
     };
-    let heads = quantities.iter().map(|quantity| Column::number(quantity));
     Table {
-        columns: std::iter::once(Column::text("Algorithm"))
-            .chain(heads)
-            .collect(),
+        columns: Column::of(["Algorithm"], &quantities),
         parts: parts().map(part).collect(),
         rows_are: "algorithm",
         ..table.clone()

@@ -489,7 +489,7 @@ fn a_picture_is_of_the_model_that_was_measured() {
 
     let model = ModelRef::generated("gen:sphere,subdiv=2")
         .unwrap()
-        .load()
+        .load(crate::exec::limits::DecompressionLimit::default())
         .unwrap();
     result.models[0].sha256 = model.record.sha256;
     for wanted in [&wanted, &unasked] {

@@ -41,12 +41,7 @@ fn error_of_models(
         // The worst of several sources.
         let error = errors?.into_iter().reduce(f64::max)?;
         let time = group.value(time(), model, algorithm)?.value;
-        (time > 0.0).then(|| LinePoint {
-            x: time,
-            value: error.max(EXACT).into(),
-            deviation: None,
-            model: model.to_owned(),
-        })
+        (time > 0.0).then(|| LinePoint::new(time, error.max(EXACT), model))
     };
     let series = series(group, setting, |algorithm| {
         let models = group.models.iter();
@@ -119,12 +114,9 @@ fn rounding(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
         if check.reference.as_deref() == Some(&cell.algorithm) {
             return None;
         }
-        Some(LinePoint {
-            x: cell.time.median.filter(|time| *time > 0.0)?,
-            value: check.max_rel?.max(LEAST_ERROR).into(),
-            deviation: None,
-            model: cell.model.clone(),
-        })
+        let time = cell.time.median.filter(|time| *time > 0.0)?;
+        let error = check.max_rel?.max(LEAST_ERROR);
+        Some(LinePoint::new(time, error, &cell.model))
     };
     let series = series(group, setting, |algorithm| {
         let cells = group.cells.iter().copied();
@@ -158,13 +150,8 @@ fn series(
         let mut points = points(name);
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
         Series {
-            style: setting.style(name),
-            name: (*name).to_owned(),
-            algorithm: (*name).to_owned(),
             joined: false,
-            hollow: false,
-            points,
-            fit: None,
+            ..setting.series(name, points)
         }
     });
     series.filter(|series| !series.points.is_empty()).collect()
@@ -305,21 +292,7 @@ fn sources_series(
     winners: &[(Cost<'_>, u64, f64)],
     most: f64,
 ) -> Vec<Series> {
-    let point = |cost: Cost<'_>, sources: f64| LinePoint {
-        x: sources,
-        value: cost.total(sources).into(),
-        deviation: None,
-        model: model.to_owned(),
-    };
-    let series = |cost: Cost<'_>, name: String, hollow: bool, points| Series {
-        style: setting.style(cost.algorithm),
-        name,
-        algorithm: cost.algorithm.to_owned(),
-        joined: !hollow,
-        hollow,
-        points,
-        fit: None,
-    };
+    let point = |cost: Cost<'_>, sources| LinePoint::new(sources, cost.total(sources), model);
     let mut places = Vec::new();
     let mut decade = 1.0;
     while decade < most {
@@ -329,11 +302,13 @@ fn sources_series(
     places.push(most);
     let line = |cost: &Cost<'_>| {
         let points = places.iter().map(|sources| point(*cost, *sources));
-        series(*cost, cost.algorithm.to_owned(), false, points.collect())
+        setting.series(cost.algorithm, points.collect())
     };
-    let meeting = |(cost, _, at): &(Cost<'_>, u64, f64)| {
-        let name = format!("{} meets {}", cost.algorithm, base.algorithm);
-        series(*cost, name, true, vec![point(*cost, *at)])
+    let meeting = |(cost, _, at): &(Cost<'_>, u64, f64)| Series {
+        name: format!("{} meets {}", cost.algorithm, base.algorithm),
+        joined: false,
+        hollow: true,
+        ..setting.series(cost.algorithm, vec![point(*cost, *at)])
     };
     let met = winners.iter().filter(|(.., at)| *at <= most);
     costs.iter().map(line).chain(met.map(meeting)).collect()
@@ -379,6 +354,7 @@ pub(super) fn crossings(id: &str, group: &GroupCells<'_>) -> Option<Table> {
         "1 source (s)",
         "100 (s)",
         "10,000 (s)",
+        "Faster, sources",
     ];
     (!parts.is_empty()).then(|| Table {
         id: id.to_owned(),
@@ -387,10 +363,7 @@ pub(super) fn crossings(id: &str, group: &GroupCells<'_>) -> Option<Table> {
                   sources for which both together are faster than the algorithm that the model's \
                   line names."
             .to_owned(),
-        columns: std::iter::once(Column::text("Algorithm"))
-            .chain(numbers.map(Column::number))
-            .chain([Column::number("Faster, sources")])
-            .collect(),
+        columns: Column::of(["Algorithm"], numbers),
         rows_are: "algorithm",
         titles: None,
         parts,

@@ -5,7 +5,9 @@ use super::svg::Svg;
 use crate::history::compare::{exact, percent};
 use crate::history::records::Record;
 use crate::history::trend::{ChangePoint, TrendSeries};
+use crate::measure::statistics::range_of;
 use crate::table::escape::xml as escape;
+use crate::table::{self, Table, table_of_changes};
 
 /// Style of the charts, in the colours of the text.
 const CHARTS: &str = "
@@ -39,23 +41,13 @@ pub fn page(records: &[Record], series: &[TrendSeries], found: &[ChangePoint]) -
     if found.is_empty() {
         html += "<p>No figure has changed its level.</p>\n";
     } else {
-        html += "<div class=\"wide\" tabindex=\"0\"><table>\n<thead><tr><th>Commit</th><th>Cell</th>\
-                 <th>Figure</th><th>Before</th><th>After</th><th>Change</th></tr></thead>\n<tbody>\n";
-        for change in found {
-            let cells = [
-                change.commit.clone(),
-                change.cell.to_string(),
-                change.figure.to_owned(),
-                figure(change.figure, change.before),
-                figure(change.figure, change.after),
-                percent(change.ratio),
-            ];
-            let cells = cells
-                .iter()
-                .map(|text| format!("<td>{}</td>", escape(text)));
-            html += &format!("<tr>{}</tr>\n", cells.collect::<String>());
-        }
-        html += "</tbody></table></div>\n";
+        let table = Table {
+            id: "changes-table".to_owned(),
+            caption: "Each figure by the medians of the level before and of the new one."
+                .to_owned(),
+            ..table_of_changes(found, figure)
+        };
+        table::html::table(&mut html, &table);
     }
     html += "</section>\n";
     let mut last = None;
@@ -97,9 +89,7 @@ fn chart(series: &TrendSeries) -> String {
         .iter()
         .flat_map(|p| p.interval.unwrap_or([p.value; 2]));
     let ends = ends.chain(points.iter().map(|p| p.value));
-    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-        (low.min(value), high.max(value))
-    });
+    let [low, high] = range_of(ends).unwrap_or_default();
     let margin = ((high - low) * 0.1)
         .max(high.abs() * 1e-3)
         .max(f64::MIN_POSITIVE);
@@ -199,7 +189,7 @@ mod tests {
         let all = series(&records);
         let html = page(&records, &all, &change_points(&all));
         assert_eq!(html.matches("<svg class=\"trend\"").count(), all.len());
-        assert!(html.contains("<td>00000000000c</td><td>horse, vtp, source 0</td><td>time</td>"));
+        assert!(html.contains(">00000000000c</th><td>horse, vtp, source 0</td><td>time</td>"));
         assert_eq!(html.matches("class=\"change\"").count(), 3);
         assert!(!html.contains("NaN") && !html.contains("inf"));
         assert!(!html.contains("http://www.w3.org/1999") && !html.contains("<script"));

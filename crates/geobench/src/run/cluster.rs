@@ -19,7 +19,10 @@ use crate::exec::slurm::{self, QueuedPart};
 use crate::plan::Plan;
 use crate::registry::Selection;
 use crate::schema::Shard;
+use crate::table::escape::shell;
+use crate::table::json_lines;
 use crate::table::output::OutputFile;
+use crate::usage::check_schema;
 
 /// The schema of the record.
 const SCHEMA: &str = "geobench-cluster/1";
@@ -210,13 +213,7 @@ impl ClusterDirectory {
         })?;
         let record: ClusterRecord = serde_json::from_str(&text)
             .with_context(|| format!("{}: not a record of a cluster", path.display()))?;
-        if record.schema != SCHEMA {
-            bail!(
-                "{}: `schema` is `{}`, but this version of geobench reads `{SCHEMA}`",
-                path.display(),
-                record.schema
-            );
-        }
+        check_schema(&path, &record.schema, SCHEMA)?;
         Ok(record)
     }
 
@@ -229,10 +226,7 @@ impl ClusterDirectory {
         let files = [
             (self.path.join("part.sh"), self.part_script(record)?),
             (self.path.join("merge.sh"), self.merge_script(record)?),
-            (
-                self.record_path(),
-                serde_json::to_string_pretty(record)? + "\n",
-            ),
+            (self.record_path(), json_lines(record)?),
         ];
         for (path, text) in files {
             OutputFile::prepare(&path)?.write(text.as_bytes())?;
@@ -250,7 +244,7 @@ impl ClusterDirectory {
         let (dir, program, start) = (dir?, program?, start?);
         let mut words = String::new();
         for word in &record.run {
-            write!(words, " {}", quoted(word))?;
+            write!(words, " {}", shell(word))?;
         }
         let count = record.parts;
         Ok(format!(
@@ -525,19 +519,9 @@ pub fn ranges(parts: &[u32]) -> String {
     runs.collect::<Vec<_>>().join(",")
 }
 
-/// `word` quoted for the shell where it needs quotes.
-pub fn quoted(word: &str) -> String {
-    let plain = |b: u8| b.is_ascii_alphanumeric() || b"-_./:=,@%+".contains(&b);
-    if !word.is_empty() && word.bytes().all(plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
-    }
-}
-
 fn in_shell(path: &Path) -> anyhow::Result<String> {
     match path.to_str() {
-        Some(path) => Ok(quoted(path)),
+        Some(path) => Ok(shell(path)),
         None => bail!(
             "{}: not text in UTF-8, so no script can name it",
             path.display()

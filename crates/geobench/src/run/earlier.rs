@@ -5,10 +5,7 @@ use std::collections::HashMap;
 use crate::exec::{Failure, Observation, Pass};
 use crate::measure::memory::Peaks;
 use crate::run::journal::{RunId, RunOutcome};
-use crate::schema::{Cell, ModelRecord, ResultFile, SourceLabel, Status};
-
-/// A cell within a file.
-type Key = (Option<String>, String, Option<SourceLabel>, String, usize);
+use crate::schema::{Cell, CellPlace, ModelRecord, ResultFile, Status};
 
 /// The start of the message of a cell that could not be checked.
 pub(super) const NOT_CHECKED: &str = "not checked: ";
@@ -17,7 +14,7 @@ pub(super) const NOT_CHECKED: &str = "not checked: ";
 #[derive(Clone, Debug, Default)]
 pub struct Earlier {
     models: HashMap<String, ModelRecord>,
-    cells: HashMap<Key, Cell>,
+    cells: HashMap<CellPlace, Cell>,
 }
 
 impl Earlier {
@@ -26,7 +23,7 @@ impl Earlier {
         let models = file.models.iter().map(|m| (m.name.clone(), m.clone()));
         Self {
             models: models.collect(),
-            cells: file.cells.iter().map(|c| (key(c), c.clone())).collect(),
+            cells: file.cells.iter().map(|c| (c.place(), c.clone())).collect(),
         }
     }
 
@@ -47,16 +44,6 @@ impl Earlier {
     }
 }
 
-fn key(cell: &Cell) -> Key {
-    (
-        cell.group.clone(),
-        cell.model.clone(),
-        cell.source.clone(),
-        cell.algorithm.clone(),
-        cell.threads,
-    )
-}
-
 /// The outcome of a run of `cell`, if it had that run.
 pub(super) fn outcome(cell: &Cell, pass: Pass, round: usize) -> Option<RunOutcome> {
     let unchecked = cell
@@ -75,10 +62,10 @@ pub(super) fn outcome(cell: &Cell, pass: Pass, round: usize) -> Option<RunOutcom
         // One run holds the failure of the cell.
         return (pass == Pass::Warmup && round == 0).then(|| RunOutcome {
             check: cell.check.clone(),
-            failure: Some(Failure {
-                status: cell.status,
-                message: cell.message.clone().unwrap_or_default(),
-            }),
+            failure: Some(Failure::new(
+                cell.status,
+                cell.message.clone().unwrap_or_default(),
+            )),
             ..RunOutcome::default()
         });
     }

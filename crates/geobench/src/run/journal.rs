@@ -179,11 +179,6 @@ impl Journal {
         &self.sessions
     }
 
-    /// Number of runs that are in it.
-    pub fn runs(&self) -> usize {
-        self.outcomes.len()
-    }
-
     /// Writes the first line and syncs the file and its directory.
     fn start(&mut self, first: &str) -> io::Result<()> {
         self.cut()?;

@@ -1,8 +1,8 @@
 //! Journal and listener of a run.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 
-use crate::exec::Listener;
+use crate::exec::{Listener, lock};
 use crate::run::journal::{Journal, JournalLine};
 
 /// Journal and listener of a run, for all cells that run at the same time.
@@ -21,12 +21,12 @@ impl<'l> RunLog<'l> {
 
     /// The journal, if there is one. Other cells wait until the guard is dropped.
     pub(super) fn journal(&self) -> MutexGuard<'_, Option<&'l mut Journal>> {
-        self.journal.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.journal)
     }
 
     /// The listener. Other cells wait until the guard is dropped.
     pub(super) fn listener(&self) -> MutexGuard<'_, &'l mut dyn Listener> {
-        self.listener.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.listener)
     }
 
     /// Whether to stop.

@@ -20,7 +20,7 @@ mod tests;
 mod unit;
 
 use std::collections::BTreeMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use anyhow::bail;
 use rayon::ThreadPoolBuilder;
@@ -28,7 +28,7 @@ use rayon::iter::{ParallelBridge, ParallelIterator};
 
 use crate::UsageError;
 use crate::exec::source::SourceSpec;
-use crate::exec::{Backend, Listener, Pass, Session};
+use crate::exec::{Backend, Listener, Pass, Session, lock};
 use crate::plan::Plan;
 use crate::run::journal::{Journal, JournalLine, RunId};
 use crate::run::log::RunLog;
@@ -44,13 +44,6 @@ pub struct Records {
     pub models: Vec<ModelRecord>,
     /// One for each cell of the plan, or fewer after an interruption.
     pub cells: Vec<Cell>,
-}
-
-impl Records {
-    /// Whether some cell has this status.
-    pub fn has(&self, status: Status) -> bool {
-        self.cells.iter().any(|cell| cell.status == status)
-    }
 }
 
 /// Carries out `plan`, model by model. Runs in `journal` and in `earlier` are not repeated, and a
@@ -95,7 +88,7 @@ pub fn run(
         each(cells.iter_mut(), jobs > 1, |cell| {
             benchmark.count_instructions(&model, cell)
         })?;
-        let mut finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut finished = lock(&finished);
         finished.waiting.insert(number, (model, cells));
         finished.deliver(false, &log)
     };
@@ -107,9 +100,7 @@ pub fn run(
     } else {
         each(models, false, run_model)?;
     }
-    let mut finished = finished
-        .into_inner()
-        .unwrap_or_else(PoisonError::into_inner);
+    let mut finished = std::mem::take(&mut *lock(&finished));
     finished.deliver(true, &log)?;
     Ok(finished.records)
 }
@@ -195,7 +186,7 @@ fn known(
 
 /// The sources of this shard in the model at `place`.
 fn sources(plan: &Plan, place: usize, model: &ModelRecord) -> Result<Vec<SourceSpec>, UsageError> {
-    let vertices = model.vertices.unwrap_or(0) as usize;
+    let vertices = model.vertex_count();
     let all = plan.units_in(vertices)?.into_iter().enumerate();
     let mine = |&(number, _): &(usize, SourceSpec)| plan.has_unit(place, number);
     Ok(all.filter(mine).map(|(_, source)| source).collect())
@@ -324,7 +315,7 @@ impl Benchmark<'_, '_> {
             };
             let first = Mutex::new(Some(session));
             each(units.iter_mut(), true, |unit| {
-                let first = first.lock().unwrap_or_else(PoisonError::into_inner).take();
+                let first = lock(&first).take();
                 unit.run_cells(first, self.backend, &self.plan.models[self.place], self.log)
             })?;
             cells.extend(units.into_iter().flat_map(Unit::cells));

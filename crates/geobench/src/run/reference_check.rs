@@ -64,10 +64,7 @@ impl ReferenceCheck {
         tolerance: f64,
         is_approximate: bool,
     ) -> (Check, Option<Failure>) {
-        let wrong = |message: String| Failure {
-            status: Status::Wrong,
-            message,
-        };
+        let wrong = |message: String| Failure::new(Status::Wrong, message);
         let comparison = match &self.answer {
             Some(answer) => {
                 if let Err(error) = check::check_length(distances, answer.vertices) {
@@ -122,9 +119,6 @@ fn record(reference: Option<&str>, comparison: &Deviation) -> Check {
             .map(|worst| worst.vertex as u64),
         mean_rel: finite(comparison.mean_rel),
         rms_rel: finite(comparison.rms_rel),
-        edge_excess: None,
-        doubt: None,
-        cluster: None,
-        wrong_labels: None,
+        ..Check::default()
     }
 }

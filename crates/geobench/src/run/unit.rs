@@ -2,13 +2,13 @@
 
 use std::path::Path;
 use std::slice;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 
 use geobench_window::precision;
 
 use crate::exec::model::ModelRef;
 use crate::exec::source::SourceSpec;
-use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
+use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step, lock};
 use crate::plan::{Plan, Reference};
 use crate::registry::Selection;
 use crate::run::agreement;
@@ -281,12 +281,8 @@ impl<'p> UnitPlan<'p> {
             return Err(Interrupted.into());
         }
         for cell in cells.iter_mut().filter(|cell| !cell.is_complete()) {
-            let failure = Failure {
-                status: Status::Refused,
-                message: refusal.message.clone(),
-            };
             let outcome = RunOutcome {
-                failure: Some(failure),
+                failure: Some(Failure::new(Status::Refused, &refusal.message)),
                 ..RunOutcome::default()
             };
             self.keep(cell, Pass::Warmup, 0, outcome, log)?;
@@ -296,7 +292,7 @@ impl<'p> UnitPlan<'p> {
 
     /// What answers are compared with, before the first.
     fn checks(&self) -> Checks {
-        let vertices = self.model.vertices.unwrap_or(0) as usize;
+        let vertices = self.model.vertex_count();
         Checks {
             reference: Mutex::new(ReferenceCheck {
                 asked: Asked::new(&self.plan.goal, vertices),
@@ -368,7 +364,7 @@ impl<'p> UnitPlan<'p> {
         let reference = match &self.plan.reference {
             Reference::None => return Ok(None),
             Reference::Files(files) => {
-                let vertices = self.model.vertices.unwrap_or(0) as usize;
+                let vertices = self.model.vertex_count();
                 match files.find(Path::new(&self.model.path), &self.source.label(), vertices) {
                     Ok(field) => {
                         let name = field.path.display().to_string();
@@ -464,7 +460,7 @@ impl<'p> UnitPlan<'p> {
         if pass == Pass::Time {
             solves = cell.solves();
             if round >= self.plan.sampling.fewest() {
-                context.log.listener().extended();
+                context.log.listener().more(1);
             }
         }
         let done = context.execute(&self.as_step(cell.algorithm, pass, solves))?;
@@ -532,15 +528,13 @@ impl<'p> UnitPlan<'p> {
             let wrong: Vec<usize> = nearest.wrong(labels).collect();
             outcome.check.wrong_labels = Some(wrong.len() as u64);
             if let Some(first) = wrong.first() {
-                outcome.failure = Some(Failure {
-                    status: Status::Wrong,
-                    message: format!(
-                        "vertex {first} has label {}, which is not that of a nearest source; {} of {} labels are wrong",
-                        labels[*first],
-                        wrong.len(),
-                        labels.len()
-                    ),
-                });
+                let message = format!(
+                    "vertex {first} has label {}, which is not that of a nearest source; {} of {} labels are wrong",
+                    labels[*first],
+                    wrong.len(),
+                    labels.len()
+                );
+                outcome.failure = Some(Failure::new(Status::Wrong, message));
             }
         }
         Ok(())
@@ -555,7 +549,7 @@ impl<'p> UnitPlan<'p> {
         let Reference::Algorithm(reference) = &self.plan.reference else {
             return Ok(None);
         };
-        let vertices = self.model.vertices.unwrap_or(0) as usize;
+        let vertices = self.model.vertex_count();
         let Ok(points) = self.source.points(vertices) else {
             return Ok(None);
         };
@@ -675,10 +669,6 @@ fn stopped_or(done: anyhow::Result<()>) -> anyhow::Result<()> {
         Err(error) if error.is::<Interrupted>() => Ok(()),
         done => done,
     }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl<'s> RunContext<'s, '_> {

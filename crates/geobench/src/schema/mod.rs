@@ -8,6 +8,7 @@ pub mod result_file;
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::path::Path;
 
 use geobench_window::{Counter, Counters};
 use serde::ser::SerializeMap;
@@ -65,6 +66,21 @@ impl ResultFile {
     /// How many cells ran at the same time, if more than one.
     pub fn jobs(&self) -> Option<usize> {
         self.isolation.as_ref()?.jobs
+    }
+
+    /// The suite: the name of the suite file in the command, without its ending.
+    pub fn suite(&self) -> Option<String> {
+        let mut words = self.command.iter();
+        let given = words.find_map(|word| {
+            let rest = word.strip_prefix("--config")?;
+            (rest.is_empty() || rest.starts_with('=')).then_some(rest)
+        })?;
+        let path = match given.strip_prefix('=') {
+            Some(path) => path,
+            None => words.next()?,
+        };
+        let stem = Path::new(path).file_stem()?;
+        Some(stem.to_string_lossy().into_owned())
     }
 
     /// The machine that measured `cell`: that of its part of the plan, if that was split.
@@ -246,6 +262,13 @@ pub struct ModelRecord {
     pub build_seconds: Option<f64>,
 }
 
+impl ModelRecord {
+    /// Number of vertices; 0 if it is not known.
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.vertices.unwrap_or(0) as usize
+    }
+}
+
 /// The name of a source, or of several that a run has together. It is a number in files if it is
 /// one vertex, else a text.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -263,6 +286,14 @@ impl SourceLabel {
         match self {
             Self::Vertex(vertex) => Some(*vertex),
             Self::Other(_) => None,
+        }
+    }
+
+    /// In words.
+    pub(crate) fn in_words(&self) -> String {
+        match self {
+            Self::Vertex(vertex) => format!("vertex {vertex}"),
+            Self::Other(text) => text.clone(),
         }
     }
 }
@@ -353,7 +384,17 @@ impl Cell {
             ..Self::default()
         }
     }
+
+    /// Its place in its file.
+    pub(crate) fn place(&self) -> CellPlace {
+        let (group, model) = (self.group.clone(), self.model.clone());
+        let (source, algorithm) = (self.source.clone(), self.algorithm.clone());
+        (group, model, source, algorithm, self.threads)
+    }
 }
+
+/// A cell within a file: group, model, source, algorithm and threads.
+pub(crate) type CellPlace = (Option<String>, String, Option<SourceLabel>, String, usize);
 
 /// Instruction count of a solve.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -490,13 +531,6 @@ impl Time {
         let width = self.half_width();
         self.precision
             .is_some_and(|wanted| width.is_some_and(|width| width > wanted))
-    }
-
-    /// Seconds of all timed solves.
-    pub fn spent(&self) -> f64 {
-        let solves = self.solves.iter().copied().chain(std::iter::repeat(1));
-        let times = self.samples.iter().zip(solves);
-        times.map(|(seconds, solves)| seconds * solves as f64).sum()
     }
 }
 

@@ -1,11 +1,12 @@
 //! Reading result files back.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
 use serde::Deserialize;
 
 use crate::schema::{ResultFile, SCHEMA};
+use crate::usage::check_schema;
 
 /// Reads a result file in JSON; `-` is standard input.
 ///
@@ -22,6 +23,18 @@ pub fn read(path: &Path) -> anyhow::Result<ResultFile> {
     parse(path, &text)
 }
 
+/// Reads several files, each with its name.
+///
+/// # Errors
+///
+/// As [`read`].
+pub(crate) fn read_all(paths: &[PathBuf]) -> anyhow::Result<Vec<(String, ResultFile)>> {
+    let files = paths.iter();
+    files
+        .map(|path| Ok((path.display().to_string(), read(path)?)))
+        .collect()
+}
+
 /// Reads the text of the result file `path`.
 ///
 /// # Errors
@@ -34,26 +47,22 @@ pub fn parse(path: &Path, text: &str) -> anyhow::Result<ResultFile> {
         schema: Option<serde_json::Value>,
     }
 
-    let path = path.display();
+    let shown = path.display();
     let foreign = |problem: &str| {
         anyhow!(
-            "{path}: not a result file: {problem}; give a .json file that `geobench run -o` wrote"
+            "{shown}: not a result file: {problem}; give a .json file that `geobench run -o` wrote"
         )
     };
     let head: Head = serde_json::from_str(text).map_err(|error| foreign(&error.to_string()))?;
-    match head.schema {
-        Some(schema) if schema == SCHEMA => {}
-        Some(schema) => {
-            let found = schema.as_str().map_or(schema.to_string(), str::to_owned);
-            bail!("{path}: `schema` is `{found}`, but this version of geobench reads `{SCHEMA}`");
-        }
-        None => return Err(foreign("it has no field `schema`")),
-    }
+    let found = head
+        .schema
+        .ok_or_else(|| foreign("it has no field `schema`"))?;
+    check_schema(path, found.as_str().unwrap_or(&found.to_string()), SCHEMA)?;
     let mut json = serde_json::Deserializer::from_str(text);
     let file: ResultFile = serde_path_to_error::deserialize(&mut json)
-        .map_err(|error| anyhow!("{path}: field `{}`: {}", error.path(), error.inner()))?;
+        .map_err(|error| anyhow!("{shown}: field `{}`: {}", error.path(), error.inner()))?;
     match negative_time(&file) {
-        Some((field, problem)) => bail!("{path}: field `{field}`: {problem}"),
+        Some((field, problem)) => bail!("{shown}: field `{field}`: {problem}"),
         None => Ok(file),
     }
 }

@@ -3,6 +3,7 @@
 use super::escape::printable;
 use super::figures::time;
 use super::group::GroupCells;
+use crate::measure::number;
 use crate::schema::{Cell, GroupRecord, ModelRecord};
 
 /// An algorithm with its bar.
@@ -37,7 +38,7 @@ fn lines(bars: &[TimeBar], base: Option<&str>, width: usize) -> Vec<String> {
         })
         .collect();
     let ratio = |bar: &TimeBar| match (bar.seconds, base) {
-        (Some(seconds), Some(base)) if base > 0.0 => times_as_much(seconds / base),
+        (Some(seconds), Some(base)) if base > 0.0 => number::ratio(seconds / base),
         _ => String::new(),
     };
     let ratios: Vec<String> = bars.iter().map(ratio).collect();
@@ -100,16 +101,8 @@ pub fn model_bars(
 
 /// A time with about three significant digits.
 fn significant(seconds: f64) -> String {
-    let decimals = crate::measure::number::decimals([seconds], 6);
+    let decimals = number::decimals([seconds], 6);
     format!("{seconds:.decimals$}")
-}
-
-fn times_as_much(ratio: f64) -> String {
-    if ratio < 99.5 {
-        format!("{ratio:.2}")
-    } else {
-        format!("{ratio:.0}")
-    }
 }
 
 fn shortened(label: &str, width: usize) -> String {

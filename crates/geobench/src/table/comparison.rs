@@ -1,12 +1,10 @@
 //! Writes comparisons of two result files as tables, Markdown and JSON.
 
-use std::path::Path;
-
 use super::escape::{markdown as escape, printable};
 use super::group::distinct;
 use super::model::{Column, Entry, Mark, Table};
 use super::terminal::{self, Look};
-use super::{UnknownEnding, markdown, of_ending};
+use super::{FileForm, capitalised, json_lines, markdown};
 use crate::history::compare::{
     CellChange, CellKey, Comparison, FigureChange, Regression, Several, Side, TimeMethod, exact,
     percent,
@@ -25,23 +23,16 @@ pub enum ComparisonFormat {
     Json,
 }
 
-/// The endings of files.
-const ENDINGS: [(&str, ComparisonFormat); 3] = [
-    ("json", ComparisonFormat::Json),
-    ("md", ComparisonFormat::Markdown),
-    ("txt", ComparisonFormat::Table),
-];
+impl FileForm for ComparisonFormat {
+    const CONTENT: &'static str = "results";
+    const ENDINGS: &'static [(&'static str, Self)] = &[
+        ("json", Self::Json),
+        ("md", Self::Markdown),
+        ("txt", Self::Table),
+    ];
+}
 
 impl ComparisonFormat {
-    /// The form for the ending of `path`, in any letter case.
-    ///
-    /// # Errors
-    ///
-    /// When no form has this ending.
-    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        of_ending(path, "results", &ENDINGS)
-    }
-
     /// A comparison in this form, ending in a line break; `look` is that of the terminal.
     ///
     /// # Errors
@@ -51,12 +42,10 @@ impl ComparisonFormat {
         Ok(match self {
             Self::Table => in_terminal(comparison, look),
             Self::Markdown => in_markdown(comparison),
-            Self::Json => serde_json::to_string_pretty(comparison)? + "\n",
+            Self::Json => json_lines(comparison)?,
         })
     }
-}
 
-impl ComparisonFormat {
     /// Several comparisons with one baseline in this form, with a column for each file.
     ///
     /// # Errors
@@ -88,7 +77,7 @@ impl ComparisonFormat {
         });
         let notes: Vec<String> = worse.into_iter().chain(notes).collect();
         Ok(match self {
-            Self::Json => serde_json::to_string_pretty(several)? + "\n",
+            Self::Json => json_lines(several)?,
             Self::Table => {
                 let line = |indent, text: &str| terminal::line_in(look, indent, &printable(text));
                 let mut lines: Vec<String> = sides.iter().map(|s| line("", &side(s))).collect();
@@ -121,7 +110,6 @@ fn ratios(several: &Several) -> Table {
     let baseline = several.comparisons.first().map(|c| c.old.file.as_str());
     let files = several.comparisons.iter().map(|c| c.new.file.as_str());
     let names = baseline.into_iter().chain(files);
-    let columns = std::iter::once(Column::text("Time relative to the first"));
     let rows = cells.iter().map(|cell| {
         let of = |c: &Comparison| {
             let found = c
@@ -157,10 +145,8 @@ fn ratios(several: &Several) -> Table {
         let head = [Entry::new(cell.cell.to_string()), Entry::new(first)];
         head.into_iter().chain(entries).collect()
     });
-    Table::new(
-        columns.chain(names.map(Column::number)).collect(),
-        rows.collect(),
-    )
+    let columns = Column::of(["Time relative to the first"], names);
+    Table::new(columns, rows.collect())
 }
 
 /// Figures that the table shows even without a rule on them, if a cell has them.
@@ -321,7 +307,7 @@ fn changes(comparison: &Comparison) -> Table {
     let names = figures.map(|figure| figure.name);
     let names = distinct(names.filter(|name| USUAL.contains(name) || ruled(name)));
     let numbers = std::iter::once("Time").chain(names.iter().copied());
-    let numbers = numbers.map(|name| Column::number(&heading(name)));
+    let columns = Column::of(["Cell"], numbers.map(heading));
     let row = |change: &CellChange| {
         let mut row = vec![Entry::new(name(comparison, &change.cell)), time(change)];
         row.extend(names.iter().map(|name| {
@@ -330,19 +316,12 @@ fn changes(comparison: &Comparison) -> Table {
         }));
         row
     };
-    Table::new(
-        std::iter::once(Column::text("Cell"))
-            .chain(numbers)
-            .collect(),
-        comparison.cells.iter().map(row).collect(),
-    )
+    Table::new(columns, comparison.cells.iter().map(row).collect())
 }
 
 /// The name of a figure as a heading.
 fn heading(name: &str) -> String {
-    let words = name.trim_end_matches("_bytes").replace('_', " ");
-    let (first, rest) = words.split_at(1);
-    first.to_uppercase() + rest
+    capitalised(&name.trim_end_matches("_bytes").replace('_', " "))
 }
 
 /// Whether a rule on the figure `name` is broken in `change`.
@@ -433,7 +412,8 @@ fn figures(comparison: &Comparison) -> Table {
             );
         }
     }
-    let texts = ["Cell", "Figure"].map(Column::text);
-    let numbers = ["Old", "New", "Change"].map(Column::number);
-    Table::new(texts.into_iter().chain(numbers).collect(), rows)
+    Table::new(
+        Column::of(["Cell", "Figure"], ["Old", "New", "Change"]),
+        rows,
+    )
 }

@@ -2,16 +2,14 @@
 
 use std::collections::HashMap;
 use std::fmt::Write;
-use std::path::Path;
 
-use anyhow::Context;
 use geobench_mesh::io::PlyWriter;
 use geobench_mesh::{FaceId, Mesh, Refined, SurfacePoint};
 use geobench_voronoi::{Arc, Diagram, NO_SOURCE};
 use serde::Serialize;
 
 use super::polylines::{LineScalars, Polylines};
-use super::{UnknownEnding, json_line, of_ending};
+use super::{FileForm, json_line, no_coordinates};
 use crate::schema::SourceLabel;
 
 /// A diagram and where it comes from.
@@ -143,33 +141,22 @@ pub enum DiagramFormat {
     Png,
 }
 
-const ENDINGS: [(&str, DiagramFormat); 6] = [
-    ("json", DiagramFormat::Json),
-    ("obj", DiagramFormat::Obj),
-    ("ply", DiagramFormat::Ply),
-    ("vtk", DiagramFormat::Vtk),
-    ("svg", DiagramFormat::Svg),
-    ("png", DiagramFormat::Png),
-];
+impl FileForm for DiagramFormat {
+    const CONTENT: &'static str = "Voronoi diagrams";
+    const ENDINGS: &'static [(&'static str, Self)] = &[
+        ("json", Self::Json),
+        ("obj", Self::Obj),
+        ("ply", Self::Ply),
+        ("vtk", Self::Vtk),
+        ("svg", Self::Svg),
+        ("png", Self::Png),
+    ];
+}
 
 /// Points of a bent arc between its ends, in polylines and outlines.
 pub(crate) const POINTS_PER_ARC: usize = 7;
 
 impl DiagramFormat {
-    /// The form for the ending of `path`, in any letter case.
-    ///
-    /// # Errors
-    ///
-    /// When no form has this ending.
-    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        of_ending(path, "Voronoi diagrams", &ENDINGS)
-    }
-
-    /// Whether it is a picture, which `report` draws.
-    pub const fn is_picture(self) -> bool {
-        matches!(self, Self::Svg | Self::Png)
-    }
-
     /// The contents of a file in this form; those of a picture are its lines.
     ///
     /// # Errors
@@ -196,33 +183,29 @@ pub enum BorderFormat {
     Vtk,
 }
 
-impl BorderFormat {
-    /// The form for the ending of `path`, in any letter case.
-    ///
-    /// # Errors
-    ///
-    /// When no form has this ending.
-    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        let endings = [("obj", Self::Obj), ("ply", Self::Ply), ("vtk", Self::Vtk)];
-        of_ending(path, "borders", &endings)
-    }
+impl FileForm for BorderFormat {
+    const CONTENT: &'static str = "borders";
+    const ENDINGS: &'static [(&'static str, Self)] =
+        &[("obj", Self::Obj), ("ply", Self::Ply), ("vtk", Self::Vtk)];
+}
 
+impl BorderFormat {
     /// The contents of a file in this form.
     ///
     /// # Errors
     ///
     /// When the mesh has no coordinates.
     pub fn render(self, file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
-        let lines = file.borders()?;
+        let lines = polylines(file.diagram).ok_or_else(|| no_coordinates(file.model))?;
+        let lines = Polylines {
+            lines,
+            ..Polylines::default()
+        };
         let text = match self {
-            Self::Obj => obj(&lines),
+            Self::Obj => lines.obj(),
             Self::Ply => {
-                let lines = Polylines {
-                    title: file.title("borders between the cells"),
-                    lines,
-                    ..Polylines::default()
-                };
-                lines.ply()
+                let title = file.title("borders between the cells");
+                Polylines { title, ..lines }.ply()
             }
             Self::Vtk => {
                 let arcs = || file.diagram.arcs().iter();
@@ -231,8 +214,8 @@ impl BorderFormat {
                 });
                 let lines = Polylines {
                     title: "Voronoi diagram".to_owned(),
-                    lines,
                     scalars: vec![left, right],
+                    ..lines
                 };
                 lines.vtk()
             }
@@ -332,10 +315,6 @@ fn json(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
     json_line(&document)
 }
 
-fn without_coordinates(file: &DiagramFile<'_>) -> String {
-    format!("{}: the mesh has no coordinates to write", file.model)
-}
-
 /// The points of each arc; `None` if the mesh has no coordinates.
 fn polylines(diagram: &Diagram) -> Option<Vec<Vec<[f64; 3]>>> {
     let points = |arc: &Arc| {
@@ -402,28 +381,6 @@ impl DiagramFile<'_> {
             self.model, self.algorithm
         )
     }
-
-    fn borders(&self) -> anyhow::Result<Vec<Vec<[f64; 3]>>> {
-        polylines(self.diagram).with_context(|| without_coordinates(self))
-    }
-}
-
-fn obj(lines: &[Vec<[f64; 3]>]) -> String {
-    // Writing to a string cannot fail.
-    let mut text = String::new();
-    for [x, y, z] in lines.iter().flatten() {
-        let _ = writeln!(text, "v {x} {y} {z}");
-    }
-    let mut next = 1;
-    for line in lines {
-        text.push('l');
-        for number in next..next + line.len() {
-            let _ = write!(text, " {number}");
-        }
-        text.push('\n');
-        next += line.len();
-    }
-    text
 }
 
 /// A colour for a cell; those of successive cells are far apart.
@@ -448,7 +405,7 @@ fn ply(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
     let diagram = file.diagram;
     let mesh: &Mesh = diagram.mesh();
     if mesh.positions().len() != mesh.vertex_count() {
-        anyhow::bail!(without_coordinates(file));
+        return Err(no_coordinates(file.model));
     }
     let mut positions = mesh.positions().to_vec();
     let mut colours: Vec<[u8; 3]> = diagram.labels().iter().map(|&cell| colour(cell)).collect();
@@ -460,7 +417,7 @@ fn ply(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
         let first = positions.len();
         for &place in &part.outline {
             let position = diagram.position(part.face, place);
-            positions.push(position.with_context(|| without_coordinates(file))?);
+            positions.push(position.ok_or_else(|| no_coordinates(file.model))?);
             colours.push(colour(part.source));
         }
         let corners = part.triangles().into_iter();
@@ -484,16 +441,12 @@ pub enum LabelFormat {
     Npy,
 }
 
-impl LabelFormat {
-    /// The form for the ending of `path`, in any letter case.
-    ///
-    /// # Errors
-    ///
-    /// When no form has this ending.
-    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        of_ending(path, "labels", &[("csv", Self::Csv), ("npy", Self::Npy)])
-    }
+impl FileForm for LabelFormat {
+    const CONTENT: &'static str = "labels";
+    const ENDINGS: &'static [(&'static str, Self)] = &[("csv", Self::Csv), ("npy", Self::Npy)];
+}
 
+impl LabelFormat {
     /// The contents of a file in this form.
     pub fn render(self, file: &DiagramFile<'_>) -> Vec<u8> {
         let labels = &file.diagram.labels()[..file.mesh.vertex_count()];

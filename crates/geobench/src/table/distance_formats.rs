@@ -1,13 +1,11 @@
 //! One distance field, as files for other programs.
 
-use std::path::Path;
-
 use geobench_mesh::io::PlyWriter;
 use geobench_mesh::{Mesh, VertexId, threads};
 use serde::Serialize;
 
 use super::polylines::vtk_title;
-use super::{UnknownEnding, json_line, of_ending};
+use super::{FileForm, json_line, no_coordinates};
 use crate::schema::SourceLabel;
 
 /// Distances and where they come from.
@@ -50,19 +48,12 @@ pub enum MatrixFormat {
     Npy,
 }
 
-const MATRIX_ENDINGS: [(&str, MatrixFormat); 2] =
-    [("csv", MatrixFormat::Csv), ("npy", MatrixFormat::Npy)];
+impl FileForm for MatrixFormat {
+    const CONTENT: &'static str = "a matrix of distances";
+    const ENDINGS: &'static [(&'static str, Self)] = &[("csv", Self::Csv), ("npy", Self::Npy)];
+}
 
 impl MatrixFormat {
-    /// The form for the ending of `path`, in any letter case.
-    ///
-    /// # Errors
-    ///
-    /// When no form has this ending.
-    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        of_ending(path, "a matrix of distances", &MATRIX_ENDINGS)
-    }
-
     /// The contents of a file in this form.
     pub fn render(self, matrix: &DistanceMatrix<'_>) -> Vec<u8> {
         let columns = matrix.columns.len();
@@ -114,24 +105,18 @@ pub enum FieldFormat {
     Vtk,
 }
 
-const ENDINGS: [(&str, FieldFormat); 5] = [
-    ("csv", FieldFormat::Csv),
-    ("json", FieldFormat::Json),
-    ("npy", FieldFormat::Npy),
-    ("ply", FieldFormat::Ply),
-    ("vtk", FieldFormat::Vtk),
-];
+impl FileForm for FieldFormat {
+    const CONTENT: &'static str = "distances";
+    const ENDINGS: &'static [(&'static str, Self)] = &[
+        ("csv", Self::Csv),
+        ("json", Self::Json),
+        ("npy", Self::Npy),
+        ("ply", Self::Ply),
+        ("vtk", Self::Vtk),
+    ];
+}
 
 impl FieldFormat {
-    /// The form for the ending of `path`, in any letter case.
-    ///
-    /// # Errors
-    ///
-    /// When no form has this ending.
-    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        of_ending(path, "distances", &ENDINGS)
-    }
-
     /// Whether it holds the mesh, so that it needs the distances of all vertices.
     pub const fn is_mesh(self) -> bool {
         matches!(self, Self::Ply | Self::Vtk)
@@ -144,7 +129,7 @@ impl FieldFormat {
     /// When the form needs coordinates and the mesh has none.
     pub fn render(self, field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
         if self.is_mesh() && field.mesh.positions().len() != field.distances.len() {
-            anyhow::bail!("{}: the mesh has no coordinates to write", field.model);
+            return Err(no_coordinates(field.model));
         }
         Ok(match self {
             Self::Csv => csv(field),
@@ -418,7 +403,7 @@ mod tests {
 
     #[test]
     fn endings_in_any_case() {
-        let of = |path: &str| FieldFormat::of_path(Path::new(path));
+        let of = |path: &str| FieldFormat::of_path(std::path::Path::new(path));
         assert_eq!(of("a.CSV"), Ok(FieldFormat::Csv));
         assert_eq!(of("a.b/c.vtk"), Ok(FieldFormat::Vtk));
         assert!(of("a").is_err() && of("a.obj").is_err());

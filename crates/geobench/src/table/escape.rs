@@ -112,6 +112,16 @@ pub(crate) fn xml(text: &str) -> String {
     escaped
 }
 
+/// A word quoted for the shell where it needs quotes.
+pub(crate) fn shell(word: &str) -> String {
+    let plain = |b: u8| b.is_ascii_alphanumeric() || b"-_./:=,@%+".contains(&b);
+    if !word.is_empty() && word.bytes().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
 /// A text cell of a CSV file. Text that a spreadsheet would take for a formula gets an apostrophe
 /// in front. Numbers and a lone dash stay unchanged. Text that starts with an apostrophe gets
 /// another one, so that readers can remove the first.

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use geobench_mesh::did_you_mean;
 use geobench_window::{Counter, Counters};
 
+use crate::UsageError;
 use crate::measure::statistics::median;
 use crate::schema::Cell;
 
@@ -47,28 +48,22 @@ const MEGABYTE: f64 = 1e6;
 /// The default rows of a table.
 pub(crate) const USUAL: [&str; 4] = ["time", "propagated", "papers_memory", "heap_memory"];
 
-/// No figure has this name.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no row `{name}`{}; known are {}", did_you_mean(name, &known()), known().join(", "))]
-pub struct UnknownFigure {
-    name: String,
-}
-
-fn known() -> Vec<&'static str> {
-    all().iter().map(|figure| figure.key).collect()
-}
-
 /// The figure of this name, in any letter case.
 ///
 /// # Errors
 ///
 /// Names the nearest one if there is none.
-pub fn figure(name: &str) -> Result<&'static Figure, UnknownFigure> {
+pub fn figure(name: &str) -> Result<&'static Figure, UsageError> {
     let name = name.trim().to_lowercase();
-    all()
-        .iter()
-        .find(|figure| figure.key == name)
-        .ok_or(UnknownFigure { name })
+    let found = all().iter().find(|figure| figure.key == name);
+    found.ok_or_else(|| {
+        let known: Vec<&str> = all().iter().map(|figure| figure.key).collect();
+        UsageError(format!(
+            "there is no row `{name}`{}; known are {}",
+            did_you_mean(&name, &known),
+            known.join(", ")
+        ))
+    })
 }
 
 /// The time.
@@ -310,11 +305,7 @@ fn label(counter: Counter) -> String {
         Counter::Propagated => "Window propagations".to_owned(),
         Counter::StoredWindows => "Window limit".to_owned(),
         Counter::KPeak => "Largest K".to_owned(),
-        _ => {
-            let words = counter.key().replace('_', " ");
-            let (first, rest) = words.split_at(1);
-            first.to_uppercase() + rest
-        }
+        _ => super::capitalised(&counter.key().replace('_', " ")),
     }
 }
 
@@ -324,9 +315,13 @@ mod tests {
 
     #[test]
     fn names_are_unique_and_found() {
-        for (i, name) in known().into_iter().enumerate() {
-            assert_eq!(figure(name).unwrap().key, name);
-            assert!(!known()[..i].contains(&name), "{name} stands there twice");
+        for (i, Figure { key, .. }) in all().iter().enumerate() {
+            assert_eq!(figure(key).unwrap().key, *key);
+            let mut before = all()[..i].iter();
+            assert!(
+                before.all(|other| other.key != *key),
+                "{key} stands there twice"
+            );
         }
         assert_eq!(figures::<&str>(&[]).len(), USUAL.len());
         assert_eq!(time().key, "time");

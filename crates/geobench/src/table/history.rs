@@ -15,29 +15,30 @@ fn shown(figure: &str, value: f64) -> String {
     }
 }
 
+/// The change points, with values as `shown`.
+pub(crate) fn table_of_changes(found: &[ChangePoint], shown: fn(&str, f64) -> String) -> Table {
+    let row = |change: &ChangePoint| {
+        let [before, after] = [change.before, change.after].map(|x| shown(change.figure, x));
+        let cell = change.cell.to_string();
+        let (commit, figure) = (change.commit.clone(), change.figure.to_owned());
+        let texts = [commit, cell, figure, before, after, percent(change.ratio)];
+        texts.map(Entry::new).into()
+    };
+    let columns = Column::of(["Commit", "Cell", "Figure"], ["Before", "After", "Change"]);
+    Table::new(columns, found.iter().map(row).collect())
+}
+
 /// The change points, in a sentence if there are none.
 pub fn change_points(found: &[ChangePoint], look: Look) -> String {
     if found.is_empty() {
         return "no figure has changed its level\n".to_owned();
     }
-    let texts = ["Commit", "Cell", "Figure"].map(Column::text);
-    let numbers = ["Before", "After", "Change"].map(Column::number);
-    let rows = found.iter().map(|change| {
-        let figures = [change.before, change.after].map(|value| shown(change.figure, value));
-        let [before, after] = figures;
-        let cell = change.cell.to_string();
-        let texts = [change.commit.clone(), cell, change.figure.to_owned()];
-        let numbers = [before, after, percent(change.ratio)];
-        texts.into_iter().chain(numbers).map(Entry::new).collect()
-    });
-    let table = Table::new(texts.into_iter().chain(numbers).collect(), rows.collect());
+    let table = table_of_changes(found, shown);
     terminal::grid(&table, &table.parts[0].rows, look) + "\n"
 }
 
 /// The newest commit against the base.
 pub fn gate(gate: &Gate, look: Look) -> String {
-    let texts = ["Cell", "Figure"].map(Column::text);
-    let numbers = ["Base", "New", "Change"].map(Column::number);
     let rows = gate.lines.iter().map(|line| {
         let mark = match line.broken {
             Some(_) => Mark::Failed,
@@ -63,7 +64,10 @@ pub fn gate(gate: &Gate, look: Look) -> String {
         gate.base.len(),
         gate.base.join(", ")
     );
-    let table = Table::new(texts.into_iter().chain(numbers).collect(), rows);
+    let table = Table::new(
+        Column::of(["Cell", "Figure"], ["Base", "New", "Change"]),
+        rows,
+    );
     let mut lines = vec![terminal::line_in(look, "", &head), String::new()];
     if !gate.lines.is_empty() {
         lines.push(terminal::grid(&table, &table.parts[0].rows, look));

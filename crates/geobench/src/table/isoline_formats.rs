@@ -1,13 +1,11 @@
 //! Isolines, as files for other programs.
 
-use std::path::Path;
-
 use geobench_isolines::{Isoline, Line};
 use geobench_mesh::Mesh;
 use serde::Serialize;
 
 use super::polylines::{LineScalars, Polylines};
-use super::{UnknownEnding, json_line, of_ending};
+use super::{FileForm, json_line, no_coordinates};
 use crate::schema::SourceLabel;
 
 /// The isolines of a field.
@@ -42,30 +40,19 @@ pub enum IsolineFormat {
     Png,
 }
 
-const ENDINGS: [(&str, IsolineFormat); 6] = [
-    ("json", IsolineFormat::Json),
-    ("obj", IsolineFormat::Obj),
-    ("ply", IsolineFormat::Ply),
-    ("vtk", IsolineFormat::Vtk),
-    ("svg", IsolineFormat::Svg),
-    ("png", IsolineFormat::Png),
-];
+impl FileForm for IsolineFormat {
+    const CONTENT: &'static str = "isolines";
+    const ENDINGS: &'static [(&'static str, Self)] = &[
+        ("json", Self::Json),
+        ("obj", Self::Obj),
+        ("ply", Self::Ply),
+        ("vtk", Self::Vtk),
+        ("svg", Self::Svg),
+        ("png", Self::Png),
+    ];
+}
 
 impl IsolineFormat {
-    /// The form for the ending of `path`, in any letter case.
-    ///
-    /// # Errors
-    ///
-    /// When no form has this ending.
-    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        of_ending(path, "isolines", &ENDINGS)
-    }
-
-    /// Whether it is a picture, which `report` draws.
-    pub const fn is_picture(self) -> bool {
-        matches!(self, Self::Svg | Self::Png)
-    }
-
     /// The contents of a file in this form; those of a picture are its lines.
     ///
     /// # Errors
@@ -73,7 +60,7 @@ impl IsolineFormat {
     /// When the mesh has no coordinates.
     pub fn render(self, set: &IsolineSet<'_>) -> anyhow::Result<Vec<u8>> {
         if set.mesh.positions().len() != set.mesh.vertex_count() {
-            anyhow::bail!("{}: the mesh has no coordinates to write", set.model);
+            return Err(no_coordinates(set.model));
         }
         Ok(match self {
             Self::Json => json(set)?,

@@ -1,9 +1,12 @@
 //! Writes results as tables and files.
 
+use std::fmt::Display;
 use std::path::Path;
 use std::sync::OnceLock;
 
 use self::group::GroupCells;
+use self::output::OutputFile;
+use crate::UsageError;
 use crate::schema::{Cell, GroupRecord, ModelRecord, ResultFile};
 
 mod bars;
@@ -31,8 +34,8 @@ pub(crate) mod tests;
 
 pub use bars::model_bars;
 pub use comparison::ComparisonFormat;
-pub use csv::header as csv_header;
-pub use figures::{Figure, UnknownFigure, figure};
+pub use figures::{Figure, figure};
+pub(crate) use history::table_of_changes;
 pub use history::{change_points, gate};
 pub(crate) use model::{Column, Entry, Mark, Note, Part, Table};
 pub use terminal::Look;
@@ -61,15 +64,17 @@ pub enum Format {
     GithubAction,
 }
 
-/// The endings of result files.
-const ENDINGS: [(&str, Format); 6] = [
-    ("json", Format::Json),
-    ("csv", Format::Csv),
-    ("md", Format::Markdown),
-    ("tex", Format::Latex),
-    ("bmf.json", Format::Bencher),
-    ("gab.json", Format::GithubAction),
-];
+impl FileForm for Format {
+    const CONTENT: &'static str = "results";
+    const ENDINGS: &'static [(&'static str, Self)] = &[
+        ("json", Self::Json),
+        ("csv", Self::Csv),
+        ("md", Self::Markdown),
+        ("tex", Self::Latex),
+        ("bmf.json", Self::Bencher),
+        ("gab.json", Self::GithubAction),
+    ];
+}
 
 /// The path that stands for standard input and output.
 pub(crate) const STANDARD: &str = "-";
@@ -100,46 +105,55 @@ pub(crate) fn ending_of(path: &Path) -> String {
     }
 }
 
-/// A path with an ending that cannot be written.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{path}: {how} says in which form to write {what}; use {endings}")]
-pub struct UnknownEnding {
-    /// The path.
-    pub path: String,
-    /// What tells the form: the ending or an option.
-    pub how: &'static str,
-    /// The content of the file.
-    pub what: &'static str,
-    /// The supported endings, in words.
-    pub endings: String,
+/// A form of files, told by their ending.
+pub(crate) trait FileForm: Copy + PartialEq + 'static {
+    /// What the files hold, for messages.
+    const CONTENT: &'static str;
+    /// The endings with their forms, at least two.
+    const ENDINGS: &'static [(&'static str, Self)];
+
+    /// The form for the ending of `path`, in any letter case.
+    fn of_path(path: &Path) -> Result<Self, UsageError> {
+        let ending = ending_of(path);
+        let mut forms = Self::ENDINGS.iter();
+        if let Some((_, form)) = forms.find(|(name, _)| ending.eq_ignore_ascii_case(name)) {
+            return Ok(*form);
+        }
+        let how = if path == Path::new(STANDARD) {
+            "--output-format"
+        } else {
+            "the ending"
+        };
+        let names = Self::ENDINGS.iter().map(|(name, _)| format!(".{name}"));
+        let names = names.collect::<Vec<_>>().join(", ");
+        let (names, last) = names.rsplit_once(", ").unwrap_or_default();
+        Err(UsageError(format!(
+            "{}: {how} says in which form to write {}; use {names} or {last}",
+            path.display(),
+            Self::CONTENT
+        )))
+    }
+
+    /// The form and the file at `path`, after a check that it can be written.
+    fn output(path: &Path) -> anyhow::Result<(Self, OutputFile)> {
+        Ok((Self::of_path(path)?, OutputFile::prepare(path)?))
+    }
+
+    /// Whether it is a picture, which `report` draws.
+    fn is_picture(self) -> bool {
+        let mut forms = Self::ENDINGS.iter();
+        forms.any(|(ending, form)| *form == self && matches!(*ending, "svg" | "png"))
+    }
 }
 
-/// The form for the ending of `path`, in any letter case.
-pub(crate) fn of_ending<F: Copy>(
-    path: &Path,
-    what: &'static str,
-    endings: &[(&str, F)],
-) -> Result<F, UnknownEnding> {
-    let ending = ending_of(path);
-    let found = endings
-        .iter()
-        .find(|(name, _)| ending.eq_ignore_ascii_case(name));
-    found.map(|(_, form)| *form).ok_or_else(|| {
-        let names: Vec<String> = endings.iter().map(|(name, _)| format!(".{name}")).collect();
-        UnknownEnding {
-            path: path.display().to_string(),
-            how: if path == Path::new(STANDARD) {
-                "--output-format"
-            } else {
-                "the ending"
-            },
-            what,
-            endings: match names.split_last() {
-                Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
-                _ => names.concat(),
-            },
-        }
-    })
+/// The error for a mesh without positions, called `name`.
+pub(crate) fn no_coordinates(name: impl Display) -> anyhow::Error {
+    anyhow::anyhow!("{name}: the mesh has no coordinates to write")
+}
+
+/// `document` as JSON in lines, for people.
+pub(crate) fn json_lines(document: &impl serde::Serialize) -> anyhow::Result<String> {
+    Ok(serde_json::to_string_pretty(document)? + "\n")
 }
 
 /// `document` as one line of JSON.
@@ -150,15 +164,6 @@ pub(crate) fn json_line(document: &impl serde::Serialize) -> anyhow::Result<Vec<
 }
 
 impl Format {
-    /// The form for the ending of `path`, in any letter case.
-    ///
-    /// # Errors
-    ///
-    /// When no form has this ending.
-    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        of_ending(path, "results", &ENDINGS)
-    }
-
     /// Results in this form, ending in a line break.
     ///
     /// # Errors
@@ -173,15 +178,20 @@ impl Format {
             }
             Self::Markdown => joined(result, markdown::table),
             Self::Latex => latex::NEEDS.to_owned() + &joined(result, latex::table),
-            Self::Csv => csv::table(&csv::results(result))?,
-            Self::Samples => csv::table(&csv::samples(result))?,
-            Self::Json => serde_json::to_string_pretty(result)? + "\n",
-            Self::Bencher => serde_json::to_string_pretty(&exports::bencher(result))? + "\n",
-            Self::GithubAction => {
-                serde_json::to_string_pretty(&exports::github_action(result))? + "\n"
-            }
+            Self::Csv => csv::table(&csv::results(result)?)?,
+            Self::Samples => csv::table(&csv::samples(result)?)?,
+            Self::Json => json_lines(result)?,
+            Self::Bencher => json_lines(&exports::bencher(result))?,
+            Self::GithubAction => json_lines(&exports::github_action(result))?,
         })
     }
+}
+
+/// `text` with a capital first letter.
+pub(crate) fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().into_iter().flat_map(char::to_uppercase);
+    first.collect::<String>() + letters.as_str()
 }
 
 /// A number with its noun: `1 loop`, `2 loops`.

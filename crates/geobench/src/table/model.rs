@@ -103,6 +103,16 @@ impl Table {
 }
 
 impl Column {
+    /// Columns of texts, followed by columns of numbers.
+    pub(crate) fn of(
+        texts: impl IntoIterator<Item: AsRef<str>>,
+        numbers: impl IntoIterator<Item: AsRef<str>>,
+    ) -> Vec<Self> {
+        let texts = texts.into_iter().map(|head| Self::text(head.as_ref()));
+        let numbers = numbers.into_iter().map(|head| Self::number(head.as_ref()));
+        texts.chain(numbers).collect()
+    }
+
     pub(crate) fn text(head: &str) -> Self {
         Self {
             head: head.to_owned(),

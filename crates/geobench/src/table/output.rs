@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use crate::table::{Format, STANDARD, UnknownEnding};
+use crate::table::{FileForm, STANDARD};
 
 /// A file that a command writes at its end.
 #[derive(Clone, Debug)]
@@ -168,20 +168,11 @@ fn plain(error: &io::Error) -> anyhow::Error {
     }
 }
 
-/// The result files at `paths`, after a check that they can be written.
-pub(crate) fn results(paths: &[PathBuf]) -> anyhow::Result<Vec<(Format, OutputFile)>> {
-    prepare(paths, Format::of_path)
-}
-
 /// The files at `paths` with their forms, after a check that they can be written.
-pub(crate) fn prepare<F>(
-    paths: &[PathBuf],
-    form: fn(&Path) -> Result<F, UnknownEnding>,
-) -> anyhow::Result<Vec<(F, OutputFile)>> {
+pub(crate) fn prepare<F: FileForm>(paths: &[PathBuf]) -> anyhow::Result<Vec<(F, OutputFile)>> {
     let mut outputs: Vec<(F, OutputFile)> = Vec::new();
     for path in paths {
-        let form = form(path)?;
-        let file = OutputFile::prepare(path)?;
+        let (form, file) = F::output(path)?;
         if outputs.iter().any(|(_, other)| other.path() == file.path()) {
             bail!("{}: given twice as output", path.display());
         }

@@ -1,7 +1,6 @@
 //! Shortest paths, as files for other programs.
 
 use std::fmt::Write;
-use std::path::Path as FilePath;
 
 use geobench_mesh::{FaceId, Mesh, VertexId};
 use geobench_paths::Path;
@@ -9,7 +8,7 @@ use serde::Serialize;
 
 use super::distance_formats::csv_word;
 use super::polylines::{LineScalars, Polylines};
-use super::{UnknownEnding, json_line, of_ending};
+use super::{FileForm, json_line, no_coordinates};
 use crate::schema::SourceLabel;
 
 /// Paths to some vertices, and where they come from.
@@ -54,31 +53,20 @@ pub enum PathFormat {
     Png,
 }
 
-const ENDINGS: [(&str, PathFormat); 7] = [
-    ("csv", PathFormat::Csv),
-    ("json", PathFormat::Json),
-    ("obj", PathFormat::Obj),
-    ("ply", PathFormat::Ply),
-    ("vtk", PathFormat::Vtk),
-    ("svg", PathFormat::Svg),
-    ("png", PathFormat::Png),
-];
+impl FileForm for PathFormat {
+    const CONTENT: &'static str = "paths";
+    const ENDINGS: &'static [(&'static str, Self)] = &[
+        ("csv", Self::Csv),
+        ("json", Self::Json),
+        ("obj", Self::Obj),
+        ("ply", Self::Ply),
+        ("vtk", Self::Vtk),
+        ("svg", Self::Svg),
+        ("png", Self::Png),
+    ];
+}
 
 impl PathFormat {
-    /// The form for the ending of `path`, in any letter case.
-    ///
-    /// # Errors
-    ///
-    /// When no form has this ending.
-    pub fn of_path(path: &FilePath) -> Result<Self, UnknownEnding> {
-        of_ending(path, "paths", &ENDINGS)
-    }
-
-    /// Whether it is a picture, which `report` draws.
-    pub const fn is_picture(self) -> bool {
-        matches!(self, Self::Svg | Self::Png)
-    }
-
     /// The contents of a file in this form; those of a picture are its lines.
     ///
     /// # Errors
@@ -86,7 +74,7 @@ impl PathFormat {
     /// When the form needs coordinates and the mesh has none.
     pub fn render(self, set: &PathSet<'_>) -> anyhow::Result<Vec<u8>> {
         if set.mesh.positions().len() != set.mesh.vertex_count() {
-            anyhow::bail!("{}: the mesh has no coordinates to write", set.model);
+            return Err(no_coordinates(set.model));
         }
         Ok(match self {
             Self::Csv => csv(set).into_bytes(),

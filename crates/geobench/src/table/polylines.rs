@@ -55,7 +55,10 @@ impl Polylines {
 
     /// Wavefront OBJ.
     pub(crate) fn obj(&self) -> String {
-        let mut text = format!("# {}\n", self.title());
+        let mut text = match self.title() {
+            title if title.is_empty() => title,
+            title => format!("# {title}\n"),
+        };
         let mut next = 1;
         for line in &self.lines {
             for [x, y, z] in line {

@@ -37,14 +37,12 @@ pub(crate) fn table(group: &GroupCells<'_>) -> Table {
 pub(super) fn columns(group: &GroupCells<'_>) -> Vec<Column> {
     let algorithms = group.algorithms.iter().map(|name| {
         if group.is_approximate(name) {
-            Column::number(&format!("{name} (approx.)"))
+            format!("{name} (approx.)")
         } else {
-            Column::number(name)
+            (*name).to_owned()
         }
     });
-    std::iter::once(Column::text(""))
-        .chain(algorithms)
-        .collect()
+    Column::of([""], algorithms)
 }
 
 /// A row with `entries` in the columns of the algorithms.

@@ -1,6 +1,6 @@
 //! Every form of output, from made-up results.
 
-use super::{Format, Look};
+use super::{FileForm, Format, Look};
 use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
 use crate::run::mock::{plan, result, run_mock};
 use crate::schema::{GroupRecord, ResultFile};

@@ -4,6 +4,38 @@ pub(crate) mod document;
 
 pub use document::DocumentError;
 
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+
+/// Refuses the file `path` if its schema is not that of this version.
+pub(crate) fn check_schema(path: &Path, found: &str, expected: &str) -> anyhow::Result<()> {
+    anyhow::ensure!(
+        found == expected,
+        "{}: `schema` is `{found}`, but this version of geobench reads `{expected}`",
+        path.display()
+    );
+    Ok(())
+}
+
+/// The files with `ending` in `directory`, sorted by name; hidden ones do not count.
+pub(crate) fn files_in(directory: &Path, ending: &str) -> anyhow::Result<Vec<PathBuf>> {
+    let failed = || format!("{}: cannot be read", directory.display());
+    let mut paths = Vec::new();
+    for entry in directory.read_dir().with_context(failed)? {
+        let path = entry.with_context(failed)?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let has_ending = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case(ending));
+        if has_ending && !name.starts_with('.') {
+            paths.push(path);
+        }
+    }
+    paths.sort_unstable();
+    Ok(paths)
+}
+
 /// A value from the command line or a file is invalid. The message quotes it and names the
 /// allowed values.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

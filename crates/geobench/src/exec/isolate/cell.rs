@@ -2,7 +2,7 @@
 
 use std::ffi::OsStr;
 use std::io::{self, BufRead, Write};
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use sha2::{Digest, Sha256};
 
@@ -13,7 +13,7 @@ use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
 use crate::exec::protocol::{ChildSettings, Reply, Request};
 use crate::exec::source::SourceSpec;
-use crate::exec::{Failure, Pass, Session, Step};
+use crate::exec::{Failure, Pass, Session, Step, lock};
 use crate::measure::memory;
 use crate::registry;
 use crate::schema::Status;
@@ -29,7 +29,7 @@ static PANIC: Mutex<Option<String>> = Mutex::new(None);
 /// When a request is not understood or a reply cannot be written.
 pub(crate) fn cell(model: &OsStr, settings: &str) -> io::Result<()> {
     std::panic::set_hook(Box::new(|panic| {
-        let mut place = PANIC.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut place = lock(&PANIC);
         *place = panic.location().map(ToString::to_string);
     }));
     let settings: ChildSettings = serde_json::from_str(settings)?;
@@ -135,7 +135,7 @@ fn digest(distances: &[f64]) -> [u8; 32] {
 
 /// A crash reported by this process itself is a panic.
 fn with_place_of_panic(message: String) -> String {
-    let mut place = PANIC.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut place = lock(&PANIC);
     match place.take() {
         Some(place) => format!("{message} ({place})"),
         None => message,

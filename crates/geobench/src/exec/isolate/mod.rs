@@ -131,6 +131,14 @@ impl Backend for Isolated {
     }
 }
 
+impl Isolated {
+    /// Starts a process under these limits.
+    fn process(&self, command: Command) -> Result<ChildProcess, ChildError> {
+        let cpus = self.cpus.as_ref().map_or(&[][..], CpuList::numbers);
+        ChildProcess::start(command, self.limits, cpus)
+    }
+}
+
 /// Most bytes of a reply, without distances.
 const LONGEST: usize = 1 << 20;
 
@@ -313,10 +321,8 @@ impl<'b> ChildPool<'b> {
         outside: Option<Outside>,
     ) -> Result<(Child, Option<Box<ModelRecord>>), Failure> {
         const DOING: &str = "loading the model";
-        let cpus = self.options.cpus.as_ref();
-        let cpus = cpus.map_or(&[][..], CpuList::numbers);
         let started = Instant::now();
-        let process = ChildProcess::start(command, self.options.limits, cpus);
+        let process = self.options.process(command);
         let mut child = Child {
             process: process.map_err(|error| error.failure(DOING))?,
             cell: String::new(),
@@ -348,16 +354,21 @@ impl<'b> ChildPool<'b> {
         Ok(child)
     }
 
-    /// A new child for an outside program.
-    fn outside_child(&mut self, program: &Arc<Program>, step: &Step<'_>) -> Result<Child, Failure> {
-        let handover = match &mut self.handover {
+    /// The files for outside programs.
+    fn handover(&mut self, step: &Step<'_>) -> Result<&Handover, Failure> {
+        Ok(match &mut self.handover {
             Some(handover) => handover,
             none => {
-                let vertices = self.record.vertices.unwrap_or(0) as usize;
                 let limit = self.options.limits.decompressed;
+                let vertices = self.record.vertex_count();
                 none.insert(Handover::new(self.model, vertices, limit, step.source)?)
             }
-        };
+        })
+    }
+
+    /// A new child for an outside program.
+    fn outside_child(&mut self, program: &Arc<Program>, step: &Step<'_>) -> Result<Child, Failure> {
+        let handover = self.handover(step)?;
         let call = handover.call(program, step);
         let command = program.command(&program.command, &call);
         let outside = Outside {
@@ -382,18 +393,9 @@ impl<'b> ChildPool<'b> {
         if words.is_empty() {
             return Ok(());
         }
-        let handover = match &mut self.handover {
-            Some(handover) => handover,
-            none => {
-                let vertices = self.record.vertices.unwrap_or(0) as usize;
-                let limit = self.options.limits.decompressed;
-                none.insert(Handover::new(self.model, vertices, limit, step.source)?)
-            }
-        };
+        let handover = self.handover(step)?;
         let command = program.command(words, &handover.call(program, step));
-        let cpus = self.options.cpus.as_ref();
-        let cpus = cpus.map_or(&[][..], CpuList::numbers);
-        let process = ChildProcess::start(command, self.options.limits, cpus);
+        let process = self.options.process(command);
         let done = process.and_then(|mut process| process.finish());
         done.map_err(|error| error.failure(doing))
     }
@@ -420,7 +422,7 @@ impl<'b> ChildPool<'b> {
             (None, None) => self.own_child()?,
         };
         cell.clone_into(&mut child.cell);
-        let vertices = self.record.vertices.unwrap_or(0) as usize;
+        let vertices = self.record.vertex_count();
         if let Some(place) = self.evicted.iter().position(|evicted| evicted == cell) {
             self.evicted.swap_remove(place);
             if step.pass == Pass::Time {

@@ -3,7 +3,7 @@
 
 use std::process::{self, Command};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 use std::{fs, io, thread};
 
@@ -12,6 +12,7 @@ use rustix::process::{
     setrlimit, waitid,
 };
 
+use crate::exec::lock;
 use crate::measure::host::kibibytes;
 
 /// A command that starts this program, even if its file has been replaced.
@@ -243,7 +244,7 @@ impl Present {
 }
 
 fn started() -> MutexGuard<'static, Vec<u32>> {
-    STARTED.lock().unwrap_or_else(PoisonError::into_inner)
+    lock(&STARTED)
 }
 
 /// The children of this process that others have started.

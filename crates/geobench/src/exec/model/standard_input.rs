@@ -4,12 +4,13 @@
 use std::fs::File;
 use std::io;
 use std::path::PathBuf;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, OnceLock};
 
 use geobench_mesh::io as mesh_io;
 use tempfile::TempDir;
 
 use super::ModelError;
+use crate::exec::lock;
 
 /// The form of standard input, named like an ending. Set once, from the command line.
 static FORM: OnceLock<String> = OnceLock::new();
@@ -30,11 +31,9 @@ pub(super) fn file() -> Result<PathBuf, ModelError> {
     if !mesh_io::is_mesh_file(name.as_ref()) {
         let message = "-: --input-format says in which form the model is; use obj, ply, off or stl, \
                        each also with .gz";
-        return Err(ModelError::Unreadable {
-            message: message.to_owned(),
-        });
+        return Err(ModelError::Unreadable(message.to_owned()));
     }
-    let mut folder = FOLDER.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut folder = lock(&FOLDER);
     if let Some(folder) = &*folder {
         return Ok(folder.path().join(name));
     }
@@ -44,8 +43,9 @@ pub(super) fn file() -> Result<PathBuf, ModelError> {
         io::copy(&mut io::stdin().lock(), &mut File::create(&path)?)?;
         Ok((folder, path))
     };
-    let (kept, path) = keep().map_err(|error: io::Error| ModelError::Unreadable {
-        message: format!("-: standard input cannot be kept as a file: {error}"),
+    let (kept, path) = keep().map_err(|error: io::Error| {
+        let message = format!("-: standard input cannot be kept as a file: {error}");
+        ModelError::Unreadable(message)
     })?;
     *folder = Some(kept);
     Ok(path)
@@ -53,5 +53,5 @@ pub(super) fn file() -> Result<PathBuf, ModelError> {
 
 /// Removes the temporary file.
 pub(crate) fn remove() {
-    drop(FOLDER.lock().unwrap_or_else(PoisonError::into_inner).take());
+    drop(lock(&FOLDER).take());
 }

@@ -15,15 +15,16 @@
 //! * A cell that the new file lacks is a regression only under a rule on missing cells, because
 //!   users compare parts of a benchmark with the whole.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::fmt;
 
 use geobench_window::{Counter, Counters};
 use serde::{Deserialize, Serialize, Serializer};
 
+use crate::UsageError;
 use crate::measure::number::group;
 use crate::measure::statistics::{mann_whitney, paired_ratio, unpaired_ratio};
-use crate::schema::{Cell, ResultFile, SourceLabel, Status, Time};
+use crate::schema::{Cell, CellPlace, ResultFile, SourceLabel, Status, Time};
 
 mod rules;
 #[cfg(test)]
@@ -136,15 +137,11 @@ pub struct Regression {
     pub what: String,
 }
 
-/// Two files that cannot be compared.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "{old} and {new} have no cell in common: models (by their hash), algorithms, sources, threads \
-     and groups must be the same"
-)]
-pub struct NothingInCommon {
-    old: String,
-    new: String,
+impl Regression {
+    fn new(rule: Option<&Rule>, what: String) -> Self {
+        let rule = rule.map(Rule::to_string);
+        Self { rule, what }
+    }
 }
 
 /// Compares `new` with `old`, each with the name of its file.
@@ -156,13 +153,13 @@ pub fn compare(
     (old_name, old): (&str, &ResultFile),
     (new_name, new): (&str, &ResultFile),
     rules: &Rules,
-) -> Result<Comparison, NothingInCommon> {
+) -> Result<Comparison, UsageError> {
     let matched = matched(old, new);
     if matched.common.is_empty() {
-        return Err(NothingInCommon {
-            old: old_name.to_owned(),
-            new: new_name.to_owned(),
-        });
+        return Err(UsageError(format!(
+            "{old_name} and {new_name} have no cell in common: models (by their hash), algorithms, \
+             sources, threads and groups must be the same"
+        )));
     }
     let notes_on_instructions = notes_on_instructions(&matched.common);
     let paired = old.pairing.is_some() && old.pairing == new.pairing;
@@ -214,7 +211,7 @@ impl Several {
         baseline: (&str, &ResultFile),
         files: &[(String, ResultFile)],
         rules: &Rules,
-    ) -> Result<Self, NothingInCommon> {
+    ) -> Result<Self, UsageError> {
         let compared = files
             .iter()
             .map(|(name, file)| compare(baseline, (name, file), rules));
@@ -235,9 +232,9 @@ fn too_many_missing(missing: usize, all: usize, rules: &Rules) -> Option<Regress
     let rule = rules.on(Subject::Missing)?;
     let share = missing as f64 / all as f64;
     let are = if missing == 1 { "is" } else { "are" };
-    (share > rule.limit).then(|| Regression {
-        rule: Some(rule.to_string()),
-        what: format!("{missing} of {all} cells {are} missing"),
+    (share > rule.limit).then(|| {
+        let what = format!("{missing} of {all} cells {are} missing");
+        Regression::new(Some(rule), what)
     })
 }
 
@@ -254,20 +251,15 @@ fn change(cell: CellKey, old: &Cell, new: &Cell, rules: &Rules, paired: bool) ->
     let mut regressions = Vec::new();
     if old.status == Status::Ok && new.status != Status::Ok {
         let why = new.message.as_deref().unwrap_or("no message");
-        regressions.push(Regression {
-            rule: None,
-            what: format!("was ok, is {}: {why}", new.status.name().replace('_', " ")),
-        });
+        let what = format!("was ok, is {}: {why}", new.status.in_words());
+        regressions.push(Regression::new(None, what));
     }
     let both_ok = old.status == Status::Ok && new.status == Status::Ok;
     let time = TimeChange::between(&old.time, &new.time, paired).filter(|_| both_ok);
     if let Some(rule) = rules.on(Subject::Time).filter(|_| both_ok)
         && let Some(what) = worse_time(time.as_ref(), old, new, rule)
     {
-        regressions.push(Regression {
-            rule: Some(rule.to_string()),
-            what,
-        });
+        regressions.push(Regression::new(Some(rule), what));
     }
     let mut figures = Vec::new();
     for measure in Measure::all() {
@@ -299,10 +291,7 @@ fn change(cell: CellKey, old: &Cell, new: &Cell, rules: &Rules, paired: bool) ->
             (Some(_), Some(_), _) => continue,
             (old, new, _) => missing(figure.name, old.map(exact), new.map(exact)),
         };
-        regressions.push(Regression {
-            rule: Some(rule.to_string()),
-            what,
-        });
+        regressions.push(Regression::new(Some(rule), what));
     }
     CellChange {
         cell,
@@ -360,16 +349,9 @@ pub(crate) fn exact(value: f64) -> String {
 
 /// Number of cells of both files that ran on different nodes.
 fn cells_on_other_nodes(old: &ResultFile, new: &ResultFile) -> usize {
-    let nodes = |file: &ResultFile| -> BTreeMap<_, _> {
-        let cells = file.cells.iter().filter_map(|cell| {
-            let node = file.host_of(cell).node.clone()?;
-            let source = cell.source.as_ref().map(ToString::to_string);
-            let group = cell.group.clone();
-            Some((
-                (group, cell.model.clone(), cell.algorithm.clone(), source),
-                node,
-            ))
-        });
+    let nodes = |file: &ResultFile| -> HashMap<CellPlace, String> {
+        let cells = file.cells.iter();
+        let cells = cells.filter_map(|c| Some((c.place(), file.host_of(c).node.clone()?)));
         cells.collect()
     };
     let new = nodes(new);
@@ -641,7 +623,7 @@ impl TimeChange {
 }
 
 /// The identity of a cell.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct CellKey {
     /// Name of the model, in the file that has the cell; in the new one if both have.
     pub model: String,
@@ -660,17 +642,6 @@ pub struct CellKey {
     pub group: Option<String>,
 }
 
-/// The identity without the name of the model, unless the model has no hash.
-#[derive(PartialEq, Eq, Hash)]
-struct CellIdentity {
-    model: Result<String, String>,
-    algorithm: String,
-    source: Option<SourceLabel>,
-    goal: Option<String>,
-    threads: usize,
-    group: Option<String>,
-}
-
 /// The cells of two files.
 struct Matched<'f> {
     /// Cells of both files, in the order of the new one.
@@ -686,7 +657,7 @@ struct Matched<'f> {
 /// Matches the cells of two files.
 fn matched<'f>(old: &'f ResultFile, new: &'f ResultFile) -> Matched<'f> {
     // Copies of one model have the same hash; each has its own cells.
-    let mut waiting: HashMap<CellIdentity, Vec<(CellKey, &Cell)>> = HashMap::new();
+    let mut waiting: HashMap<CellKey, Vec<(CellKey, &Cell)>> = HashMap::new();
     for cell in &old.cells {
         let key = CellKey::of(old, cell);
         waiting.entry(key.identity()).or_default().push((key, cell));
@@ -754,19 +725,15 @@ impl CellKey {
         self.identity() == other.identity()
     }
 
-    fn identity(&self) -> CellIdentity {
-        CellIdentity {
-            model: self.sha256.clone().ok_or_else(|| self.model.clone()),
-            algorithm: self.algorithm.clone(),
-            source: self.source.clone(),
-            goal: self.goal.clone(),
-            threads: self.threads,
-            group: self.group.clone(),
+    /// The key without the name of the model, unless the model has no hash.
+    fn identity(&self) -> Self {
+        let mut key = self.clone();
+        if key.sha256.is_some() {
+            key.model.clear();
         }
+        key
     }
-}
 
-impl CellKey {
     /// The identity in words: group, model, algorithm, source. Group and source are optional.
     pub fn among(&self, with_group: bool, with_source: bool) -> String {
         let group = match &self.group {

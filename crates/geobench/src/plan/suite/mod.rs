@@ -130,7 +130,7 @@ pub fn plans(
                     wanted.path
                 ));
             }
-            match find(wanted) {
+            match model::collect(&[&wanted.path]) {
                 Ok(found) => models.extend(found),
                 Err(ModelError::Missing { path, problem }) if wanted.optional => {
                     done.notes.push(format!(
@@ -160,10 +160,6 @@ pub fn plans(
     }
     name_alike(&mut done.plans);
     Ok(done)
-}
-
-fn find(wanted: &WantedModel) -> Result<Vec<ModelRef>, ModelError> {
-    model::collect(&[&wanted.path])
 }
 
 /// Makes names unique over all plans; the same model has the same name in each.
@@ -372,10 +368,7 @@ mod tests {
     fn a_file_or_an_empty_directory_is_refused() {
         let directory = tempfile::tempdir().unwrap();
         let error = Library::open(directory.path()).unwrap_err();
-        assert!(
-            matches!(error, ModelError::EmptyDirectory { .. }),
-            "{error}"
-        );
+        assert!(error.to_string().contains("no mesh file"), "{error}");
         let file = directory.path().join("horse.obj");
         std::fs::write(&file, "").unwrap();
         for wrong in [file, directory.path().join("none")] {

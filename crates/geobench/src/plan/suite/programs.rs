@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
@@ -85,7 +86,7 @@ pub(super) fn programs(
         }
         for parameters in combinations {
             let values: Vec<String> = parameters.iter().map(|(k, v)| format!("{k}={v}")).collect();
-            let added = programs.add(Program {
+            let added = programs.add(Arc::new(Program {
                 name: if values.is_empty() {
                     name.to_lowercase()
                 } else {
@@ -98,7 +99,7 @@ pub(super) fn programs(
                 directory: directory.clone(),
                 lifetime: table.protocol,
                 approximate: table.approximate,
-            });
+            }));
             if !added {
                 return error("two are called so, letter case apart");
             }

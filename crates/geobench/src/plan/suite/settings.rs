@@ -279,13 +279,15 @@ fn whole<'de, D: Deserializer<'de>, T: From<u32>, const LEAST: u32, const MOST: 
     }
 }
 
+/// A number, whole or not.
+fn real(value: &Value) -> Option<f64> {
+    let whole = value.as_integer().map(|number| number as f64);
+    value.as_float().or(whole)
+}
+
 /// A tolerance.
 fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
-    let number = match Value::deserialize(deserializer)? {
-        Value::Float(number) => Some(number),
-        Value::Integer(number) => Some(number as f64),
-        _ => None,
-    };
+    let number = real(&Value::deserialize(deserializer)?);
     tolerance(number).map(Some).map_err(D::Error::custom)
 }
 
@@ -351,15 +353,11 @@ fn target<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<TargetSpe
 
 /// A distance that is not negative.
 fn radius<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
-    let radius = match Value::deserialize(deserializer)? {
-        Value::Float(radius) => radius,
-        Value::Integer(radius) => radius as f64,
-        _ => f64::NAN,
-    };
-    if radius >= 0.0 && radius.is_finite() {
-        return Ok(Some(radius));
-    }
-    Err(D::Error::custom("a radius is a distance of 0 or more"))
+    let radius = real(&Value::deserialize(deserializer)?);
+    let radius = radius.filter(|radius| *radius >= 0.0 && radius.is_finite());
+    radius
+        .map(Some)
+        .ok_or_else(|| D::Error::custom("a radius is a distance of 0 or more"))
 }
 
 /// A name, or a list of names.

@@ -35,7 +35,7 @@ pub(crate) struct Band {
 }
 
 /// A line of points.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Lane {
     pub(crate) label: String,
     /// The algorithm, by which the page filters.
@@ -45,6 +45,17 @@ pub(crate) struct Lane {
     pub(crate) samples: Vec<f64>,
     /// The text if there is no point.
     pub(crate) absent: Option<String>,
+}
+
+impl Lane {
+    /// The lane of an algorithm.
+    pub(crate) fn of(algorithm: &str) -> Self {
+        Self {
+            label: algorithm.to_owned(),
+            algorithm: Some(algorithm.to_owned()),
+            ..Self::default()
+        }
+    }
 }
 
 impl Dots {
@@ -129,10 +140,9 @@ impl Dots {
                 .collect();
             Lane {
                 label: band.title.clone(),
-                algorithm: None,
                 points: band.lanes.iter().flat_map(|l| l.points.clone()).collect(),
-                samples: Vec::new(),
                 absent: (!absent.is_empty()).then(|| absent.join(", ")),
+                ..Lane::default()
             }
         });
         let names = self.points().map(|p| (p.style, p.hollow, p.name.clone()));
@@ -155,25 +165,24 @@ impl Dots {
     pub(super) fn data(&self) -> Vec<Datum> {
         let mut data = Vec::new();
         for band in &self.bands {
+            let datum = |series: String| Datum {
+                of: band.title.clone(),
+                series,
+                ..Datum::default()
+            };
             for lane in &band.lanes {
                 data.extend(lane.points.iter().map(|point| Datum {
-                    of: band.title.clone(),
-                    series: point.name.clone(),
                     value: Some(point.value.value),
                     interval: point.value.interval,
-                    ..Datum::default()
+                    ..datum(point.name.clone())
                 }));
                 data.extend(lane.samples.iter().map(|sample| Datum {
-                    of: band.title.clone(),
-                    series: format!("{}: sample", lane.label),
                     value: Some(*sample),
-                    ..Datum::default()
+                    ..datum(format!("{}: sample", lane.label))
                 }));
                 data.extend(lane.absent.iter().map(|absent| Datum {
-                    of: band.title.clone(),
-                    series: lane.label.clone(),
                     absent: Some(absent.clone()),
-                    ..Datum::default()
+                    ..datum(lane.label.clone())
                 }));
             }
         }

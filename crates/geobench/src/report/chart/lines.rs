@@ -56,6 +56,17 @@ pub(crate) struct LinePoint {
     pub(crate) model: String,
 }
 
+impl LinePoint {
+    pub(crate) fn new(x: f64, value: impl Into<Estimate>, model: &str) -> Self {
+        Self {
+            x,
+            value: value.into(),
+            deviation: None,
+            model: model.to_owned(),
+        }
+    }
+}
+
 /// The power law `factor * x ^ exponent`, drawn between two places.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Fit {
@@ -149,15 +160,15 @@ impl Lines {
     }
 
     pub(super) fn data(&self) -> Vec<Datum> {
+        let datum = |series: String, x: f64, value: f64| Datum {
+            of: self.x.label.clone(),
+            series,
+            x: Some(x),
+            value: Some(value),
+            ..Datum::default()
+        };
         let mut data = Vec::new();
         for series in &self.series {
-            let datum = |name: String, x: f64, value: f64| Datum {
-                of: self.x.label.clone(),
-                series: name,
-                x: Some(x),
-                value: Some(value),
-                ..Datum::default()
-            };
             for point in &series.points {
                 data.push(Datum {
                     interval: point.value.interval,
@@ -179,13 +190,8 @@ impl Lines {
             }
         }
         for (model, front) in self.fronts() {
-            data.extend(front.into_iter().map(|[x, value]| Datum {
-                of: self.x.label.clone(),
-                series: format!("{model}: front"),
-                x: Some(x),
-                value: Some(value),
-                ..Datum::default()
-            }));
+            let points = front.into_iter();
+            data.extend(points.map(|[x, value]| datum(format!("{model}: front"), x, value)));
         }
         data
     }

@@ -265,20 +265,16 @@ fn corners(style: usize) -> &'static [[f64; 2]] {
 
 /// The name of a marker in pgfplots.
 pub(crate) fn pgf_mark(style: usize, hollow: bool) -> &'static str {
-    match (style % SHAPES, hollow) {
-        (0, false) => "*",
-        (0, true) => "o",
-        (1, false) => "square*",
-        (1, true) => "square",
-        (2, false) => "triangle*",
-        (2, true) => "triangle",
-        (3, false) => "diamond*",
-        (3, true) => "diamond",
-        (4, false) => "pentagon*",
-        (4, true) => "pentagon",
-        (5, _) => "+",
-        (6, _) => "x",
-        (7, _) => "asterisk",
-        (_, _) => "|",
-    }
+    const MARKS: [[&str; 2]; SHAPES] = [
+        ["*", "o"],
+        ["square*", "square"],
+        ["triangle*", "triangle"],
+        ["diamond*", "diamond"],
+        ["pentagon*", "pentagon"],
+        ["+"; 2],
+        ["x"; 2],
+        ["asterisk"; 2],
+        ["|"; 2],
+    ];
+    MARKS[style % SHAPES][usize::from(hollow)]
 }

@@ -1,11 +1,11 @@
 //! The cases of a test: values computed from results, and whether the claim holds for each.
 
 use super::ClaimCase;
-use super::expression::{Leaves, Node, Quantity, ends};
+use super::expression::{Leaves, Node, Quantity};
 use super::file::{Combine, GrowthAxis, Operand, Show, Size, Test, Vectors, labels};
 use crate::exec::source::SourceSpec;
 use crate::measure::number::grouped;
-use crate::measure::statistics::{FEWEST_FOR_FIT, FEWEST_FOR_INTERVAL};
+use crate::measure::statistics::{FEWEST_FOR_FIT, FEWEST_FOR_INTERVAL, range_of};
 use crate::registry::{Selection, Value as Parameter};
 use crate::schema::{Cell, ModelRecord, Phases, PlannedAlgorithm, ResultFile, SourceLabel, Status};
 use crate::table::figures::Figure;
@@ -259,7 +259,8 @@ impl<'r> Results<'r> {
             of: self.in_words(operand),
             ..ClaimCase::open(figure, on)
         };
-        for (place, figure) in self.test.figures.iter().enumerate() {
+        let figures = std::iter::once(&self.test.figure).chain(&self.test.others);
+        for (place, &figure) in figures.enumerate() {
             let mut case = blank(figure.key);
             match build(figure).map(|built| self.decide(&built, figure, &mut case)) {
                 Ok(Ok(())) if place == 0 => {
@@ -290,7 +291,7 @@ impl<'r> Results<'r> {
         };
         (case.value, case.ci95) = (Some(value.value), value.interval);
         case.range = built.range;
-        let holds = self.test.holds;
+        let holds = self.test.holds.ok_or("the claim is about how runs end")?;
         let sure = match value {
             Estimate {
                 interval: Some([low, high]),
@@ -331,12 +332,7 @@ impl<'r> Results<'r> {
                 of.as_ref().and_then(same).unwrap_or(false)
             });
         }
-        let numbers = printed.iter().map(|(_, number)| *number);
-        let ends = numbers.fold(None, |ends: Option<[f64; 2]>, number| {
-            let [low, high] = ends.unwrap_or([number; 2]);
-            Some([low.min(number), high.max(number)])
-        });
-        let [low, high] = ends?;
+        let [low, high] = range_of(printed.iter().map(|(_, number)| *number))?;
         Some(value >= low - low.abs() / 3.0 && value <= high + high.abs() / 3.0)
     }
 
@@ -409,7 +405,7 @@ impl<'r> Results<'r> {
     ) -> Node {
         if let Some(best) = &self.test.best {
             let beside = operand.algorithms.iter();
-            let beside = beside.map(|one| parameter(one, best).unwrap_or(f64::NAN));
+            let beside = beside.map(|one| parameter(one, best.get_ref()).unwrap_or(f64::NAN));
             let all = beside.zip(over.into_iter().map(|quantity| leaves.node(quantity)));
             return Node::Best(all.collect());
         }
@@ -504,7 +500,7 @@ impl<'r> Results<'r> {
             return Err(missing.map_or(few.clone(), |why| format!("{few}: {why}")));
         }
         Ok(Built {
-            range: Some(ends(&points)),
+            range: range_of(points.iter().map(|(x, _)| *x)),
             leaves,
             node: Node::Growth(points),
         })
@@ -642,14 +638,8 @@ fn is_timed(figure: &Figure) -> bool {
 pub(super) fn is_same(selection: &Selection, planned: &PlannedAlgorithm) -> bool {
     let parameters = selection.algorithm().parameters;
     let equal = |parameter: &crate::registry::Parameter| {
-        let Some(recorded) = planned.parameters.get(parameter.name) else {
-            return false;
-        };
-        match selection.value(parameter) {
-            Parameter::Integer(n) => recorded.as_u64() == Some(n),
-            Parameter::Real(x) => recorded.as_f64() == Some(x),
-            Parameter::Word(word) => recorded.as_str() == Some(word),
-        }
+        let value = serde_json::json!(selection.value(parameter));
+        planned.parameters.get(parameter.name) == Some(&value)
     };
     planned.parameters.len() == parameters.len() && parameters.iter().all(equal)
 }

@@ -3,7 +3,7 @@
 //! An expression is a tree over numbers that vary: counts do not, times are the medians of samples,
 //! shares of phases have a standard error. `measure::statistics` computes the interval.
 
-use crate::measure::statistics::{Variable, exponent_of_growth, interval_of, median};
+use crate::measure::statistics::{Variable, exponent_of_growth, interval_of, median, range_of};
 use crate::table::group::Estimate;
 
 /// An expression.
@@ -57,27 +57,17 @@ impl Node {
             Self::Mean(nodes) => mean(all(nodes).into_iter()),
             Self::GeometricMean(nodes) => libm::exp(mean(all(nodes).into_iter().map(libm::log))),
             Self::Spread(nodes) => {
-                let all = all(nodes);
-                let least = all.iter().copied().fold(f64::INFINITY, f64::min);
-                all.into_iter().fold(f64::NEG_INFINITY, f64::max) / least
+                range_of(all(nodes)).map_or(f64::NAN, |[least, most]| most / least)
             }
             Self::Growth(points) => {
-                let [least, greatest] = ends(points);
+                let [least, most] = range_of(points.iter().map(|(x, _)| *x)).unwrap_or_default();
                 let points = points.iter().map(|(x, node)| [*x, node.of(values)]);
                 let exponent = exponent_of_growth(points);
                 // Not a power, which is 1 of a range of 1 whatever the exponent is.
-                libm::exp(exponent.unwrap_or(f64::NAN) * libm::log(greatest / least))
+                libm::exp(exponent.unwrap_or(f64::NAN) * libm::log(most / least))
             }
         }
     }
-}
-
-/// The least and the greatest x.
-pub(super) fn ends(points: &[(f64, Node)]) -> [f64; 2] {
-    let places = points.iter().map(|(x, _)| *x);
-    places.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], x| {
-        [least.min(x), most.max(x)]
-    })
 }
 
 fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {

@@ -9,25 +9,26 @@ use toml::Spanned;
 use crate::registry::{Selection, select_one};
 use crate::report::papers::PaperTable;
 use crate::schema::Status;
-use crate::table::figures::{Figure, figure};
-use crate::usage::document::{Document, DocumentError, text_or_table};
+use crate::table::figures::{Figure, figure, time};
+use crate::usage::document::{Document, DocumentError, parsed, text_or_table};
 
 /// The claims of a paper.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ClaimsFile {
     /// The paper's number.
     pub paper: String,
     /// Authors, year and subject.
     pub title: String,
-    /// The claims, in the order of the file.
-    pub claims: Vec<Claim>,
+    #[serde(default, rename = "claim")]
+    claims: Vec<Spanned<Claim>>,
 }
 
 /// A claim.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Claim {
-    /// Its name, unique in all files.
-    pub id: String,
+    id: Spanned<String>,
     /// Section, table or figure.
     pub place: String,
     /// A few words of the paper.
@@ -40,30 +41,51 @@ pub struct Claim {
     pub awaits: Option<String>,
     /// What a reader must know beside the numbers.
     pub remark: Option<String>,
-    pub(super) tests: Vec<Test>,
+    #[serde(default, rename = "test")]
+    tests: Vec<Spanned<Test>>,
 }
 
 /// A test: an expression over results, and the values for which the claim holds.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct Test {
+    #[serde(default, rename = "group")]
     pub(super) groups: Vec<String>,
+    #[serde(default)]
     pub(super) models: Vec<String>,
     pub(super) of: Vec<Operand>,
     pub(super) to: Option<Operand>,
-    /// The figure that decides, followed by those that decide where it cannot.
-    pub(super) figures: Vec<&'static Figure>,
+    /// The figure that decides.
+    #[serde(default = "time")]
+    pub(super) figure: &'static Figure,
+    /// Those that decide where it cannot.
+    #[serde(default, rename = "else")]
+    pub(super) others: Vec<&'static Figure>,
     pub(super) per: Option<Size>,
     pub(super) over: Option<GrowthAxis>,
+    #[serde(default)]
     pub(super) combine: Combine,
+    #[serde(default)]
     pub(super) show: Show,
     /// The parameter of the least of an operand that is the value.
-    pub(super) best: Option<String>,
-    pub(super) holds: Range,
-    pub(super) paper: Option<Paper>,
+    pub(super) best: Option<Spanned<String>>,
+    /// Either this or `ends` is there.
+    pub(super) holds: Option<Range>,
+    pub(super) paper: Option<Spanned<Paper>>,
     /// The outcome that a run must have, instead of an expression.
     pub(super) ends: Option<Status>,
+    #[serde(default)]
     pub(super) at_least_faces: u64,
+    #[serde(default)]
     pub(super) simd: Vectors,
+}
+
+impl<'de> Deserialize<'de> for &'static Figure {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        parsed(deserializer, |name| {
+            figure(name).map_err(|error| error.to_string())
+        })
+    }
 }
 
 /// The runs whose times and instructions decide.
@@ -174,8 +196,15 @@ impl FromStr for Range {
     }
 }
 
+impl<'de> Deserialize<'de> for Range {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        parsed(deserializer, str::parse)
+    }
+}
+
 /// The paper's numbers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize)]
+#[serde(try_from = "WrittenPaper")]
 pub(super) enum Paper {
     /// As they stand there, or computed from what stands there.
     Numbers(Vec<f64>),
@@ -183,64 +212,29 @@ pub(super) enum Paper {
     Table(PaperTable),
 }
 
-/// A test as it is written.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawTest {
-    #[serde(default)]
-    group: Vec<String>,
-    #[serde(default)]
-    models: Vec<String>,
-    of: Vec<Operand>,
-    to: Option<Operand>,
-    figure: Option<Spanned<String>>,
-    #[serde(default, rename = "else")]
-    fallback: Vec<Spanned<String>>,
-    per: Option<Size>,
-    over: Option<GrowthAxis>,
-    #[serde(default)]
-    combine: Combine,
-    #[serde(default)]
-    show: Show,
-    best: Option<Spanned<String>>,
-    holds: Option<Spanned<String>>,
-    paper: Option<Spanned<RawPaper>>,
-    ends: Option<Status>,
-    #[serde(default)]
-    at_least_faces: u64,
-    #[serde(default)]
-    simd: Vectors,
-}
-
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum RawPaper {
+enum WrittenPaper {
     Number(f64),
     Numbers(Vec<f64>),
     Table(String),
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawClaim {
-    id: Spanned<String>,
-    place: String,
-    quote: String,
-    claim: String,
-    suite: Option<String>,
-    awaits: Option<String>,
-    remark: Option<String>,
-    #[serde(default)]
-    test: Vec<Spanned<RawTest>>,
-}
+impl TryFrom<WrittenPaper> for Paper {
+    type Error = String;
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawFile {
-    paper: String,
-    title: String,
-    #[serde(default)]
-    claim: Vec<Spanned<RawClaim>>,
+    fn try_from(written: WrittenPaper) -> Result<Self, String> {
+        match written {
+            WrittenPaper::Number(number) => Ok(Self::Numbers(vec![number])),
+            WrittenPaper::Numbers(numbers) if numbers.is_empty() => {
+                Err("at least one number is expected".to_owned())
+            }
+            WrittenPaper::Numbers(numbers) => Ok(Self::Numbers(numbers)),
+            WrittenPaper::Table(name) => PaperTable::named(&name)
+                .map(Self::Table)
+                .map_err(|error| format!("{error:#}")),
+        }
+    }
 }
 
 impl<'de> Deserialize<'de> for Operand {
@@ -251,7 +245,7 @@ impl<'de> Deserialize<'de> for Operand {
             algorithm: Option<String>,
             #[serde(default)]
             least: Vec<String>,
-            figure: Option<String>,
+            figure: Option<&'static Figure>,
         }
         text_or_table(
             deserializer,
@@ -268,10 +262,9 @@ impl<'de> Deserialize<'de> for Operand {
                 if raw.algorithm.is_some() != raw.least.is_empty() {
                     return Err("give either `algorithm` or `least`, a list of some".to_owned());
                 }
-                let figure = raw.figure.map(|name| figure(&name)).transpose();
                 Ok(Self {
                     algorithms,
-                    figure: figure.map_err(|error| error.to_string())?,
+                    figure: raw.figure,
                 })
             },
         )
@@ -298,32 +291,39 @@ impl ClaimsFile {
     }
 
     fn of(document: &Document<'_>) -> Result<Self, DocumentError> {
-        let raw: RawFile = document.read(document.parse()?, &[])?;
-        let mut claims: Vec<Claim> = Vec::new();
-        for claim in raw.claim {
-            let claim = self::claim(document, claim)?;
-            if claims.iter().any(|other| other.id == claim.1.id) {
-                let problem = format!("two are called `{}`", claim.1.id);
-                return Err(document.error_at("id", Some(claim.0), &problem));
+        let file: Self = document.read(document.parse()?, &[])?;
+        for (place, claim) in file.claims.iter().enumerate() {
+            check_claim(document, claim)?;
+            let id = &claim.get_ref().id;
+            let mut before = file.claims[..place].iter();
+            if before.any(|other| other.get_ref().id() == id.get_ref()) {
+                let problem = format!("two are called `{}`", id.get_ref());
+                return Err(document.error_at("id", Some(id.span()), &problem));
             }
-            claims.push(claim.1);
         }
-        Ok(Self {
-            paper: raw.paper,
-            title: raw.title,
-            claims,
-        })
+        Ok(file)
+    }
+
+    /// The claims, in the order of the file.
+    pub fn claims(&self) -> impl Iterator<Item = &Claim> {
+        self.claims.iter().map(Spanned::get_ref)
     }
 }
 
-type Span = std::ops::Range<usize>;
+impl Claim {
+    /// Its name, unique in all files.
+    pub fn id(&self) -> &str {
+        self.id.get_ref()
+    }
 
-/// The claim, with the span of its name.
-fn claim(document: &Document<'_>, raw: Spanned<RawClaim>) -> Result<(Span, Claim), DocumentError> {
-    let span = raw.span();
-    let raw = raw.into_inner();
-    let id = raw.id.span();
-    let problem = match (&raw.suite, &raw.awaits, &raw.test[..]) {
+    pub(super) fn tests(&self) -> impl Iterator<Item = &Test> {
+        self.tests.iter().map(Spanned::get_ref)
+    }
+}
+
+fn check_claim(document: &Document<'_>, claim: &Spanned<Claim>) -> Result<(), DocumentError> {
+    let (span, claim) = (claim.span(), claim.get_ref());
+    let problem = match (&claim.suite, &claim.awaits, &claim.tests[..]) {
         (_, None, []) => Some("it has no [[claim.test]] and does not say what it `awaits`"),
         (None, None, _) => Some("it names no `suite` whose results decide"),
         _ => None,
@@ -331,56 +331,25 @@ fn claim(document: &Document<'_>, raw: Spanned<RawClaim>) -> Result<(Span, Claim
     if let Some(problem) = problem {
         return Err(document.error_at("claim", Some(span), problem));
     }
-    let tests = raw.test.into_iter().map(|raw| test(document, raw));
-    Ok((
-        id,
-        Claim {
-            id: raw.id.into_inner(),
-            place: raw.place,
-            quote: raw.quote,
-            claim: raw.claim,
-            suite: raw.suite,
-            awaits: raw.awaits,
-            remark: raw.remark,
-            tests: tests.collect::<Result<_, _>>()?,
-        },
-    ))
+    let mut tests = claim.tests.iter();
+    tests.try_for_each(|test| check_test(document, test))
 }
 
-fn test(document: &Document<'_>, raw: Spanned<RawTest>) -> Result<Test, DocumentError> {
-    let span = raw.span();
-    let raw = raw.into_inner();
-    let error = |key: &str, problem: &str| document.error_at(key, Some(span.clone()), problem);
-    let mut figures = Vec::new();
-    if raw.figure.is_none() {
-        figures.push(crate::table::figures::time());
+fn check_test(document: &Document<'_>, test: &Spanned<Test>) -> Result<(), DocumentError> {
+    let (span, test) = (test.span(), test.get_ref());
+    let error = |key: &str, problem: &str| Err(document.error_at(key, Some(span.clone()), problem));
+    if test.of.is_empty() {
+        return error("of", "at least one algorithm is expected");
     }
-    for name in raw.figure.into_iter().chain(raw.fallback) {
-        let found = figure(name.get_ref()).map_err(|unknown| {
-            document.error_at("figure", Some(name.span()), &unknown.to_string())
-        })?;
-        figures.push(found);
+    if test.holds.is_some() == test.ends.is_some() {
+        return error("holds", "a test has either `holds` or `ends`");
     }
-    if raw.of.is_empty() {
-        return Err(error("of", "at least one algorithm is expected"));
+    if test.over.is_some() && test.combine != Combine::Each {
+        return error("over", "growth has one value; leave `combine` out");
     }
-    let holds = match (&raw.holds, raw.ends) {
-        (Some(holds), None) => holds
-            .get_ref()
-            .parse()
-            .map_err(|problem: String| document.error_at("holds", Some(holds.span()), &problem))?,
-        (None, Some(_)) => Range {
-            least: f64::NEG_INFINITY,
-            most: f64::INFINITY,
-        },
-        _ => return Err(error("holds", "a test has either `holds` or `ends`")),
-    };
-    if raw.over.is_some() && raw.combine != Combine::Each {
-        return Err(error("over", "growth has one value; leave `combine` out"));
-    }
-    if let Some(best) = &raw.best {
+    if let Some(best) = &test.best {
         let parameter = best.get_ref();
-        let all = raw.of.iter().flat_map(|operand| &operand.algorithms);
+        let all = test.of.iter().flat_map(|operand| &operand.algorithms);
         for selection in all {
             if super::cases::parameter(selection, parameter).is_none() {
                 let problem = format!(
@@ -391,47 +360,17 @@ fn test(document: &Document<'_>, raw: Spanned<RawTest>) -> Result<Test, Document
             }
         }
     }
-    let mut test = Test {
-        groups: raw.group,
-        models: raw.models,
-        of: raw.of,
-        to: raw.to,
-        figures,
-        per: raw.per,
-        over: raw.over,
-        combine: raw.combine,
-        show: raw.show,
-        best: raw.best.map(Spanned::into_inner),
-        holds,
-        paper: None,
-        ends: raw.ends,
-        at_least_faces: raw.at_least_faces,
-        simd: raw.simd,
-    };
-    if let Some(paper) = raw.paper {
-        let span = paper.span();
-        let error = |problem: &str| document.error_at("paper", Some(span.clone()), problem);
-        test.paper = Some(match paper.into_inner() {
-            RawPaper::Number(number) => Paper::Numbers(vec![number]),
-            RawPaper::Numbers(numbers) if numbers.is_empty() => {
-                return Err(error("at least one number is expected"));
-            }
-            RawPaper::Numbers(numbers) => Paper::Numbers(numbers),
-            RawPaper::Table(name) => {
-                let table = PaperTable::named(&name);
-                Paper::Table(table.map_err(|problem| error(&format!("{problem:#}")))?)
-            }
-        });
-        for operand in &test.of {
-            if matches!(&test.paper, Some(Paper::Table(_))) && test.printed(operand).is_empty() {
-                return Err(error(&format!(
-                    "the table has no number of {} for this test",
-                    operand.in_words()
-                )));
-            }
-        }
+    if let Some(paper) = &test.paper
+        && let Paper::Table(_) = paper.get_ref()
+        && let Some(operand) = (test.of.iter()).find(|operand| test.printed(operand).is_empty())
+    {
+        let problem = format!(
+            "the table has no number of {} for this test",
+            operand.in_words()
+        );
+        return Err(document.error_at("paper", Some(paper.span()), &problem));
     }
-    Ok(test)
+    Ok(())
 }
 
 impl Operand {
@@ -478,7 +417,7 @@ impl Test {
             Show::Value => number,
             Show::Saving => 1.0 - number,
         };
-        let table = match &self.paper {
+        let table = match self.paper.as_ref().map(Spanned::get_ref) {
             None => return Vec::new(),
             Some(Paper::Numbers(numbers)) => {
                 return numbers.iter().map(|&number| (None, number)).collect();
@@ -503,22 +442,21 @@ impl Test {
         };
         let place =
             |row: &crate::report::papers::Printed| Some((row.model.to_lowercase(), row.faces?));
-        let figure = self.figures[0];
-        let own = of(over, operand.figure(figure)).into_iter();
+        let own = of(over, operand.figure(self.figure)).into_iter();
         let Some(to) = &self.to else {
             return own.map(|row| (place(row), row.value)).collect();
         };
         let [under] = &to.algorithms[..] else {
             return Vec::new();
         };
-        let bases = of(under, to.figure(figure));
+        let bases = of(under, to.figure(self.figure));
         let ratios = own.filter_map(|row| {
             let base = bases.iter().find(|base| base.model == row.model)?;
             Some((place(row), saved(row.value / base.value)))
         });
         let printed = table.printed.iter().filter(|row| {
             let to = row.to.as_deref().is_some_and(|label| is(label, under));
-            to && is(&row.algorithm, over) && row.figure.key == figure.key
+            to && is(&row.algorithm, over) && row.figure.key == self.figure.key
         });
         let printed = printed.map(|row| (place(row), saved(row.value)));
         ratios.chain(printed).collect()

@@ -191,12 +191,12 @@ pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<ClaimsReport, Us
     let mut of_suite: BTreeMap<String, &Input> = BTreeMap::new();
     let mut notes = Vec::new();
     let wanted = |suite: &String| {
-        let mut claims = files.iter().flat_map(|file| &file.claims);
+        let mut claims = files.iter().flat_map(ClaimsFile::claims);
         claims.any(|claim| claim.suite.as_ref() == Some(suite))
     };
     for input in results {
         let shown = input.path.display();
-        let Some(suite) = super::papers::suite(&input.result.command).filter(|s| wanted(s)) else {
+        let Some(suite) = input.result.suite().filter(|s| wanted(s)) else {
             notes.push(format!("{shown}: no claim is decided by its suite"));
             continue;
         };
@@ -222,8 +222,7 @@ pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<ClaimsReport, Us
         paper: file.paper.clone(),
         title: file.title.clone(),
         claims: file
-            .claims
-            .iter()
+            .claims()
             .map(|claim| {
                 let input = claim.suite.as_ref().and_then(|suite| of_suite.get(suite));
                 judged(&file.paper, claim, input.map(|input| &input.result))
@@ -260,7 +259,7 @@ fn judged(paper: &str, claim: &Claim, result: Option<&ResultFile>) -> JudgedClai
             unjudged = Some(format!("there is no result of the suite {suite}"));
         }
         (None, _, Some(result)) => {
-            for test in &claim.tests {
+            for test in claim.tests() {
                 cases.extend(Results { result, test }.cases());
             }
         }
@@ -278,7 +277,7 @@ fn judged(paper: &str, claim: &Claim, result: Option<&ResultFile>) -> JudgedClai
         values.insert(name, case.clone());
     }
     JudgedClaim {
-        id: claim.id.clone(),
+        id: claim.id().to_owned(),
         paper: paper.to_owned(),
         place: claim.place.clone(),
         claim: claim.claim.clone(),
@@ -287,7 +286,7 @@ fn judged(paper: &str, claim: &Claim, result: Option<&ResultFile>) -> JudgedClai
         values,
         reason,
         suite: claim.suite.clone(),
-        printed: page::printed(&claim.tests),
+        printed: page::printed(claim.tests()),
         shown: page::cases(&cases),
         remark: claim.remark.clone(),
     }

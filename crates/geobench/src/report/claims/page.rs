@@ -1,13 +1,14 @@
 //! Verdicts as pages, tables and files.
 
-use std::path::Path;
+use toml::Spanned;
 
 use super::file::{Paper, Test};
 use super::{ClaimCase, ClaimVerdict, ClaimsReport, JudgedClaim, JudgedPaper};
 use crate::measure::number::grouped;
+use crate::measure::statistics::range_of;
 use crate::table::group::distinct;
 use crate::table::terminal::listing;
-use crate::table::{Column, Entry, Look, Mark, Table, UnknownEnding, csv, markdown, of_ending};
+use crate::table::{Column, Entry, FileForm, Look, Mark, Table, csv, json_lines, markdown};
 
 /// A form in which verdicts can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -22,13 +23,15 @@ pub enum ClaimsFormat {
     Csv,
 }
 
-/// The endings of files.
-const ENDINGS: [(&str, ClaimsFormat); 4] = [
-    ("md", ClaimsFormat::Markdown),
-    ("json", ClaimsFormat::Json),
-    ("csv", ClaimsFormat::Csv),
-    ("txt", ClaimsFormat::Text),
-];
+impl FileForm for ClaimsFormat {
+    const CONTENT: &'static str = "verdicts";
+    const ENDINGS: &'static [(&'static str, Self)] = &[
+        ("md", Self::Markdown),
+        ("json", Self::Json),
+        ("csv", Self::Csv),
+        ("txt", Self::Text),
+    ];
+}
 
 /// Most cases of one expression that are shown each by itself.
 const MOST_SHOWN: usize = 4;
@@ -51,15 +54,6 @@ machines are never compared; ratios are. `no` marks a case for which the claim d
 ";
 
 impl ClaimsFormat {
-    /// The form for the ending of `path`, in any letter case.
-    ///
-    /// # Errors
-    ///
-    /// When no form has this ending.
-    pub fn of_path(path: &Path) -> Result<Self, UnknownEnding> {
-        of_ending(path, "verdicts", &ENDINGS)
-    }
-
     /// Verdicts in this form, ending in a line break.
     ///
     /// # Errors
@@ -71,7 +65,7 @@ impl ClaimsFormat {
             Self::Markdown => in_markdown(report),
             Self::Json => {
                 let claims = report.papers.iter().flat_map(|paper| &paper.claims);
-                serde_json::to_string_pretty(&claims.collect::<Vec<_>>())? + "\n"
+                json_lines(&claims.collect::<Vec<_>>())?
             }
             Self::Csv => csv::table(&rows(report))?,
         })
@@ -81,9 +75,7 @@ impl ClaimsFormat {
 fn text(report: &ClaimsReport, look: Look) -> String {
     let paper = |paper: &JudgedPaper| {
         let table = Table::new(
-            ["Claim", "ClaimVerdict", "Here", "Why"]
-                .map(Column::text)
-                .into(),
+            Column::of(["Claim", "Verdict", "Here", "Why"], [""; 0]),
             paper
                 .claims
                 .iter()
@@ -124,7 +116,7 @@ fn in_markdown(report: &ClaimsReport) -> String {
         page += &format!("- {source}\n");
     }
     for paper in &report.papers {
-        let heads = ["claim", "place", "paper", "here", "verdict", "why"].map(Column::text);
+        let heads = ["claim", "place", "paper", "here", "verdict", "why"];
         let row = |claim: &JudgedClaim| {
             let quote = format!("\u{201c}{}\u{201d}", claim.quote);
             let paper = [quote.as_str(), &claim.printed];
@@ -146,7 +138,10 @@ fn in_markdown(report: &ClaimsReport) -> String {
         };
         let table = Table {
             title: format!("{}: {}", paper.paper, paper.title),
-            ..Table::new(heads.into(), paper.claims.iter().map(row).collect())
+            ..Table::new(
+                Column::of(heads, [""; 0]),
+                paper.claims.iter().map(row).collect(),
+            )
         };
         page += &format!("\n{}", markdown::table(&table).trim_end());
         page += "\n";
@@ -176,25 +171,16 @@ fn rows(report: &ClaimsReport) -> Table {
         .into()
     };
     let claims = report.papers.iter().flat_map(|paper| &paper.claims);
-    Table::new(heads.map(Column::text).into(), claims.map(row).collect())
+    Table::new(Column::of(heads, [""; 0]), claims.map(row).collect())
 }
 
 /// How many claims of each paper have each verdict.
 fn summary(report: &ClaimsReport) -> Table {
     let count = |claims: &[&JudgedClaim], title: String| -> Vec<Entry> {
-        let with = |verdict| {
-            claims
-                .iter()
-                .filter(|claim| claim.verdict == verdict)
-                .count()
-        };
-        let counts = ClaimVerdict::ALL
-            .into_iter()
-            .map(|verdict| with(verdict).to_string());
-        std::iter::once(title)
-            .chain(counts)
-            .map(Entry::new)
-            .collect()
+        let with = |verdict| claims.iter().filter(move |claim| claim.verdict == verdict);
+        let counts = ClaimVerdict::ALL.map(|verdict| with(verdict).count().to_string());
+        let entries = std::iter::once(title).chain(counts);
+        entries.map(Entry::new).collect()
     };
     let mut rows: Vec<Vec<Entry>> = Vec::new();
     for paper in &report.papers {
@@ -207,9 +193,8 @@ fn summary(report: &ClaimsReport) -> Table {
         .flat_map(|paper| &paper.claims)
         .collect();
     rows.push(count(&all, "all".to_owned()));
-    let verdicts = ClaimVerdict::ALL.map(|verdict| Column::number(verdict.in_words()));
-    let columns = std::iter::once(Column::text("claims of")).chain(verdicts);
-    Table::new(columns.collect(), rows)
+    let verdicts = ClaimVerdict::ALL.map(ClaimVerdict::in_words);
+    Table::new(Column::of(["claims of"], verdicts), rows)
 }
 
 /// The reason and the remark.
@@ -223,7 +208,7 @@ fn why(claim: &JudgedClaim) -> String {
 }
 
 /// The paper's numbers in words.
-pub(super) fn printed(tests: &[Test]) -> String {
+pub(super) fn printed<'t>(tests: impl Iterator<Item = &'t Test>) -> String {
     let mut parts = Vec::new();
     for test in tests {
         for operand in &test.of {
@@ -233,16 +218,13 @@ pub(super) fn printed(tests: &[Test]) -> String {
                 printed.retain(|(of, _)| of.as_ref().is_none_or(|(name, _)| wanted(name)));
             }
             let numbers = printed.into_iter().map(|(_, number)| number);
-            let numbers: Vec<f64> = numbers.collect();
-            if numbers.is_empty() {
+            let Some([least, most]) = range_of(numbers) else {
                 continue;
-            }
-            let name = match &test.paper {
+            };
+            let name = match test.paper.as_ref().map(Spanned::get_ref) {
                 Some(Paper::Table(_)) => format!("{} ", operand.in_words()),
                 _ => String::new(),
             };
-            let least = numbers.iter().copied().fold(f64::INFINITY, f64::min);
-            let most = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let range = if least == most {
                 number(least)
             } else {
@@ -283,7 +265,8 @@ pub(super) fn cases(cases: &[ClaimCase]) -> String {
             });
             each.collect::<Vec<_>>().join(", ")
         } else {
-            let values = || own.iter().filter_map(|case| case.value);
+            let values = own.iter().filter_map(|case| case.value);
+            let [least, most] = range_of(values).unwrap_or_default();
             let marked = |holds| own.iter().filter(|case| case.holds == holds).count();
             let counts = [(Some(false), "no"), (None, "open")].map(|(holds, mark)| {
                 let count = marked(holds);
@@ -291,8 +274,8 @@ pub(super) fn cases(cases: &[ClaimCase]) -> String {
             });
             format!(
                 "{} to {} ({} models{})",
-                number(values().fold(f64::INFINITY, f64::min)),
-                number(values().fold(f64::NEG_INFINITY, f64::max)),
+                number(least),
+                number(most),
                 own.len(),
                 counts.into_iter().flatten().collect::<String>()
             )

@@ -429,7 +429,7 @@ fn rows_with_the_label_come_before_those_with_the_name() {
             "of = [\"{of}\"]\nto = \"window-vtp\"\ncombine = \"mean\"\nholds = \"> 1\"\npaper = \"004-table-2\""
         );
         let file = read(&test).unwrap();
-        let test = &file.claims[0].tests[0];
+        let test = file.claims().next().unwrap().tests().next().unwrap();
         let numbers = test.printed(&test.of[0]).into_iter();
         numbers.map(|(_, number)| number).collect()
     };
@@ -653,7 +653,7 @@ fn mistakes_in_files_are_named_with_their_line() {
         ),
         (
             "of = [\"vtp\"]\nelse = [\"x\"]\nholds = \"> 1\"",
-            at(1) + "`figure`: there is no row `x`",
+            at(1) + "`else`: there is no row `x`",
         ),
         (
             "of = []\nholds = \"> 1\"",
@@ -762,7 +762,7 @@ fn all_files_are_known_and_can_be_read() {
     let files = known().unwrap();
     let ids: Vec<&str> = files
         .iter()
-        .flat_map(|file| file.claims.iter().map(|claim| claim.id.as_str()))
+        .flat_map(|file| file.claims().map(super::file::Claim::id))
         .collect();
     assert_eq!(
         distinct(ids.iter().copied()).len(),
@@ -770,10 +770,8 @@ fn all_files_are_known_and_can_be_read() {
         "an id stands there twice"
     );
     for file in &files {
-        let wrong = file
-            .claims
-            .iter()
-            .find(|claim| !claim.id.starts_with(&file.paper));
+        let mut claims = file.claims();
+        let wrong = claims.find(|claim| !claim.id().starts_with(&file.paper));
         assert!(wrong.is_none(), "{wrong:?}");
     }
 }
@@ -800,14 +798,14 @@ fn claims_are_about_what_suites_run() {
     use crate::plan::suite::Suite;
 
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../bench-configs");
-    for claim in known().unwrap().iter().flat_map(|file| &file.claims) {
-        let id = &claim.id;
+    for claim in known().unwrap().iter().flat_map(ClaimsFile::claims) {
+        let id = claim.id();
         let Some(name) = &claim.suite else {
             continue;
         };
         let suite = Suite::read(&directory.join(format!("{name}.toml")));
         let suite = suite.unwrap_or_else(|error| panic!("{id}: {error}"));
-        for test in &claim.tests {
+        for test in claim.tests() {
             let unknown = test
                 .groups
                 .iter()

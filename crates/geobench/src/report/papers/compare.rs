@@ -1,7 +1,8 @@
 //! Ratios of a paper beside ours.
 
 use super::{PaperTable, Printed};
-use crate::measure::number::grouped;
+use crate::measure::number::{grouped, ratio as plain};
+use crate::measure::statistics::range_of;
 use crate::report::Setting;
 use crate::report::chart::{Axis, Band, Chart, Dots, Lane, Point};
 use crate::report::document::{Block, Plot, slug};
@@ -228,21 +229,9 @@ fn mean(values: &[f64]) -> String {
 }
 
 fn range(values: &[f64]) -> String {
-    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if values.len() < 2 {
-        "-".to_owned()
-    } else {
-        format!("{} to {}", plain(least), plain(greatest))
-    }
-}
-
-/// A ratio with two decimals, or none from 100 on.
-fn plain(ratio: f64) -> String {
-    if ratio >= 99.5 {
-        format!("{ratio:.0}")
-    } else {
-        format!("{ratio:.2}")
+    match range_of(values.iter().copied()) {
+        Some([least, most]) if values.len() > 1 => format!("{} to {}", plain(least), plain(most)),
+        _ => "-".to_owned(),
     }
 }
 
@@ -301,10 +290,8 @@ fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
     });
     Lane {
         label: format!("{} / {}", pair.algorithm, pair.to),
-        algorithm: Some(pair.algorithm.clone()),
-        samples: Vec::new(),
         points: paper.chain(ours).collect(),
-        absent: None,
+        ..Lane::of(&pair.algorithm)
     }
 }
 

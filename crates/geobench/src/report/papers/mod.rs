@@ -4,7 +4,7 @@
 //! different machines cannot be compared, so only ratios between the algorithms of a table are.
 
 use crate::UsageError;
-use crate::schema::Status;
+use crate::schema::{ResultFile, Status};
 use crate::table::figures::{Figure, figure};
 
 mod compare;
@@ -86,12 +86,12 @@ impl std::str::FromStr for Tables {
 }
 
 impl Tables {
-    /// The tables for a result that `command` made.
-    pub(crate) fn of(&self, command: &[String]) -> Vec<PaperTable> {
+    /// The tables for `result`.
+    pub(crate) fn of(&self, result: &ResultFile) -> Vec<PaperTable> {
         let names = match self {
             Self::None => Vec::new(),
             Self::Named(names) => names.clone(),
-            Self::OfSuite => suite(command).into_iter().collect(),
+            Self::OfSuite => result.suite().into_iter().collect(),
         };
         let wanted = |file: &str| names.iter().any(|n| n == file.trim_end_matches(RATIOS));
         FILES
@@ -100,19 +100,6 @@ impl Tables {
             .filter_map(|(name, text)| parse(name, text).ok())
             .collect()
     }
-}
-
-/// The name of the suite file in a command, if it has one.
-pub(crate) fn suite(command: &[String]) -> Option<String> {
-    let given = command
-        .iter()
-        .enumerate()
-        .find_map(|(i, word)| match word.as_str() {
-            "--config" => command.get(i + 1).map(String::as_str),
-            word => word.strip_prefix("--config="),
-        })?;
-    let path = std::path::Path::new(given);
-    Some(path.file_stem()?.to_string_lossy().into_owned())
 }
 
 /// A table of a paper.
@@ -317,7 +304,11 @@ mod tests {
 
     #[test]
     fn the_suite_is_found_in_the_command() {
-        let of = |text: &str| suite(&text.split(' ').map(str::to_owned).collect::<Vec<_>>());
+        let result = |command: &str| ResultFile {
+            command: command.split(' ').map(str::to_owned).collect(),
+            ..crate::run::mock::result(crate::run::Records::default())
+        };
+        let of = |command: &str| result(command).suite();
         assert_eq!(
             of("geobench run --config a/001-table-5.2.toml --quiet").unwrap(),
             "001-table-5.2"
@@ -327,11 +318,9 @@ mod tests {
             "000-table-1"
         );
         assert_eq!(of("geobench run x.obj --config"), None);
-        let command: Vec<String> = ["geobench", "run", "--config", "002-table-1.toml"]
-            .map(str::to_owned)
-            .to_vec();
-        assert_eq!(Tables::OfSuite.of(&command).len(), 2);
-        assert_eq!(Tables::None.of(&command).len(), 0);
+        let result = result("geobench run --config 002-table-1.toml");
+        assert_eq!(Tables::OfSuite.of(&result).len(), 2);
+        assert_eq!(Tables::None.of(&result).len(), 0);
         let error = "000-table-9".parse::<Tables>().unwrap_err().to_string();
         assert!(
             error.starts_with("there is no paper table `000-table-9`; known are 000-figure-12,")

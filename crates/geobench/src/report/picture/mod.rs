@@ -55,7 +55,19 @@ pub(crate) struct Scene<'a> {
     pub(crate) paths: &'a [Vec<[f64; 3]>],
 }
 
-impl Scene<'_> {
+impl<'a> Scene<'a> {
+    /// A surface alone.
+    pub(crate) const fn new(mesh: &'a Mesh, distances: &'a [f64]) -> Self {
+        Self {
+            mesh,
+            distances,
+            paint: None,
+            sources: &[],
+            isolines: &[],
+            paths: &[],
+        }
+    }
+
     /// The picture as a file: in pixels, or SVG with the lines as vectors and the distances below.
     ///
     /// # Errors
@@ -355,7 +367,7 @@ mod tests {
     fn a_source_that_faces_the_viewer_is_seen_and_farther_is_brighter() {
         let model = ModelRef::generated("gen:sphere,subdiv=3")
             .unwrap()
-            .load()
+            .load(crate::exec::limits::DecompressionLimit::default())
             .unwrap();
         let vertex = VertexId::new(0);
         let solver = registry::select_one("vtp").unwrap();

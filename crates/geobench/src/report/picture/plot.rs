@@ -1,5 +1,7 @@
 //! The choice of the model for the picture, and its distances.
 
+use std::fmt::Display;
+
 use geobench_isolines::Field;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_paths::Paths;
@@ -8,6 +10,7 @@ use geobench_window::Goal;
 
 use super::surface::{SurfacePath, SurfaceView};
 use super::{ISOLINES, Picture, Scene, short, step};
+use crate::UsageError;
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::{self, ModelRef};
 use crate::measure::number::grouped;
@@ -66,44 +69,6 @@ impl std::str::FromStr for Wanted {
     }
 }
 
-/// Why a model cannot be drawn.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PictureError {
-    /// The result has no such model.
-    #[error("--picture {name}: the result has no such model; it has {}", models.join(", "))]
-    Unknown {
-        /// The name.
-        name: String,
-        /// The models of the result.
-        models: Vec<String>,
-    },
-    /// The model cannot be loaded any more.
-    #[error("no picture of {name}: {problem}")]
-    Unloadable {
-        /// The name.
-        name: String,
-        /// The error.
-        problem: String,
-    },
-    /// The file is now another model.
-    #[error("no picture of {name}: {path} is not what was measured, its hash differs")]
-    Changed {
-        /// The name.
-        name: String,
-        /// Its path.
-        path: String,
-    },
-    /// The model has no such vertex.
-    #[error("no picture of {name}: vertex {source_vertex} does not exist or has no face")]
-    NoSource {
-        /// The name.
-        name: String,
-        /// The source.
-        source_vertex: u32,
-    },
-}
-
 /// The picture that `wanted` asks for from a model of `result`.
 ///
 /// # Errors
@@ -114,15 +79,16 @@ pub(crate) fn plot(
     wanted: &Wanted,
     limit: DecompressionLimit,
     prefix: &str,
-) -> Result<Option<Plot>, PictureError> {
+) -> Result<Option<Plot>, UsageError> {
     match wanted {
         Wanted::None => Ok(None),
         Wanted::Of { model, source } => {
             if result.models.iter().all(|m| m.name != *model) {
-                return Err(PictureError::Unknown {
-                    name: model.clone(),
-                    models: result.models.iter().map(|m| m.name.clone()).collect(),
-                });
+                let known: Vec<&str> = result.models.iter().map(|m| m.name.as_str()).collect();
+                return Err(UsageError(format!(
+                    "--picture {model}: the result has no such model; it has {}",
+                    known.join(", ")
+                )));
             }
             of_model(result, model, *source, limit, prefix).map(Some)
         }
@@ -140,42 +106,32 @@ fn of_model(
     source: Option<u32>,
     limit: DecompressionLimit,
     prefix: &str,
-) -> Result<Plot, PictureError> {
-    let unloadable = |problem: String| PictureError::Unloadable {
-        name: name.to_owned(),
-        problem,
-    };
+) -> Result<Plot, UsageError> {
+    let error = |problem: &dyn Display| UsageError(format!("no picture of {name}: {problem}"));
     let record = result.models.iter().find(|m| m.name == name);
-    let record = record.ok_or_else(|| unloadable("it is not in the result".to_owned()))?;
+    let record = record.ok_or_else(|| error(&"it is not in the result"))?;
     let found = model::collect(std::slice::from_ref(&record.path));
     let [model]: [ModelRef; 1] = found
-        .map_err(|error| unloadable(error.to_string()))?
+        .map_err(|e| error(&e))?
         .try_into()
-        .map_err(|_| unloadable(format!("{} is a directory", record.path)))?;
-    let loaded = model
-        .load_within(limit)
-        .map_err(|error| unloadable(error.to_string()))?;
+        .map_err(|_| error(&format!("{} is a directory", record.path)))?;
+    let loaded = model.load(limit).map_err(|e| error(&e))?;
     if record.sha256.is_none() || loaded.record.sha256 != record.sha256 {
-        return Err(PictureError::Changed {
-            name: name.to_owned(),
-            path: record.path.clone(),
-        });
+        let problem = format!("{} is not what was measured, its hash differs", record.path);
+        return Err(error(&problem));
     }
     let mut cells = result.cells.iter().filter(|c| c.model == name);
     let first = || cells.find_map(|c| c.source.as_ref()?.vertex());
     let source = source.or_else(first).unwrap_or(0);
-    let no_source = || PictureError::NoSource {
-        name: name.to_owned(),
-        source_vertex: source,
-    };
     let vertex = VertexId::new(source);
     if source as usize >= loaded.mesh.vertex_count() || loaded.mesh.outgoing(vertex).is_empty() {
-        return Err(no_source());
+        let problem = format!("vertex {source} does not exist or has no face");
+        return Err(error(&problem));
     }
     let mesh = &loaded.mesh;
     let mut solver = VtpFast::new(mesh);
-    let paths = Paths::find(&mut solver, mesh, vertex, &Goal::everything())
-        .map_err(|error| unloadable(error.to_string()))?;
+    let paths =
+        Paths::find(&mut solver, mesh, vertex, &Goal::everything()).map_err(|e| error(&e))?;
     let distances = paths.distances();
     let finite = distances.iter().copied().filter(|d| d.is_finite());
     let step = step(finite.fold(0.0, f64::max), ISOLINES);
@@ -196,19 +152,17 @@ fn of_model(
         .collect();
     let lines = traced.iter().map(SurfacePath::points);
     let scene = Scene {
-        mesh,
-        distances,
-        paint: None,
         sources: mesh
             .positions()
             .get(vertex.index()..=vertex.index())
             .unwrap_or_default(),
         isolines: &isolines,
         paths: &lines.collect::<Vec<_>>(),
+        ..Scene::new(mesh, distances)
     };
     let drawn_step = if is_exact { f64::INFINITY } else { step };
-    let mut picture = Picture::new(&scene, drawn_step, None)
-        .ok_or_else(|| unloadable("it has no coordinates".to_owned()))?;
+    let mut picture =
+        Picture::new(&scene, drawn_step, None).ok_or_else(|| error(&"it has no coordinates"))?;
     let range = [picture.farthest.unwrap_or_default(), step];
     let surface = SurfaceView::new(&scene, picture.camera.axes(), range, traced);
     let decimated = surface.decimated().map_or_else(String::new, |faces| {

@@ -14,14 +14,14 @@ pub struct WindowData {
 
 /// A distance along an edge: `sigma` plus the distance to the image, valid on an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Piece {
+pub(crate) struct EnvelopePiece {
     pub(crate) from: f64,
     pub(crate) to: f64,
     pub(crate) image: [f64; 2],
     pub(crate) sigma: f64,
 }
 
-impl Piece {
+impl EnvelopePiece {
     pub(crate) fn at(&self, t: f64) -> f64 {
         let [x, y] = self.image;
         self.sigma + ((t - x) * (t - x) + y * y).sqrt()
@@ -49,7 +49,7 @@ const GAP: f64 = 3e-8;
 
 /// A window of a half-edge of this length as a piece, turned if the canonical half-edge of the
 /// edge is the twin.
-pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> Piece {
+pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> EnvelopePiece {
     let [b0, b1] = window.interval;
     let [x, y] = window.image;
     let (from, to, x) = if turned {
@@ -57,7 +57,7 @@ pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> Piece {
     } else {
         (b0, b1, x)
     };
-    Piece {
+    EnvelopePiece {
         from,
         to,
         image: [x, y.abs()],
@@ -70,7 +70,7 @@ pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> Piece {
 ///
 /// Rounding may misplace a change of pieces by a few units in the last place. A certificate does
 /// not rely on it: it measures the jump there.
-pub(crate) fn lower_envelope(pieces: &[Piece], length: f64) -> Vec<Piece> {
+pub(crate) fn lower_envelope(pieces: &[EnvelopePiece], length: f64) -> Vec<EnvelopePiece> {
     let distances = pieces.iter().map(|p| p.at(length / 2.0));
     let gap = GAP * (length + distances.fold(f64::INFINITY, f64::min));
     let mut cuts = vec![0.0];
@@ -82,12 +82,12 @@ pub(crate) fn lower_envelope(pieces: &[Piece], length: f64) -> Vec<Piece> {
     cuts.push(length);
     cuts.sort_by(f64::total_cmp);
     cuts.dedup();
-    let mut envelope: Vec<Piece> = Vec::new();
-    let mut append = |piece: &Piece, from: f64, to: f64| match envelope.last_mut() {
+    let mut envelope: Vec<EnvelopePiece> = Vec::new();
+    let mut append = |piece: &EnvelopePiece, from: f64, to: f64| match envelope.last_mut() {
         Some(last) if last.is_same_function(piece) => last.to = to,
         _ => envelope.push(piece.on(from, to)),
     };
-    let mut here: Vec<&Piece> = Vec::new();
+    let mut here: Vec<&EnvelopePiece> = Vec::new();
     let mut at_ends: Vec<[[f64; 2]; 2]> = Vec::new();
     let mut meetings: Vec<f64> = Vec::new();
     for cut in cuts.windows(2) {
@@ -95,7 +95,7 @@ pub(crate) fn lower_envelope(pieces: &[Piece], length: f64) -> Vec<Piece> {
         let middle = f64::midpoint(from, to);
         here.clear();
         let pad = if to - from < gap { gap } else { 0.0 };
-        let covers = |p: &&Piece| p.from <= middle + pad && p.to >= middle - pad;
+        let covers = |p: &&EnvelopePiece| p.from <= middle + pad && p.to >= middle - pad;
         here.extend(pieces.iter().filter(covers));
         let least = here
             .iter()
@@ -123,7 +123,7 @@ pub(crate) fn lower_envelope(pieces: &[Piece], length: f64) -> Vec<Piece> {
         meetings.dedup();
         for part in meetings.windows(2) {
             let middle = f64::midpoint(part[0], part[1]);
-            let at = |piece: &&&Piece| piece.at(middle);
+            let at = |piece: &&&EnvelopePiece| piece.at(middle);
             if let Some(best) = here.iter().min_by(|a, b| at(a).total_cmp(&at(b))) {
                 append(best, part[0], part[1]);
             }
@@ -146,7 +146,7 @@ fn stay_apart(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> bool {
 /// Where two functions are equal, at most two abscissas; also where their distances add up to the
 /// difference of their sigmas, which does no harm to an envelope. NaN or infinite where there are
 /// fewer.
-fn crossings(a: &Piece, b: &Piece) -> [f64; 2] {
+fn crossings(a: &EnvelopePiece, b: &EnvelopePiece) -> [f64; 2] {
     // With X the abscissa from the middle m of both images: ra² - rb² = k X + c, and
     // ra - rb = d gives 2 rb d = k X + c - d².
     let d = b.sigma - a.sigma;
@@ -195,8 +195,8 @@ mod tests {
         fn pieces()(
             ends in (0.0..1.0f64, 0.0..1.0f64), x in -1.0..2.0f64, y in 0.0..2.0f64,
             sigma in 0.0..1.0f64,
-        ) -> Piece {
-            Piece {
+        ) -> EnvelopePiece {
+            EnvelopePiece {
                 from: ends.0.min(ends.1),
                 to: ends.0.max(ends.1),
                 image: [x, y],
@@ -210,7 +210,7 @@ mod tests {
         fn the_envelope_is_the_least_of_all_pieces(
             mut all in prop::collection::vec(pieces(), 0..6), ts in prop::collection::vec(0.0..1.0f64, 50),
         ) {
-            let whole = Piece { from: 0.0, to: 1.0, image: [0.0, 0.0], sigma: 1.0 };
+            let whole = EnvelopePiece { from: 0.0, to: 1.0, image: [0.0, 0.0], sigma: 1.0 };
             all.push(whole);
             let envelope = lower_envelope(&all, 1.0);
             prop_assert_eq!(envelope[0].from, 0.0);
@@ -234,7 +234,7 @@ mod tests {
             image: [0.5, -1.0],
             sigma: 0.0,
         };
-        let mut pieces = vec![Piece {
+        let mut pieces = vec![EnvelopePiece {
             from: 0.0,
             to: 1.0,
             image: [0.0, 0.0],

@@ -2,7 +2,7 @@
 
 use geobench_mesh::{Mesh, VertexId};
 
-use crate::interval::{Interval, Vector, minus, norm};
+use crate::interval::{Interval, IntervalVector, minus, norm};
 
 /// A point of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub enum PathPoint {
 }
 
 impl PathPoint {
-    fn position(self, mesh: &Mesh) -> Option<Vector<3>> {
+    fn position(self, mesh: &Mesh) -> Option<IntervalVector<3>> {
         let of = |v: VertexId| Some(mesh.positions().get(v.index())?.map(Interval::exact));
         match self {
             Self::Vertex(v) => of(v),

@@ -45,16 +45,19 @@ mod chains;
 mod difference;
 mod envelope;
 mod face;
+mod field;
 mod interval;
 mod jump;
 mod length;
+mod shape;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
 use boundary::windows_from_inside;
 use chains::greatest_sums;
-use envelope::{Piece, lower_envelope, piece};
-use face::{Checker, EdgeField, MOST_WAYS, Way, canonical};
+use envelope::{EnvelopePiece, lower_envelope, piece};
+use face::{ChainLink, Checker, MOST_LINKS};
+use field::{EdgeField, canonical};
 use jump::jump;
 
 pub use envelope::WindowData;
@@ -248,7 +251,7 @@ impl<'a> Claim<'a> {
         &self,
         field: &EdgeField<'_>,
         clear: f64,
-    ) -> (Vec<f64>, Vec<Option<HalfEdgeId>>, Vec<Way>) {
+    ) -> (Vec<f64>, Vec<Option<HalfEdgeId>>, Vec<ChainLink>) {
         let mut checker = Checker::new(field, clear);
         let found = self.mesh.faces().map(|face| {
             let corners = self.mesh.face_vertices(face);
@@ -262,7 +265,7 @@ impl<'a> Claim<'a> {
             }
         });
         let (in_face, sides) = found.unzip();
-        (in_face, sides, checker.ways)
+        (in_face, sides, checker.links)
     }
 
     /// How much too short the distances may be, by a path from a source to every vertex with a
@@ -303,7 +306,7 @@ impl<'a> Claim<'a> {
     {
         let mesh = self.mesh;
         let mut starts = Vec::with_capacity(mesh.half_edge_count() + 1);
-        let mut pieces: Vec<Piece> = Vec::new();
+        let mut pieces: Vec<EnvelopePiece> = Vec::new();
         let mut jumps = vec![0.0; mesh.half_edge_count()];
         for h in mesh.half_edges() {
             starts.push(pieces.len());
@@ -316,7 +319,7 @@ impl<'a> Claim<'a> {
                 let windows = windows(h).into_iter();
                 windows.map(move |window| piece(&window, length, turned))
             };
-            let mut all: Vec<Piece> = of(h, false).collect();
+            let mut all: Vec<EnvelopePiece> = of(h, false).collect();
             if let Some(twin) = mesh.twin(h) {
                 all.extend(of(twin, true));
             } else {
@@ -324,7 +327,7 @@ impl<'a> Claim<'a> {
                 let inside = windows_from_inside(mesh, h, opposite, &windows);
                 all.extend(inside.iter().map(|window| piece(window, length, false)));
             }
-            all.extend([(0.0, ends[0]), (length, ends[1])].map(|(x, sigma)| Piece {
+            all.extend([(0.0, ends[0]), (length, ends[1])].map(|(x, sigma)| EnvelopePiece {
                 from: 0.0,
                 to: length,
                 image: [x, 0.0],
@@ -376,10 +379,10 @@ impl<'a> Claim<'a> {
         field: &EdgeField<'_>,
         own: Vec<f64>,
         in_face: &[f64],
-        mut ways: Vec<Way>,
+        mut ways: Vec<ChainLink>,
         total: f64,
     ) -> (f64, f64) {
-        if ways.len() > MOST_WAYS {
+        if ways.len() > MOST_LINKS {
             return (total, self.add_up_by_distance(&own, in_face, total));
         }
         ways.retain(|way| f64::from(way.excess) >= -total);

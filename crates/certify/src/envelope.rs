@@ -1,5 +1,7 @@
 //! The lower envelope of all windows of an edge: a distance for each of its points.
 
+use crate::interval::lesser;
+
 /// A window as a solver reports it, in the frame of its half-edge: abscissas run from its tail.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowData {
@@ -65,71 +67,116 @@ pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> EnvelopeP
     }
 }
 
-/// The lower envelope of `pieces`, some of which cover all of an edge of this length: pieces in
-/// their order, each beginning where the one before ends, from 0 to `length`.
-///
-/// Rounding may misplace a change of pieces by a few units in the last place. A certificate does
-/// not rely on it: it measures the jump there.
-pub(crate) fn lower_envelope(pieces: &[EnvelopePiece], length: f64) -> Vec<EnvelopePiece> {
-    let distances = pieces.iter().map(|p| p.at(length / 2.0));
-    let gap = GAP * (length + distances.fold(f64::INFINITY, f64::min));
-    let mut cuts = vec![0.0];
-    cuts.extend(pieces.iter().flat_map(|p| [p.from, p.to]));
-    // Where a distance has a kink it may leave another with which it agrees on one side.
-    let kinks = pieces.iter().filter(|p| p.image[1] < 1e-6 * length);
-    cuts.extend(kinks.map(|p| p.image[0]));
-    cuts.retain(|&t| t >= 0.0 && t < length);
-    cuts.push(length);
-    cuts.sort_by(f64::total_cmp);
-    cuts.dedup();
-    let mut envelope: Vec<EnvelopePiece> = Vec::new();
-    let mut append = |piece: &EnvelopePiece, from: f64, to: f64| match envelope.last_mut() {
-        Some(last) if last.is_same_function(piece) => last.to = to,
-        _ => envelope.push(piece.on(from, to)),
-    };
-    let mut here: Vec<&EnvelopePiece> = Vec::new();
-    let mut at_ends: Vec<[[f64; 2]; 2]> = Vec::new();
-    let mut meetings: Vec<f64> = Vec::new();
-    for cut in cuts.windows(2) {
-        let (from, to) = (cut[0], cut[1]);
-        let middle = f64::midpoint(from, to);
-        here.clear();
-        let pad = if to - from < gap { gap } else { 0.0 };
-        let covers = |p: &&EnvelopePiece| p.from <= middle + pad && p.to >= middle - pad;
-        here.extend(pieces.iter().filter(covers));
-        let least = here
-            .iter()
-            .map(|p| p.at(middle))
-            .fold(f64::INFINITY, f64::min);
-        // A function that is above another by more than both can change is nowhere least.
-        here.retain(|p| p.at(middle) <= least + (to - from) * (1.0 + 1e-12));
-        if let [only] = here[..] {
-            append(only, from, to);
-            continue;
-        }
-        meetings.clear();
-        meetings.extend([from, to]);
-        at_ends.clear();
-        at_ends.extend(here.iter().map(|p| [from, to].map(|t| p.at_with_slope(t))));
-        for (i, a) in here.iter().enumerate() {
-            for (j, b) in here.iter().enumerate().skip(i + 1) {
-                if stay_apart(&at_ends[i], &at_ends[j]) {
-                    continue;
-                }
-                meetings.extend(crossings(a, b).into_iter().filter(|&t| t > from && t < to));
+/// Finds lower envelopes one after another.
+#[derive(Default)]
+pub(crate) struct EnvelopeBuilder {
+    /// Where pieces begin and end, or have kinks.
+    cuts: Vec<f64>,
+    /// The pieces between two cuts that may be least there, each with its value in the middle.
+    here: Vec<(EnvelopePiece, f64)>,
+    /// Their values and slopes at both cuts.
+    at_ends: Vec<[[f64; 2]; 2]>,
+    /// Where two of them are equal.
+    meetings: Vec<f64>,
+}
+
+impl EnvelopeBuilder {
+    /// Appends the lower envelope of `pieces`, some of which cover all of an edge of this length:
+    /// pieces in their order, each beginning where the one before ends, from 0 to `length`.
+    ///
+    /// Rounding may misplace a change of pieces by a few units in the last place. A certificate does
+    /// not rely on it: it measures the jump there.
+    pub(crate) fn lower_envelope(
+        &mut self,
+        pieces: &[EnvelopePiece],
+        length: f64,
+        envelope: &mut Vec<EnvelopePiece>,
+    ) {
+        let begin = envelope.len();
+        let mut append = |piece: &EnvelopePiece, from: f64, to: f64| {
+            match envelope[begin..].last_mut() {
+                Some(last) if last.is_same_function(piece) => last.to = to,
+                _ => envelope.push(piece.on(from, to)),
             }
-        }
-        meetings.sort_by(f64::total_cmp);
-        meetings.dedup();
-        for part in meetings.windows(2) {
-            let middle = f64::midpoint(part[0], part[1]);
-            let at = |piece: &&&EnvelopePiece| piece.at(middle);
-            if let Some(best) = here.iter().min_by(|a, b| at(a).total_cmp(&at(b))) {
-                append(best, part[0], part[1]);
+        };
+        let distances = pieces.iter().map(|p| p.at(length / 2.0));
+        let gap = GAP * (length + distances.fold(f64::INFINITY, lesser));
+        self.set_cuts(pieces, length);
+        for i in 1..self.cuts.len() {
+            let (from, to) = (self.cuts[i - 1], self.cuts[i]);
+            let middle = f64::midpoint(from, to);
+            let pad = if to - from < gap { gap } else { 0.0 };
+            let (begins_by, ends_by) = (middle + pad, middle - pad);
+            let mut least = f64::INFINITY;
+            self.here.clear();
+            for piece in pieces {
+                if piece.from <= begins_by && piece.to >= ends_by {
+                    let value = piece.at(middle);
+                    least = lesser(value, least);
+                    self.here.push((*piece, value));
+                }
+            }
+            // A function that is above another by more than both can change is nowhere least.
+            let most = least + (to - from) * (1.0 + 1e-12);
+            self.here.retain(|(_, value)| *value <= most);
+            if let [(only, _)] = &self.here[..] {
+                append(only, from, to);
+                continue;
+            }
+            self.set_meetings(from, to);
+            for part in self.meetings.windows(2) {
+                let middle = f64::midpoint(part[0], part[1]);
+                let at = |piece: &&(EnvelopePiece, f64)| piece.0.at(middle);
+                let best = self.here.iter().min_by(|a, b| at(a).total_cmp(&at(b)));
+                if let Some((best, _)) = best {
+                    append(best, part[0], part[1]);
+                }
             }
         }
     }
-    envelope
+
+    /// Sets the cuts to those of these pieces.
+    fn set_cuts(&mut self, pieces: &[EnvelopePiece], length: f64) {
+        let cuts = &mut self.cuts;
+        cuts.clear();
+        cuts.push(0.0);
+        let mut cut = |t: f64| {
+            if t > 0.0 && t < length {
+                cuts.push(t);
+            }
+        };
+        for piece in pieces {
+            cut(piece.from);
+            cut(piece.to);
+            // Where a distance has a kink it may leave another with which it agrees on one side.
+            if piece.image[1] < 1e-6 * length {
+                cut(piece.image[0]);
+            }
+        }
+        cuts.push(length);
+        cuts.sort_unstable_by(f64::total_cmp);
+        cuts.dedup();
+    }
+
+    /// Sets the meetings to those of the pieces between two cuts, and the cuts.
+    fn set_meetings(&mut self, from: f64, to: f64) {
+        let (here, at_ends, meetings) = (&self.here, &mut self.at_ends, &mut self.meetings);
+        at_ends.clear();
+        at_ends.extend(here.iter().map(|(p, _)| [from, to].map(|t| p.at_with_slope(t))));
+        meetings.clear();
+        meetings.push(from);
+        for (i, (a, _)) in here.iter().enumerate() {
+            for (j, (b, _)) in here.iter().enumerate().skip(i + 1) {
+                if !stay_apart(&at_ends[i], &at_ends[j]) {
+                    let found = crossings(a, b).into_iter();
+                    meetings.extend(found.filter(|&t| t > from && t < to));
+                }
+            }
+        }
+        meetings.push(to);
+        meetings.sort_unstable_by(f64::total_cmp);
+        meetings.dedup();
+    }
 }
 
 /// Whether two functions with these values and slopes at the ends of an interval are equal nowhere
@@ -190,6 +237,12 @@ fn quadratic_roots(a: f64, b: f64, c: f64) -> [f64; 2] {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    fn lower_envelope(pieces: &[EnvelopePiece], length: f64) -> Vec<EnvelopePiece> {
+        let mut envelope = Vec::new();
+        EnvelopeBuilder::default().lower_envelope(pieces, length, &mut envelope);
+        envelope
+    }
 
     prop_compose! {
         fn pieces()(

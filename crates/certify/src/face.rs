@@ -6,9 +6,9 @@
 use geobench_mesh::{FaceId, HalfEdgeId};
 
 use crate::difference::{CLOSE, Distance, Rounded, peak};
-use crate::field::{EdgeField, FaceSide, SidePiece, canonical};
+use crate::field::{EdgeField, ExactPiece, FaceSide, SidePiece, canonical};
 use crate::interval::{Interval, greater};
-use crate::shape::{ExactReach, FaceShape, Reaches, RoundedTransform, SideTransform};
+use crate::shape::{Border, FaceShape, Reaches, RoundedTransform, SideTransform, excess};
 
 /// A way across a face that a shortest path may take.
 #[derive(Clone, Copy, Debug)]
@@ -135,12 +135,13 @@ impl<'a> Checker<'a> {
                     balls: [[ball(k), ball(k + 1)], [ball(there), ball(there + 1)]],
                     margin,
                     clear: self.clear,
+                    excess: from_side.0,
                     skips_bends: false,
                 };
-                let found = across.excess(&mut self.links);
+                across.compare_all(&mut self.links);
                 skips_bends |= across.skips_bends;
-                if found > from_side.0 {
-                    from_side = (found, there);
+                if across.excess > from_side.0 {
+                    from_side = (across.excess, there);
                 }
             }
             // What bends at a concave kink is no shorter than what goes through the piece beyond,
@@ -189,6 +190,9 @@ struct Across<'a> {
     balls: [[(usize, f64); 2]; 2],
     margin: f64,
     clear: f64,
+    /// How far the distances of the one side are above those by ways from the other, at most; or more
+    /// where no better bound is of use.
+    excess: f64,
     /// Whether ways that bend at a concave kink were left out.
     skips_bends: bool,
 }
@@ -200,7 +204,9 @@ struct FromPiece<'a> {
     straight: Rounded,
     reaches: Option<Reaches>,
     exact_straight: Option<Distance>,
-    exact_reaches: Option<[Option<ExactReach>; 3]>,
+    exact_piece: Option<ExactPiece>,
+    /// Beyond its end, and before its beginning.
+    borders: [Option<Border>; 2],
     parts: Option<Parts>,
 }
 
@@ -208,34 +214,40 @@ struct FromPiece<'a> {
 /// the ways that leave it.
 type Parts = [Option<(SidePiece, Option<Reaches>)>; 3];
 
+impl<'a> FromPiece<'a> {
+    fn new(index: usize, piece: &'a SidePiece, straight: Rounded) -> Self {
+        Self {
+            index,
+            piece,
+            straight,
+            reaches: None,
+            exact_straight: None,
+            exact_piece: None,
+            borders: [None; 2],
+            parts: None,
+        }
+    }
+}
+
 impl Across<'_> {
-    /// How far the distances of the one side are above those by ways from the other, at most. Ways
-    /// that bend at ends of pieces do not count where the distance has a concave kink.
+    /// Sets the excess, and adds the ways. Ways that bend at ends of pieces do not count where the
+    /// distance has a concave kink.
     ///
     /// A way from any point x of the line through the piece to a point y is no shorter than the
     /// straight one from its image, by the triangle inequality: `d(x) + |xy| >= straight(y)`. So
     /// what is below the straight distance needs no look at where straight ways arrive.
-    fn excess(&mut self, links: &mut Vec<ChainLink>) -> f64 {
+    fn compare_all(&mut self, links: &mut Vec<ChainLink>) {
         let [here, there] = self.sides;
         let Some(whole) = &there.whole else {
-            return 0.0;
+            return;
         };
         let clear = self.clear + self.margin;
-        let mut most = 0.0_f64;
         for (index, piece) in here.pieces.iter().enumerate() {
             let straight = self.near.straight(&piece.distance);
             if whole.chord.is_below(&straight, clear) {
                 continue;
             }
-            let mut from = FromPiece {
-                index,
-                piece,
-                straight,
-                reaches: None,
-                exact_straight: None,
-                exact_reaches: None,
-                parts: None,
-            };
+            let mut from = None;
             let blocks = if there.blocks.is_empty() {
                 std::slice::from_ref(whole)
             } else {
@@ -247,60 +259,64 @@ impl Across<'_> {
                 }
                 for other in &there.pieces[block.first..block.end] {
                     if !other.chord().is_below(&straight, clear) {
-                        let found = self.compare(&mut from, other, links);
-                        most = if found.is_nan() { f64::INFINITY } else { most.max(found) };
+                        let from = from
+                            .get_or_insert_with(|| FromPiece::new(index, piece, straight));
+                        self.compare(from, other, links);
                     }
                 }
             }
         }
-        most
     }
 
-    /// How far `other` is above the distances by ways from a piece, at most; adds the ways between
-    /// them.
+    /// Raises the excess to how far `other` is above the distances by ways from a piece; adds the
+    /// ways between them.
     fn compare(
         &mut self,
         from: &mut FromPiece<'_>,
         other: &SidePiece,
         links: &mut Vec<ChainLink>,
-    ) -> f64 {
+    ) {
         let near = self.near;
         let reaches = from
             .reaches
             .get_or_insert_with(|| near.reaches(from.piece, from.straight));
         if reaches.is_above(&other.chord(), self.clear + self.margin) {
-            return 0.0;
+            return;
         }
         let found = reaches.differences(other);
         let upper = greater(greater(found[0], found[1]), found[2]) + self.margin;
         if upper <= -self.clear {
-            return 0.0;
+            return;
         }
-        let excess = if upper <= -self.margin {
-            0.0
-        } else {
-            self.exact_excess(from, other, found)
-        };
+        if upper > -self.margin {
+            let excess = self.exact_excess(from, other, found);
+            self.excess = if excess.is_nan() {
+                f64::INFINITY
+            } else {
+                greater(excess, self.excess)
+            };
+        }
         self.connect(from, other, upper, links);
-        excess
     }
 
-    /// As [`Self::compare`], in interval arithmetic. `found` is how far `other` is above each of the
+    /// How far `other` is above the distances by ways from a piece, at most. `found` is how far `other` is above each of the
     /// three reaches, but for rounding.
     fn exact_excess(&mut self, from: &mut FromPiece<'_>, other: &SidePiece, found: [f64; 3]) -> f64 {
         let [here, there] = [0, 1].map(|k| (self.half_edges[k], self.exact_lengths[k]));
         let exact_other = self.field.exact(there.0, there.1, other.node);
-        let piece = || self.field.exact(here.0, here.1, from.piece.node);
-        let straight = from
+        let exact_piece = *from
+            .exact_piece
+            .get_or_insert_with(|| self.field.exact(here.0, here.1, from.piece.node));
+        let straight = *from
             .exact_straight
-            .get_or_insert_with(|| self.transform.straight(&piece().distance));
+            .get_or_insert_with(|| self.transform.straight(&exact_piece.distance));
         // It only decides how good a bound has to be: rounding does not matter.
         let close = CLOSE * other.at_ends[0];
         // The triangle inequality again: what is not above the straight ways is above none.
         let at = |t: Interval| (exact_other.distance.at(t) - straight.at(t)).hi;
         let width = other.to - other.from;
         let simple = if other.distance.peak(&from.straight) <= self.margin {
-            peak(&exact_other.distance, straight)
+            peak(&exact_other.distance, &straight)
         } else {
             // A chord of the one is below a tangent of the other: at one end by far, so that the
             // greatest difference is at the other end.
@@ -317,38 +333,60 @@ impl Across<'_> {
                 }
             }
         };
-        if simple <= close {
+        if simple <= greater(close, self.excess) {
             return greater(simple, 0.0);
         }
-        let near = from.reaches;
-        let exact = from.exact_reaches.get_or_insert_with(|| {
-            let pieces = &self.sides[0].pieces;
-            let before = from.index.checked_sub(1).map(|i| &pieces[i]);
-            let bends = [
-                !is_concave(before, Some(from.piece), self.margin),
-                !is_concave(Some(from.piece), pieces.get(from.index + 1), self.margin),
-            ];
-            self.transform.reaches(&piece(), bends)
-        });
+        let pieces = &self.sides[0].pieces;
+        let begin = from.reaches.map_or([f64::NEG_INFINITY, f64::INFINITY], |r| r.bounds(1));
         let mut most = 0.0_f64;
-        for (k, reach) in exact.iter().enumerate() {
-            let Some(reach) = reach else {
-                self.skips_bends = true;
-                continue;
+        let mut range = [f64::NEG_INFINITY, f64::INFINITY];
+        let mut raise = |found: f64| {
+            most = if found.is_nan() { f64::INFINITY } else { greater(found, most) };
+        };
+        for at_end in [true, false] {
+            // Where no border is in sight, straight ways are the bound, wherever they end.
+            let is_beyond = if at_end {
+                begin[0] + self.margin < other.from
+            } else {
+                begin[1] - self.margin > other.to
             };
-            let is_below = near.is_some_and(|near| {
-                let [begin, end] = near.bounds(k);
-                // It begins and ends as the rounded one does.
-                let off = (reach.from - begin).abs() + (reach.to - end).abs();
-                let lies_beside = found[k] == f64::NEG_INFINITY;
-                !lies_beside && off <= self.margin / 8.0 && found[k] <= -2.0 * self.margin
+            if is_beyond {
+                continue;
+            }
+            let border = from.borders[usize::from(!at_end)].get_or_insert_with(|| {
+                let [left, right] = if at_end {
+                    [Some(from.piece), pieces.get(from.index + 1)]
+                } else {
+                    [from.index.checked_sub(1).map(|i| &pieces[i]), Some(from.piece)]
+                };
+                let bends = !is_concave(left, right, self.margin);
+                self.transform.border(&exact_piece, &straight, at_end, bends)
             });
-            if !is_below {
-                let excess = reach.excess(&exact_other);
-                most = if excess.is_nan() { f64::INFINITY } else { most.max(excess) };
+            let (k, beyond) = if at_end {
+                range[0] = border.at;
+                (0, [f64::NEG_INFINITY, border.at])
+            } else {
+                range[1] = border.at;
+                (2, [border.at, f64::INFINITY])
+            };
+            match border.bend {
+                None => self.skips_bends = true,
+                Some(bend) if !self.is_below(found[k], border.at, begin[k / 2]) => {
+                    raise(excess(&exact_other, &bend, beyond));
+                }
+                Some(_) => {}
             }
         }
+        raise(excess(&exact_other, &straight, range));
         if simple < most { greater(simple, 0.0) } else { most }
+    }
+
+    /// Whether a piece is nowhere above ways that bend, as told by how far it is above the same,
+    /// rounded, and by where both begin.
+    fn is_below(&self, difference: f64, border: f64, rounded: f64) -> bool {
+        let lies_beside = difference == f64::NEG_INFINITY;
+        let off = (border - rounded).abs();
+        !lies_beside && off <= self.margin / 8.0 && difference <= -2.0 * self.margin
     }
 
     /// Adds the ways between the nodes of two pieces.

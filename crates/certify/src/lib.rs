@@ -55,7 +55,7 @@ use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
 use boundary::windows_from_inside;
 use chains::greatest_sums;
-use envelope::{EnvelopePiece, lower_envelope, piece};
+use envelope::{EnvelopeBuilder, EnvelopePiece, piece};
 use face::{ChainLink, Checker, MOST_LINKS};
 use field::{EdgeField, canonical};
 use jump::jump;
@@ -308,6 +308,8 @@ impl<'a> Claim<'a> {
         let mut starts = Vec::with_capacity(mesh.half_edge_count() + 1);
         let mut pieces: Vec<EnvelopePiece> = Vec::new();
         let mut jumps = vec![0.0; mesh.half_edge_count()];
+        let mut all: Vec<EnvelopePiece> = Vec::new();
+        let mut builder = EnvelopeBuilder::default();
         for h in mesh.half_edges() {
             starts.push(pieces.len());
             let ends = [mesh.tail(h), mesh.head(h)].map(|v| self.distances[v.index()]);
@@ -319,7 +321,8 @@ impl<'a> Claim<'a> {
                 let windows = windows(h).into_iter();
                 windows.map(move |window| piece(&window, length, turned))
             };
-            let mut all: Vec<EnvelopePiece> = of(h, false).collect();
+            all.clear();
+            all.extend(of(h, false));
             if let Some(twin) = mesh.twin(h) {
                 all.extend(of(twin, true));
             } else {
@@ -333,13 +336,13 @@ impl<'a> Claim<'a> {
                 image: [x, 0.0],
                 sigma,
             }));
-            let envelope = lower_envelope(&all, length);
-            let pairs = envelope.windows(2);
+            let first = pieces.len();
+            builder.lower_envelope(&all, length, &mut pieces);
+            let pairs = pieces[first..].windows(2);
             let sum = pairs.fold(0.0, |sum: f64, pair| {
                 (sum + jump(&pair[0], &pair[1], pair[0].to)).next_up()
             });
             jumps[h.index()] = sum;
-            pieces.extend(envelope);
         }
         starts.push(pieces.len());
         EdgeField {

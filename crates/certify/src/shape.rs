@@ -4,7 +4,7 @@ use geobench_mesh::{FaceId, Mesh};
 
 use crate::difference::{Chord, Distance, Rounded, greatest_difference};
 use crate::field::{ExactPiece, SidePiece};
-use crate::interval::{Interval, IntervalVector, cross, cross_length, dot, greater, minus, norm};
+use crate::interval::{Interval, IntervalVector, cross, cross_length, dot, greater, lesser, minus, norm};
 
 /// The lengths and angles of a face, from the positions in the mesh and not from its rounded
 /// lengths.
@@ -90,26 +90,26 @@ impl SideTransform {
         }
     }
 
-    /// The least distances over the points of `piece` to the points of the other side: by the ways
-    /// that bend at its end and at its beginning, and between them by the straight ones.
-    /// `bends` says whether ways bend at the beginning and at the end of the piece.
-    pub(crate) fn reaches(&self, piece: &ExactPiece, bends: [bool; 2]) -> [Option<ExactReach>; 3] {
-        let straight = self.straight(&piece.distance);
-        let image = straight.image;
-        let [left, right] = [piece.from, piece.to].map(|t| self.map([t, Interval::ZERO]));
-        let bend = |t: Interval, image: IntervalVector<2>, from: f64, to: f64| {
-            let sigma = piece.distance.at(t);
-            ExactReach::new(Distance { image, sigma }, from, to)
-        };
-        // Straight ways are never longer than those that bend: in doubt they are the bound.
-        let last = self.boundary(image, left).hi;
-        let first = self.boundary(image, right).lo;
-        let end = self.length.hi;
-        [
-            bends[1].then(|| bend(piece.to, right, 0.0, first)),
-            Some(ExactReach::new(straight, first, last)),
-            bends[0].then(|| bend(piece.from, left, last, end)),
-        ]
+    /// Where the straight ways from an image through `piece` end on the other side, and the ways that
+    /// bend there begin: on the side of the end of `piece`, or of its beginning.
+    pub(crate) fn border(
+        &self,
+        piece: &ExactPiece,
+        straight: &Distance,
+        at_end: bool,
+        bends: bool,
+    ) -> Border {
+        let t = if at_end { piece.to } else { piece.from };
+        let image = self.map([t, Interval::ZERO]);
+        let at = self.boundary(straight.image, image);
+        Border {
+            // Straight ways are never longer than those that bend: in doubt they are the bound.
+            at: if at_end { at.lo } else { at.hi },
+            bend: bends.then(|| Distance {
+                image,
+                sigma: piece.distance.at(t),
+            }),
+        }
     }
 
     /// The abscissa from which on points of the axis lie to the left of the ray from `image`
@@ -134,27 +134,21 @@ impl SideTransform {
     }
 }
 
-/// A distance on a part of a side.
-pub(crate) struct ExactReach {
-    distance: Distance,
-    pub(crate) from: f64,
-    pub(crate) to: f64,
+/// Where straight ways end.
+#[derive(Clone, Copy)]
+pub(crate) struct Border {
+    pub(crate) at: f64,
+    /// The distance beyond, by the ways that bend; `None` if these do not count.
+    pub(crate) bend: Option<Distance>,
 }
 
-impl ExactReach {
-    fn new(distance: Distance, from: f64, to: f64) -> Self {
-        Self { distance, from, to }
+/// How far `piece` is above a distance from abscissa `from` to `to`, at most; 0 where it lies beside.
+pub(crate) fn excess(piece: &ExactPiece, distance: &Distance, [from, to]: [f64; 2]) -> f64 {
+    let (first, last) = (greater(piece.from.lo, from), lesser(piece.to.hi, to));
+    if from >= to || first > last {
+        return 0.0;
     }
-
-    /// How far `piece` of that side is above it, at most.
-    pub(crate) fn excess(&self, piece: &ExactPiece) -> f64 {
-        let from = piece.from.lo.max(self.from);
-        let to = piece.to.hi.min(self.to);
-        if self.from >= self.to || from > to {
-            return 0.0;
-        }
-        greatest_difference(&piece.distance, &self.distance, from, to)
-    }
+    greatest_difference(&piece.distance, distance, first, last)
 }
 
 /// As [`SideTransform`], in rounded arithmetic.
@@ -194,7 +188,7 @@ impl RoundedTransform {
         }
     }
 
-    /// As [`SideTransform::reaches`], for all ways that bend.
+    /// The least distances over the points of `piece` to the points of the other side.
     pub(crate) fn reaches(&self, piece: &SidePiece, straight: Rounded) -> Reaches {
         let image = straight.image;
         let bend = |t: f64, sigma: f64| Rounded {
@@ -258,6 +252,10 @@ impl Reaches {
     pub(crate) fn is_above(&self, chord: &Chord, clear: f64) -> bool {
         let t = chord.middle;
         let k = usize::from(t > self.bounds[1]) + usize::from(t > self.bounds[2]);
+        if k == 1 {
+            // Callers have compared it with the straight distance.
+            return false;
+        }
         let distance = &self.distances[k];
         chord.is_shorter_than_way(distance) && chord.is_below(distance, clear)
     }
@@ -266,16 +264,8 @@ impl Reaches {
     /// beside.
     pub(crate) fn differences(&self, other: &SidePiece) -> [f64; 3] {
         [0, 1, 2].map(|k| {
-            let from = if self.bounds[k] > other.from {
-                self.bounds[k]
-            } else {
-                other.from
-            };
-            let to = if self.bounds[k + 1] < other.to {
-                self.bounds[k + 1]
-            } else {
-                other.to
-            };
+            let from = greater(self.bounds[k], other.from);
+            let to = lesser(self.bounds[k + 1], other.to);
             if from > to {
                 return f64::NEG_INFINITY;
             }

@@ -105,7 +105,7 @@ impl Rounded {
 pub(crate) struct Chord {
     pub(crate) middle: f64,
     half: f64,
-    at_ends: [f64; 2],
+    pub(crate) at_ends: [f64; 2],
 }
 
 impl Chord {

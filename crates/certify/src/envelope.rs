@@ -217,6 +217,9 @@ fn crossings(a: &EnvelopePiece, b: &EnvelopePiece) -> [f64; 2] {
                 break;
             }
             *x -= step;
+            if step.abs() <= f64::EPSILON / 4.0 * x.abs() {
+                break;
+            }
         }
     }
     roots

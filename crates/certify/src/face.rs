@@ -7,7 +7,7 @@ use geobench_mesh::{FaceId, HalfEdgeId};
 
 use crate::difference::{CLOSE, Distance, Rounded, peak};
 use crate::field::{EdgeField, ExactPiece, FaceSide, SidePiece, canonical};
-use crate::interval::{Interval, greater};
+use crate::interval::{Interval, greater, lesser};
 use crate::shape::{Border, FaceShape, Reaches, RoundedTransform, SideTransform, excess};
 
 /// A way across a face that a shortest path may take.
@@ -101,7 +101,7 @@ impl<'a> Checker<'a> {
         sides: &[FaceSide; 3],
     ) -> (f64, HalfEdgeId) {
         let at_ends = sides.iter().flat_map(|side| &side.pieces);
-        let top = at_ends.fold(0.0, |top, p| greater(top, greater(p.at_ends[0], p.at_ends[1])));
+        let top = at_ends.fold(0.0, |top, p| greater(top, greater(p.at_ends()[0], p.at_ends()[1])));
         let size = top + lengths.iter().sum::<f64>();
         let nothing = (f64::INFINITY, face.half_edge(0));
         if !SIZES.contains(&size) {
@@ -258,7 +258,7 @@ impl Across<'_> {
                     continue;
                 }
                 for other in &there.pieces[block.first..block.end] {
-                    if !other.chord().is_below(&straight, clear) {
+                    if !other.chord.is_below(&straight, clear) {
                         let from = from
                             .get_or_insert_with(|| FromPiece::new(index, piece, straight));
                         self.compare(from, other, links);
@@ -280,7 +280,7 @@ impl Across<'_> {
         let reaches = from
             .reaches
             .get_or_insert_with(|| near.reaches(from.piece, from.straight));
-        if reaches.is_above(&other.chord(), self.clear + self.margin) {
+        if reaches.is_above(&other.chord, self.clear + self.margin) {
             return;
         }
         let found = reaches.differences(other);
@@ -311,7 +311,7 @@ impl Across<'_> {
             .exact_straight
             .get_or_insert_with(|| self.transform.straight(&exact_piece.distance));
         // It only decides how good a bound has to be: rounding does not matter.
-        let close = CLOSE * other.at_ends[0];
+        let close = CLOSE * other.at_ends()[0];
         // The triangle inequality again: what is not above the straight ways is above none.
         let at = |t: Interval| (exact_other.distance.at(t) - straight.at(t)).hi;
         let width = other.to - other.from;
@@ -320,7 +320,7 @@ impl Across<'_> {
         } else {
             // A chord of the one is below a tangent of the other: at one end by far, so that the
             // greatest difference is at the other end.
-            let [first, last] = other.at_ends;
+            let [first, last] = other.at_ends();
             let [value, slope] = from.straight.tangent(other.from);
             if last - (value + slope * width) <= -self.margin {
                 at(exact_other.from)
@@ -426,7 +426,7 @@ impl Across<'_> {
                 }
                 let reaches = reaches
                     .get_or_insert_with(|| self.near.reaches(part, from.straight));
-                if reaches.is_above(&other.chord(), self.clear + self.margin) {
+                if reaches.is_above(&other.chord, self.clear + self.margin) {
                     continue;
                 }
                 let found = reaches.differences(other);
@@ -441,7 +441,7 @@ impl Across<'_> {
     fn is_far(&self, part: &SidePiece, other: &SidePiece) -> bool {
         let way = self.near.way(part.from, other.from);
         let widths = (part.to - part.from) + (other.to - other.from);
-        let excess = other.at_ends[0] - part.at_ends[0] - way;
+        let excess = other.at_ends()[0] - part.at_ends()[0] - way;
         excess + 2.0 * widths + self.margin <= -self.clear
     }
 
@@ -453,6 +453,9 @@ impl Across<'_> {
 
     /// The parts of a piece in the neighbourhoods of the ends of the side, and between them.
     fn split(&self, side: usize, piece: &SidePiece) -> [Option<SidePiece>; 3] {
+        if self.is_between(side, piece) {
+            return [Some(*piece), None, None];
+        }
         let [(tail, near_tail), (head, near_head)] = self.balls[side];
         let near_head = self.lengths[side] - near_head;
         let bounds = [
@@ -462,16 +465,8 @@ impl Across<'_> {
         ];
         let parts = bounds.map(|(from, to, node)| {
             (piece.from < to && piece.to > from).then(|| {
-                let mut part = SidePiece { node, ..*piece };
-                if from > piece.from {
-                    part.from = from;
-                    part.at_ends[0] = piece.distance.at(from);
-                }
-                if to < piece.to {
-                    part.to = to;
-                    part.at_ends[1] = piece.distance.at(to);
-                }
-                part
+                let (from, to) = (greater(piece.from, from), lesser(piece.to, to));
+                SidePiece::new(piece.distance, from, to, node)
             })
         });
         if parts.iter().all(Option::is_none) {

@@ -30,16 +30,28 @@ pub(crate) struct SidePiece {
     pub(crate) distance: Rounded,
     pub(crate) from: f64,
     pub(crate) to: f64,
-    /// The distances at its ends.
-    pub(crate) at_ends: [f64; 2],
+    /// A distance is convex: nowhere above its chord.
+    pub(crate) chord: Chord,
     /// The node that stands for it in chains.
     pub(crate) node: usize,
 }
 
 impl SidePiece {
-    /// A distance is convex: nowhere above its chord.
-    pub(crate) fn chord(&self) -> Chord {
-        Chord::new([self.from, self.to], self.at_ends)
+    /// A distance on a part of a side.
+    pub(crate) fn new(distance: Rounded, from: f64, to: f64, node: usize) -> Self {
+        let at_ends = [distance.at(from), distance.at(to)];
+        Self {
+            distance,
+            from,
+            to,
+            chord: Chord::new([from, to], at_ends),
+            node,
+        }
+    }
+
+    /// The distances at its ends.
+    pub(crate) fn at_ends(&self) -> [f64; 2] {
+        self.chord.at_ends
     }
 }
 
@@ -68,13 +80,7 @@ impl EdgeField<'_> {
                 image: [x, piece.image[1]],
                 sigma: piece.sigma,
             };
-            SidePiece {
-                distance,
-                from,
-                to,
-                at_ends: [distance.at(from), distance.at(to)],
-                node: first + i,
-            }
+            SidePiece::new(distance, from, to, first + i)
         };
         oriented.clear();
         let pieces = pieces.enumerate();
@@ -157,12 +163,12 @@ impl PieceBlock {
         let own = pieces.get(first..end)?;
         let (left, right) = (own.first()?, own.last()?);
         let (from, to) = (left.from, right.to);
-        let rise = right.at_ends[1] - left.at_ends[0];
+        let rise = right.at_ends()[1] - left.at_ends()[0];
         let slope = if to > from { rise / (to - from) } else { 0.0 };
         // How far the ends of pieces are above the line of this slope through the origin.
         let above = own.iter().fold(f64::NEG_INFINITY, |most, piece| {
-            let first = piece.at_ends[0] - slope * piece.from;
-            let last = piece.at_ends[1] - slope * piece.to;
+            let first = piece.at_ends()[0] - slope * piece.from;
+            let last = piece.at_ends()[1] - slope * piece.to;
             greater(most, greater(first, last))
         });
         Some(Self {

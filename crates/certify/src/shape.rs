@@ -195,8 +195,8 @@ impl RoundedTransform {
             image: self.map([t, 0.0]),
             sigma,
         };
-        let left = bend(piece.from, piece.at_ends[0]);
-        let right = bend(piece.to, piece.at_ends[1]);
+        let left = bend(piece.from, piece.at_ends()[0]);
+        let right = bend(piece.to, piece.at_ends()[1]);
         let first = self.boundary(image, right.image, 0.0);
         let last = self.boundary(image, left.image, self.length);
         Reaches {

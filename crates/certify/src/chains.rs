@@ -12,7 +12,9 @@ use crate::face::ChainLink;
 pub(crate) fn greatest_sums(own: &[f64], ways: &[ChainLink], in_face: &[f64]) -> Vec<f64> {
     let graph = Graph::new(own.len(), ways);
     let (component, order) = graph.components();
-    let count = order.last().map_or(0, |&n| component[n as usize] as usize + 1);
+    let count = order
+        .last()
+        .map_or(0, |&n| component[n as usize] as usize + 1);
     // Of each component: what its nodes and the faces inside lose.
     let mut loss = vec![0.0; count];
     for (n, &lost) in own.iter().enumerate() {

@@ -93,12 +93,11 @@ impl EnvelopeBuilder {
         envelope: &mut Vec<EnvelopePiece>,
     ) {
         let begin = envelope.len();
-        let mut append = |piece: &EnvelopePiece, from: f64, to: f64| {
-            match envelope[begin..].last_mut() {
+        let mut append =
+            |piece: &EnvelopePiece, from: f64, to: f64| match envelope[begin..].last_mut() {
                 Some(last) if last.is_same_function(piece) => last.to = to,
                 _ => envelope.push(piece.on(from, to)),
-            }
-        };
+            };
         let distances = pieces.iter().map(|p| p.at(length / 2.0));
         let gap = GAP * (length + distances.fold(f64::INFINITY, lesser));
         self.set_cuts(pieces, length);
@@ -162,7 +161,10 @@ impl EnvelopeBuilder {
     fn set_meetings(&mut self, from: f64, to: f64) {
         let (here, at_ends, meetings) = (&self.here, &mut self.at_ends, &mut self.meetings);
         at_ends.clear();
-        at_ends.extend(here.iter().map(|(p, _)| [from, to].map(|t| p.at_with_slope(t))));
+        at_ends.extend(
+            here.iter()
+                .map(|(p, _)| [from, to].map(|t| p.at_with_slope(t))),
+        );
         meetings.clear();
         meetings.push(from);
         for (i, (a, _)) in here.iter().enumerate() {

@@ -101,7 +101,9 @@ impl<'a> Checker<'a> {
         sides: &[FaceSide; 3],
     ) -> (f64, HalfEdgeId) {
         let at_ends = sides.iter().flat_map(|side| &side.pieces);
-        let top = at_ends.fold(0.0, |top, p| greater(top, greater(p.at_ends()[0], p.at_ends()[1])));
+        let top = at_ends.fold(0.0, |top, p| {
+            greater(top, greater(p.at_ends()[0], p.at_ends()[1]))
+        });
         let size = top + lengths.iter().sum::<f64>();
         let nothing = (f64::INFINITY, face.half_edge(0));
         if !SIZES.contains(&size) {
@@ -144,16 +146,17 @@ impl<'a> Checker<'a> {
                     from_side = (across.excess, there);
                 }
             }
-            // What bends at a concave kink is no shorter than what goes through the piece beyond,
-            // but for the jump there.
-            let jump = if skips_bends {
-                let side = canonical(self.field.mesh, face.half_edge(k as u32));
-                self.field.jumps[side.index()]
-            } else {
-                0.0
-            };
+            // Between two points of one side the distance grows faster than the way by the jumps
+            // there. What bends at a concave kink is no shorter than what goes through the piece
+            // beyond, but for the jump there.
+            let side = canonical(self.field.mesh, face.half_edge(k as u32));
+            let jump = self.field.jumps[side.index()];
             let (found, there) = from_side;
-            let violation = if found + jump > 0.0 { (found + jump).next_up() } else { 0.0 };
+            let violation = if skips_bends {
+                (found + jump).next_up()
+            } else {
+                greater(found, jump)
+            };
             if violation > most.0 {
                 let worst = if jump > found { k } else { there };
                 most = (violation, face.half_edge(worst as u32));
@@ -259,8 +262,8 @@ impl Across<'_> {
                 }
                 for other in &there.pieces[block.first..block.end] {
                     if !other.chord.is_below(&straight, clear) {
-                        let from = from
-                            .get_or_insert_with(|| FromPiece::new(index, piece, straight));
+                        let from =
+                            from.get_or_insert_with(|| FromPiece::new(index, piece, straight));
                         self.compare(from, other, links);
                     }
                 }
@@ -270,12 +273,7 @@ impl Across<'_> {
 
     /// Raises the excess to how far `other` is above the distances by ways from a piece; adds the
     /// ways between them.
-    fn compare(
-        &mut self,
-        from: &mut FromPiece<'_>,
-        other: &SidePiece,
-        links: &mut Vec<ChainLink>,
-    ) {
+    fn compare(&mut self, from: &mut FromPiece<'_>, other: &SidePiece, links: &mut Vec<ChainLink>) {
         let near = self.near;
         let reaches = from
             .reaches
@@ -301,7 +299,12 @@ impl Across<'_> {
 
     /// How far `other` is above the distances by ways from a piece, at most. `found` is how far `other` is above each of the
     /// three reaches, but for rounding.
-    fn exact_excess(&mut self, from: &mut FromPiece<'_>, other: &SidePiece, found: [f64; 3]) -> f64 {
+    fn exact_excess(
+        &mut self,
+        from: &mut FromPiece<'_>,
+        other: &SidePiece,
+        found: [f64; 3],
+    ) -> f64 {
         let [here, there] = [0, 1].map(|k| (self.half_edges[k], self.exact_lengths[k]));
         let exact_other = self.field.exact(there.0, there.1, other.node);
         let exact_piece = *from
@@ -337,11 +340,17 @@ impl Across<'_> {
             return greater(simple, 0.0);
         }
         let pieces = &self.sides[0].pieces;
-        let begin = from.reaches.map_or([f64::NEG_INFINITY, f64::INFINITY], |r| r.bounds(1));
+        let begin = from
+            .reaches
+            .map_or([f64::NEG_INFINITY, f64::INFINITY], |r| r.bounds(1));
         let mut most = 0.0_f64;
         let mut range = [f64::NEG_INFINITY, f64::INFINITY];
         let mut raise = |found: f64| {
-            most = if found.is_nan() { f64::INFINITY } else { greater(found, most) };
+            most = if found.is_nan() {
+                f64::INFINITY
+            } else {
+                greater(found, most)
+            };
         };
         for at_end in [true, false] {
             // Where no border is in sight, straight ways are the bound, wherever they end.
@@ -357,10 +366,14 @@ impl Across<'_> {
                 let [left, right] = if at_end {
                     [Some(from.piece), pieces.get(from.index + 1)]
                 } else {
-                    [from.index.checked_sub(1).map(|i| &pieces[i]), Some(from.piece)]
+                    [
+                        from.index.checked_sub(1).map(|i| &pieces[i]),
+                        Some(from.piece),
+                    ]
                 };
                 let bends = !is_concave(left, right, self.margin);
-                self.transform.border(&exact_piece, &straight, at_end, bends)
+                self.transform
+                    .border(&exact_piece, &straight, at_end, bends)
             });
             let (k, beyond) = if at_end {
                 range[0] = border.at;
@@ -378,7 +391,11 @@ impl Across<'_> {
             }
         }
         raise(excess(&exact_other, &straight, range));
-        if simple < most { greater(simple, 0.0) } else { most }
+        if simple < most {
+            greater(simple, 0.0)
+        } else {
+            most
+        }
     }
 
     /// Whether a piece is nowhere above ways that bend, as told by how far it is above the same,
@@ -424,8 +441,7 @@ impl Across<'_> {
                 if other.node == part.node || self.is_far(part, other) {
                     continue;
                 }
-                let reaches = reaches
-                    .get_or_insert_with(|| self.near.reaches(part, from.straight));
+                let reaches = reaches.get_or_insert_with(|| self.near.reaches(part, from.straight));
                 if reaches.is_above(&other.chord, self.clear + self.margin) {
                     continue;
                 }

@@ -101,7 +101,13 @@ impl EdgeField<'_> {
         // The length in the mesh is rounded; the last piece ends where the edge does.
         let is_last = |t: f64| t == self.mesh.length(h);
         if canonical(self.mesh, h) == h {
-            let end = |t| if is_last(t) { length } else { Interval::exact(t) };
+            let end = |t| {
+                if is_last(t) {
+                    length
+                } else {
+                    Interval::exact(t)
+                }
+            };
             return ExactPiece {
                 from: end(piece.from),
                 to: end(piece.to),

@@ -155,7 +155,10 @@ impl Div for Interval {
 /// A vector of the plane or of space whose coordinates are known up to intervals.
 pub(crate) type IntervalVector<const N: usize> = [Interval; N];
 
-pub(crate) fn minus<const N: usize>(a: IntervalVector<N>, b: IntervalVector<N>) -> IntervalVector<N> {
+pub(crate) fn minus<const N: usize>(
+    a: IntervalVector<N>,
+    b: IntervalVector<N>,
+) -> IntervalVector<N> {
     std::array::from_fn(|i| a[i] - b[i])
 }
 

@@ -4,7 +4,9 @@ use geobench_mesh::{FaceId, Mesh};
 
 use crate::difference::{Chord, Distance, Rounded, greatest_difference};
 use crate::field::{ExactPiece, SidePiece};
-use crate::interval::{Interval, IntervalVector, cross, cross_length, dot, greater, lesser, minus, norm};
+use crate::interval::{
+    Interval, IntervalVector, cross, cross_length, dot, greater, lesser, minus, norm,
+};
 
 /// The lengths and angles of a face, from the positions in the mesh and not from its rounded
 /// lengths.

@@ -95,7 +95,7 @@ impl Rounded {
             return at_ends;
         }
         // Both change by at most the way along the line.
-        let roughly = (first + last) / 2.0 + (to - from);
+        let roughly = first / 2.0 + last / 2.0 + (to - from);
         greater(lesser(self.peak(other), roughly), at_ends)
     }
 }
@@ -111,7 +111,7 @@ pub(crate) struct Chord {
 impl Chord {
     pub(crate) fn new([from, to]: [f64; 2], at_ends: [f64; 2]) -> Self {
         Self {
-            middle: (from + to) / 2.0,
+            middle: from / 2.0 + to / 2.0,
             half: (to - from) / 2.0,
             at_ends,
         }
@@ -136,8 +136,7 @@ impl Chord {
         let rise = x * self.half;
         let [a, b] = self.at_ends;
         let more = clear - distance.sigma;
-        // Not with `||`: two comparisons without a branch between.
-        ((a + more) * way + rise < square) & ((b + more) * way - rise < square)
+        (a + more) * way + rise < square && (b + more) * way - rise < square
     }
 }
 

@@ -3,6 +3,26 @@
 use crate::interval::lesser;
 
 /// A window as a solver reports it, in the frame of its half-edge: abscissas run from its tail.
+///
+/// ```
+/// use geobench_certify::{Claim, WindowData};
+/// use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+///
+/// // A unit square: from corner 1 to corner 3 across the diagonal of corners 0 and 2.
+/// let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3]])?;
+/// let (source, half) = ([VertexId::new(1)], 0.5_f64.sqrt());
+/// let window = WindowData {
+///     interval: [0.0, 2.0 * half],
+///     image: [half, -half],
+///     sigma: 0.0,
+/// };
+/// let enters = |h: HalfEdgeId| mesh.twin(h).is_some() && h.face().index() == 1;
+/// let windows = |h| enters(h).then_some(window);
+/// let bound = Claim::new(&mesh, &source, &[1.0, 0.0, 1.0, 2.0 * half])?.not_too_long(windows);
+/// assert!(bound.relative < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowData {
     /// Where the window begins and ends.

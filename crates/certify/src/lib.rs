@@ -109,6 +109,20 @@ pub struct Bound {
 }
 
 /// A place where the proof fails.
+///
+/// ```
+/// use geobench_certify::{Claim, Place};
+/// use geobench_mesh::{Mesh, VertexId};
+///
+/// let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+/// let mesh = Mesh::new(positions, vec![[0, 1, 2]])?;
+/// let source = [VertexId::new(0)];
+/// // Vertex 2 is at 4, not at 5.
+/// let bound = Claim::new(&mesh, &source, &[0.0, 3.0, 5.0])?.not_too_long(|_| Vec::new());
+/// assert_eq!(bound.failures[0].place, Place::Vertex(VertexId::new(2)));
+/// assert!((bound.failures[0].violation - 1.0).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Failure {
     /// The place.

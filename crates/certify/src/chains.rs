@@ -2,23 +2,25 @@
 
 use geobench_mesh::FaceId;
 
-use crate::face::Way;
+use crate::face::ChainLink;
 
 /// The greatest sum of losses on chains of ways that end in each node.
 ///
 /// Node `n` loses `own[n]` when a chain passes it, and each face what `in_face` has for it. A chain
 /// passes a face once and a node in a row once. Nodes that lie on a cycle of ways lose together what
 /// all of them and all the faces between them may lose.
-pub(crate) fn greatest_sums(own: &[f64], ways: &[Way], in_face: &[f64]) -> Vec<f64> {
+pub(crate) fn greatest_sums(own: &[f64], ways: &[ChainLink], in_face: &[f64]) -> Vec<f64> {
     let graph = Graph::new(own.len(), ways);
-    let component = graph.components();
-    let count = component.iter().max().map_or(0, |&last| last as usize + 1);
+    let (component, order) = graph.components();
+    let count = order
+        .last()
+        .map_or(0, |&n| component[n as usize] as usize + 1);
     // Of each component: what its nodes and the faces inside lose.
     let mut loss = vec![0.0; count];
     for (n, &lost) in own.iter().enumerate() {
         loss[component[n] as usize] += lost;
     }
-    let inside = |way: &&Way| component[way.from as usize] == component[way.to as usize];
+    let inside = |way: &&ChainLink| component[way.from as usize] == component[way.to as usize];
     let inside = ways.iter().filter(inside);
     let mut inside: Vec<(u32, u32)> = inside
         .map(|way| (component[way.from as usize], way.face.raw()))
@@ -29,10 +31,8 @@ pub(crate) fn greatest_sums(own: &[f64], ways: &[Way], in_face: &[f64]) -> Vec<f
         loss[component as usize] += in_face[face as usize];
     }
     // Components are numbered from the ends of chains to their beginnings.
-    let mut order: Vec<u32> = (0..own.len() as u32).collect();
-    order.sort_unstable_by_key(|&n| std::cmp::Reverse(component[n as usize]));
     let mut before = vec![0.0_f64; count];
-    for n in order {
+    for n in order.into_iter().rev() {
         let here = component[n as usize] as usize;
         let sum = before[here] + loss[here];
         for way in graph.of(n) {
@@ -49,19 +49,19 @@ pub(crate) fn greatest_sums(own: &[f64], ways: &[Way], in_face: &[f64]) -> Vec<f
 /// The ways from each node.
 struct Graph {
     starts: Vec<usize>,
-    ways: Vec<Leaving>,
+    ways: Vec<OutLink>,
 }
 
 /// Where a way leads, and across which face.
 #[derive(Clone, Copy)]
-struct Leaving {
+struct OutLink {
     to: u32,
     face: FaceId,
 }
 
 impl Graph {
     /// O(nodes + ways): a counting sort.
-    fn new(nodes: usize, ways: &[Way]) -> Self {
+    fn new(nodes: usize, ways: &[ChainLink]) -> Self {
         let mut starts = vec![0; nodes + 1];
         for way in ways {
             starts[way.from as usize] += 1;
@@ -71,7 +71,7 @@ impl Graph {
             end += *start;
             *start = end;
         }
-        let none = Leaving {
+        let none = OutLink {
             to: 0,
             face: FaceId::new(0),
         };
@@ -80,7 +80,7 @@ impl Graph {
         for way in ways.iter().rev() {
             let start = &mut starts[way.from as usize];
             *start -= 1;
-            sorted[*start] = Leaving {
+            sorted[*start] = OutLink {
                 to: way.to,
                 face: way.face,
             };
@@ -91,16 +91,17 @@ impl Graph {
         }
     }
 
-    fn of(&self, n: u32) -> &[Leaving] {
+    fn of(&self, n: u32) -> &[OutLink] {
         &self.ways[self.starts[n as usize]..self.starts[n as usize + 1]]
     }
 
-    /// The strongly connected component of each node (R. Tarjan, 1972). Ways lead to components of
-    /// the same number or a less one.
-    fn components(&self) -> Vec<u32> {
+    /// The strongly connected component of each node (R. Tarjan, 1972), and the nodes in the order of
+    /// their components. Ways lead to components of the same number or a less one.
+    fn components(&self) -> (Vec<u32>, Vec<u32>) {
         const NONE: u32 = u32::MAX;
         let nodes = self.starts.len() - 1;
         let mut component = vec![NONE; nodes];
+        let mut order = Vec::with_capacity(nodes);
         // The order in which nodes are met, and the first met that each can come back to.
         let (mut met, mut low) = (vec![NONE; nodes], vec![0; nodes]);
         let (mut next_met, mut next_component) = (0, 0);
@@ -137,6 +138,7 @@ impl Graph {
                 if low[i] == met[i] {
                     while let Some(member) = open.pop() {
                         component[member as usize] = next_component;
+                        order.push(member);
                         if member == n {
                             break;
                         }
@@ -149,7 +151,7 @@ impl Graph {
                 }
             }
         }
-        component
+        (component, order)
     }
 }
 
@@ -159,8 +161,8 @@ mod tests {
 
     use super::*;
 
-    fn way(from: u32, to: u32, face: u32) -> Way {
-        Way {
+    fn way(from: u32, to: u32, face: u32) -> ChainLink {
+        ChainLink {
             from,
             to,
             face: FaceId::new(face),
@@ -183,7 +185,7 @@ mod tests {
     }
 
     /// The greatest sum on a chain from `n` backwards, each face once.
-    fn greatest(n: u32, ways: &[Way], in_face: &[f64], used: u32) -> f64 {
+    fn greatest(n: u32, ways: &[ChainLink], in_face: &[f64], used: u32) -> f64 {
         let before = ways.iter().filter(|way| way.to == n);
         let unused = before.filter(|way| used & (1 << way.face.raw()) == 0);
         unused
@@ -200,7 +202,7 @@ mod tests {
             ends in prop::collection::vec((0..6u32, 0..6u32, 0..8u32), 0..10),
         ) {
             let ends = ends.into_iter().filter(|(from, to, _)| from != to);
-            let ways: Vec<Way> = ends.map(|(from, to, face)| way(from, to, face)).collect();
+            let ways: Vec<ChainLink> = ends.map(|(from, to, face)| way(from, to, face)).collect();
             let in_face: Vec<f64> = (0..8).map(|i| f64::from(1 << i)).collect();
             let sums = greatest_sums(&[0.0; 6], &ways, &in_face);
             for n in 0..6 {

@@ -1,12 +1,12 @@
 //! The greatest difference of two distances along a line.
 
-use crate::interval::{Interval, Vector, norm};
+use crate::interval::{Interval, IntervalVector, greater, lesser, norm};
 
 /// A function of the points of a line, the abscissa axis: `sigma` plus the distance to `image`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Distance {
     /// A point of the plane; the sign of its ordinate does not matter.
-    pub(crate) image: Vector<2>,
+    pub(crate) image: IntervalVector<2>,
     pub(crate) sigma: Interval,
 }
 
@@ -64,13 +64,28 @@ impl Rounded {
         if way > 0.0 { x / way } else { 0.0 }
     }
 
+    /// Its value at abscissa `t`, and its slope there. The line of both is nowhere above it, but for
+    /// rounding.
+    pub(crate) fn tangent(&self, t: f64) -> [f64; 2] {
+        let [x, way] = self.way(t);
+        [self.sigma + way, if way > 0.0 { x / way } else { 0.0 }]
+    }
+
+    /// The distance of the images on one side of the line, and of the sigmas: no difference of both
+    /// is more.
+    pub(crate) fn peak(&self, other: &Self) -> f64 {
+        let x = self.image[0] - other.image[0];
+        let y = self.image[1].abs() - other.image[1].abs();
+        self.sigma - other.sigma + (x * x + y * y).sqrt()
+    }
+
     /// An upper bound of its difference to `other` over `from <= t <= to`, but for rounding and twice
     /// the length `tiny`.
     pub(crate) fn excess(&self, other: &Self, from: f64, to: f64, tiny: f64) -> f64 {
         let ways = [from, to].map(|t| [self.way(t), other.way(t)]);
         let sigma = self.sigma - other.sigma;
         let [first, last] = ways.map(|[ours, theirs]| sigma + (ours[1] - theirs[1]));
-        let at_ends = first.max(last);
+        let at_ends = greater(first, last);
         // Beside an image a distance has the slope 1, but for a part as short as the way there.
         let slope = |[x, way]: [f64; 2], otherwise| if way > tiny { x / way } else { otherwise };
         let rises = slope(ways[0][0], 1.0) - slope(ways[0][1], 1.0);
@@ -79,12 +94,49 @@ impl Rounded {
         if rises <= 0.0 || falls >= 0.0 {
             return at_ends;
         }
-        let x = self.image[0] - other.image[0];
-        let y = self.image[1].abs() - other.image[1].abs();
-        let peak = sigma + (x * x + y * y).sqrt();
         // Both change by at most the way along the line.
-        let roughly = f64::midpoint(first, last) + (to - from);
-        peak.min(roughly).max(at_ends)
+        let roughly = first / 2.0 + last / 2.0 + (to - from);
+        greater(lesser(self.peak(other), roughly), at_ends)
+    }
+}
+
+/// An upper bound of a distance on a part of the line: a line through these values at its ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chord {
+    pub(crate) middle: f64,
+    half: f64,
+    pub(crate) at_ends: [f64; 2],
+}
+
+impl Chord {
+    pub(crate) fn new([from, to]: [f64; 2], at_ends: [f64; 2]) -> Self {
+        Self {
+            middle: from / 2.0 + to / 2.0,
+            half: (to - from) / 2.0,
+            at_ends,
+        }
+    }
+
+    /// Whether the distance from its middle to the image is more than its length.
+    pub(crate) fn is_shorter_than_way(&self, distance: &Rounded) -> bool {
+        let [x, y] = [self.middle - distance.image[0], distance.image[1]];
+        x * x + y * y > 4.0 * self.half * self.half
+    }
+
+    /// Whether it is everywhere less than `distance` by more than `clear`.
+    ///
+    /// A distance is convex, so it is nowhere below its tangent in the middle, and a line is below
+    /// another where it is at both ends. With the way w from the image to the middle, x its part
+    /// along the line, and h half the length, that says `a + x/w h < sigma + w` at one end and
+    /// `b - x/w h < sigma + w` at the other; it is tested multiplied by w. Where w is 0 it is never so.
+    pub(crate) fn is_below(&self, distance: &Rounded, clear: f64) -> bool {
+        let [x, y] = [self.middle - distance.image[0], distance.image[1]];
+        let square = x * x + y * y;
+        let way = square.sqrt();
+        let rise = x * self.half;
+        let [a, b] = self.at_ends;
+        let more = clear - distance.sigma;
+        (a + more) * way + rise < square && (b + more) * way - rise < square
     }
 }
 
@@ -101,7 +153,7 @@ pub(crate) fn greatest_difference(f: &Distance, g: &Distance, from: f64, to: f64
 const BISECTIONS: u32 = 100;
 
 /// A bound this close to the value at an end, as a fraction of the distances, is not improved.
-const CLOSE: f64 = 2e-15;
+pub(crate) const CLOSE: f64 = 2e-15;
 
 fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -> f64 {
     let ways = |t| [f.way(t), g.way(t)];
@@ -123,7 +175,7 @@ fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -
     let last = ways(to);
     let [f1, g1] = values(last);
     let differences = [(f0 - g0).hi, (f1 - g1).hi];
-    let at_ends = differences[0].max(differences[1]).min(peak);
+    let at_ends = lesser(greater(differences[0], differences[1]), peak);
     if peak - at_ends <= close {
         return peak;
     }
@@ -157,7 +209,7 @@ fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -
 }
 
 /// The distance of the images on one side of the line, and of the sigmas: no difference is more.
-fn peak(f: &Distance, g: &Distance) -> f64 {
+pub(crate) fn peak(f: &Distance, g: &Distance) -> f64 {
     let x = f.image[0] - g.image[0];
     let y = f.image[1].abs() - g.image[1].abs();
     (f.sigma - g.sigma + norm([x, y])).hi

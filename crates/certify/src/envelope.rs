@@ -1,6 +1,28 @@
 //! The lower envelope of all windows of an edge: a distance for each of its points.
 
+use crate::interval::lesser;
+
 /// A window as a solver reports it, in the frame of its half-edge: abscissas run from its tail.
+///
+/// ```
+/// use geobench_certify::{Claim, WindowData};
+/// use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+///
+/// // A unit square: from corner 1 to corner 3 across the diagonal of corners 0 and 2.
+/// let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3]])?;
+/// let (source, half) = ([VertexId::new(1)], 0.5_f64.sqrt());
+/// let window = WindowData {
+///     interval: [0.0, 2.0 * half],
+///     image: [half, -half],
+///     sigma: 0.0,
+/// };
+/// let enters = |h: HalfEdgeId| mesh.twin(h).is_some() && h.face().index() == 1;
+/// let windows = |h| enters(h).then_some(window);
+/// let bound = Claim::new(&mesh, &source, &[1.0, 0.0, 1.0, 2.0 * half])?.not_too_long(windows);
+/// assert!(bound.relative < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowData {
     /// Where the window begins and ends.
@@ -14,14 +36,14 @@ pub struct WindowData {
 
 /// A distance along an edge: `sigma` plus the distance to the image, valid on an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Piece {
+pub(crate) struct EnvelopePiece {
     pub(crate) from: f64,
     pub(crate) to: f64,
     pub(crate) image: [f64; 2],
     pub(crate) sigma: f64,
 }
 
-impl Piece {
+impl EnvelopePiece {
     pub(crate) fn at(&self, t: f64) -> f64 {
         let [x, y] = self.image;
         self.sigma + ((t - x) * (t - x) + y * y).sqrt()
@@ -49,7 +71,7 @@ const GAP: f64 = 3e-8;
 
 /// A window of a half-edge of this length as a piece, turned if the canonical half-edge of the
 /// edge is the twin.
-pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> Piece {
+pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> EnvelopePiece {
     let [b0, b1] = window.interval;
     let [x, y] = window.image;
     let (from, to, x) = if turned {
@@ -57,7 +79,7 @@ pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> Piece {
     } else {
         (b0, b1, x)
     };
-    Piece {
+    EnvelopePiece {
         from,
         to,
         image: [x, y.abs()],
@@ -65,71 +87,118 @@ pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> Piece {
     }
 }
 
-/// The lower envelope of `pieces`, some of which cover all of an edge of this length: pieces in
-/// their order, each beginning where the one before ends, from 0 to `length`.
-///
-/// Rounding may misplace a change of pieces by a few units in the last place. A certificate does
-/// not rely on it: it measures the jump there.
-pub(crate) fn lower_envelope(pieces: &[Piece], length: f64) -> Vec<Piece> {
-    let distances = pieces.iter().map(|p| p.at(length / 2.0));
-    let gap = GAP * (length + distances.fold(f64::INFINITY, f64::min));
-    let mut cuts = vec![0.0];
-    cuts.extend(pieces.iter().flat_map(|p| [p.from, p.to]));
-    // Where a distance has a kink it may leave another with which it agrees on one side.
-    let kinks = pieces.iter().filter(|p| p.image[1] < 1e-6 * length);
-    cuts.extend(kinks.map(|p| p.image[0]));
-    cuts.retain(|&t| t >= 0.0 && t < length);
-    cuts.push(length);
-    cuts.sort_by(f64::total_cmp);
-    cuts.dedup();
-    let mut envelope: Vec<Piece> = Vec::new();
-    let mut append = |piece: &Piece, from: f64, to: f64| match envelope.last_mut() {
-        Some(last) if last.is_same_function(piece) => last.to = to,
-        _ => envelope.push(piece.on(from, to)),
-    };
-    let mut here: Vec<&Piece> = Vec::new();
-    let mut at_ends: Vec<[[f64; 2]; 2]> = Vec::new();
-    let mut meetings: Vec<f64> = Vec::new();
-    for cut in cuts.windows(2) {
-        let (from, to) = (cut[0], cut[1]);
-        let middle = f64::midpoint(from, to);
-        here.clear();
-        let pad = if to - from < gap { gap } else { 0.0 };
-        let covers = |p: &&Piece| p.from <= middle + pad && p.to >= middle - pad;
-        here.extend(pieces.iter().filter(covers));
-        let least = here
-            .iter()
-            .map(|p| p.at(middle))
-            .fold(f64::INFINITY, f64::min);
-        // A function that is above another by more than both can change is nowhere least.
-        here.retain(|p| p.at(middle) <= least + (to - from) * (1.0 + 1e-12));
-        if let [only] = here[..] {
-            append(only, from, to);
-            continue;
-        }
-        meetings.clear();
-        meetings.extend([from, to]);
-        at_ends.clear();
-        at_ends.extend(here.iter().map(|p| [from, to].map(|t| p.at_with_slope(t))));
-        for (i, a) in here.iter().enumerate() {
-            for (j, b) in here.iter().enumerate().skip(i + 1) {
-                if stay_apart(&at_ends[i], &at_ends[j]) {
-                    continue;
+/// Finds lower envelopes one after another.
+#[derive(Default)]
+pub(crate) struct EnvelopeBuilder {
+    /// Where pieces begin and end, or have kinks.
+    cuts: Vec<f64>,
+    /// The pieces between two cuts that may be least there, each with its value in the middle.
+    here: Vec<(EnvelopePiece, f64)>,
+    /// Their values and slopes at both cuts.
+    at_ends: Vec<[[f64; 2]; 2]>,
+    /// Where two of them are equal.
+    meetings: Vec<f64>,
+}
+
+impl EnvelopeBuilder {
+    /// Appends the lower envelope of `pieces`, some of which cover all of an edge of this length:
+    /// pieces in their order, each beginning where the one before ends, from 0 to `length`.
+    ///
+    /// Rounding may misplace a change of pieces by a few units in the last place. A certificate does
+    /// not rely on it: it measures the jump there.
+    pub(crate) fn lower_envelope(
+        &mut self,
+        pieces: &[EnvelopePiece],
+        length: f64,
+        envelope: &mut Vec<EnvelopePiece>,
+    ) {
+        let begin = envelope.len();
+        let mut append =
+            |piece: &EnvelopePiece, from: f64, to: f64| match envelope[begin..].last_mut() {
+                Some(last) if last.is_same_function(piece) => last.to = to,
+                _ => envelope.push(piece.on(from, to)),
+            };
+        let distances = pieces.iter().map(|p| p.at(length / 2.0));
+        let gap = GAP * (length + distances.fold(f64::INFINITY, lesser));
+        self.set_cuts(pieces, length);
+        for i in 1..self.cuts.len() {
+            let (from, to) = (self.cuts[i - 1], self.cuts[i]);
+            let middle = f64::midpoint(from, to);
+            let pad = if to - from < gap { gap } else { 0.0 };
+            let (begins_by, ends_by) = (middle + pad, middle - pad);
+            let mut least = f64::INFINITY;
+            self.here.clear();
+            for piece in pieces {
+                if piece.from <= begins_by && piece.to >= ends_by {
+                    let value = piece.at(middle);
+                    least = lesser(value, least);
+                    self.here.push((*piece, value));
                 }
-                meetings.extend(crossings(a, b).into_iter().filter(|&t| t > from && t < to));
             }
-        }
-        meetings.sort_by(f64::total_cmp);
-        meetings.dedup();
-        for part in meetings.windows(2) {
-            let middle = f64::midpoint(part[0], part[1]);
-            let at = |piece: &&&Piece| piece.at(middle);
-            if let Some(best) = here.iter().min_by(|a, b| at(a).total_cmp(&at(b))) {
-                append(best, part[0], part[1]);
+            // A function that is above another by more than both can change is nowhere least.
+            let most = least + (to - from) * (1.0 + 1e-12);
+            self.here.retain(|(_, value)| *value <= most);
+            if let [(only, _)] = &self.here[..] {
+                append(only, from, to);
+                continue;
+            }
+            self.set_meetings(from, to);
+            for part in self.meetings.windows(2) {
+                let middle = f64::midpoint(part[0], part[1]);
+                let at = |piece: &&(EnvelopePiece, f64)| piece.0.at(middle);
+                let best = self.here.iter().min_by(|a, b| at(a).total_cmp(&at(b)));
+                if let Some((best, _)) = best {
+                    append(best, part[0], part[1]);
+                }
             }
         }
     }
-    envelope
+
+    /// Sets the cuts to those of these pieces.
+    fn set_cuts(&mut self, pieces: &[EnvelopePiece], length: f64) {
+        let cuts = &mut self.cuts;
+        cuts.clear();
+        cuts.push(0.0);
+        let mut cut = |t: f64| {
+            if t > 0.0 && t < length {
+                cuts.push(t);
+            }
+        };
+        for piece in pieces {
+            cut(piece.from);
+            cut(piece.to);
+            // Where a distance has a kink it may leave another with which it agrees on one side.
+            if piece.image[1] < 1e-6 * length {
+                cut(piece.image[0]);
+            }
+        }
+        cuts.push(length);
+        cuts.sort_unstable_by(f64::total_cmp);
+        cuts.dedup();
+    }
+
+    /// Sets the meetings to those of the pieces between two cuts, and the cuts.
+    fn set_meetings(&mut self, from: f64, to: f64) {
+        let (here, at_ends, meetings) = (&self.here, &mut self.at_ends, &mut self.meetings);
+        at_ends.clear();
+        at_ends.extend(
+            here.iter()
+                .map(|(p, _)| [from, to].map(|t| p.at_with_slope(t))),
+        );
+        meetings.clear();
+        meetings.push(from);
+        for (i, (a, _)) in here.iter().enumerate() {
+            for (j, (b, _)) in here.iter().enumerate().skip(i + 1) {
+                if !stay_apart(&at_ends[i], &at_ends[j]) {
+                    let found = crossings(a, b).into_iter();
+                    meetings.extend(found.filter(|&t| t > from && t < to));
+                }
+            }
+        }
+        meetings.push(to);
+        meetings.sort_unstable_by(f64::total_cmp);
+        meetings.dedup();
+    }
 }
 
 /// Whether two functions with these values and slopes at the ends of an interval are equal nowhere
@@ -146,7 +215,7 @@ fn stay_apart(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> bool {
 /// Where two functions are equal, at most two abscissas; also where their distances add up to the
 /// difference of their sigmas, which does no harm to an envelope. NaN or infinite where there are
 /// fewer.
-fn crossings(a: &Piece, b: &Piece) -> [f64; 2] {
+fn crossings(a: &EnvelopePiece, b: &EnvelopePiece) -> [f64; 2] {
     // With X the abscissa from the middle m of both images: ra² - rb² = k X + c, and
     // ra - rb = d gives 2 rb d = k X + c - d².
     let d = b.sigma - a.sigma;
@@ -170,6 +239,9 @@ fn crossings(a: &Piece, b: &Piece) -> [f64; 2] {
                 break;
             }
             *x -= step;
+            if step.abs() <= f64::EPSILON / 4.0 * x.abs() {
+                break;
+            }
         }
     }
     roots
@@ -191,12 +263,18 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn lower_envelope(pieces: &[EnvelopePiece], length: f64) -> Vec<EnvelopePiece> {
+        let mut envelope = Vec::new();
+        EnvelopeBuilder::default().lower_envelope(pieces, length, &mut envelope);
+        envelope
+    }
+
     prop_compose! {
         fn pieces()(
             ends in (0.0..1.0f64, 0.0..1.0f64), x in -1.0..2.0f64, y in 0.0..2.0f64,
             sigma in 0.0..1.0f64,
-        ) -> Piece {
-            Piece {
+        ) -> EnvelopePiece {
+            EnvelopePiece {
                 from: ends.0.min(ends.1),
                 to: ends.0.max(ends.1),
                 image: [x, y],
@@ -210,7 +288,7 @@ mod tests {
         fn the_envelope_is_the_least_of_all_pieces(
             mut all in prop::collection::vec(pieces(), 0..6), ts in prop::collection::vec(0.0..1.0f64, 50),
         ) {
-            let whole = Piece { from: 0.0, to: 1.0, image: [0.0, 0.0], sigma: 1.0 };
+            let whole = EnvelopePiece { from: 0.0, to: 1.0, image: [0.0, 0.0], sigma: 1.0 };
             all.push(whole);
             let envelope = lower_envelope(&all, 1.0);
             prop_assert_eq!(envelope[0].from, 0.0);
@@ -234,7 +312,7 @@ mod tests {
             image: [0.5, -1.0],
             sigma: 0.0,
         };
-        let mut pieces = vec![Piece {
+        let mut pieces = vec![EnvelopePiece {
             from: 0.0,
             to: 1.0,
             image: [0.0, 0.0],

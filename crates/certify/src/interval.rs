@@ -20,6 +20,16 @@ fn above(x: f64) -> f64 {
     x + (x.abs() * HALF_ULP + LEAST)
 }
 
+/// The greater number, or `b` where one is not a number: one instruction, unlike `f64::max`.
+pub(crate) fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The lesser number, or `b` where one is not a number.
+pub(crate) fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
 /// The real numbers from `lo` to `hi`. Ends are moved outwards by at least one unit in the last
 /// place, which is more than the rounding of an operation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,9 +63,9 @@ impl Interval {
     pub(crate) fn square(self) -> Self {
         let Self { lo, hi } = self.abs();
         let (a, b) = (lo * lo, hi * hi);
-        // Below nothing but 0, or what is rounded to it, there is a negative number.
         Self {
-            lo: if below(a) > 0.0 { below(a) } else { 0.0 },
+            // Below nothing but 0, or what is rounded to it, there is a negative number.
+            lo: greater(below(a), 0.0),
             hi: above(b),
         }
     }
@@ -63,27 +73,22 @@ impl Interval {
     /// The root of its numbers that are not negative; exact arguments never are.
     pub(crate) fn sqrt(self) -> Self {
         Self {
-            lo: below(self.lo.max(0.0).sqrt()).max(0.0),
-            hi: above(self.hi.max(0.0).sqrt()),
+            lo: greater(below(greater(self.lo, 0.0).sqrt()), 0.0),
+            hi: above(greater(self.hi, 0.0).sqrt()),
         }
     }
 
     pub(crate) fn abs(self) -> Self {
-        if self.lo >= 0.0 {
-            self
-        } else if self.hi <= 0.0 {
-            -self
-        } else {
-            Self {
-                lo: 0.0,
-                hi: self.hi.max(-self.lo),
-            }
+        // At most one of both is positive.
+        Self {
+            lo: greater(greater(self.lo, -self.hi), 0.0),
+            hi: greater(self.hi, -self.lo),
         }
     }
 
     /// The number that stands for it where rounding does not matter.
     pub(crate) fn middle(self) -> f64 {
-        f64::midpoint(self.lo, self.hi)
+        self.lo / 2.0 + self.hi / 2.0
     }
 }
 
@@ -118,15 +123,12 @@ impl Mul for Interval {
     type Output = Self;
 
     fn mul(self, other: Self) -> Self {
-        let products = [
-            self.lo * other.lo,
-            self.lo * other.hi,
-            self.hi * other.lo,
-            self.hi * other.hi,
-        ];
-        let lo = products.into_iter().fold(f64::INFINITY, f64::min);
-        let hi = products.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        Self::outwards(lo, hi)
+        let (a, b) = (self.lo * other.lo, self.lo * other.hi);
+        let (c, d) = (self.hi * other.lo, self.hi * other.hi);
+        Self::outwards(
+            lesser(lesser(a, b), lesser(c, d)),
+            greater(greater(a, b), greater(c, d)),
+        )
     }
 }
 
@@ -141,42 +143,42 @@ impl Div for Interval {
                 hi: f64::INFINITY,
             };
         }
-        let quotients = [
-            self.lo / other.lo,
-            self.lo / other.hi,
-            self.hi / other.lo,
-            self.hi / other.hi,
-        ];
-        let lo = quotients.into_iter().fold(f64::INFINITY, f64::min);
-        let hi = quotients.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        Self::outwards(lo, hi)
+        let (a, b) = (self.lo / other.lo, self.lo / other.hi);
+        let (c, d) = (self.hi / other.lo, self.hi / other.hi);
+        Self::outwards(
+            lesser(lesser(a, b), lesser(c, d)),
+            greater(greater(a, b), greater(c, d)),
+        )
     }
 }
 
 /// A vector of the plane or of space whose coordinates are known up to intervals.
-pub(crate) type Vector<const N: usize> = [Interval; N];
+pub(crate) type IntervalVector<const N: usize> = [Interval; N];
 
-pub(crate) fn minus<const N: usize>(a: Vector<N>, b: Vector<N>) -> Vector<N> {
+pub(crate) fn minus<const N: usize>(
+    a: IntervalVector<N>,
+    b: IntervalVector<N>,
+) -> IntervalVector<N> {
     std::array::from_fn(|i| a[i] - b[i])
 }
 
-pub(crate) fn dot<const N: usize>(a: Vector<N>, b: Vector<N>) -> Interval {
+pub(crate) fn dot<const N: usize>(a: IntervalVector<N>, b: IntervalVector<N>) -> Interval {
     (1..N).fold(a[0] * b[0], |sum, i| sum + a[i] * b[i])
 }
 
-pub(crate) fn norm<const N: usize>(a: Vector<N>) -> Interval {
+pub(crate) fn norm<const N: usize>(a: IntervalVector<N>) -> Interval {
     let squares = a.map(Interval::square);
     let rest = squares[1..].iter();
     rest.fold(squares[0], |sum, &x| sum + x).sqrt()
 }
 
 /// The third coordinate of the cross product of two vectors of the plane.
-pub(crate) fn cross(a: Vector<2>, b: Vector<2>) -> Interval {
+pub(crate) fn cross(a: IntervalVector<2>, b: IntervalVector<2>) -> Interval {
     a[0] * b[1] - a[1] * b[0]
 }
 
 /// The length of the cross product of two vectors of space.
-pub(crate) fn cross_length(a: Vector<3>, b: Vector<3>) -> Interval {
+pub(crate) fn cross_length(a: IntervalVector<3>, b: IntervalVector<3>) -> Interval {
     norm([
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],

@@ -7,13 +7,13 @@
 //! N. Louvet, J.-M. Muller, J. Picot, L. Rideau, Accurate calculation of Euclidean norms using
 //! double-word arithmetic, 2023).
 
-use crate::envelope::Piece;
+use crate::envelope::EnvelopePiece;
 
 /// More than the error of a difference, as a fraction of the numbers involved.
 const ERROR: f64 = 1e-28;
 
 /// An upper bound of the jump from `a` to `b` at abscissa `t`.
-pub(crate) fn jump(a: &Piece, b: &Piece, t: f64) -> f64 {
+pub(crate) fn jump(a: &EnvelopePiece, b: &EnvelopePiece, t: f64) -> f64 {
     let [way_a, way_b] = [a, b].map(|piece| way(piece, t));
     let mut sum = two_sum(a.sigma, -b.sigma);
     for x in [way_a.0, -way_b.0, way_a.1, -way_b.1] {
@@ -25,7 +25,7 @@ pub(crate) fn jump(a: &Piece, b: &Piece, t: f64) -> f64 {
 }
 
 /// The distance to the image.
-fn way(piece: &Piece, t: f64) -> (f64, f64) {
+fn way(piece: &EnvelopePiece, t: f64) -> (f64, f64) {
     let x = two_sum(t, -piece.image[0]);
     let y = piece.image[1];
     let xx = two_product(x.0, x.0);
@@ -62,8 +62,8 @@ mod tests {
     use crate::difference::Distance;
     use crate::interval::Interval;
 
-    fn piece(x: f64, y: f64, sigma: f64) -> Piece {
-        Piece {
+    fn piece(x: f64, y: f64, sigma: f64) -> EnvelopePiece {
+        EnvelopePiece {
             from: 0.0,
             to: 1.0,
             image: [x, y],

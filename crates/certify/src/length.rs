@@ -2,9 +2,32 @@
 
 use geobench_mesh::{Mesh, VertexId};
 
-use crate::interval::{Interval, Vector, minus, norm};
+use crate::interval::{Interval, IntervalVector, minus, norm};
 
 /// A point of a path.
+///
+/// ```
+/// use geobench_certify::{Claim, PathPoint};
+/// use geobench_mesh::{Mesh, VertexId};
+///
+/// // A unit square: from corner 1 to corner 3 across the middle of the diagonal.
+/// let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3]])?;
+/// let [a, b, c, d] = [0, 1, 2, 3].map(VertexId::new);
+/// let source = [b];
+/// let path = |v| {
+///     let mut points = vec![PathPoint::Vertex(b)];
+///     if v == d {
+///         points.push(PathPoint::Edge([a, c], 0.5));
+///     }
+///     points.push(PathPoint::Vertex(v));
+///     Some(points)
+/// };
+/// let distances = [1.0, 0.0, 1.0, 2.0_f64.sqrt()];
+/// let claim = Claim::new(&mesh, &source, &distances)?;
+/// assert!(claim.not_too_short(path).relative < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PathPoint {
     /// A vertex.
@@ -15,7 +38,7 @@ pub enum PathPoint {
 }
 
 impl PathPoint {
-    fn position(self, mesh: &Mesh) -> Option<Vector<3>> {
+    fn position(self, mesh: &Mesh) -> Option<IntervalVector<3>> {
         let of = |v: VertexId| Some(mesh.positions().get(v.index())?.map(Interval::exact));
         match self {
             Self::Vertex(v) => of(v),

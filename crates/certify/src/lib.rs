@@ -45,16 +45,19 @@ mod chains;
 mod difference;
 mod envelope;
 mod face;
+mod field;
 mod interval;
 mod jump;
 mod length;
+mod shape;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
 use boundary::windows_from_inside;
 use chains::greatest_sums;
-use envelope::{Piece, lower_envelope, piece};
-use face::{Checker, EdgeField, MOST_WAYS, Way, canonical};
+use envelope::{EnvelopeBuilder, EnvelopePiece, piece};
+use face::{ChainLink, Checker, MOST_LINKS};
+use field::{EdgeField, canonical};
 use jump::jump;
 
 pub use envelope::WindowData;
@@ -106,6 +109,20 @@ pub struct Bound {
 }
 
 /// A place where the proof fails.
+///
+/// ```
+/// use geobench_certify::{Claim, Place};
+/// use geobench_mesh::{Mesh, VertexId};
+///
+/// let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+/// let mesh = Mesh::new(positions, vec![[0, 1, 2]])?;
+/// let source = [VertexId::new(0)];
+/// // Vertex 2 is at 4, not at 5.
+/// let bound = Claim::new(&mesh, &source, &[0.0, 3.0, 5.0])?.not_too_long(|_| Vec::new());
+/// assert_eq!(bound.failures[0].place, Place::Vertex(VertexId::new(2)));
+/// assert!((bound.failures[0].violation - 1.0).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Failure {
     /// The place.
@@ -248,7 +265,7 @@ impl<'a> Claim<'a> {
         &self,
         field: &EdgeField<'_>,
         clear: f64,
-    ) -> (Vec<f64>, Vec<Option<HalfEdgeId>>, Vec<Way>) {
+    ) -> (Vec<f64>, Vec<Option<HalfEdgeId>>, Vec<ChainLink>) {
         let mut checker = Checker::new(field, clear);
         let found = self.mesh.faces().map(|face| {
             let corners = self.mesh.face_vertices(face);
@@ -262,7 +279,7 @@ impl<'a> Claim<'a> {
             }
         });
         let (in_face, sides) = found.unzip();
-        (in_face, sides, checker.ways)
+        (in_face, sides, checker.links)
     }
 
     /// How much too short the distances may be, by a path from a source to every vertex with a
@@ -303,8 +320,10 @@ impl<'a> Claim<'a> {
     {
         let mesh = self.mesh;
         let mut starts = Vec::with_capacity(mesh.half_edge_count() + 1);
-        let mut pieces: Vec<Piece> = Vec::new();
+        let mut pieces: Vec<EnvelopePiece> = Vec::new();
         let mut jumps = vec![0.0; mesh.half_edge_count()];
+        let mut all: Vec<EnvelopePiece> = Vec::new();
+        let mut builder = EnvelopeBuilder::default();
         for h in mesh.half_edges() {
             starts.push(pieces.len());
             let ends = [mesh.tail(h), mesh.head(h)].map(|v| self.distances[v.index()]);
@@ -316,7 +335,8 @@ impl<'a> Claim<'a> {
                 let windows = windows(h).into_iter();
                 windows.map(move |window| piece(&window, length, turned))
             };
-            let mut all: Vec<Piece> = of(h, false).collect();
+            all.clear();
+            all.extend(of(h, false));
             if let Some(twin) = mesh.twin(h) {
                 all.extend(of(twin, true));
             } else {
@@ -324,19 +344,23 @@ impl<'a> Claim<'a> {
                 let inside = windows_from_inside(mesh, h, opposite, &windows);
                 all.extend(inside.iter().map(|window| piece(window, length, false)));
             }
-            all.extend([(0.0, ends[0]), (length, ends[1])].map(|(x, sigma)| Piece {
-                from: 0.0,
-                to: length,
-                image: [x, 0.0],
-                sigma,
-            }));
-            let envelope = lower_envelope(&all, length);
-            let pairs = envelope.windows(2);
+            // The margin of rounded arithmetic needs this. Without a window a proof fails, or holds.
+            all.retain(|p| p.sigma >= 0.0 && p.image.iter().all(|x| x.is_finite()));
+            all.extend(
+                [(0.0, ends[0]), (length, ends[1])].map(|(x, sigma)| EnvelopePiece {
+                    from: 0.0,
+                    to: length,
+                    image: [x, 0.0],
+                    sigma,
+                }),
+            );
+            let first = pieces.len();
+            builder.lower_envelope(&all, length, &mut pieces);
+            let pairs = pieces[first..].windows(2);
             let sum = pairs.fold(0.0, |sum: f64, pair| {
                 (sum + jump(&pair[0], &pair[1], pair[0].to)).next_up()
             });
             jumps[h.index()] = sum;
-            pieces.extend(envelope);
         }
         starts.push(pieces.len());
         EdgeField {
@@ -376,10 +400,10 @@ impl<'a> Claim<'a> {
         field: &EdgeField<'_>,
         own: Vec<f64>,
         in_face: &[f64],
-        mut ways: Vec<Way>,
+        mut ways: Vec<ChainLink>,
         total: f64,
     ) -> (f64, f64) {
-        if ways.len() > MOST_WAYS {
+        if ways.len() > MOST_LINKS {
             return (total, self.add_up_by_distance(&own, in_face, total));
         }
         ways.retain(|way| f64::from(way.excess) >= -total);

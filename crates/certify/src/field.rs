@@ -1,0 +1,211 @@
+//! The distances on all edges of a mesh, and those of one edge in either direction.
+
+use geobench_mesh::{HalfEdgeId, Mesh};
+
+use crate::difference::{Chord, Distance, Rounded};
+use crate::envelope::EnvelopePiece;
+use crate::interval::{Interval, greater, minus, norm};
+
+/// The distance on all edges of a mesh: the pieces of an edge under its canonical half-edge, the
+/// one of less number.
+#[derive(Debug)]
+pub(crate) struct EdgeField<'a> {
+    pub(crate) mesh: &'a Mesh,
+    /// Where the pieces of each half-edge begin in `pieces`, and a last entry for their end.
+    pub(crate) starts: Vec<usize>,
+    pub(crate) pieces: Vec<EnvelopePiece>,
+    /// The sum of all jumps between the pieces of each half-edge: along an edge the distance grows no
+    /// faster than the way but there.
+    pub(crate) jumps: Vec<f64>,
+}
+
+/// The half-edge under which the pieces of the edge of `h` are stored.
+pub(crate) fn canonical(mesh: &Mesh, h: HalfEdgeId) -> HalfEdgeId {
+    mesh.twin(h).map_or(h, |twin| twin.min(h))
+}
+
+/// A piece, or a part of one, in the frame of a half-edge of the edge: rounded.
+#[derive(Clone, Copy)]
+pub(crate) struct SidePiece {
+    pub(crate) distance: Rounded,
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    /// A distance is convex: nowhere above its chord.
+    pub(crate) chord: Chord,
+    /// The node that stands for it in chains.
+    pub(crate) node: usize,
+}
+
+impl SidePiece {
+    /// A distance on a part of a side.
+    pub(crate) fn new(distance: Rounded, from: f64, to: f64, node: usize) -> Self {
+        let at_ends = [distance.at(from), distance.at(to)];
+        Self {
+            distance,
+            from,
+            to,
+            chord: Chord::new([from, to], at_ends),
+            node,
+        }
+    }
+
+    /// The distances at its ends.
+    pub(crate) fn at_ends(&self) -> [f64; 2] {
+        self.chord.at_ends
+    }
+}
+
+/// A piece in the frame of a half-edge of the edge.
+#[derive(Clone, Copy)]
+pub(crate) struct ExactPiece {
+    pub(crate) from: Interval,
+    pub(crate) to: Interval,
+    pub(crate) distance: Distance,
+}
+
+impl EdgeField<'_> {
+    /// The pieces of the edge of `h` in the direction of the canonical half-edge.
+    fn pieces(&self, h: HalfEdgeId) -> &[EnvelopePiece] {
+        let h = canonical(self.mesh, h).index();
+        &self.pieces[self.starts[h]..self.starts[h + 1]]
+    }
+
+    /// Sets `oriented` to the pieces of the edge of `h` in the direction of `h`, rounded.
+    pub(crate) fn orient(&self, h: HalfEdgeId, length: f64, oriented: &mut Vec<SidePiece>) {
+        let canonical = canonical(self.mesh, h);
+        let first = self.starts[canonical.index()];
+        let pieces = self.pieces(h).iter();
+        let turn = |(i, piece): (usize, &EnvelopePiece), [from, to, x]: [f64; 3]| {
+            let distance = Rounded {
+                image: [x, piece.image[1]],
+                sigma: piece.sigma,
+            };
+            SidePiece::new(distance, from, to, first + i)
+        };
+        oriented.clear();
+        let pieces = pieces.enumerate();
+        if canonical == h {
+            oriented.extend(pieces.map(|p| turn(p, [p.1.from, p.1.to, p.1.image[0]])));
+        } else {
+            let turned = |x: f64| length - x;
+            let pieces = pieces.rev();
+            oriented.extend(pieces.map(|p| turn(p, [p.1.to, p.1.from, p.1.image[0]].map(turned))));
+        }
+    }
+
+    /// The piece `node` of the edge of `h`, of this length, in the direction of `h`.
+    pub(crate) fn exact(&self, h: HalfEdgeId, length: Interval, node: usize) -> ExactPiece {
+        let piece = &self.pieces[node];
+        let [x, y] = piece.image.map(Interval::exact);
+        let sigma = Interval::exact(piece.sigma);
+        // The length in the mesh is rounded; the last piece ends where the edge does.
+        let is_last = |t: f64| t == self.mesh.length(h);
+        if canonical(self.mesh, h) == h {
+            let end = |t| {
+                if is_last(t) {
+                    length
+                } else {
+                    Interval::exact(t)
+                }
+            };
+            return ExactPiece {
+                from: end(piece.from),
+                to: end(piece.to),
+                distance: Distance {
+                    image: [x, y],
+                    sigma,
+                },
+            };
+        }
+        let end = |t: f64| match t {
+            0.0 => length,
+            t if is_last(t) => Interval::ZERO,
+            t => length - Interval::exact(t),
+        };
+        ExactPiece {
+            from: end(piece.to),
+            to: end(piece.from),
+            distance: Distance {
+                image: [length - x, y],
+                sigma,
+            },
+        }
+    }
+
+    /// The distance at the beginning of the canonical half-edge of the edge of `h`, or at its end;
+    /// `None` where the edge has no distances.
+    pub(crate) fn at_end(&self, h: HalfEdgeId, beginning: bool) -> Option<Interval> {
+        let h = canonical(self.mesh, h);
+        let pieces = self.pieces(h);
+        let (piece, t) = if beginning {
+            (pieces.first()?, Interval::ZERO)
+        } else {
+            let ends = [self.mesh.tail(h), self.mesh.head(h)];
+            let [a, b] = ends.map(|v| self.mesh.positions()[v.index()].map(Interval::exact));
+            (pieces.last()?, norm(minus(b, a)))
+        };
+        let distance = Distance {
+            image: piece.image.map(Interval::exact),
+            sigma: Interval::exact(piece.sigma),
+        };
+        Some(distance.at(t))
+    }
+}
+
+/// Pieces of a side in a row, which are sorted out together.
+#[derive(Clone, Copy)]
+pub(crate) struct PieceBlock {
+    pub(crate) first: usize,
+    pub(crate) end: usize,
+    /// All of them are nowhere above it.
+    pub(crate) chord: Chord,
+}
+
+/// Pieces in a block.
+const BLOCK: usize = 6;
+
+impl PieceBlock {
+    fn of(pieces: &[SidePiece], first: usize, end: usize) -> Option<Self> {
+        let own = pieces.get(first..end)?;
+        let (left, right) = (own.first()?, own.last()?);
+        let (from, to) = (left.from, right.to);
+        let rise = right.at_ends()[1] - left.at_ends()[0];
+        let slope = if to > from { rise / (to - from) } else { 0.0 };
+        // How far the ends of pieces are above the line of this slope through the origin.
+        let above = own.iter().fold(f64::NEG_INFINITY, |most, piece| {
+            let first = piece.at_ends()[0] - slope * piece.from;
+            let last = piece.at_ends()[1] - slope * piece.to;
+            greater(most, greater(first, last))
+        });
+        Some(Self {
+            first,
+            end,
+            chord: Chord::new([from, to], [from, to].map(|t| above + slope * t)),
+        })
+    }
+}
+
+/// A side of a face.
+#[derive(Default)]
+pub(crate) struct FaceSide {
+    pub(crate) pieces: Vec<SidePiece>,
+    /// None if one would have all pieces.
+    pub(crate) blocks: Vec<PieceBlock>,
+    /// All pieces.
+    pub(crate) whole: Option<PieceBlock>,
+}
+
+impl FaceSide {
+    /// Sets it to the pieces of the edge of `h` in the direction of `h`.
+    pub(crate) fn set(&mut self, field: &EdgeField<'_>, h: HalfEdgeId, length: f64) {
+        field.orient(h, length, &mut self.pieces);
+        let pieces = &self.pieces;
+        self.whole = PieceBlock::of(pieces, 0, pieces.len());
+        self.blocks.clear();
+        if pieces.len() > BLOCK {
+            let firsts = (0..pieces.len()).step_by(BLOCK);
+            let block = |i: usize| PieceBlock::of(pieces, i, (i + BLOCK).min(pieces.len()));
+            self.blocks.extend(firsts.filter_map(block));
+        }
+    }
+}

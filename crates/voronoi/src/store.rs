@@ -6,6 +6,8 @@ use geobench_mesh::HalfEdgeId;
 use geobench_window::Window;
 use geobench_window::trimming::{Comparison, Overlap, Owner, foot, is_sliver, pieces};
 
+use crate::merge::Sweep;
+
 /// A window of a list. It is in the frame of the edge's first half-edge, whichever way it crosses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stored {
@@ -20,6 +22,7 @@ pub(crate) struct Stored {
 const WAITS: u32 = 1 << 31;
 /// The window crosses from above the edge to below it.
 const REVERSED: u32 = 1 << 30;
+
 impl Stored {
     const NONE: Self = Self {
         window: Window {
@@ -32,6 +35,29 @@ impl Stored {
         marks: 0,
         serial: 0,
     };
+
+    /// A window of `source` that waits; it is in the frame of the edge.
+    #[inline]
+    pub(crate) fn waiting(window: Window, is_reversed: bool, source: u32) -> Self {
+        Self {
+            window,
+            marks: source | WAITS | if is_reversed { REVERSED } else { 0 },
+            serial: 0,
+        }
+    }
+
+    /// Its part between `b0` and `b1`.
+    #[inline]
+    pub(crate) fn cut(&self, b0: f64, b1: f64) -> Self {
+        Self {
+            window: Window {
+                b0,
+                b1,
+                ..self.window
+            },
+            ..*self
+        }
+    }
 
     /// Number of the source from which the window comes.
     #[inline]
@@ -80,22 +106,58 @@ pub(crate) struct Waiting {
 }
 
 /// What an insertion did.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Changes {
-    /// Windows to queue: what is left of the new one, and further parts of stored ones that wait.
+    /// Windows to queue one by one: what is left of the new one, and further parts of stored ones
+    /// that wait. Not those of a [merge](EdgeWindows::merge).
     pub(crate) waiting: Vec<Waiting>,
-    /// How many of these are parts of the new one.
+    /// Parts that are left of new windows.
     pub(crate) new_parts: usize,
+    /// Their least distance; infinite if there are none.
+    pub(crate) least: f64,
+    /// New windows of which nothing is left.
+    pub(crate) dropped: usize,
+    /// Further parts of stored windows that wait.
+    pub(crate) split: usize,
     /// Stored windows that lost a part.
     pub(crate) trimmed: usize,
     /// Stored windows that lost everything.
     pub(crate) removed: usize,
 }
 
+impl Default for Changes {
+    fn default() -> Self {
+        Self {
+            waiting: Vec::new(),
+            new_parts: 0,
+            least: f64::INFINITY,
+            dropped: 0,
+            split: 0,
+            trimmed: 0,
+            removed: 0,
+        }
+    }
+}
+
 impl Changes {
     fn clear(&mut self) {
-        self.waiting.clear();
-        (self.new_parts, self.trimmed, self.removed) = (0, 0, 0);
+        let mut waiting = std::mem::take(&mut self.waiting);
+        waiting.clear();
+        *self = Self {
+            waiting,
+            ..Self::default()
+        };
+    }
+
+    /// Counts `part` of a new window, which is left. Returns its least distance.
+    #[inline]
+    pub(crate) fn keep(&mut self, part: &Stored) -> f64 {
+        self.new_parts += 1;
+        let label = part.window.min_distance();
+        if label < self.least {
+            self.least = label;
+        }
+        label
     }
 }
 
@@ -192,15 +254,32 @@ impl EdgeWindows {
         list.filter(move |s| s.waits() && s.is_reversed() == is_reversed)
     }
 
-    /// Moves the windows that wait on edge `e` and cross in this direction into `batch`, in the
-    /// frame of the edge. They stay stored.
-    pub(crate) fn take_all(&mut self, e: usize, is_reversed: bool, batch: &mut Vec<Stored>) {
+    /// Takes the windows that wait on edge `e` of length `l` and cross in this direction into
+    /// `batch`, in the frame of the half-edge by which they cross, in ascending order there. They
+    /// stay stored, and wait no longer.
+    #[inline]
+    pub(crate) fn take_all(
+        &mut self,
+        e: usize,
+        is_reversed: bool,
+        l: f64,
+        batch: &mut Vec<Stored>,
+    ) {
         let before = batch.len();
-        for stored in self.list_mut(e) {
+        let mut take = |stored: &mut Stored, window: fn(&Window, f64) -> Window| {
             if stored.waits() && stored.is_reversed() == is_reversed {
                 stored.marks &= !WAITS;
-                batch.push(*stored);
+                batch.push(Stored {
+                    window: window(&stored.window, l),
+                    ..*stored
+                });
             }
+        };
+        let list = self.list_mut(e).iter_mut();
+        if is_reversed {
+            list.rev().for_each(|s| take(s, Window::reversed));
+        } else {
+            list.for_each(|s| take(s, |w, _| *w));
         }
         self.waiting -= batch.len() - before;
     }
@@ -234,17 +313,42 @@ impl EdgeWindows {
         l: f64,
     ) {
         self.changes.clear();
-        let new = Stored {
-            window: *new,
-            marks: source | WAITS | if is_reversed { REVERSED } else { 0 },
-            serial: 0,
-        };
+        let new = Stored::waiting(*new, is_reversed, source);
         if foot(&new.window, l).is_some() {
             for window in pieces(&new.window, l) {
                 self.insert_piece(e, Stored { window, ..new }, l);
             }
         } else {
             self.insert_piece(e, new, l);
+        }
+    }
+
+    /// Inserts windows without a [foot], which then wait, on edge `e` of length `l`. They are in
+    /// the frame of the edge, mostly in ascending order. The [`changes`](Self::changes) tell what
+    /// became of them and of others.
+    ///
+    /// The result is that of inserting them one after the other, but in one pass over the list for
+    /// all that are in ascending order.
+    pub(crate) fn merge(&mut self, e: usize, batch: &[Stored], l: f64) {
+        self.changes.clear();
+        let mut k = 0;
+        while let Some(new) = batch.get(k) {
+            let Head { start, len, .. } = self.heads[e];
+            let list = &mut self.windows[start as usize..][..len as usize];
+            let (pieces, changes) = (&mut self.replaced, &mut self.changes);
+            let mut sweep = Sweep::start(list, new.window.b0, l, pieces, changes);
+            let (next, is_open) = sweep.insert_all(batch, k);
+            let range = sweep.end();
+            if !range.is_empty() || !self.replaced.is_empty() {
+                let replaced = std::mem::take(&mut self.replaced);
+                self.replace(e, range, &replaced);
+                self.replaced = replaced;
+            }
+            k = next;
+            if is_open {
+                self.insert_piece(e, batch[k], l);
+                k += 1;
+            }
         }
     }
 
@@ -257,6 +361,7 @@ impl EdgeWindows {
             .take_while(|s| s.window.b0 < window.b1)
             .count();
         if loses_everywhere(&list[first..][..met], &window, l) {
+            self.changes.dropped += 1;
             return;
         }
         self.met.clear();
@@ -267,6 +372,8 @@ impl EdgeWindows {
         overlap.share_out(&self.met, &window, l);
         if overlap.segments().iter().any(|s| s.owner == Owner::New) {
             self.apply(e, first..first + met, &overlap, new);
+        } else {
+            self.changes.dropped += 1;
         }
         self.overlap = overlap;
     }
@@ -296,24 +403,35 @@ impl EdgeWindows {
             } else {
                 part.serial = self.next_serial;
                 self.next_serial = self.next_serial.wrapping_add(1);
+                let label = if segment.owner == Owner::New {
+                    self.changes.keep(&part)
+                } else {
+                    part.window.min_distance()
+                };
                 if part.waits() {
+                    self.changes.split += usize::from(segment.owner != Owner::New);
                     self.changes.waiting.push(Waiting {
-                        label: part.window.min_distance(),
+                        label,
                         serial: part.serial,
                         is_reversed: part.is_reversed(),
                     });
                 }
-                self.changes.new_parts += usize::from(segment.owner == Owner::New);
             }
             replaced.push(part);
         }
         self.changes.removed += met.len() - last_old.map_or(0, |last| last + 1);
-        let waiting = |list: &[Stored]| list.iter().filter(|s| s.waits()).count();
-        self.waiting += waiting(&replaced);
-        self.waiting -= waiting(&self.windows[start + met.start..start + met.end]);
-        self.stored = self.stored + replaced.len() - met.len();
-        self.splice(e, met, &replaced);
+        self.replace(e, met, &replaced);
         self.replaced = replaced;
+    }
+
+    /// Puts `new` in the place of the windows `old` of edge `e`.
+    fn replace(&mut self, e: usize, old: Range<usize>, new: &[Stored]) {
+        let waiting = |list: &[Stored]| list.iter().filter(|s| s.waits()).count();
+        let start = self.heads[e].start as usize;
+        self.waiting += waiting(new);
+        self.waiting -= waiting(&self.windows[start + old.start..start + old.end]);
+        self.stored = self.stored + new.len() - old.len();
+        self.splice(e, old, new);
     }
 
     /// Puts `new` in the place of the windows `old` of edge `e`.
@@ -421,7 +539,7 @@ mod tests {
         assert_eq!((lists.stored(), lists.waiting()), (2, 2));
         assert_eq!((lists.changes.trimmed, lists.changes.new_parts), (1, 1));
         let mut batch = Vec::new();
-        lists.take_all(0, true, &mut batch);
+        lists.take_all(0, true, 1.0, &mut batch);
         assert_eq!((batch.len(), lists.waiting()), (1, 1));
         assert_eq!(lists.waiting_on(0, false).count(), 1);
         assert_eq!(lists.waiting_on(0, true).count(), 0);

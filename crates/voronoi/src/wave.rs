@@ -2,14 +2,14 @@
 //! on edges.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::trimming::ThinFaces;
+use geobench_window::trimming::{ThinFaces, foot};
 use geobench_window::{
-    Counter, Crossing, Faces, Phase, Probe, Side, VertexFilter, Way, Window, is_beaten_from_ends,
-    spawn_window,
+    Counter, Crossing, Exit, FaceView, Faces, Phase, Probe, Side, VertexFilter, Way, Window,
+    is_beaten_from_ends, spawn_window,
 };
 
 use crate::field::{Field, NO_SOURCE};
-use crate::store::{EdgeWindows, edge_of};
+use crate::store::{EdgeWindows, Stored, edge_of};
 
 /// The counters of every algorithm of this crate.
 pub(crate) const COUNTERS: &[Counter] = &[
@@ -50,6 +50,8 @@ pub(crate) struct Wave {
     /// The distance at which each vertex last sent out windows; infinite if it has not.
     spawned: Vec<f64>,
     pub(crate) store: EdgeWindows,
+    /// Windows that leave a face together, by its left and by its right exit.
+    children: [Vec<Stored>; 2],
     /// For each face a length within which one of its points is reached; empty if not asked for.
     pub(crate) nearest: Vec<f64>,
     /// Faces that have been reached for the first time.
@@ -71,6 +73,7 @@ impl Wave {
             labels: Vec::new(),
             spawned: Vec::new(),
             store: EdgeWindows::new(half_edges),
+            children: Default::default(),
             nearest: Vec::new(),
             reached: Vec::new(),
             arrivals: Vec::new(),
@@ -202,13 +205,7 @@ impl Wave {
             *window
         };
         self.store.insert(e, &window, is_reversed, source, l);
-        let mut least = f64::INFINITY;
         for waiting in &self.store.changes.waiting {
-            least = if waiting.is_reversed == is_reversed {
-                least.min(waiting.label)
-            } else {
-                least
-            };
             self.arrivals.push(Arrival {
                 h: if waiting.is_reversed == is_reversed {
                     h
@@ -219,20 +216,84 @@ impl Wave {
                 serial: waiting.serial,
             });
         }
+        // Of a window with a foot, some pieces may be left.
+        let is_kept = self.store.changes.new_parts > 0;
+        self.note_changes(h, twin, usize::from(!is_kept), probe);
+        is_kept
+    }
+
+    /// Windows that arrived at `h` have been inserted, except `dropped` of them.
+    #[inline]
+    fn note_changes<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        twin: HalfEdgeId,
+        dropped: usize,
+        probe: &mut P,
+    ) {
         let changes = &self.store.changes;
-        let is_kept = changes.new_parts > 0;
-        probe.add(
-            Counter::Reinserted,
-            (changes.waiting.len() - changes.new_parts) as u64,
-        );
+        probe.add(Counter::Reinserted, changes.split as u64);
         probe.add(Counter::Trimmed, changes.trimmed as u64);
-        let dropped = changes.removed + usize::from(!is_kept);
-        probe.add(Counter::Filtered, dropped as u64);
-        if is_kept {
+        probe.add(Counter::Filtered, (changes.removed + dropped) as u64);
+        let least = changes.least;
+        if least < f64::INFINITY {
             self.reach(h.face().index(), least);
             self.reach(twin.face().index(), least);
         }
-        is_kept
+    }
+
+    /// The windows of `batch` arrive at `h`, whose twin is `twin`, in ascending order. Returns of
+    /// how many something is left. All that are left are announced by one arrival, unless windows
+    /// cross there [one by one](ThinFaces).
+    fn arrive_all<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        twin: HalfEdgeId,
+        batch: &mut [Stored],
+        probe: &mut P,
+    ) -> u64 {
+        let (e, is_reversed) = edge_of(h, twin);
+        let l = self.faces.length(h);
+        if self.store.is_closed(e) {
+            probe.add(Counter::Filtered, batch.len() as u64);
+            return 0;
+        }
+        if self.thin.is_beside(h.index()) || batch.iter().any(|s| foot(&s.window, l).is_some()) {
+            return self.arrive_one_by_one(h, batch, probe);
+        }
+        if is_reversed {
+            batch.reverse();
+            for stored in batch.iter_mut() {
+                stored.window = stored.window.reversed(l);
+            }
+        }
+        self.store.merge(e, batch, l);
+        let changes = &self.store.changes;
+        let dropped = changes.dropped;
+        if changes.least < f64::INFINITY {
+            self.arrivals.push(Arrival {
+                h,
+                label: changes.least,
+                serial: 0,
+            });
+        }
+        self.note_changes(h, twin, dropped, probe);
+        (batch.len() - dropped) as u64
+    }
+
+    /// [`arrive_all`](Self::arrive_all), window by window.
+    #[cold]
+    fn arrive_one_by_one<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        batch: &[Stored],
+        probe: &mut P,
+    ) -> u64 {
+        let mut kept = 0;
+        for stored in batch {
+            kept += u64::from(self.arrive(h, &stored.window, stored.source(), probe));
+        }
+        kept
     }
 
     /// Whether a path along the edge beats all of `window`.
@@ -293,6 +354,57 @@ impl Wave {
         tries
     }
 
+    /// Takes `windows`, in ascending order in the frame of `h`, across the face of `h`. Returns how
+    /// many children were tried.
+    pub(crate) fn cross_all<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        windows: &[Stored],
+        probe: &mut P,
+    ) -> u64 {
+        probe.enter(Phase::Propagation);
+        probe.add(Counter::Parents, windows.len() as u64);
+        let view = self.faces.face_view(h);
+        let mut children = std::mem::take(&mut self.children);
+        children.iter_mut().for_each(Vec::clear);
+        let known = view.corners.map(|v| self.distances[v.index()]);
+        let filters = self.filter == VertexFilter::On;
+        let [.., apex] = view.corners;
+        let inside = [h.prev(), h.next()];
+        let label = self.labels[apex.index()];
+        let (tries, best) = cross_face(
+            &view,
+            known,
+            label,
+            windows,
+            &mut children,
+            inside,
+            filters,
+            probe,
+        );
+        if let Some((d, k)) = best
+            && self.offer(apex, d, windows[k].source())
+            && P::TRACES
+        {
+            probe.reach(apex, h.prev(), Way::of(&windows[k].window, &view.frame));
+        }
+        for (side, batch) in children.iter_mut().enumerate() {
+            if let Some(target) = view.exits[side]
+                && !batch.is_empty()
+            {
+                probe.enter(Phase::Pruning);
+                let kept = self.arrive_all(target, inside[side], batch, probe);
+                probe.add(Counter::Kept, kept);
+            }
+        }
+        self.children = children;
+        probe.add(Counter::Propagated, tries);
+        probe.enter(Phase::Management);
+        probe.raise(Counter::PeakWindows, self.store.stored() as u64);
+        probe.raise(Counter::PeakWavefront, self.store.waiting() as u64);
+        tries
+    }
+
     /// Takes a sample of the wavefront, if one is due.
     pub(crate) fn sample<P: Probe>(&self, parents: u64, probe: &mut P) {
         if probe.wants_sample(parents) {
@@ -308,4 +420,67 @@ impl Wave {
             probe.renumber(&self.mesh, |v| v, |v, i| self.mesh.outgoing(v)[i]);
         }
     }
+}
+
+/// Takes `windows` across the face of `view`, whose corners have the distances `known` and whose
+/// apex has the source `label`. Their children go to `children`, those on the left exit first,
+/// except those that a path through an end of the exit beats, if `filters`. Returns how many were
+/// tried, and the best path to the apex with the number of its window, if it is to be offered.
+#[inline]
+fn cross_face<P: Probe>(
+    view: &FaceView,
+    known: [f64; 3],
+    label: u32,
+    windows: &[Stored],
+    children: &mut [Vec<Stored>; 2],
+    inside: [HalfEdgeId; 2],
+    filters: bool,
+    probe: &mut P,
+) -> (u64, Option<(f64, usize)>) {
+    let frame = &view.frame;
+    let exits = [Side::Left, Side::Right].map(|side| view.exit(side));
+    let [tail, head, mut least] = known;
+    let (mut best, mut nearest) = (None, label);
+    let mut tries = windows.len() as u64;
+    for (k, stored) in windows.iter().enumerate() {
+        let (window, source) = (&stored.window, stored.source());
+        let crossing = Crossing::new(frame, window);
+        let covers = crossing.covers_apex();
+        let side = usize::from(!crossing.goes_left());
+        // As MMP: all of a window that leaves on the right is tried on the left, too.
+        tries += u64::from(covers | (side == 1));
+        // No bent path is shorter than the straight one. With its sign, the square tells both
+        // whether anything is to spare and whether it is enough.
+        let spare = least - window.sigma;
+        if covers || crossing.squared_straight() <= spare * spare.abs() {
+            let d = if covers {
+                crossing.straight_distance()
+            } else {
+                crossing.bent_distance(&exits[side])
+            };
+            if d < least || d == least && source < nearest {
+                (least, nearest) = (d, source);
+                best = Some((d, k));
+            }
+        }
+        let mut put = |side: usize, child: Option<Window>| {
+            let exit: &Exit = &exits[side];
+            if let (Some(window), Some(target)) = (child, exit.half_edge) {
+                probe.add(Counter::Children, 1);
+                let ends = [[tail, least], [least, head]][side];
+                if filters && is_beaten_from_ends(&window, exit.length, ends[0], ends[1]) {
+                    probe.add(Counter::Filtered, 1);
+                } else {
+                    children[side].push(Stored::waiting(window, target > inside[side], source));
+                }
+            }
+        };
+        if covers {
+            put(0, crossing.left_child(&exits[0]));
+            put(1, crossing.right_child(&exits[1]));
+        } else {
+            put(side, crossing.only_child(&exits[side]));
+        }
+    }
+    (tries, best)
 }

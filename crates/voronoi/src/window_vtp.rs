@@ -204,15 +204,8 @@ impl WindowVtp {
             let l = self.wave.faces.length(h);
             let mut batch = std::mem::take(&mut self.batch);
             batch.clear();
-            self.wave.store.take_all(e, is_reversed, &mut batch);
-            for stored in &batch {
-                let window = if is_reversed {
-                    stored.window.reversed(l)
-                } else {
-                    stored.window
-                };
-                propagated += self.wave.cross(h, &window, stored.source(), probe);
-            }
+            self.wave.store.take_all(e, is_reversed, l, &mut batch);
+            propagated += self.wave.cross_all(h, &batch, probe);
             self.wave.sample(batch.len() as u64, probe);
             self.batch = batch;
             self.receive(probe);

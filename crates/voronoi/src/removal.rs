@@ -5,7 +5,9 @@ use geobench_window::precision::MARGIN;
 use geobench_window::queue::MinHeap;
 
 use crate::field::NO_SOURCE;
-use crate::store::{Stored, edge_of};
+#[cfg(test)]
+use crate::store::Stored;
+use crate::store::edge_of;
 use crate::wave::Wave;
 
 /// Which windows are given up during a run.
@@ -116,8 +118,9 @@ impl Remover {
             self.queue.push(bound(wave, f), f);
         }
         wave.reached.clear();
-        while let Some((_, f)) = self.queue.peek()
-            && is_inactive(wave, f, d)
+        // Where the bound has fallen since the face was queued, it waits longer than it must.
+        while let Some((bound, f)) = self.queue.peek()
+            && is_less(bound, d)
         {
             self.queue.pop();
             self.settle(wave, f);
@@ -175,20 +178,33 @@ impl Remover {
     /// Whether all windows on the edges of `face` and its vertices have the same source.
     #[allow(clippy::unused_self)] // As above.
     fn has_one_source(&self, wave: &Wave, face: FaceId) -> bool {
-        let corners = wave.mesh.face_vertices(face);
-        let vertices = corners.into_iter().map(|v| wave.labels[v.index()]);
-        let windows = [0, 1, 2].into_iter().flat_map(|corner| {
-            let h = face.half_edge(corner);
-            let twin = wave.faces.twin(h);
-            let list = twin.map_or(&[][..], |twin| wave.store.list(edge_of(h, twin).0));
-            list.iter().map(Stored::source)
-        });
+        let [first, others @ ..] = wave
+            .mesh
+            .face_vertices(face)
+            .map(|v| wave.labels[v.index()]);
         #[cfg(test)]
-        let vertices = vertices.filter(|_| !self.traps.windows_alone);
-        let mut sources = vertices.chain(windows);
-        let first = sources.next();
-        first != Some(NO_SOURCE) && sources.all(|source| Some(source) == first)
+        if self.traps.windows_alone {
+            return windows_have_one_source(wave, face);
+        }
+        first != NO_SOURCE
+            && others.iter().all(|&other| other == first)
+            && edges_of(wave, face).all(|e| wave.store.has_one_source(e, first))
     }
+}
+
+/// The edges of `face` that hold windows: not those of the boundary.
+fn edges_of(wave: &Wave, face: FaceId) -> impl Iterator<Item = usize> {
+    let half_edges = [0, 1, 2].into_iter().map(move |c| face.half_edge(c));
+    half_edges.filter_map(|h| Some(edge_of(h, wave.faces.twin(h)?).0))
+}
+
+/// Whether the windows on the edges of `face` have the same source, whatever its vertices have.
+#[cfg(test)]
+fn windows_have_one_source(wave: &Wave, face: FaceId) -> bool {
+    let windows = edges_of(wave, face).flat_map(|e| wave.store.list(e));
+    let mut sources = windows.map(Stored::source);
+    let first = sources.next();
+    first != Some(NO_SOURCE) && sources.all(|source| Some(source) == first)
 }
 
 /// The length within which all points of face `f` are reached.
@@ -200,5 +216,10 @@ fn bound(wave: &Wave, f: u32) -> f64 {
 
 /// Whether windows of `d` and more cannot improve face `f`, beyond doubt.
 fn is_inactive(wave: &Wave, f: u32, d: f64) -> bool {
-    bound(wave, f) * (1.0 + MARGIN) < d
+    is_less(bound(wave, f), d)
+}
+
+/// Whether `bound` is less than `d`, beyond doubt.
+fn is_less(bound: f64, d: f64) -> bool {
+    bound * (1.0 + MARGIN) < d
 }

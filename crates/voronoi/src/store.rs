@@ -3,9 +3,10 @@
 use std::ops::Range;
 
 use geobench_mesh::HalfEdgeId;
-use geobench_window::Window;
 use geobench_window::trimming::{Comparison, Overlap, Owner, foot, is_sliver, pieces};
+use geobench_window::{Window, prefetch};
 
+use crate::field::NO_SOURCE;
 use crate::merge::Sweep;
 
 /// A window of a list. It is in the frame of the edge's first half-edge, whichever way it crosses.
@@ -77,15 +78,32 @@ impl Stored {
 }
 
 /// The list of an edge: a block in the array of all lists.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Head {
     start: u32,
     len: u32,
+    /// The source of all windows that the list has held, or [`SEVERAL`].
+    source: u32,
     /// Size class of the block; 0 without any.
     class: u8,
     /// No window is kept here any more.
     closed: bool,
 }
+
+impl Default for Head {
+    fn default() -> Self {
+        Self {
+            start: 0,
+            len: 0,
+            source: NO_SOURCE,
+            class: 0,
+            closed: false,
+        }
+    }
+}
+
+/// The source of a list whose windows have come from several.
+const SEVERAL: u32 = u32::MAX - 1;
 
 /// Windows that a block of size class `class` holds: 2, 3, 4, 6, 8, 12, 16, ...
 const fn room(class: u8) -> usize {
@@ -219,6 +237,29 @@ impl EdgeWindows {
     fn list_mut(&mut self, e: usize) -> &mut [Stored] {
         let Head { start, len, .. } = self.heads[e];
         &mut self.windows[start as usize..][..len as usize]
+    }
+
+    /// Whether all windows of edge `e` come from `source`.
+    #[inline]
+    pub(crate) fn has_one_source(&self, e: usize, source: u32) -> bool {
+        let head = &self.heads[e];
+        match head.source {
+            _ if head.len == 0 => true,
+            SEVERAL => self.list(e).iter().all(|s| s.source() == source),
+            first => first == source,
+        }
+    }
+
+    /// Asks for the memory that tells where the windows of edge `e` are.
+    #[inline]
+    pub(crate) fn announce(&self, e: usize) {
+        prefetch(&self.heads, e);
+    }
+
+    /// Asks for the first windows of edge `e`, which was [announced](Self::announce) before.
+    #[inline]
+    pub(crate) fn prepare(&self, e: usize) {
+        prefetch(&self.windows, self.heads[e].start as usize);
     }
 
     /// All windows that are stored.
@@ -424,12 +465,22 @@ impl EdgeWindows {
         self.replaced = replaced;
     }
 
-    /// Puts `new` in the place of the windows `old` of edge `e`.
+    /// Puts `new` in the place of the windows `old` of edge `e`, and counts them.
     fn replace(&mut self, e: usize, old: Range<usize>, new: &[Stored]) {
-        let waiting = |list: &[Stored]| list.iter().filter(|s| s.waits()).count();
-        let start = self.heads[e].start as usize;
-        self.waiting += waiting(new);
-        self.waiting -= waiting(&self.windows[start + old.start..start + old.end]);
+        let Head { start, source, .. } = &mut self.heads[e];
+        for stored in new {
+            self.waiting += usize::from(stored.waits());
+            if *source != stored.source() {
+                *source = if *source == NO_SOURCE {
+                    stored.source()
+                } else {
+                    SEVERAL
+                };
+            }
+        }
+        let from = *start as usize;
+        let replaced = self.windows[from + old.start..from + old.end].iter();
+        self.waiting -= replaced.filter(|s| s.waits()).count();
         self.stored = self.stored + new.len() - old.len();
         self.splice(e, old, new);
     }

@@ -37,6 +37,15 @@ pub(crate) struct Arrival {
     pub(crate) serial: u32,
 }
 
+/// How windows that have come to wait are announced to the schedule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Announced {
+    /// Each by an arrival of its own.
+    OneByOne,
+    /// All windows that came to a half-edge together by one arrival.
+    Together,
+}
+
 /// The surface during a run, with all that is known of it. What a schedule has to know is left in
 /// [`arrivals`](Self::arrivals) and [`improved`](Self::improved) for it to take.
 #[derive(Clone, Debug)]
@@ -154,8 +163,9 @@ impl Wave {
     }
 
     /// Sends out paths along the edges of `v` and windows across its faces, unless it has done so
-    /// at this distance.
-    pub(crate) fn spawn<P: Probe>(&mut self, v: VertexId, probe: &mut P) {
+    /// at this distance. The windows are announced [one by one](Self::arrive) or
+    /// [together](Self::arrive_all).
+    pub(crate) fn spawn<P: Probe>(&mut self, v: VertexId, arrival: Announced, probe: &mut P) {
         let sigma = self.distances[v.index()];
         if self.spawned[v.index()] == sigma {
             return;
@@ -173,7 +183,14 @@ impl Wave {
             }
             if let Some((target, window)) = spawn_window(&self.faces, h, sigma) {
                 probe.add(Counter::Spawned, 1);
-                self.arrive(target, &window, source, probe);
+                match arrival {
+                    Announced::OneByOne => {
+                        self.arrive(target, &window, source, probe);
+                    }
+                    Announced::Together => {
+                        self.arrive_with_filter(target, h.next(), window, source, probe);
+                    }
+                }
             }
         }
     }
@@ -281,6 +298,24 @@ impl Wave {
         (batch.len() - dropped) as u64
     }
 
+    /// [`arrive_all`](Self::arrive_all) for one window, which the filter has not seen.
+    fn arrive_with_filter<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        twin: HalfEdgeId,
+        window: Window,
+        source: u32,
+        probe: &mut P,
+    ) {
+        if self.filter == VertexFilter::On && self.is_beaten(h, &window, self.faces.length(h)) {
+            probe.add(Counter::Filtered, 1);
+            return;
+        }
+        let (_, is_reversed) = edge_of(h, twin);
+        let stored = Stored::waiting(window, is_reversed, source);
+        self.arrive_all(h, twin, &mut [stored], probe);
+    }
+
     /// [`arrive_all`](Self::arrive_all), window by window.
     #[cold]
     fn arrive_one_by_one<P: Probe>(
@@ -365,12 +400,17 @@ impl Wave {
         probe.enter(Phase::Propagation);
         probe.add(Counter::Parents, windows.len() as u64);
         let view = self.faces.face_view(h);
+        let inside = [h.prev(), h.next()];
+        let edges =
+            [0, 1].map(|side| view.exits[side].map(|target| edge_of(target, inside[side]).0));
+        for e in edges.into_iter().flatten() {
+            self.store.announce(e);
+        }
         let mut children = std::mem::take(&mut self.children);
         children.iter_mut().for_each(Vec::clear);
         let known = view.corners.map(|v| self.distances[v.index()]);
         let filters = self.filter == VertexFilter::On;
         let [.., apex] = view.corners;
-        let inside = [h.prev(), h.next()];
         let label = self.labels[apex.index()];
         let (tries, best) = cross_face(
             &view,
@@ -387,6 +427,9 @@ impl Wave {
             && P::TRACES
         {
             probe.reach(apex, h.prev(), Way::of(&windows[k].window, &view.frame));
+        }
+        for e in edges.into_iter().flatten() {
+            self.store.prepare(e);
         }
         for (side, batch) in children.iter_mut().enumerate() {
             if let Some(target) = view.exits[side]

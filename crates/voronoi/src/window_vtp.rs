@@ -9,7 +9,7 @@ use geobench_window::{Counter, Probe, Propagate, Solution, SolveError, VertexFil
 use crate::field::{Field, FieldSolver};
 use crate::removal::{Removal, Remover};
 use crate::store::{Stored, edge_of};
-use crate::wave::{COUNTERS, Wave};
+use crate::wave::{Announced, COUNTERS, Wave};
 
 /// Options of [`WindowVtp`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,7 +122,7 @@ impl WindowVtp {
                     }
                     Turn::Spawn(v) if self.wave.distances[v.index()] == d => {
                         self.join(v);
-                        self.wave.spawn(v, probe);
+                        self.wave.spawn(v, Announced::Together, probe);
                         self.receive(probe);
                     }
                     // The vertex has had its turn, or has improved since.

@@ -102,6 +102,9 @@ impl Default for Head {
     }
 }
 
+/// Windows of a list that are prefetched.
+const MOST_PREFETCHED: u32 = 16;
+
 /// The source of a list whose windows have come from several.
 const SEVERAL: u32 = u32::MAX - 1;
 
@@ -256,10 +259,14 @@ impl EdgeWindows {
         prefetch(&self.heads, e);
     }
 
-    /// Asks for the first windows of edge `e`, which was [announced](Self::announce) before.
+    /// Asks for the windows of edge `e`, which was [announced](Self::announce) before.
     #[inline]
     pub(crate) fn prepare(&self, e: usize) {
-        prefetch(&self.windows, self.heads[e].start as usize);
+        let Head { start, len, .. } = self.heads[e];
+        // Four windows fill three lines.
+        for k in (0..len.min(MOST_PREFETCHED)).step_by(2) {
+            prefetch(&self.windows, (start + k) as usize);
+        }
     }
 
     /// All windows that are stored.

@@ -5,7 +5,7 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::trimming::{ThinFaces, foot};
 use geobench_window::{
     Counter, Crossing, Exit, FaceView, Faces, Phase, Probe, Side, VertexFilter, Way, Window,
-    is_beaten_from_ends, spawn_window,
+    is_beaten_from_ends, prefetch, spawn_window,
 };
 
 use crate::field::{Field, NO_SOURCE};
@@ -387,6 +387,31 @@ impl Wave {
         probe.raise(Counter::PeakWindows, self.store.stored() as u64);
         probe.raise(Counter::PeakWavefront, self.store.waiting() as u64);
         tries
+    }
+
+    /// The edges by which windows leave that enter the face of `h` through it.
+    #[inline]
+    fn exit_edges(&self, h: HalfEdgeId) -> impl Iterator<Item = usize> {
+        let inside = [h.prev(), h.next()].into_iter();
+        inside.filter_map(|h| Some(edge_of(h, self.faces.twin(h)?).0))
+    }
+
+    /// Asks for what [`cross_all`](Self::cross_all) looks at first, except the face of `h`.
+    #[inline]
+    pub(crate) fn announce(&self, h: HalfEdgeId) {
+        let [.., apex] = self.faces.corners(h);
+        prefetch(&self.distances, apex.index());
+        for e in self.exit_edges(h) {
+            self.store.announce(e);
+        }
+    }
+
+    /// Asks for the windows that `cross_all` meets, after [`announce`](Self::announce).
+    #[inline]
+    pub(crate) fn prepare(&self, h: HalfEdgeId) {
+        for e in self.exit_edges(h) {
+            self.store.prepare(e);
+        }
     }
 
     /// Takes `windows`, in ascending order in the frame of `h`, across the face of `h`. Returns how

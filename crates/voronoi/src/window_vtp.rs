@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::queue::MinHeap;
-use geobench_window::{Counter, Probe, Propagate, Solution, SolveError, VertexFilter};
+use geobench_window::{Counter, Probe, Propagate, Solution, SolveError, VertexFilter, prefetch};
 
 use crate::field::{Field, FieldSolver};
 use crate::removal::{Removal, Remover};
@@ -115,6 +115,7 @@ impl WindowVtp {
             let propagated = if next_thin < next_turn {
                 self.cross_nearest(probe)
             } else if let Some((d, turn)) = self.queue.pop() {
+                self.prefetch_turns();
                 match turn {
                     Turn::Join(v) if self.keys[v.index()] == d => {
                         self.keys[v.index()] = f64::INFINITY;
@@ -188,6 +189,44 @@ impl WindowVtp {
     fn make_ready(&mut self, h: HalfEdgeId) {
         if !std::mem::replace(&mut self.is_ready[h.index()], true) {
             self.ready.push_back(h);
+            self.wave.faces.announce(h);
+        }
+    }
+
+    /// Prefetches what the next half-edges that are ready need.
+    #[inline]
+    fn prefetch_ready(&self) {
+        if let Some(&h) = self.ready.get(1) {
+            self.wave.announce(h);
+        }
+        if let Some(&h) = self.ready.front() {
+            self.wave.prepare(h);
+        }
+    }
+
+    /// Prefetches what the next turns need: the faces of vertices that come soon, and the lists of
+    /// the one that probably comes next.
+    #[inline]
+    fn prefetch_turns(&self) {
+        let vertex = |&(_, turn): &(f64, Turn)| match turn {
+            Turn::Join(v) | Turn::Spawn(v) => v,
+        };
+        let mut coming = self.queue.iter().map(vertex);
+        let wave = &self.wave;
+        if let Some(v) = coming.next() {
+            for &h in wave.mesh.outgoing(v) {
+                prefetch(&self.joined, h.face().index());
+                for h in [h, h.next(), h.prev()] {
+                    if let Some(twin) = wave.faces.twin(h) {
+                        wave.store.announce(edge_of(h, twin).0);
+                    }
+                }
+            }
+        }
+        for v in coming.take(4) {
+            for &h in wave.mesh.outgoing(v) {
+                wave.faces.announce(h);
+            }
         }
     }
 
@@ -197,6 +236,7 @@ impl WindowVtp {
         let mut propagated = 0;
         while let Some(h) = self.ready.pop_front() {
             self.is_ready[h.index()] = false;
+            self.prefetch_ready();
             let Some(twin) = self.wave.faces.twin(h) else {
                 continue;
             };

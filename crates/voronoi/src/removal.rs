@@ -2,6 +2,7 @@
 
 use geobench_mesh::{FaceId, HalfEdgeId};
 use geobench_window::precision::MARGIN;
+use geobench_window::prefetch;
 use geobench_window::queue::MinHeap;
 
 use crate::field::NO_SOURCE;
@@ -24,6 +25,14 @@ pub enum Removal {
         c: f64,
     },
 }
+
+/// Number of turns between two searches for redundant edges. Faces that are looked at together are
+/// prefetched.
+const PERIOD: u32 = 32;
+
+/// How many faces ahead a face is prefetched, and how many ahead what is kept of its edges and
+/// vertices.
+const AHEAD: [usize; 2] = [8, 4];
 
 /// What is known of a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -54,6 +63,10 @@ pub(crate) struct Remover {
     /// Faces that have been reached and not been found redundant, for the periodic check.
     open: Vec<u32>,
     crossed: u64,
+    /// Turns since the last sweep.
+    turns: u32,
+    /// Faces found inactive by a sweep.
+    inactive: Vec<u32>,
     #[cfg(test)]
     pub(crate) traps: Traps,
 }
@@ -89,7 +102,7 @@ impl Remover {
         self.states.clear();
         self.queue.clear();
         self.open.clear();
-        self.crossed = 0;
+        (self.crossed, self.turns) = (0, 0);
         if self.watches_faces() {
             self.states.resize(faces, State::Active);
         }
@@ -99,7 +112,13 @@ impl Remover {
     pub(crate) fn step(&mut self, wave: &mut Wave, propagated: u64, d: f64) {
         match self.removal {
             Removal::Off => {}
-            Removal::Continuous => self.sweep(wave, d),
+            Removal::Continuous => {
+                self.turns += 1;
+                if d == f64::INFINITY || self.turns >= PERIOD {
+                    self.turns = 0;
+                    self.sweep(wave, d);
+                }
+            }
             Removal::Periodic { c } => {
                 self.open.append(&mut wave.reached);
                 self.crossed += propagated;
@@ -113,18 +132,26 @@ impl Remover {
 
     /// Gives up what has become redundant since the last time.
     fn sweep(&mut self, wave: &mut Wave, d: f64) {
-        for i in 0..wave.reached.len() {
-            let f = wave.reached[i];
+        for (i, &f) in wave.reached.iter().enumerate() {
+            announce(wave, wave.reached.get(i + AHEAD[1]));
             self.queue.push(bound(wave, f), f);
         }
         wave.reached.clear();
+        let mut inactive = std::mem::take(&mut self.inactive);
+        inactive.clear();
         // Where the bound has fallen since the face was queued, it waits longer than it must.
         while let Some((bound, f)) = self.queue.peek()
             && is_less(bound, d)
         {
             self.queue.pop();
+            inactive.push(f);
+        }
+        for (i, &f) in inactive.iter().enumerate() {
+            announce(wave, inactive.get(i + AHEAD[0]));
+            prepare(wave, inactive.get(i + AHEAD[1]));
             self.settle(wave, f);
         }
+        self.inactive = inactive;
     }
 
     /// The same, looking at every face that is not known to be redundant.
@@ -178,10 +205,8 @@ impl Remover {
     /// Whether all windows on the edges of `face` and its vertices have the same source.
     #[allow(clippy::unused_self)] // As above.
     fn has_one_source(&self, wave: &Wave, face: FaceId) -> bool {
-        let [first, others @ ..] = wave
-            .mesh
-            .face_vertices(face)
-            .map(|v| wave.labels[v.index()]);
+        let corners = wave.faces.corners(face.half_edge(0));
+        let [first, others @ ..] = corners.map(|v| wave.labels[v.index()]);
         #[cfg(test)]
         if self.traps.windows_alone {
             return windows_have_one_source(wave, face);
@@ -205,6 +230,28 @@ fn windows_have_one_source(wave: &Wave, face: FaceId) -> bool {
     let mut sources = windows.map(Stored::source);
     let first = sources.next();
     first != Some(NO_SOURCE) && sources.all(|source| Some(source) == first)
+}
+
+/// Asks for face `f`.
+#[inline]
+fn announce(wave: &Wave, f: Option<&u32>) {
+    if let Some(&f) = f {
+        wave.faces.announce(FaceId::new(f).half_edge(0));
+    }
+}
+
+/// Asks for what [`Remover::settle`] looks at, after [`announce`].
+#[inline]
+fn prepare(wave: &Wave, f: Option<&u32>) {
+    if let Some(&f) = f {
+        let face = FaceId::new(f);
+        for v in wave.faces.corners(face.half_edge(0)) {
+            prefetch(&wave.labels, v.index());
+        }
+        for e in edges_of(wave, face) {
+            wave.store.announce(e);
+        }
+    }
 }
 
 /// The length within which all points of face `f` are reached.

@@ -133,7 +133,7 @@ impl Remover {
     /// Gives up what has become redundant since the last time.
     fn sweep(&mut self, wave: &mut Wave, d: f64) {
         for (i, &f) in wave.reached.iter().enumerate() {
-            announce(wave, wave.reached.get(i + AHEAD[1]));
+            prefetch_face(wave, wave.reached.get(i + AHEAD[1]));
             self.queue.push(bound(wave, f), f);
         }
         wave.reached.clear();
@@ -147,8 +147,8 @@ impl Remover {
             inactive.push(f);
         }
         for (i, &f) in inactive.iter().enumerate() {
-            announce(wave, inactive.get(i + AHEAD[0]));
-            prepare(wave, inactive.get(i + AHEAD[1]));
+            prefetch_face(wave, inactive.get(i + AHEAD[0]));
+            prefetch_around(wave, inactive.get(i + AHEAD[1]));
             self.settle(wave, f);
         }
         self.inactive = inactive;
@@ -232,24 +232,24 @@ fn windows_have_one_source(wave: &Wave, face: FaceId) -> bool {
     first != Some(NO_SOURCE) && sources.all(|source| Some(source) == first)
 }
 
-/// Asks for face `f`.
+/// Prefetches face `f`.
 #[inline]
-fn announce(wave: &Wave, f: Option<&u32>) {
+fn prefetch_face(wave: &Wave, f: Option<&u32>) {
     if let Some(&f) = f {
         wave.faces.announce(FaceId::new(f).half_edge(0));
     }
 }
 
-/// Asks for what [`Remover::settle`] looks at, after [`announce`].
+/// Prefetches what [`Remover::settle`] looks at, after [`prefetch_face`].
 #[inline]
-fn prepare(wave: &Wave, f: Option<&u32>) {
+fn prefetch_around(wave: &Wave, f: Option<&u32>) {
     if let Some(&f) = f {
         let face = FaceId::new(f);
         for v in wave.faces.corners(face.half_edge(0)) {
             prefetch(&wave.labels, v.index());
         }
         for e in edges_of(wave, face) {
-            wave.store.announce(e);
+            wave.store.prefetch_list(e);
         }
     }
 }

@@ -192,6 +192,7 @@ pub(crate) struct EdgeWindows {
     free: Vec<Vec<u32>>,
     stored: usize,
     waiting: usize,
+    counts_waiting: bool,
     next_serial: u32,
     overlap: Overlap,
     met: Vec<Window>,
@@ -211,8 +212,10 @@ impl EdgeWindows {
         }
     }
 
-    /// Makes all lists empty and opens them.
-    pub(crate) fn clear(&mut self) {
+    /// Makes all lists empty and opens them. Windows that wait are counted from now on if
+    /// `counts_waiting`.
+    pub(crate) fn clear(&mut self, counts_waiting: bool) {
+        self.counts_waiting = counts_waiting;
         self.heads.fill(Head::default());
         self.windows.clear();
         self.free.clear();
@@ -224,7 +227,7 @@ impl EdgeWindows {
         self.stored
     }
 
-    /// Number of windows that wait.
+    /// Number of windows that wait; 0 if they are not [counted](Self::clear).
     pub(crate) fn waiting(&self) -> usize {
         self.waiting
     }
@@ -255,13 +258,13 @@ impl EdgeWindows {
 
     /// Asks for the memory that tells where the windows of edge `e` are.
     #[inline]
-    pub(crate) fn announce(&self, e: usize) {
+    pub(crate) fn prefetch_list(&self, e: usize) {
         prefetch(&self.heads, e);
     }
 
-    /// Asks for the windows of edge `e`, which was [announced](Self::announce) before.
+    /// Asks for the windows of edge `e`, whose list was [prefetched](Self::prefetch_list) before.
     #[inline]
-    pub(crate) fn prepare(&self, e: usize) {
+    pub(crate) fn prefetch_windows(&self, e: usize) {
         let Head { start, len, .. } = self.heads[e];
         // Four windows fill three lines.
         for k in (0..len.min(MOST_PREFETCHED)).step_by(2) {
@@ -283,11 +286,12 @@ impl EdgeWindows {
     /// Gives up the windows of edge `e`, and keeps none from now on if `and_close`. Returns how
     /// many there were.
     pub(crate) fn give_up(&mut self, e: usize, and_close: bool) -> usize {
-        let list = self.list(e);
-        let (count, waiting) = (list.len(), list.iter().filter(|s| s.waits()).count());
+        let Head {
+            start, len, class, ..
+        } = self.heads[e];
+        let count = len as usize;
+        self.count_waiting(e, 0..count, &[]);
         self.stored -= count;
-        self.waiting -= waiting;
-        let Head { start, class, .. } = self.heads[e];
         self.give_block(class, start);
         self.heads[e] = Head {
             closed: and_close,
@@ -329,7 +333,9 @@ impl EdgeWindows {
         } else {
             list.for_each(|s| take(s, |w, _| *w));
         }
-        self.waiting -= batch.len() - before;
+        if self.counts_waiting {
+            self.waiting -= batch.len() - before;
+        }
     }
 
     /// Window number `serial` of edge `e`, if it still waits.
@@ -343,7 +349,7 @@ impl EdgeWindows {
         let mut list = self.list_mut(e).iter_mut();
         if let Some(stored) = list.find(|s| s.serial == serial && s.waits()) {
             stored.marks &= !WAITS;
-            self.waiting -= 1;
+            self.waiting -= usize::from(self.counts_waiting);
         }
     }
 
@@ -473,10 +479,10 @@ impl EdgeWindows {
     }
 
     /// Puts `new` in the place of the windows `old` of edge `e`, and counts them.
+    #[inline]
     fn replace(&mut self, e: usize, old: Range<usize>, new: &[Stored]) {
-        let Head { start, source, .. } = &mut self.heads[e];
+        let source = &mut self.heads[e].source;
         for stored in new {
-            self.waiting += usize::from(stored.waits());
             if *source != stored.source() {
                 *source = if *source == NO_SOURCE {
                     stored.source()
@@ -485,11 +491,18 @@ impl EdgeWindows {
                 };
             }
         }
-        let from = *start as usize;
-        let replaced = self.windows[from + old.start..from + old.end].iter();
-        self.waiting -= replaced.filter(|s| s.waits()).count();
+        self.count_waiting(e, old.clone(), new);
         self.stored = self.stored + new.len() - old.len();
         self.splice(e, old, new);
+    }
+
+    /// Counts what waits of `new`, which takes the place of the windows `old` of edge `e`.
+    #[inline]
+    fn count_waiting(&mut self, e: usize, old: Range<usize>, new: &[Stored]) {
+        if self.counts_waiting {
+            let waiting = |list: &[Stored]| list.iter().filter(|s| s.waits()).count();
+            self.waiting = self.waiting + waiting(new) - waiting(&self.list(e)[old]);
+        }
     }
 
     /// Puts `new` in the place of the windows `old` of edge `e`.
@@ -579,6 +592,7 @@ mod tests {
     #[test]
     fn windows_of_both_directions_share_an_edge() {
         let mut lists = EdgeWindows::new(1);
+        lists.clear(true);
         lists.insert(0, &WINDOW, false, 0, 1.0);
         let from_above = Window {
             px: 1.5,
@@ -606,6 +620,7 @@ mod tests {
     #[test]
     fn a_window_that_is_split_keeps_its_number_once() {
         let mut lists = EdgeWindows::new(1);
+        lists.clear(true);
         let far = Window { py: -3.0, ..WINDOW };
         lists.insert(0, &far, false, 0, 1.0);
         let near = Window {
@@ -624,6 +639,7 @@ mod tests {
     #[test]
     fn blocks_are_used_again_and_closed_lists_stay_empty() {
         let mut lists = EdgeWindows::new(2);
+        lists.clear(true);
         for i in 0..20 {
             let b0 = f64::from(i) / 20.0;
             let window = Window {

@@ -112,7 +112,7 @@ impl Wave {
         self.reached.clear();
         self.arrivals.clear();
         self.improved.clear();
-        self.store.clear();
+        self.store.clear(P::COUNTS);
         probe.add(Counter::WindowBytes, EdgeWindows::WINDOW_BYTES as u64);
         for (source, &v) in (0..).zip(sources) {
             self.offer(v, 0.0, source);
@@ -259,18 +259,18 @@ impl Wave {
         }
     }
 
-    /// The windows of `batch` arrive at `h`, whose twin is `twin`, in ascending order. Returns of
+    /// The windows of `batch` arrive at `h`, of length `l` and with twin `twin`, in ascending order. Returns of
     /// how many something is left. All that are left are announced by one arrival, unless windows
     /// cross there [one by one](ThinFaces).
     fn arrive_all<P: Probe>(
         &mut self,
         h: HalfEdgeId,
         twin: HalfEdgeId,
+        l: f64,
         batch: &mut [Stored],
         probe: &mut P,
     ) -> u64 {
         let (e, is_reversed) = edge_of(h, twin);
-        let l = self.faces.length(h);
         if self.store.is_closed(e) {
             probe.add(Counter::Filtered, batch.len() as u64);
             return 0;
@@ -307,13 +307,14 @@ impl Wave {
         source: u32,
         probe: &mut P,
     ) {
-        if self.filter == VertexFilter::On && self.is_beaten(h, &window, self.faces.length(h)) {
+        let l = self.faces.length(h);
+        if self.filter == VertexFilter::On && self.is_beaten(h, &window, l) {
             probe.add(Counter::Filtered, 1);
             return;
         }
         let (_, is_reversed) = edge_of(h, twin);
         let stored = Stored::waiting(window, is_reversed, source);
-        self.arrive_all(h, twin, &mut [stored], probe);
+        self.arrive_all(h, twin, l, &mut [stored], probe);
     }
 
     /// [`arrive_all`](Self::arrive_all), window by window.
@@ -396,21 +397,23 @@ impl Wave {
         inside.filter_map(|h| Some(edge_of(h, self.faces.twin(h)?).0))
     }
 
-    /// Asks for what [`cross_all`](Self::cross_all) looks at first, except the face of `h`.
+    /// Prefetches the lists of the exits that [`cross_all`](Self::cross_all) meets, and what it looks
+    /// at first.
     #[inline]
-    pub(crate) fn announce(&self, h: HalfEdgeId) {
+    pub(crate) fn prefetch_exits(&self, h: HalfEdgeId) {
         let [.., apex] = self.faces.corners(h);
         prefetch(&self.distances, apex.index());
+        prefetch(&self.labels, apex.index());
         for e in self.exit_edges(h) {
-            self.store.announce(e);
+            self.store.prefetch_list(e);
         }
     }
 
-    /// Asks for the windows that `cross_all` meets, after [`announce`](Self::announce).
+    /// Prefetches the windows of the same lists.
     #[inline]
-    pub(crate) fn prepare(&self, h: HalfEdgeId) {
+    pub(crate) fn prefetch_exit_windows(&self, h: HalfEdgeId) {
         for e in self.exit_edges(h) {
-            self.store.prepare(e);
+            self.store.prefetch_windows(e);
         }
     }
 
@@ -426,11 +429,7 @@ impl Wave {
         probe.add(Counter::Parents, windows.len() as u64);
         let view = self.faces.face_view(h);
         let inside = [h.prev(), h.next()];
-        let edges =
-            [0, 1].map(|side| view.exits[side].map(|target| edge_of(target, inside[side]).0));
-        for e in edges.into_iter().flatten() {
-            self.store.announce(e);
-        }
+        let exit_lengths = [view.frame.la, view.frame.lb];
         let mut children = std::mem::take(&mut self.children);
         children.iter_mut().for_each(Vec::clear);
         let known = view.corners.map(|v| self.distances[v.index()]);
@@ -453,15 +452,12 @@ impl Wave {
         {
             probe.reach(apex, h.prev(), Way::of(&windows[k].window, &view.frame));
         }
-        for e in edges.into_iter().flatten() {
-            self.store.prepare(e);
-        }
         for (side, batch) in children.iter_mut().enumerate() {
             if let Some(target) = view.exits[side]
                 && !batch.is_empty()
             {
                 probe.enter(Phase::Pruning);
-                let kept = self.arrive_all(target, inside[side], batch, probe);
+                let kept = self.arrive_all(target, inside[side], exit_lengths[side], batch, probe);
                 probe.add(Counter::Kept, kept);
             }
         }

@@ -197,10 +197,10 @@ impl WindowVtp {
     #[inline]
     fn prefetch_ready(&self) {
         if let Some(&h) = self.ready.get(1) {
-            self.wave.announce(h);
+            self.wave.prefetch_exits(h);
         }
         if let Some(&h) = self.ready.front() {
-            self.wave.prepare(h);
+            self.wave.prefetch_exit_windows(h);
         }
     }
 
@@ -218,7 +218,7 @@ impl WindowVtp {
                 prefetch(&self.joined, h.face().index());
                 for h in [h, h.next(), h.prev()] {
                     if let Some(twin) = wave.faces.twin(h) {
-                        wave.store.announce(edge_of(h, twin).0);
+                        wave.store.prefetch_list(edge_of(h, twin).0);
                     }
                 }
             }
@@ -242,9 +242,11 @@ impl WindowVtp {
             };
             let (e, is_reversed) = edge_of(h, twin);
             let l = self.wave.faces.length(h);
+            self.wave.prefetch_exits(h);
             let mut batch = std::mem::take(&mut self.batch);
             batch.clear();
             self.wave.store.take_all(e, is_reversed, l, &mut batch);
+            self.wave.prefetch_exit_windows(h);
             propagated += self.wave.cross_all(h, &batch, probe);
             self.wave.sample(batch.len() as u64, probe);
             self.batch = batch;

@@ -4,6 +4,9 @@ use geobench_window::trimming::{OverlapRange, is_sliver, matters};
 
 use crate::store::{Changes, Stored};
 
+/// Number of windows up to which all of a list are compared, instead of a binary search.
+const SHORT: usize = 16;
+
 /// One pass over the list of an edge, in ascending order, that inserts windows.
 ///
 /// What takes the place of the windows passed is collected and copied back at the end. A stored
@@ -29,7 +32,12 @@ impl<'a> Sweep<'a> {
         pieces: &'a mut Vec<Stored>,
         changes: &'a mut Changes,
     ) -> Self {
-        let next = list.partition_point(|s| s.window.b1 <= x);
+        // Comparisons of a short list do not wait for each other's memory.
+        let next = if list.len() <= SHORT {
+            list.iter().map(|s| usize::from(s.window.b1 <= x)).sum()
+        } else {
+            list.partition_point(|s| s.window.b1 <= x)
+        };
         pieces.clear();
         Self {
             list,

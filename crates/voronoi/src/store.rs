@@ -108,12 +108,12 @@ const MOST_PREFETCHED: u32 = 16;
 /// The source of a list whose windows have come from several.
 const SEVERAL: u32 = u32::MAX - 1;
 
-/// Windows that a block of size class `class` holds: 2, 3, 4, 6, 8, 12, 16, ...
+/// Windows that a block of size class `class` holds: 4, 8, 12, 16, 24, 32, ...
 const fn room(class: u8) -> usize {
     match class {
         0 => 0,
-        c if c % 2 == 1 => 2 << (c / 2),
-        c => 3 << (c / 2 - 1),
+        1 => 4,
+        c => (2 + c as usize % 2) << (c / 2 + 1),
     }
 }
 
@@ -661,6 +661,6 @@ mod tests {
     #[test]
     fn size_classes_grow_by_halves() {
         let rooms: Vec<usize> = (0..9).map(room).collect();
-        assert_eq!(rooms, [0, 2, 3, 4, 6, 8, 12, 16, 24]);
+        assert_eq!(rooms, [0, 4, 8, 12, 16, 24, 32, 48, 64]);
     }
 }

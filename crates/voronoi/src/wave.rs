@@ -32,6 +32,8 @@ pub(crate) const COUNTERS: &[Counter] = &[
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrival {
     pub(crate) h: HalfEdgeId,
+    /// The ends of its edge.
+    pub(crate) ends: [VertexId; 2],
     /// Its least distance.
     pub(crate) label: f64,
     pub(crate) serial: u32,
@@ -222,6 +224,7 @@ impl Wave {
             *window
         };
         self.store.insert(e, &window, is_reversed, source, l);
+        let [head, tail, _] = self.faces.corners(twin);
         for waiting in &self.store.changes.waiting {
             self.arrivals.push(Arrival {
                 h: if waiting.is_reversed == is_reversed {
@@ -229,6 +232,7 @@ impl Wave {
                 } else {
                     twin
                 },
+                ends: [tail, head],
                 label: waiting.label,
                 serial: waiting.serial,
             });
@@ -288,8 +292,11 @@ impl Wave {
         let changes = &self.store.changes;
         let dropped = changes.dropped;
         if changes.least < f64::INFINITY {
+            // The face that the windows have left is in the cache.
+            let [head, tail, _] = self.faces.corners(twin);
             self.arrivals.push(Arrival {
                 h,
+                ends: [tail, head],
                 label: changes.least,
                 serial: 0,
             });
@@ -390,11 +397,12 @@ impl Wave {
         tries
     }
 
-    /// The edges by which windows leave that enter the face of `h` through it.
+    /// The half-edges, with their twins, of the face of `h` by which windows leave that enter it
+    /// through `h`.
     #[inline]
-    fn exit_edges(&self, h: HalfEdgeId) -> impl Iterator<Item = usize> {
+    fn exits(&self, h: HalfEdgeId) -> impl Iterator<Item = (HalfEdgeId, HalfEdgeId)> {
         let inside = [h.prev(), h.next()].into_iter();
-        inside.filter_map(|h| Some(edge_of(h, self.faces.twin(h)?).0))
+        inside.filter_map(|h| Some((h, self.faces.twin(h)?)))
     }
 
     /// Prefetches the lists of the exits that [`cross_all`](Self::cross_all) meets, and what it looks
@@ -404,16 +412,18 @@ impl Wave {
         let [.., apex] = self.faces.corners(h);
         prefetch(&self.distances, apex.index());
         prefetch(&self.labels, apex.index());
-        for e in self.exit_edges(h) {
-            self.store.prefetch_list(e);
+        prefetch(&self.nearest, h.face().index());
+        for (h, twin) in self.exits(h) {
+            self.store.prefetch_list(edge_of(h, twin).0);
+            prefetch(&self.nearest, twin.face().index());
         }
     }
 
     /// Prefetches the windows of the same lists.
     #[inline]
     pub(crate) fn prefetch_exit_windows(&self, h: HalfEdgeId) {
-        for e in self.exit_edges(h) {
-            self.store.prefetch_windows(e);
+        for (h, twin) in self.exits(h) {
+            self.store.prefetch_windows(edge_of(h, twin).0);
         }
     }
 

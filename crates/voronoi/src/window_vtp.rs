@@ -299,8 +299,7 @@ impl WindowVtp {
                 }
                 continue;
             }
-            let [tail, head, _] = self.wave.faces.corners(h);
-            for v in [tail, head] {
+            for v in arrival.ends {
                 if arrival.label < self.keys[v.index()] {
                     self.keys[v.index()] = arrival.label;
                     self.push(arrival.label, Turn::Join(v), probe);

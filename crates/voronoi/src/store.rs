@@ -573,6 +573,8 @@ fn loses_everywhere(met: &[Stored], new: &Window, l: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use geobench_mesh::SplitMix64;
+
     use super::*;
 
     const WINDOW: Window = Window {
@@ -656,6 +658,94 @@ mod tests {
         assert_eq!((lists.stored(), lists.waiting()), (0, 0));
         lists.insert(1, &WINDOW, false, 0, 1.0);
         assert_eq!(lists.windows.len(), room_taken);
+    }
+
+    /// A batch of windows in ascending order, from sources below the edge and above it.
+    fn random_batch(random: &mut SplitMix64, is_reversed: bool) -> Vec<Stored> {
+        let mut number = |low: f64, high: f64| {
+            low + (high - low) * (random.next() >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut batch: Vec<Stored> = (0..5)
+            .map(|_| {
+                let (a, b) = (number(0.0, 1.0), number(0.0, 1.0));
+                let y = number(0.1, 2.0);
+                let window = Window {
+                    b0: a.min(b),
+                    b1: a.max(b),
+                    px: number(-1.0, 2.0),
+                    py: if is_reversed { y } else { -y },
+                    sigma: number(0.0, 1.0),
+                };
+                let source = number(0.0, 4.0) as u32;
+                Stored::waiting(window, is_reversed, source)
+            })
+            .collect();
+        batch.sort_by(|a, b| a.window.b0.total_cmp(&b.window.b0));
+        batch
+    }
+
+    #[test]
+    fn merging_a_batch_is_inserting_its_windows_one_after_the_other() {
+        let mut random = SplitMix64::new(5);
+        let (mut kept, mut lost) = (0, 0);
+        for _ in 0..2000 {
+            let (mut merged, mut inserted) = (EdgeWindows::new(1), EdgeWindows::new(1));
+            for lists in [&mut merged, &mut inserted] {
+                lists.clear(true);
+            }
+            for is_reversed in [false, true, false] {
+                let batch = random_batch(&mut random, is_reversed);
+                merged.merge(0, &batch, 1.0);
+                let mut single = Changes::default();
+                for new in &batch {
+                    inserted.insert(0, &new.window, is_reversed, new.source(), 1.0);
+                    let changes = &inserted.changes;
+                    single.new_parts += changes.new_parts;
+                    single.dropped += changes.dropped;
+                    single.least = single.least.min(changes.least);
+                    single.split += changes.split;
+                    single.trimmed += changes.trimmed;
+                    single.removed += changes.removed;
+                }
+                let counts = |c: &Changes| [c.new_parts, c.dropped, c.split, c.trimmed, c.removed];
+                assert_eq!(counts(&merged.changes), counts(&single));
+                assert!(
+                    (merged.changes.least - single.least).abs() <= 1e-12 || single.new_parts == 0
+                );
+                kept += single.new_parts;
+                lost += single.dropped;
+                let (a, b) = (ends(&merged), ends(&inserted));
+                assert_eq!(a.len(), b.len(), "{a:?} {b:?}");
+                for (a, b) in a.iter().zip(&b) {
+                    let moved = (a.0 - b.0).abs().max((a.1 - b.1).abs());
+                    assert!(a.2 == b.2 && moved <= 1e-9, "{a:?} {b:?}");
+                }
+                assert_eq!(
+                    (merged.stored(), merged.waiting()),
+                    (inserted.stored(), inserted.waiting())
+                );
+            }
+        }
+        assert!(kept > 5_000 && lost > 5_000, "{kept} {lost}");
+    }
+
+    #[test]
+    fn one_source_of_a_list_is_told_apart_from_several() {
+        let mut lists = EdgeWindows::new(1);
+        lists.clear(false);
+        assert!(lists.has_one_source(0, 3));
+        let far = Window {
+            b1: 0.5,
+            py: -3.0,
+            ..WINDOW
+        };
+        lists.insert(0, &far, false, 3, 1.0);
+        assert!(lists.has_one_source(0, 3) && !lists.has_one_source(0, 4));
+        lists.insert(0, &Window { b0: 0.5, ..WINDOW }, false, 4, 1.0);
+        assert!(!lists.has_one_source(0, 3) && !lists.has_one_source(0, 4));
+        // The window of source 3 is trimmed away: what the list holds counts, not what it has held.
+        lists.insert(0, &WINDOW, false, 4, 1.0);
+        assert!(lists.has_one_source(0, 4) && !lists.has_one_source(0, 3));
     }
 
     #[test]

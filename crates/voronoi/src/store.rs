@@ -666,7 +666,7 @@ mod tests {
             low + (high - low) * (random.next() >> 11) as f64 / (1u64 << 53) as f64
         };
         let mut batch: Vec<Stored> = (0..5)
-            .map(|_| {
+            .map(|source| {
                 let (a, b) = (number(0.0, 1.0), number(0.0, 1.0));
                 let y = number(0.1, 2.0);
                 let window = Window {
@@ -676,7 +676,6 @@ mod tests {
                     py: if is_reversed { y } else { -y },
                     sigma: number(0.0, 1.0),
                 };
-                let source = number(0.0, 4.0) as u32;
                 Stored::waiting(window, is_reversed, source)
             })
             .collect();

@@ -501,6 +501,7 @@ impl Wave {
 /// except those that a path through an end of the exit beats, if `filters`. Returns how many were
 /// tried, and the best path to the apex with the number of its window, if it is to be offered.
 #[inline]
+#[allow(clippy::too_many_arguments)] // Private, and one step of `Wave::cross_all`.
 fn cross_face<P: Probe>(
     view: &FaceView,
     known: [f64; 3],
@@ -522,7 +523,7 @@ fn cross_face<P: Probe>(
         let covers = crossing.covers_apex();
         let side = usize::from(!crossing.goes_left());
         // As MMP: all of a window that leaves on the right is tried on the left, too.
-        tries += u64::from(covers | (side == 1));
+        tries += u64::from(covers || side == 1);
         // No bent path is shorter than the straight one. With its sign, the square tells both
         // whether anything is to spare and whether it is enough.
         let spare = least - window.sigma;

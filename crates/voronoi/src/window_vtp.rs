@@ -45,6 +45,7 @@ enum Turn {
 /// The *traversed area* grows by the faces around the vertex at which the nearest window waits.
 /// Windows cross the faces of the area, first in first out, until they come to its border or lose
 /// everything to windows that they meet.
+/// Those that wait on one half-edge cross together, and their children enter a list in one pass.
 ///
 /// ```
 /// use geobench_mesh::{Mesh, VertexId};

@@ -5,9 +5,7 @@ use std::ops::Range;
 use geobench_window::Window;
 
 use super::lists::{Direction, ListEntry, Lists, Slot};
-use geobench_window::trimming::{
-    Overlap, OverlapRange, Owner, Segment, foot, is_sliver, pieces,
-};
+use geobench_window::trimming::{Overlap, OverlapRange, Owner, Segment, foot, is_sliver, pieces};
 
 /// A window to be queued.
 #[derive(Clone, Copy, Debug)]

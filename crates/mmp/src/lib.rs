@@ -37,7 +37,6 @@
 mod batched;
 mod blocks;
 mod eviction;
-mod overlap_range;
 mod single;
 
 use geobench_mesh::Mesh;

@@ -6,7 +6,7 @@ use geobench_window::{Counter, Probe, Propagate, Solution, SolveError, VertexFil
 
 use crate::field::{Field, FieldSolver};
 use crate::store::edge_of;
-use crate::wave::{COUNTERS, Wave};
+use crate::wave::{Announced, COUNTERS, Wave};
 
 /// MMP with sources (Liu, Chen, Tang 2011): windows one by one in the order of `queue`, all of them
 /// kept on edges until the end.
@@ -41,14 +41,14 @@ impl<Q: Discipline> Lct11<Q> {
         self.wave.improved.clear();
         for &s in sources {
             self.queue.start(s);
-            self.wave.spawn(s, probe);
+            self.wave.spawn(s, Announced::OneByOne, probe);
             self.receive(probe);
         }
         while let Some((label, event)) = self.queue.pop(probe) {
             match event.kind() {
                 EventKind::Vertex(v) => {
                     if self.wave.distances[v.index()] == label {
-                        self.wave.spawn(v, probe);
+                        self.wave.spawn(v, Announced::OneByOne, probe);
                     }
                 }
                 EventKind::Window(h, serial) => {

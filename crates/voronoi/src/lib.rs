@@ -3,6 +3,7 @@
 mod diagram;
 mod field;
 mod lct11;
+mod merge;
 mod remesh;
 mod removal;
 mod store;

@@ -2,10 +2,13 @@
 
 use geobench_mesh::{FaceId, HalfEdgeId};
 use geobench_window::precision::MARGIN;
+use geobench_window::prefetch;
 use geobench_window::queue::MinHeap;
 
 use crate::field::NO_SOURCE;
-use crate::store::{Stored, edge_of};
+#[cfg(test)]
+use crate::store::Stored;
+use crate::store::edge_of;
 use crate::wave::Wave;
 
 /// Which windows are given up during a run.
@@ -22,6 +25,14 @@ pub enum Removal {
         c: f64,
     },
 }
+
+/// Number of turns between two searches for redundant edges. Faces that are looked at together are
+/// prefetched.
+const PERIOD: u32 = 32;
+
+/// How many faces ahead a face is prefetched, and how many ahead what is kept of its edges and
+/// vertices.
+const AHEAD: [usize; 2] = [8, 4];
 
 /// What is known of a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,6 +63,10 @@ pub(crate) struct Remover {
     /// Faces that have been reached and not been found redundant, for the periodic check.
     open: Vec<u32>,
     crossed: u64,
+    /// Turns since the last sweep.
+    turns: u32,
+    /// Faces found inactive by a sweep.
+    inactive: Vec<u32>,
     #[cfg(test)]
     pub(crate) traps: Traps,
 }
@@ -87,7 +102,7 @@ impl Remover {
         self.states.clear();
         self.queue.clear();
         self.open.clear();
-        self.crossed = 0;
+        (self.crossed, self.turns) = (0, 0);
         if self.watches_faces() {
             self.states.resize(faces, State::Active);
         }
@@ -97,7 +112,13 @@ impl Remover {
     pub(crate) fn step(&mut self, wave: &mut Wave, propagated: u64, d: f64) {
         match self.removal {
             Removal::Off => {}
-            Removal::Continuous => self.sweep(wave, d),
+            Removal::Continuous => {
+                self.turns += 1;
+                if d == f64::INFINITY || self.turns >= PERIOD {
+                    self.turns = 0;
+                    self.sweep(wave, d);
+                }
+            }
             Removal::Periodic { c } => {
                 self.open.append(&mut wave.reached);
                 self.crossed += propagated;
@@ -111,17 +132,26 @@ impl Remover {
 
     /// Gives up what has become redundant since the last time.
     fn sweep(&mut self, wave: &mut Wave, d: f64) {
-        for i in 0..wave.reached.len() {
-            let f = wave.reached[i];
+        for (i, &f) in wave.reached.iter().enumerate() {
+            prefetch_face(wave, wave.reached.get(i + AHEAD[1]));
             self.queue.push(bound(wave, f), f);
         }
         wave.reached.clear();
-        while let Some((_, f)) = self.queue.peek()
-            && is_inactive(wave, f, d)
+        let mut inactive = std::mem::take(&mut self.inactive);
+        inactive.clear();
+        // Where the bound has fallen since the face was queued, it waits longer than it must.
+        while let Some((bound, f)) = self.queue.peek()
+            && is_less(bound, d)
         {
             self.queue.pop();
+            inactive.push(f);
+        }
+        for (i, &f) in inactive.iter().enumerate() {
+            prefetch_face(wave, inactive.get(i + AHEAD[0]));
+            prefetch_around(wave, inactive.get(i + AHEAD[1]));
             self.settle(wave, f);
         }
+        self.inactive = inactive;
     }
 
     /// The same, looking at every face that is not known to be redundant.
@@ -175,19 +205,52 @@ impl Remover {
     /// Whether all windows on the edges of `face` and its vertices have the same source.
     #[allow(clippy::unused_self)] // As above.
     fn has_one_source(&self, wave: &Wave, face: FaceId) -> bool {
-        let corners = wave.mesh.face_vertices(face);
-        let vertices = corners.into_iter().map(|v| wave.labels[v.index()]);
-        let windows = [0, 1, 2].into_iter().flat_map(|corner| {
-            let h = face.half_edge(corner);
-            let twin = wave.faces.twin(h);
-            let list = twin.map_or(&[][..], |twin| wave.store.list(edge_of(h, twin).0));
-            list.iter().map(Stored::source)
-        });
+        let corners = wave.faces.corners(face.half_edge(0));
+        let [first, others @ ..] = corners.map(|v| wave.labels[v.index()]);
         #[cfg(test)]
-        let vertices = vertices.filter(|_| !self.traps.windows_alone);
-        let mut sources = vertices.chain(windows);
-        let first = sources.next();
-        first != Some(NO_SOURCE) && sources.all(|source| Some(source) == first)
+        if self.traps.windows_alone {
+            return windows_have_one_source(wave, face);
+        }
+        first != NO_SOURCE
+            && others.iter().all(|&other| other == first)
+            && edges_of(wave, face).all(|e| wave.store.has_one_source(e, first))
+    }
+}
+
+/// The edges of `face` that hold windows: not those of the boundary.
+fn edges_of(wave: &Wave, face: FaceId) -> impl Iterator<Item = usize> {
+    let half_edges = [0, 1, 2].into_iter().map(move |c| face.half_edge(c));
+    half_edges.filter_map(|h| Some(edge_of(h, wave.faces.twin(h)?).0))
+}
+
+/// Whether the windows on the edges of `face` have the same source, whatever its vertices have.
+#[cfg(test)]
+fn windows_have_one_source(wave: &Wave, face: FaceId) -> bool {
+    let windows = edges_of(wave, face).flat_map(|e| wave.store.list(e));
+    let mut sources = windows.map(Stored::source);
+    let first = sources.next();
+    first != Some(NO_SOURCE) && sources.all(|source| Some(source) == first)
+}
+
+/// Prefetches face `f`.
+#[inline]
+fn prefetch_face(wave: &Wave, f: Option<&u32>) {
+    if let Some(&f) = f {
+        wave.faces.announce(FaceId::new(f).half_edge(0));
+    }
+}
+
+/// Prefetches what [`Remover::settle`] looks at, after [`prefetch_face`].
+#[inline]
+fn prefetch_around(wave: &Wave, f: Option<&u32>) {
+    if let Some(&f) = f {
+        let face = FaceId::new(f);
+        for v in wave.faces.corners(face.half_edge(0)) {
+            prefetch(&wave.labels, v.index());
+        }
+        for e in edges_of(wave, face) {
+            wave.store.prefetch_list(e);
+        }
     }
 }
 
@@ -200,5 +263,10 @@ fn bound(wave: &Wave, f: u32) -> f64 {
 
 /// Whether windows of `d` and more cannot improve face `f`, beyond doubt.
 fn is_inactive(wave: &Wave, f: u32, d: f64) -> bool {
-    bound(wave, f) * (1.0 + MARGIN) < d
+    is_less(bound(wave, f), d)
+}
+
+/// Whether `bound` is less than `d`, beyond doubt.
+fn is_less(bound: f64, d: f64) -> bool {
+    bound * (1.0 + MARGIN) < d
 }

@@ -3,8 +3,11 @@
 use std::ops::Range;
 
 use geobench_mesh::HalfEdgeId;
-use geobench_window::Window;
 use geobench_window::trimming::{Comparison, Overlap, Owner, foot, is_sliver, pieces};
+use geobench_window::{Window, prefetch};
+
+use crate::field::NO_SOURCE;
+use crate::merge::Sweep;
 
 /// A window of a list. It is in the frame of the edge's first half-edge, whichever way it crosses.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +23,7 @@ pub(crate) struct Stored {
 const WAITS: u32 = 1 << 31;
 /// The window crosses from above the edge to below it.
 const REVERSED: u32 = 1 << 30;
+
 impl Stored {
     const NONE: Self = Self {
         window: Window {
@@ -32,6 +36,29 @@ impl Stored {
         marks: 0,
         serial: 0,
     };
+
+    /// A window of `source` that waits; it is in the frame of the edge.
+    #[inline]
+    pub(crate) fn waiting(window: Window, is_reversed: bool, source: u32) -> Self {
+        Self {
+            window,
+            marks: source | WAITS | if is_reversed { REVERSED } else { 0 },
+            serial: 0,
+        }
+    }
+
+    /// Its part between `b0` and `b1`.
+    #[inline]
+    pub(crate) fn cut(&self, b0: f64, b1: f64) -> Self {
+        Self {
+            window: Window {
+                b0,
+                b1,
+                ..self.window
+            },
+            ..*self
+        }
+    }
 
     /// Number of the source from which the window comes.
     #[inline]
@@ -51,22 +78,42 @@ impl Stored {
 }
 
 /// The list of an edge: a block in the array of all lists.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Head {
     start: u32,
     len: u32,
+    /// The source of all windows that the list has held, or [`SEVERAL`].
+    source: u32,
     /// Size class of the block; 0 without any.
     class: u8,
     /// No window is kept here any more.
     closed: bool,
 }
 
-/// Windows that a block of size class `class` holds: 2, 3, 4, 6, 8, 12, 16, ...
+impl Default for Head {
+    fn default() -> Self {
+        Self {
+            start: 0,
+            len: 0,
+            source: NO_SOURCE,
+            class: 0,
+            closed: false,
+        }
+    }
+}
+
+/// Windows of a list that are prefetched.
+const MOST_PREFETCHED: u32 = 16;
+
+/// The source of a list whose windows have come from several.
+const SEVERAL: u32 = u32::MAX - 1;
+
+/// Windows that a block of size class `class` holds: 4, 8, 12, 16, 24, 32, ...
 const fn room(class: u8) -> usize {
     match class {
         0 => 0,
-        c if c % 2 == 1 => 2 << (c / 2),
-        c => 3 << (c / 2 - 1),
+        1 => 4,
+        c => (2 + c as usize % 2) << (c / 2 + 1),
     }
 }
 
@@ -80,22 +127,58 @@ pub(crate) struct Waiting {
 }
 
 /// What an insertion did.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Changes {
-    /// Windows to queue: what is left of the new one, and further parts of stored ones that wait.
+    /// Windows to queue one by one: what is left of the new one, and further parts of stored ones
+    /// that wait. Not those of a [merge](EdgeWindows::merge).
     pub(crate) waiting: Vec<Waiting>,
-    /// How many of these are parts of the new one.
+    /// Parts that are left of new windows.
     pub(crate) new_parts: usize,
+    /// Their least distance; infinite if there are none.
+    pub(crate) least: f64,
+    /// New windows of which nothing is left.
+    pub(crate) dropped: usize,
+    /// Further parts of stored windows that wait.
+    pub(crate) split: usize,
     /// Stored windows that lost a part.
     pub(crate) trimmed: usize,
     /// Stored windows that lost everything.
     pub(crate) removed: usize,
 }
 
+impl Default for Changes {
+    fn default() -> Self {
+        Self {
+            waiting: Vec::new(),
+            new_parts: 0,
+            least: f64::INFINITY,
+            dropped: 0,
+            split: 0,
+            trimmed: 0,
+            removed: 0,
+        }
+    }
+}
+
 impl Changes {
     fn clear(&mut self) {
-        self.waiting.clear();
-        (self.new_parts, self.trimmed, self.removed) = (0, 0, 0);
+        let mut waiting = std::mem::take(&mut self.waiting);
+        waiting.clear();
+        *self = Self {
+            waiting,
+            ..Self::default()
+        };
+    }
+
+    /// Counts `part` of a new window, which is left. Returns its least distance.
+    #[inline]
+    pub(crate) fn keep(&mut self, part: &Stored) -> f64 {
+        self.new_parts += 1;
+        let label = part.window.min_distance();
+        if label < self.least {
+            self.least = label;
+        }
+        label
     }
 }
 
@@ -109,6 +192,7 @@ pub(crate) struct EdgeWindows {
     free: Vec<Vec<u32>>,
     stored: usize,
     waiting: usize,
+    counts_waiting: bool,
     next_serial: u32,
     overlap: Overlap,
     met: Vec<Window>,
@@ -128,8 +212,10 @@ impl EdgeWindows {
         }
     }
 
-    /// Makes all lists empty and opens them.
-    pub(crate) fn clear(&mut self) {
+    /// Makes all lists empty and opens them. Windows that wait are counted from now on if
+    /// `counts_waiting`.
+    pub(crate) fn clear(&mut self, counts_waiting: bool) {
+        self.counts_waiting = counts_waiting;
         self.heads.fill(Head::default());
         self.windows.clear();
         self.free.clear();
@@ -141,7 +227,7 @@ impl EdgeWindows {
         self.stored
     }
 
-    /// Number of windows that wait.
+    /// Number of windows that wait; 0 if they are not [counted](Self::clear).
     pub(crate) fn waiting(&self) -> usize {
         self.waiting
     }
@@ -159,6 +245,33 @@ impl EdgeWindows {
         &mut self.windows[start as usize..][..len as usize]
     }
 
+    /// Whether all windows of edge `e` come from `source`.
+    #[inline]
+    pub(crate) fn has_one_source(&self, e: usize, source: u32) -> bool {
+        let head = &self.heads[e];
+        match head.source {
+            _ if head.len == 0 => true,
+            SEVERAL => self.list(e).iter().all(|s| s.source() == source),
+            first => first == source,
+        }
+    }
+
+    /// Asks for the memory that tells where the windows of edge `e` are.
+    #[inline]
+    pub(crate) fn prefetch_list(&self, e: usize) {
+        prefetch(&self.heads, e);
+    }
+
+    /// Asks for the windows of edge `e`, whose list was [prefetched](Self::prefetch_list) before.
+    #[inline]
+    pub(crate) fn prefetch_windows(&self, e: usize) {
+        let Head { start, len, .. } = self.heads[e];
+        // Four windows fill three lines.
+        for k in (0..len.min(MOST_PREFETCHED)).step_by(2) {
+            prefetch(&self.windows, (start + k) as usize);
+        }
+    }
+
     /// All windows that are stored.
     pub(crate) fn all(&self) -> impl Iterator<Item = &Stored> {
         (0..self.heads.len()).flat_map(|e| self.list(e))
@@ -173,11 +286,12 @@ impl EdgeWindows {
     /// Gives up the windows of edge `e`, and keeps none from now on if `and_close`. Returns how
     /// many there were.
     pub(crate) fn give_up(&mut self, e: usize, and_close: bool) -> usize {
-        let list = self.list(e);
-        let (count, waiting) = (list.len(), list.iter().filter(|s| s.waits()).count());
+        let Head {
+            start, len, class, ..
+        } = self.heads[e];
+        let count = len as usize;
+        self.count_waiting(e, 0..count, &[]);
         self.stored -= count;
-        self.waiting -= waiting;
-        let Head { start, class, .. } = self.heads[e];
         self.give_block(class, start);
         self.heads[e] = Head {
             closed: and_close,
@@ -192,17 +306,36 @@ impl EdgeWindows {
         list.filter(move |s| s.waits() && s.is_reversed() == is_reversed)
     }
 
-    /// Moves the windows that wait on edge `e` and cross in this direction into `batch`, in the
-    /// frame of the edge. They stay stored.
-    pub(crate) fn take_all(&mut self, e: usize, is_reversed: bool, batch: &mut Vec<Stored>) {
+    /// Takes the windows that wait on edge `e` of length `l` and cross in this direction into
+    /// `batch`, in the frame of the half-edge by which they cross, in ascending order there. They
+    /// stay stored, and wait no longer.
+    #[inline]
+    pub(crate) fn take_all(
+        &mut self,
+        e: usize,
+        is_reversed: bool,
+        l: f64,
+        batch: &mut Vec<Stored>,
+    ) {
         let before = batch.len();
-        for stored in self.list_mut(e) {
+        let mut take = |stored: &mut Stored, window: fn(&Window, f64) -> Window| {
             if stored.waits() && stored.is_reversed() == is_reversed {
                 stored.marks &= !WAITS;
-                batch.push(*stored);
+                batch.push(Stored {
+                    window: window(&stored.window, l),
+                    ..*stored
+                });
             }
+        };
+        let list = self.list_mut(e).iter_mut();
+        if is_reversed {
+            list.rev().for_each(|s| take(s, Window::reversed));
+        } else {
+            list.for_each(|s| take(s, |w, _| *w));
         }
-        self.waiting -= batch.len() - before;
+        if self.counts_waiting {
+            self.waiting -= batch.len() - before;
+        }
     }
 
     /// Window number `serial` of edge `e`, if it still waits.
@@ -216,7 +349,7 @@ impl EdgeWindows {
         let mut list = self.list_mut(e).iter_mut();
         if let Some(stored) = list.find(|s| s.serial == serial && s.waits()) {
             stored.marks &= !WAITS;
-            self.waiting -= 1;
+            self.waiting -= usize::from(self.counts_waiting);
         }
     }
 
@@ -234,17 +367,42 @@ impl EdgeWindows {
         l: f64,
     ) {
         self.changes.clear();
-        let new = Stored {
-            window: *new,
-            marks: source | WAITS | if is_reversed { REVERSED } else { 0 },
-            serial: 0,
-        };
+        let new = Stored::waiting(*new, is_reversed, source);
         if foot(&new.window, l).is_some() {
             for window in pieces(&new.window, l) {
                 self.insert_piece(e, Stored { window, ..new }, l);
             }
         } else {
             self.insert_piece(e, new, l);
+        }
+    }
+
+    /// Inserts windows without a [foot], which then wait, on edge `e` of length `l`. They are in
+    /// the frame of the edge, mostly in ascending order. The [`changes`](Self::changes) tell what
+    /// became of them and of others.
+    ///
+    /// The result is that of inserting them one after the other, but in one pass over the list for
+    /// all that are in ascending order.
+    pub(crate) fn merge(&mut self, e: usize, batch: &[Stored], l: f64) {
+        self.changes.clear();
+        let mut k = 0;
+        while let Some(new) = batch.get(k) {
+            let Head { start, len, .. } = self.heads[e];
+            let list = &mut self.windows[start as usize..][..len as usize];
+            let (pieces, changes) = (&mut self.replaced, &mut self.changes);
+            let mut sweep = Sweep::start(list, new.window.b0, l, pieces, changes);
+            let (next, is_open) = sweep.insert_all(batch, k);
+            let range = sweep.end();
+            if !range.is_empty() || !self.replaced.is_empty() {
+                let replaced = std::mem::take(&mut self.replaced);
+                self.replace(e, range, &replaced);
+                self.replaced = replaced;
+            }
+            k = next;
+            if is_open {
+                self.insert_piece(e, batch[k], l);
+                k += 1;
+            }
         }
     }
 
@@ -257,6 +415,7 @@ impl EdgeWindows {
             .take_while(|s| s.window.b0 < window.b1)
             .count();
         if loses_everywhere(&list[first..][..met], &window, l) {
+            self.changes.dropped += 1;
             return;
         }
         self.met.clear();
@@ -267,6 +426,8 @@ impl EdgeWindows {
         overlap.share_out(&self.met, &window, l);
         if overlap.segments().iter().any(|s| s.owner == Owner::New) {
             self.apply(e, first..first + met, &overlap, new);
+        } else {
+            self.changes.dropped += 1;
         }
         self.overlap = overlap;
     }
@@ -296,24 +457,52 @@ impl EdgeWindows {
             } else {
                 part.serial = self.next_serial;
                 self.next_serial = self.next_serial.wrapping_add(1);
+                let label = if segment.owner == Owner::New {
+                    self.changes.keep(&part)
+                } else {
+                    part.window.min_distance()
+                };
                 if part.waits() {
+                    self.changes.split += usize::from(segment.owner != Owner::New);
                     self.changes.waiting.push(Waiting {
-                        label: part.window.min_distance(),
+                        label,
                         serial: part.serial,
                         is_reversed: part.is_reversed(),
                     });
                 }
-                self.changes.new_parts += usize::from(segment.owner == Owner::New);
             }
             replaced.push(part);
         }
         self.changes.removed += met.len() - last_old.map_or(0, |last| last + 1);
-        let waiting = |list: &[Stored]| list.iter().filter(|s| s.waits()).count();
-        self.waiting += waiting(&replaced);
-        self.waiting -= waiting(&self.windows[start + met.start..start + met.end]);
-        self.stored = self.stored + replaced.len() - met.len();
-        self.splice(e, met, &replaced);
+        self.replace(e, met, &replaced);
         self.replaced = replaced;
+    }
+
+    /// Puts `new` in the place of the windows `old` of edge `e`, and counts them.
+    #[inline]
+    fn replace(&mut self, e: usize, old: Range<usize>, new: &[Stored]) {
+        let source = &mut self.heads[e].source;
+        for stored in new {
+            if *source != stored.source() {
+                *source = if *source == NO_SOURCE {
+                    stored.source()
+                } else {
+                    SEVERAL
+                };
+            }
+        }
+        self.count_waiting(e, old.clone(), new);
+        self.stored = self.stored + new.len() - old.len();
+        self.splice(e, old, new);
+    }
+
+    /// Counts what waits of `new`, which takes the place of the windows `old` of edge `e`.
+    #[inline]
+    fn count_waiting(&mut self, e: usize, old: Range<usize>, new: &[Stored]) {
+        if self.counts_waiting {
+            let waiting = |list: &[Stored]| list.iter().filter(|s| s.waits()).count();
+            self.waiting = self.waiting + waiting(new) - waiting(&self.list(e)[old]);
+        }
     }
 
     /// Puts `new` in the place of the windows `old` of edge `e`.
@@ -384,6 +573,8 @@ fn loses_everywhere(met: &[Stored], new: &Window, l: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use geobench_mesh::SplitMix64;
+
     use super::*;
 
     const WINDOW: Window = Window {
@@ -403,6 +594,7 @@ mod tests {
     #[test]
     fn windows_of_both_directions_share_an_edge() {
         let mut lists = EdgeWindows::new(1);
+        lists.clear(true);
         lists.insert(0, &WINDOW, false, 0, 1.0);
         let from_above = Window {
             px: 1.5,
@@ -421,7 +613,7 @@ mod tests {
         assert_eq!((lists.stored(), lists.waiting()), (2, 2));
         assert_eq!((lists.changes.trimmed, lists.changes.new_parts), (1, 1));
         let mut batch = Vec::new();
-        lists.take_all(0, true, &mut batch);
+        lists.take_all(0, true, 1.0, &mut batch);
         assert_eq!((batch.len(), lists.waiting()), (1, 1));
         assert_eq!(lists.waiting_on(0, false).count(), 1);
         assert_eq!(lists.waiting_on(0, true).count(), 0);
@@ -430,6 +622,7 @@ mod tests {
     #[test]
     fn a_window_that_is_split_keeps_its_number_once() {
         let mut lists = EdgeWindows::new(1);
+        lists.clear(true);
         let far = Window { py: -3.0, ..WINDOW };
         lists.insert(0, &far, false, 0, 1.0);
         let near = Window {
@@ -448,6 +641,7 @@ mod tests {
     #[test]
     fn blocks_are_used_again_and_closed_lists_stay_empty() {
         let mut lists = EdgeWindows::new(2);
+        lists.clear(true);
         for i in 0..20 {
             let b0 = f64::from(i) / 20.0;
             let window = Window {
@@ -466,9 +660,96 @@ mod tests {
         assert_eq!(lists.windows.len(), room_taken);
     }
 
+    /// A batch of windows in ascending order, from sources below the edge and above it.
+    fn random_batch(random: &mut SplitMix64, is_reversed: bool) -> Vec<Stored> {
+        let mut number = |low: f64, high: f64| {
+            low + (high - low) * (random.next() >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut batch: Vec<Stored> = (0..5)
+            .map(|source| {
+                let (a, b) = (number(0.0, 1.0), number(0.0, 1.0));
+                let y = number(0.1, 2.0);
+                let window = Window {
+                    b0: a.min(b),
+                    b1: a.max(b),
+                    px: number(-1.0, 2.0),
+                    py: if is_reversed { y } else { -y },
+                    sigma: number(0.0, 1.0),
+                };
+                Stored::waiting(window, is_reversed, source)
+            })
+            .collect();
+        batch.sort_by(|a, b| a.window.b0.total_cmp(&b.window.b0));
+        batch
+    }
+
+    #[test]
+    fn merging_a_batch_is_inserting_its_windows_one_after_the_other() {
+        let mut random = SplitMix64::new(5);
+        let (mut kept, mut lost) = (0, 0);
+        for _ in 0..2000 {
+            let (mut merged, mut inserted) = (EdgeWindows::new(1), EdgeWindows::new(1));
+            for lists in [&mut merged, &mut inserted] {
+                lists.clear(true);
+            }
+            for is_reversed in [false, true, false] {
+                let batch = random_batch(&mut random, is_reversed);
+                merged.merge(0, &batch, 1.0);
+                let mut single = Changes::default();
+                for new in &batch {
+                    inserted.insert(0, &new.window, is_reversed, new.source(), 1.0);
+                    let changes = &inserted.changes;
+                    single.new_parts += changes.new_parts;
+                    single.dropped += changes.dropped;
+                    single.least = single.least.min(changes.least);
+                    single.split += changes.split;
+                    single.trimmed += changes.trimmed;
+                    single.removed += changes.removed;
+                }
+                let counts = |c: &Changes| [c.new_parts, c.dropped, c.split, c.trimmed, c.removed];
+                assert_eq!(counts(&merged.changes), counts(&single));
+                assert!(
+                    (merged.changes.least - single.least).abs() <= 1e-12 || single.new_parts == 0
+                );
+                kept += single.new_parts;
+                lost += single.dropped;
+                let (a, b) = (ends(&merged), ends(&inserted));
+                assert_eq!(a.len(), b.len(), "{a:?} {b:?}");
+                for (a, b) in a.iter().zip(&b) {
+                    let moved = (a.0 - b.0).abs().max((a.1 - b.1).abs());
+                    assert!(a.2 == b.2 && moved <= 1e-9, "{a:?} {b:?}");
+                }
+                assert_eq!(
+                    (merged.stored(), merged.waiting()),
+                    (inserted.stored(), inserted.waiting())
+                );
+            }
+        }
+        assert!(kept > 5_000 && lost > 5_000, "{kept} {lost}");
+    }
+
+    #[test]
+    fn one_source_of_a_list_is_told_apart_from_several() {
+        let mut lists = EdgeWindows::new(1);
+        lists.clear(false);
+        assert!(lists.has_one_source(0, 3));
+        let far = Window {
+            b1: 0.5,
+            py: -3.0,
+            ..WINDOW
+        };
+        lists.insert(0, &far, false, 3, 1.0);
+        assert!(lists.has_one_source(0, 3) && !lists.has_one_source(0, 4));
+        lists.insert(0, &Window { b0: 0.5, ..WINDOW }, false, 4, 1.0);
+        assert!(!lists.has_one_source(0, 3) && !lists.has_one_source(0, 4));
+        // The window of source 3 is trimmed away: what the list holds counts, not what it has held.
+        lists.insert(0, &WINDOW, false, 4, 1.0);
+        assert!(lists.has_one_source(0, 4) && !lists.has_one_source(0, 3));
+    }
+
     #[test]
     fn size_classes_grow_by_halves() {
         let rooms: Vec<usize> = (0..9).map(room).collect();
-        assert_eq!(rooms, [0, 2, 3, 4, 6, 8, 12, 16, 24]);
+        assert_eq!(rooms, [0, 4, 8, 12, 16, 24, 32, 48, 64]);
     }
 }

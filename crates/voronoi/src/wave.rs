@@ -2,14 +2,14 @@
 //! on edges.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::trimming::ThinFaces;
+use geobench_window::trimming::{ThinFaces, foot};
 use geobench_window::{
-    Counter, Crossing, Faces, Phase, Probe, Side, VertexFilter, Way, Window, is_beaten_from_ends,
-    spawn_window,
+    Counter, Crossing, Exit, FaceView, Faces, Phase, Probe, Side, VertexFilter, Way, Window,
+    is_beaten_from_ends, prefetch, spawn_window,
 };
 
 use crate::field::{Field, NO_SOURCE};
-use crate::store::{EdgeWindows, edge_of};
+use crate::store::{EdgeWindows, Stored, edge_of};
 
 /// The counters of every algorithm of this crate.
 pub(crate) const COUNTERS: &[Counter] = &[
@@ -32,9 +32,20 @@ pub(crate) const COUNTERS: &[Counter] = &[
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrival {
     pub(crate) h: HalfEdgeId,
+    /// The ends of its edge.
+    pub(crate) ends: [VertexId; 2],
     /// Its least distance.
     pub(crate) label: f64,
     pub(crate) serial: u32,
+}
+
+/// How windows that have come to wait are announced to the schedule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Announced {
+    /// Each by an arrival of its own.
+    OneByOne,
+    /// All windows that came to a half-edge together by one arrival.
+    Together,
 }
 
 /// The surface during a run, with all that is known of it. What a schedule has to know is left in
@@ -50,6 +61,8 @@ pub(crate) struct Wave {
     /// The distance at which each vertex last sent out windows; infinite if it has not.
     spawned: Vec<f64>,
     pub(crate) store: EdgeWindows,
+    /// Windows that leave a face together, by its left and by its right exit.
+    children: [Vec<Stored>; 2],
     /// For each face a length within which one of its points is reached; empty if not asked for.
     pub(crate) nearest: Vec<f64>,
     /// Faces that have been reached for the first time.
@@ -71,6 +84,7 @@ impl Wave {
             labels: Vec::new(),
             spawned: Vec::new(),
             store: EdgeWindows::new(half_edges),
+            children: Default::default(),
             nearest: Vec::new(),
             reached: Vec::new(),
             arrivals: Vec::new(),
@@ -100,7 +114,7 @@ impl Wave {
         self.reached.clear();
         self.arrivals.clear();
         self.improved.clear();
-        self.store.clear();
+        self.store.clear(P::COUNTS);
         probe.add(Counter::WindowBytes, EdgeWindows::WINDOW_BYTES as u64);
         for (source, &v) in (0..).zip(sources) {
             self.offer(v, 0.0, source);
@@ -151,8 +165,9 @@ impl Wave {
     }
 
     /// Sends out paths along the edges of `v` and windows across its faces, unless it has done so
-    /// at this distance.
-    pub(crate) fn spawn<P: Probe>(&mut self, v: VertexId, probe: &mut P) {
+    /// at this distance. The windows are announced [one by one](Self::arrive) or
+    /// [together](Self::arrive_all).
+    pub(crate) fn spawn<P: Probe>(&mut self, v: VertexId, arrival: Announced, probe: &mut P) {
         let sigma = self.distances[v.index()];
         if self.spawned[v.index()] == sigma {
             return;
@@ -170,7 +185,14 @@ impl Wave {
             }
             if let Some((target, window)) = spawn_window(&self.faces, h, sigma) {
                 probe.add(Counter::Spawned, 1);
-                self.arrive(target, &window, source, probe);
+                match arrival {
+                    Announced::OneByOne => {
+                        self.arrive(target, &window, source, probe);
+                    }
+                    Announced::Together => {
+                        self.arrive_with_filter(target, h.next(), window, source, probe);
+                    }
+                }
             }
         }
     }
@@ -202,37 +224,119 @@ impl Wave {
             *window
         };
         self.store.insert(e, &window, is_reversed, source, l);
-        let mut least = f64::INFINITY;
+        let [head, tail, _] = self.faces.corners(twin);
         for waiting in &self.store.changes.waiting {
-            least = if waiting.is_reversed == is_reversed {
-                least.min(waiting.label)
-            } else {
-                least
-            };
             self.arrivals.push(Arrival {
                 h: if waiting.is_reversed == is_reversed {
                     h
                 } else {
                     twin
                 },
+                ends: [tail, head],
                 label: waiting.label,
                 serial: waiting.serial,
             });
         }
+        // Of a window with a foot, some pieces may be left.
+        let is_kept = self.store.changes.new_parts > 0;
+        self.note_changes(h, twin, usize::from(!is_kept), probe);
+        is_kept
+    }
+
+    /// Windows that arrived at `h` have been inserted, except `dropped` of them.
+    #[inline]
+    fn note_changes<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        twin: HalfEdgeId,
+        dropped: usize,
+        probe: &mut P,
+    ) {
         let changes = &self.store.changes;
-        let is_kept = changes.new_parts > 0;
-        probe.add(
-            Counter::Reinserted,
-            (changes.waiting.len() - changes.new_parts) as u64,
-        );
+        probe.add(Counter::Reinserted, changes.split as u64);
         probe.add(Counter::Trimmed, changes.trimmed as u64);
-        let dropped = changes.removed + usize::from(!is_kept);
-        probe.add(Counter::Filtered, dropped as u64);
-        if is_kept {
+        probe.add(Counter::Filtered, (changes.removed + dropped) as u64);
+        let least = changes.least;
+        if least < f64::INFINITY {
             self.reach(h.face().index(), least);
             self.reach(twin.face().index(), least);
         }
-        is_kept
+    }
+
+    /// The windows of `batch` arrive at `h`, of length `l` and with twin `twin`, in ascending order. Returns of
+    /// how many something is left. All that are left are announced by one arrival, unless windows
+    /// cross there [one by one](ThinFaces).
+    fn arrive_all<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        twin: HalfEdgeId,
+        l: f64,
+        batch: &mut [Stored],
+        probe: &mut P,
+    ) -> u64 {
+        let (e, is_reversed) = edge_of(h, twin);
+        if self.store.is_closed(e) {
+            probe.add(Counter::Filtered, batch.len() as u64);
+            return 0;
+        }
+        if self.thin.is_beside(h.index()) || batch.iter().any(|s| foot(&s.window, l).is_some()) {
+            return self.arrive_one_by_one(h, batch, probe);
+        }
+        if is_reversed {
+            batch.reverse();
+            for stored in batch.iter_mut() {
+                stored.window = stored.window.reversed(l);
+            }
+        }
+        self.store.merge(e, batch, l);
+        let changes = &self.store.changes;
+        let dropped = changes.dropped;
+        if changes.least < f64::INFINITY {
+            // The face that the windows have left is in the cache.
+            let [head, tail, _] = self.faces.corners(twin);
+            self.arrivals.push(Arrival {
+                h,
+                ends: [tail, head],
+                label: changes.least,
+                serial: 0,
+            });
+        }
+        self.note_changes(h, twin, dropped, probe);
+        (batch.len() - dropped) as u64
+    }
+
+    /// [`arrive_all`](Self::arrive_all) for one window, which the filter has not seen.
+    fn arrive_with_filter<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        twin: HalfEdgeId,
+        window: Window,
+        source: u32,
+        probe: &mut P,
+    ) {
+        let l = self.faces.length(h);
+        if self.filter == VertexFilter::On && self.is_beaten(h, &window, l) {
+            probe.add(Counter::Filtered, 1);
+            return;
+        }
+        let (_, is_reversed) = edge_of(h, twin);
+        let stored = Stored::waiting(window, is_reversed, source);
+        self.arrive_all(h, twin, l, &mut [stored], probe);
+    }
+
+    /// [`arrive_all`](Self::arrive_all), window by window.
+    #[cold]
+    fn arrive_one_by_one<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        batch: &[Stored],
+        probe: &mut P,
+    ) -> u64 {
+        let mut kept = 0;
+        for stored in batch {
+            kept += u64::from(self.arrive(h, &stored.window, stored.source(), probe));
+        }
+        kept
     }
 
     /// Whether a path along the edge beats all of `window`.
@@ -293,6 +397,88 @@ impl Wave {
         tries
     }
 
+    /// The half-edges, with their twins, of the face of `h` by which windows leave that enter it
+    /// through `h`.
+    #[inline]
+    fn exits(&self, h: HalfEdgeId) -> impl Iterator<Item = (HalfEdgeId, HalfEdgeId)> {
+        let inside = [h.prev(), h.next()].into_iter();
+        inside.filter_map(|h| Some((h, self.faces.twin(h)?)))
+    }
+
+    /// Prefetches the lists of the exits that [`cross_all`](Self::cross_all) meets, and what it looks
+    /// at first.
+    #[inline]
+    pub(crate) fn prefetch_exits(&self, h: HalfEdgeId) {
+        let [.., apex] = self.faces.corners(h);
+        prefetch(&self.distances, apex.index());
+        prefetch(&self.labels, apex.index());
+        prefetch(&self.nearest, h.face().index());
+        for (h, twin) in self.exits(h) {
+            self.store.prefetch_list(edge_of(h, twin).0);
+            prefetch(&self.nearest, twin.face().index());
+        }
+    }
+
+    /// Prefetches the windows of the same lists.
+    #[inline]
+    pub(crate) fn prefetch_exit_windows(&self, h: HalfEdgeId) {
+        for (h, twin) in self.exits(h) {
+            self.store.prefetch_windows(edge_of(h, twin).0);
+        }
+    }
+
+    /// Takes `windows`, in ascending order in the frame of `h`, across the face of `h`. Returns how
+    /// many children were tried.
+    pub(crate) fn cross_all<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        windows: &[Stored],
+        probe: &mut P,
+    ) -> u64 {
+        probe.enter(Phase::Propagation);
+        probe.add(Counter::Parents, windows.len() as u64);
+        let view = self.faces.face_view(h);
+        let inside = [h.prev(), h.next()];
+        let exit_lengths = [view.frame.la, view.frame.lb];
+        let mut children = std::mem::take(&mut self.children);
+        children.iter_mut().for_each(Vec::clear);
+        let known = view.corners.map(|v| self.distances[v.index()]);
+        let filters = self.filter == VertexFilter::On;
+        let [.., apex] = view.corners;
+        let label = self.labels[apex.index()];
+        let (tries, best) = cross_face(
+            &view,
+            known,
+            label,
+            windows,
+            &mut children,
+            inside,
+            filters,
+            probe,
+        );
+        if let Some((d, k)) = best
+            && self.offer(apex, d, windows[k].source())
+            && P::TRACES
+        {
+            probe.reach(apex, h.prev(), Way::of(&windows[k].window, &view.frame));
+        }
+        for (side, batch) in children.iter_mut().enumerate() {
+            if let Some(target) = view.exits[side]
+                && !batch.is_empty()
+            {
+                probe.enter(Phase::Pruning);
+                let kept = self.arrive_all(target, inside[side], exit_lengths[side], batch, probe);
+                probe.add(Counter::Kept, kept);
+            }
+        }
+        self.children = children;
+        probe.add(Counter::Propagated, tries);
+        probe.enter(Phase::Management);
+        probe.raise(Counter::PeakWindows, self.store.stored() as u64);
+        probe.raise(Counter::PeakWavefront, self.store.waiting() as u64);
+        tries
+    }
+
     /// Takes a sample of the wavefront, if one is due.
     pub(crate) fn sample<P: Probe>(&self, parents: u64, probe: &mut P) {
         if probe.wants_sample(parents) {
@@ -308,4 +494,68 @@ impl Wave {
             probe.renumber(&self.mesh, |v| v, |v, i| self.mesh.outgoing(v)[i]);
         }
     }
+}
+
+/// Takes `windows` across the face of `view`, whose corners have the distances `known` and whose
+/// apex has the source `label`. Their children go to `children`, those on the left exit first,
+/// except those that a path through an end of the exit beats, if `filters`. Returns how many were
+/// tried, and the best path to the apex with the number of its window, if it is to be offered.
+#[inline]
+#[allow(clippy::too_many_arguments)] // Private, and one step of `Wave::cross_all`.
+fn cross_face<P: Probe>(
+    view: &FaceView,
+    known: [f64; 3],
+    label: u32,
+    windows: &[Stored],
+    children: &mut [Vec<Stored>; 2],
+    inside: [HalfEdgeId; 2],
+    filters: bool,
+    probe: &mut P,
+) -> (u64, Option<(f64, usize)>) {
+    let frame = &view.frame;
+    let exits = [Side::Left, Side::Right].map(|side| view.exit(side));
+    let [tail, head, mut least] = known;
+    let (mut best, mut nearest) = (None, label);
+    let mut tries = windows.len() as u64;
+    for (k, stored) in windows.iter().enumerate() {
+        let (window, source) = (&stored.window, stored.source());
+        let crossing = Crossing::new(frame, window);
+        let covers = crossing.covers_apex();
+        let side = usize::from(!crossing.goes_left());
+        // As MMP: all of a window that leaves on the right is tried on the left, too.
+        tries += u64::from(covers || side == 1);
+        // No bent path is shorter than the straight one. With its sign, the square tells both
+        // whether anything is to spare and whether it is enough.
+        let spare = least - window.sigma;
+        if covers || crossing.squared_straight() <= spare * spare.abs() {
+            let d = if covers {
+                crossing.straight_distance()
+            } else {
+                crossing.bent_distance(&exits[side])
+            };
+            if d < least || d == least && source < nearest {
+                (least, nearest) = (d, source);
+                best = Some((d, k));
+            }
+        }
+        let mut put = |side: usize, child: Option<Window>| {
+            let exit: &Exit = &exits[side];
+            if let (Some(window), Some(target)) = (child, exit.half_edge) {
+                probe.add(Counter::Children, 1);
+                let ends = [[tail, least], [least, head]][side];
+                if filters && is_beaten_from_ends(&window, exit.length, ends[0], ends[1]) {
+                    probe.add(Counter::Filtered, 1);
+                } else {
+                    children[side].push(Stored::waiting(window, target > inside[side], source));
+                }
+            }
+        };
+        if covers {
+            put(0, crossing.left_child(&exits[0]));
+            put(1, crossing.right_child(&exits[1]));
+        } else {
+            put(side, crossing.only_child(&exits[side]));
+        }
+    }
+    (tries, best)
 }

@@ -4,12 +4,12 @@ use std::collections::VecDeque;
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::queue::MinHeap;
-use geobench_window::{Counter, Probe, Propagate, Solution, SolveError, VertexFilter};
+use geobench_window::{Counter, Probe, Propagate, Solution, SolveError, VertexFilter, prefetch};
 
 use crate::field::{Field, FieldSolver};
 use crate::removal::{Removal, Remover};
 use crate::store::{Stored, edge_of};
-use crate::wave::{COUNTERS, Wave};
+use crate::wave::{Announced, COUNTERS, Wave};
 
 /// Options of [`WindowVtp`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +45,7 @@ enum Turn {
 /// The *traversed area* grows by the faces around the vertex at which the nearest window waits.
 /// Windows cross the faces of the area, first in first out, until they come to its border or lose
 /// everything to windows that they meet.
+/// Those that wait on one half-edge cross together, and their children enter a list in one pass.
 ///
 /// ```
 /// use geobench_mesh::{Mesh, VertexId};
@@ -115,6 +116,7 @@ impl WindowVtp {
             let propagated = if next_thin < next_turn {
                 self.cross_nearest(probe)
             } else if let Some((d, turn)) = self.queue.pop() {
+                self.prefetch_turns();
                 match turn {
                     Turn::Join(v) if self.keys[v.index()] == d => {
                         self.keys[v.index()] = f64::INFINITY;
@@ -122,7 +124,7 @@ impl WindowVtp {
                     }
                     Turn::Spawn(v) if self.wave.distances[v.index()] == d => {
                         self.join(v);
-                        self.wave.spawn(v, probe);
+                        self.wave.spawn(v, Announced::Together, probe);
                         self.receive(probe);
                     }
                     // The vertex has had its turn, or has improved since.
@@ -188,6 +190,44 @@ impl WindowVtp {
     fn make_ready(&mut self, h: HalfEdgeId) {
         if !std::mem::replace(&mut self.is_ready[h.index()], true) {
             self.ready.push_back(h);
+            self.wave.faces.announce(h);
+        }
+    }
+
+    /// Prefetches what the next half-edges that are ready need.
+    #[inline]
+    fn prefetch_ready(&self) {
+        if let Some(&h) = self.ready.get(1) {
+            self.wave.prefetch_exits(h);
+        }
+        if let Some(&h) = self.ready.front() {
+            self.wave.prefetch_exit_windows(h);
+        }
+    }
+
+    /// Prefetches what the next turns need: the faces of vertices that come soon, and the lists of
+    /// the one that probably comes next.
+    #[inline]
+    fn prefetch_turns(&self) {
+        let vertex = |&(_, turn): &(f64, Turn)| match turn {
+            Turn::Join(v) | Turn::Spawn(v) => v,
+        };
+        let mut coming = self.queue.iter().map(vertex);
+        let wave = &self.wave;
+        if let Some(v) = coming.next() {
+            for &h in wave.mesh.outgoing(v) {
+                prefetch(&self.joined, h.face().index());
+                for h in [h, h.next(), h.prev()] {
+                    if let Some(twin) = wave.faces.twin(h) {
+                        wave.store.prefetch_list(edge_of(h, twin).0);
+                    }
+                }
+            }
+        }
+        for v in coming.take(4) {
+            for &h in wave.mesh.outgoing(v) {
+                wave.faces.announce(h);
+            }
         }
     }
 
@@ -197,22 +237,18 @@ impl WindowVtp {
         let mut propagated = 0;
         while let Some(h) = self.ready.pop_front() {
             self.is_ready[h.index()] = false;
+            self.prefetch_ready();
             let Some(twin) = self.wave.faces.twin(h) else {
                 continue;
             };
             let (e, is_reversed) = edge_of(h, twin);
             let l = self.wave.faces.length(h);
+            self.wave.prefetch_exits(h);
             let mut batch = std::mem::take(&mut self.batch);
             batch.clear();
-            self.wave.store.take_all(e, is_reversed, &mut batch);
-            for stored in &batch {
-                let window = if is_reversed {
-                    stored.window.reversed(l)
-                } else {
-                    stored.window
-                };
-                propagated += self.wave.cross(h, &window, stored.source(), probe);
-            }
+            self.wave.store.take_all(e, is_reversed, l, &mut batch);
+            self.wave.prefetch_exit_windows(h);
+            propagated += self.wave.cross_all(h, &batch, probe);
             self.wave.sample(batch.len() as u64, probe);
             self.batch = batch;
             self.receive(probe);
@@ -264,8 +300,7 @@ impl WindowVtp {
                 }
                 continue;
             }
-            let [tail, head, _] = self.wave.faces.corners(h);
-            for v in [tail, head] {
+            for v in arrival.ends {
                 if arrival.label < self.keys[v.index()] {
                     self.keys[v.index()] = arrival.label;
                     self.push(arrival.label, Turn::Join(v), probe);

@@ -128,8 +128,10 @@ impl<'a> Crossing<'a> {
         w.distance(bend) + norm(self.frame.cx - bend, self.frame.cy)
     }
 
+    /// Square of the length of the straight path from the (pseudo-)source to the apex, whether or
+    /// not the window covers it.
     #[inline]
-    fn squared_straight(&self) -> f64 {
+    pub fn squared_straight(&self) -> f64 {
         let x = self.frame.cx - self.window.px;
         x * x + self.height * self.height
     }

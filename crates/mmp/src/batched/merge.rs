@@ -6,8 +6,9 @@
 use geobench_window::{Counter, Probe, Window};
 
 use super::store::{Store, StoredWindow};
-use crate::overlap_range::OverlapRange;
-use geobench_window::trimming::{Overlap, Owner, Segment, foot, is_sliver, matters, pieces};
+use geobench_window::trimming::{
+    Overlap, OverlapRange, Owner, Segment, foot, is_sliver, matters, pieces,
+};
 
 /// Windows that arrive at one half-edge together.
 #[derive(Clone, Debug, Default)]

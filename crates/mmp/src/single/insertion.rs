@@ -5,8 +5,7 @@ use std::ops::Range;
 use geobench_window::Window;
 
 use super::lists::{Direction, ListEntry, Lists, Slot};
-use crate::overlap_range::OverlapRange;
-use geobench_window::trimming::{Overlap, Owner, Segment, foot, is_sliver, pieces};
+use geobench_window::trimming::{Overlap, OverlapRange, Owner, Segment, foot, is_sliver, pieces};
 
 /// A window to be queued.
 #[derive(Clone, Copy, Debug)]

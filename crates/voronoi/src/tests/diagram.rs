@@ -721,7 +721,7 @@ fn sources_may_lie_in_faces_and_on_edges() {
 
 #[test]
 fn without_closing_edges_late_windows_settle() {
-    let mesh = Mesh::generate("terrain,n=25,seed=1").unwrap();
+    let mesh = Mesh::generate("terrain,n=80,seed=1").unwrap();
     let stored = |no_closing| {
         let mut solver = WindowVtp::new(&mesh);
         solver.remover.traps.no_closing = no_closing;

@@ -8,10 +8,12 @@ mod compare;
 mod foot;
 mod kept;
 mod overlap;
+mod overlap_range;
 mod thin;
 
 pub use compare::{Comparison, is_sliver, matters, ties_between};
 pub use foot::{foot, pieces};
 pub use kept::KeptWindows;
 pub use overlap::{Overlap, Owner, Segment};
+pub use overlap_range::OverlapRange;
 pub use thin::ThinFaces;

@@ -329,7 +329,7 @@ impl Faces {
 
     /// Prefetches the memory of the face of `h`.
     #[inline]
-    pub(crate) fn announce(&self, h: HalfEdgeId) {
+    pub fn announce(&self, h: HalfEdgeId) {
         let first = h.face().half_edge(0).index();
         for corner in 0..3 {
             prefetch(&self.half_edges, first + corner);

@@ -72,7 +72,9 @@
 //!
 //! # What `f64` cannot tell
 //!
-//! A place on a side of length L is a multiple of ε·L. Where all distances are far less than L, an
+//! A place on a side of length L is a multiple of ε·L. A bent path through an end of the side is
+//! compared with the distance of the vertex there, which shorter edges have told better
+//! ([`length_past_end`](crate::length_past_end)); other paths have no such help. Where all distances are far less than L, an
 //! error of ε·L is not small beside them, and no order of operations helps: the abscissa itself is
 //! rounded. Nor does it where one distance is less than what a path gathers on its way across many
 //! such faces, [`PLACE`]·L on each where windows are equal. [`doubt`] names the faces and bounds

@@ -8,7 +8,7 @@ use geobench_window::queue::mean_edge_length;
 use geobench_window::trimming::KeptWindows;
 use geobench_window::{
     Counter, Crossing, Exit, Phase, Probe, Propagate, Side, Solution, SolveError, Way, Window,
-    spawn_window,
+    length_past_end, spawn_window,
 };
 use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
@@ -213,7 +213,13 @@ impl Pch {
         }
         probe.add(Counter::Parents, 1);
         let h = waiting.h;
-        let apex = self.surface.faces().corners(h)[2];
+        let [tail, head, apex] = self.surface.faces().corners(h);
+        if step.d < self.surface.distance(apex) && !step.covers {
+            let frame = self.surface.faces().frame(h);
+            let ends = [tail, head].map(|v| self.surface.distance(v));
+            let (entry, sides) = (waiting.window.entry(&frame), [frame.la, frame.lb]);
+            step.d = length_past_end(step.d, entry, frame.l, ends, sides);
+        }
         if self.offer(apex, step.d) && P::TRACES {
             let way = Way::of(&waiting.window, &self.surface.faces().frame(h));
             probe.reach(apex, h.prev(), way);

@@ -28,4 +28,5 @@ regression_tests! {
     windows_wound_around_a_needle_pi_over_its_angle_times
     a_tie_was_lost_where_sources_were_equal_up_to_rounding
     windows_that_had_replaced_others_were_given_up
+    a_path_past_a_tip_was_shorter_than_the_distance_of_the_tip
 }

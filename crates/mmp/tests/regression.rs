@@ -46,6 +46,7 @@ regression_tests! {
     windows_wound_around_a_sharp_fan_without_end
     windows_wound_around_a_needle_pi_over_its_angle_times
     a_tie_was_lost_where_sources_were_equal_up_to_rounding
+    a_path_past_a_tip_was_shorter_than_the_distance_of_the_tip
 }
 
 /// The denominators of the positions on an exit cancel where the source is close to the edge.

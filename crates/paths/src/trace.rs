@@ -12,6 +12,10 @@ const BESIDE: f64 = 1e-11;
 /// By how much a path may differ from its distance, relatively.
 const TOLERANCE: f64 = 5e-13;
 
+/// The same at first, as much as rounding moves a distance: a vertex beside the line that makes the
+/// path longer is passed only where no other one continues it.
+const ROUNDING: f64 = 3e-14;
+
 /// The height of a face over an edge, in lengths of that, below which unfolding it moves vertices too
 /// far.
 const THIN: f64 = 1e-7;
@@ -211,28 +215,30 @@ impl Paths {
         if let Some(found) = self.glide(target, v, h, image, path) {
             return Ok(found);
         }
-        path.points.truncate(points);
-        let mut line = self.line(target, v, h, image);
-        if let Ok(found) = self.walk(h, &mut line, path) {
-            return Ok(found);
-        }
-        let mut aim = image;
-        for _ in 0..2 {
-            path.points.truncate(points);
-            path.length = length;
-            line = self.line(target, v, h, aim);
-            line.is_careful = true;
-            let face = match self.walk(h, &mut line, path) {
-                Ok(found) => return Ok(found),
-                Err(face) => face,
-            };
-            if let Some(found) = line.turn(self, path) {
-                return Ok(found);
+        let mut lost = h.face();
+        for tolerance in [ROUNDING, TOLERANCE] {
+            let tolerance = tolerance * self.distances[target.index()];
+            let mut aim = image;
+            for is_careful in [false, true, true] {
+                path.points.truncate(points);
+                path.length = length;
+                let mut line = self.line(v, h, aim, tolerance);
+                line.is_careful = is_careful;
+                match self.walk(h, &mut line, path) {
+                    Ok(found) => return Ok(found),
+                    Err(face) => lost = face,
+                }
+                if let Some(found) = line.turn(self, path) {
+                    return Ok(found);
+                }
+                match line.aim {
+                    Some(nearer) => aim = nearer,
+                    None if is_careful => break,
+                    None => {}
+                }
             }
-            aim = line.aim.ok_or(TraceError::Lost { target, face })?;
         }
-        let face = h.face();
-        Err(TraceError::Lost { target, face })
+        Err(TraceError::Lost { target, face: lost })
     }
 
     /// Follows the line from `v`, the apex of `h`, to `image` in a frame of its own, in which it is
@@ -262,7 +268,7 @@ impl Paths {
             let excess = norm(at) + known - distance;
             known < distance
                 && at[0] >= 0.0
-                && excess.abs() <= TOLERANCE * self.distances[target.index()]
+                && excess.abs() <= ROUNDING * self.distances[target.index()]
         };
         // The ends of the edge under way, and the vertices there.
         let mut right = (turned([0.0; 2]), self.tail(h));
@@ -316,8 +322,8 @@ impl Paths {
         None
     }
 
-    /// The line from `v`, the apex of `h`, to `image`.
-    fn line(&self, target: VertexId, v: VertexId, h: HalfEdgeId, image: [f64; 2]) -> Line {
+    /// The line from `v`, the apex of `h`, to `image`, which may be too long by `tolerance`.
+    fn line(&self, v: VertexId, h: HalfEdgeId, image: [f64; 2], tolerance: f64) -> Line {
         let apex = self.mesh.apex(h);
         let length = norm(sub(image, apex));
         let distance = self.distances[v.index()];
@@ -329,11 +335,33 @@ impl Paths {
             distance,
             sigma: distance - length,
             beside: BESIDE * length,
-            tolerance: TOLERANCE * self.distances[target.index()],
+            tolerance,
             longest: 0.0,
             best: None,
             aim: None,
+            off: f64::INFINITY,
             is_careful: false,
+        }
+    }
+
+    /// Considers the vertices behind `h`, in whose frame `line` is. Where the faces there have no
+    /// area, a path may bend at one that lies on `h`.
+    fn consider_behind(&self, h: HalfEdgeId, line: &mut Line) {
+        // Half-edges on `h`, with the abscissas where they start and end.
+        let mut ahead = vec![(h, [0.0, self.mesh.length(h)])];
+        for _ in 0..self.mesh.face_count() {
+            let Some((e, [from, to])) = ahead.pop() else {
+                return;
+            };
+            let Some(g) = self.mesh.twin(e) else {
+                continue;
+            };
+            let [x, y] = self.mesh.apex(g);
+            let at = to + (from - to) * (x / self.mesh.length(g));
+            line.consider([at, -y], self.mesh.apex_vertex(g), self);
+            if y <= line.beside {
+                ahead.extend([(g.next(), [from, at]), (g.prev(), [at, to])]);
+            }
         }
     }
 
@@ -351,12 +379,8 @@ impl Paths {
         }
         let [px, py] = line.image;
         let s = apex[0] + (px - apex[0]) * (apex[1] / (apex[1] - py));
-        if let Some(g) = mesh.twin(h)
-            && line.is_careful
-        {
-            // The path may bend at a corner of a face without area behind this edge.
-            let [x, y] = mesh.apex(g);
-            line.consider([l - x, -y], mesh.apex_vertex(g), self);
+        if line.is_careful {
+            self.consider_behind(h, line);
         }
         // Not if it is NaN either.
         if !(s >= -line.beside && s <= l + line.beside) {
@@ -387,13 +411,17 @@ impl Paths {
                 line.here[0] < apex[0]
             };
             // The exit from one corner to the other one, beyond which the image lies.
-            let (from, to, exit) = if left {
-                ([0.0; 2], apex, g.prev())
+            let (from, along, exit) = if left {
+                ([0.0; 2], apex[0], g.prev())
             } else {
-                (apex, [l, 0.0], g.next())
+                // How far the apex is from the head along `g`, which is less than a difference of
+                // two long edges if that is a needle's short side.
+                let exit = g.next();
+                (apex, mesh.apex(exit)[0] / l * mesh.length(exit), exit)
             };
             let size = mesh.length(exit);
-            let unit = sub(to, from).map(|x| x / size);
+            let up = if left { apex[1] } else { -apex[1] };
+            let unit = [along, up].map(|x| x / size);
             let before = cross(unit, sub(line.here, from)).min(0.0);
             let behind = cross(unit, sub(line.image, from));
             if behind.is_nan() || behind < -line.beside {
@@ -455,6 +483,8 @@ struct Line {
     /// Where a vertex lies, in the frame of the first half-edge, to which the line would have the
     /// right length.
     aim: Option<[f64; 2]>,
+    /// The sine of the angle between the two lines, times the length of this one.
+    off: f64,
     /// Whether the two are looked for.
     is_careful: bool,
 }
@@ -484,7 +514,7 @@ impl Line {
     }
 
     /// Notes where vertex `v` lies, at `corner` of the face under way, if a straight line to it
-    /// would have the right length.
+    /// would have the right length, and is the nearest to this one.
     fn consider(&mut self, corner: [f64; 2], v: VertexId, paths: &Paths) {
         let known = paths.distances[v.index()];
         let [first, start] = self.start;
@@ -494,6 +524,11 @@ impl Line {
             // Turned back by the angle between the line here and there.
             let (here, there) = (sub(self.image, start), sub(self.goal, first));
             let size = square(here);
+            let off = cross(here, straight).abs() / norm(straight);
+            if off >= self.off {
+                return;
+            }
+            self.off = off;
             let turn = [
                 (here[0] * there[0] + here[1] * there[1]) / size,
                 cross(here, there) / size,

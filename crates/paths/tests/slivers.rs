@@ -14,25 +14,6 @@ use geobench_vtp::{Vtp, VtpFast};
 use geobench_window::{Goal, Solver};
 use serde_json::Value;
 
-/// Meshes of which some paths are lost, with an error: a path bends inside an edge whose faces have
-/// no area, or coordinates differ by 17 orders of magnitude.
-const LOST: [&str; 3] = ["seed1036242", "seed1038756", "seed4323"];
-
-/// Meshes on which some path could be cut short at a vertex by up to 5.4e-13 of its length, or
-/// bends at an edge (seed14788) by 1.2e-10 of it, which is more than [`straight::check_bends`]
-/// allows. The trace takes a vertex that is within 5e-13 of the path.
-const BENT: [&str; 9] = [
-    "seed1028028",
-    "seed1046179",
-    "seed14788",
-    "seed17008",
-    "seed20868",
-    "seed24868",
-    "seed36528",
-    "seed44439",
-    "seed4898",
-];
-
 fn slivers() -> Option<Vec<Value>> {
     let shared = std::env::var_os("GEOBENCH_SHARED").map_or_else(
         || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
@@ -55,7 +36,6 @@ fn paths_beside_slivers_are_straight_and_as_long_as_the_distances() {
         let faces = serde_json::from_value(case["faces"].clone()).unwrap();
         let sources: Vec<u32> = serde_json::from_value(case["source"].clone()).unwrap();
         let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, faces)).unwrap();
-        let is_bent = BENT.iter().any(|&name| case["name"] == name);
         let solvers: [(&str, Box<dyn Solver>); 4] = [
             ("mmp", Box::new(mmp(&mesh))),
             ("ich", Box::new(ich(&mesh))),
@@ -67,19 +47,8 @@ fn paths_beside_slivers_are_straight_and_as_long_as_the_distances() {
             for v in mesh.vertices() {
                 let d = paths.distances()[v.index()];
                 let wrong = match paths.to(v) {
-                    Ok(Some(path)) => {
-                        let found = straight::check_ends(&path, &sources, v)
-                            .and_then(|()| straight::check_length(&mesh, &path, d))
-                            .and_then(|()| {
-                                if is_bent {
-                                    return Ok(());
-                                }
-                                straight::check_bends(&mesh, &path, d)
-                            });
-                        found.err()
-                    }
+                    Ok(Some(path)) => straight::check_path(&mesh, &path, &sources, v, d).err(),
                     Ok(None) => (d < f64::INFINITY).then(|| "no path".to_owned()),
-                    Err(_) if LOST.iter().any(|&name| case["name"] == name) => None,
                     Err(lost) => Some(lost.to_string()),
                 };
                 if let Some(wrong) = wrong {

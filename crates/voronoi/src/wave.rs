@@ -4,8 +4,8 @@
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::trimming::{ThinFaces, foot};
 use geobench_window::{
-    Counter, Crossing, Exit, FaceView, Faces, Phase, Probe, Side, VertexFilter, Way, Window,
-    is_beaten_from_ends, prefetch, spawn_window,
+    Counter, Crossing, Exit, FaceView, Faces, Frame, Phase, Probe, Side, VertexFilter, Way, Window,
+    is_beaten_from_ends, length_past_end, prefetch, spawn_window,
 };
 
 use crate::field::{Field, NO_SOURCE};
@@ -359,7 +359,8 @@ impl Wave {
         probe.enter(Phase::Propagation);
         probe.add(Counter::Parents, 1);
         let view = self.faces.face_view(h);
-        let [.., apex] = view.corners;
+        let [tail, head, apex] = view.corners;
+        let ends = [tail, head].map(|v| self.distances[v.index()]);
         let crossing = Crossing::new(&view.frame, window);
         let covers = crossing.covers_apex();
         let mut tries = 0;
@@ -370,7 +371,13 @@ impl Wave {
             tries += 1;
             let exit = view.exit(side);
             let (d, child) = match (covers, side) {
-                (false, _) => (crossing.bent_distance(&exit), crossing.only_child(&exit)),
+                (false, _) => {
+                    let d = crossing.bent_distance(&exit);
+                    let Frame { l, la, lb, .. } = view.frame;
+                    let bend = [window.b1, window.b0][side as usize];
+                    let d = length_past_end(d, bend, l, ends, [la, lb]);
+                    (d, crossing.only_child(&exit))
+                }
                 (true, Side::Left) => (crossing.straight_distance(), crossing.left_child(&exit)),
                 (true, Side::Right) => (crossing.straight_distance(), crossing.right_child(&exit)),
             };

@@ -7,6 +7,9 @@ use geobench_voronoi::{Lct11, Options, Removal, WindowVtp};
 use geobench_window::VertexFilter;
 use geobench_window::queue::Priority;
 
+#[macro_use]
+#[path = "../../window/tests/meshes/mod.rs"]
+mod meshes;
 #[path = "../../window/tests/meshes/seeds.rs"]
 mod seeds;
 
@@ -60,4 +63,9 @@ fn window_vtp_wound_around_collinear_faces_and_caps() {
     for (seed, most) in [(22444, 12_610), (51147, 9_080), (80273, 7_470)] {
         seeds::check(seed, most, solvers);
     }
+}
+
+regression_tests! {
+    solvers:
+    a_path_past_a_tip_was_shorter_than_the_distance_of_the_tip
 }

@@ -275,14 +275,18 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             );
         }
         if self.active.len > 0 {
-            let size = gate.l + found.distance;
-            let best = BestPath::of(self.active.columns(), found.best, gate.apex, size);
+            let (best, distance) = BestPath::shortest(
+                self.active.columns(),
+                (found.best, found.distance),
+                &gate,
+                || [prev(corner), next(corner)].map(|k| face.length[k]),
+            );
             let way = || {
                 let way = Way::through(best.entry, best.source, gate.l);
                 (half_edge(f as u32, prev(corner)), way)
             };
-            self.offer(apex, found.distance, way, probe);
-            self.send_children(h, &face, gate, best, found.distance, found.bound, probe);
+            self.offer(apex, distance, way, probe);
+            self.send_children(h, &face, gate, best, distance, found.bound, probe);
         }
         if B::COUNTS {
             self.levels.forget(h);

@@ -190,6 +190,44 @@ pub(crate) fn entry(offset: f64, height: f64, px: f64, l: f64) -> f64 {
     }
 }
 
+/// The length of a path to an apex that crosses its half-edge at `entry`, where a window tells `d`.
+/// The half-edge is `l` long; `ends` are the distances of its tail and head, and `sides` how far
+/// these are from the apex.
+///
+/// A path through one of the two vertices is no shorter than the distance there, which has been
+/// offered before a window came to this half-edge. But a window places its source to some ulps of
+/// the half-edge, which is coarse where that is far longer than all distances around: the path may
+/// come out shorter than the distance of the vertex, which shorter edges have told better. Then it
+/// is that distance and the edge from there.
+///
+/// ```
+/// use geobench_window::length_past_end;
+///
+/// // A needle of length 1: its tip is 1e-17 wide, and 1e-9 from the source.
+/// let (d, tail) = (0.99999997e-9, 1e-9);
+/// let sides = [1e-17, 1.0];
+/// assert_eq!(length_past_end(d, 0.0, 1.0, [tail, 1.0], sides), 1e-9 + 1e-17);
+/// // A path that does not pass the tip, and one whose difference is not of rounding.
+/// assert_eq!(length_past_end(d, 0.1, 1.0, [tail, 1.0], sides), d);
+/// assert_eq!(length_past_end(d, 0.0, 1.0, [2e-9, 1.0], sides), d);
+/// ```
+#[inline]
+pub fn length_past_end(d: f64, entry: f64, l: f64, ends: [f64; 2], sides: [f64; 2]) -> f64 {
+    let end = if entry <= 0.0 {
+        0
+    } else if entry >= l {
+        1
+    } else {
+        return d;
+    };
+    let excess = ends[end] - d;
+    if excess > 0.0 && excess <= PLACE * l {
+        ends[end] + sides[end]
+    } else {
+        d
+    }
+}
+
 /// The change of frame from the entrance to an exit.
 struct ExitTurn<'a> {
     crossing: &'a Crossing<'a>,

@@ -44,7 +44,7 @@ mod window;
 
 pub use counters::{Counter, Counters};
 pub use cross::{apex_distance, left_child, right_child, separating_abscissa};
-pub use crossing::Crossing;
+pub use crossing::{Crossing, length_past_end};
 pub use crossings::{CrossedChild, Crossings, LANES};
 pub use filter::{VertexFilter, is_beaten_from_ends};
 pub use frame::{EdgePath, Exit, ExitEdge, FaceView, Faces, Frame, Side};

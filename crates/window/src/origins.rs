@@ -22,9 +22,7 @@ impl Way {
     ///
     /// A path that bends at an end of the window bends at a vertex, up to rounding.
     pub fn of(window: &Window, frame: &Frame) -> Self {
-        let ray = (frame.cy * window.px - frame.cx * window.py) / (frame.cy - window.py);
-        let entry = ray.max(window.b0).min(window.b1);
-        Self::through(entry, window.source(), frame.l)
+        Self::through(window.entry(frame), window.source(), frame.l)
     }
 
     /// The path through abscissa `entry` of a half-edge of length `l`, from a source at `image`.

@@ -64,7 +64,7 @@ struct Shared {
 const IDLE: u8 = 3;
 
 /// The probe of a watched run.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct PhaseProbe<'a>(&'a AtomicU8);
 
 impl Probe for PhaseProbe<'_> {

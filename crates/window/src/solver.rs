@@ -52,7 +52,9 @@ pub enum SolveError {
         vertices: usize,
     },
     /// The algorithm does not record where paths come from.
-    #[error("this algorithm traces no paths; choose another one")]
+    #[error(
+        "this algorithm traces no paths; choose an exact one that does, such as vtp-fast or mmp"
+    )]
     NoPaths,
     /// A source is a point that this mesh does not have.
     #[error("a source is no point of this mesh; ask this mesh for its points")]
@@ -235,6 +237,23 @@ pub trait Solver: Send {
         sources: &[VertexId],
         sampler: &mut PhaseSampler,
     ) -> Result<Solution, SolveError>;
+
+    /// [`solve_until`](Solver::solve_until) with its phases sampled.
+    ///
+    /// # Errors
+    ///
+    /// As [`solve_until`](Solver::solve_until).
+    fn profile_until(
+        &mut self,
+        sources: &[VertexId],
+        goal: &Goal,
+        sampler: &mut PhaseSampler,
+    ) -> Result<Solution, SolveError> {
+        let mut solution = self.profile(sources, sampler)?;
+        check_goal(solution.distances.len(), goal)?;
+        goal.cut(&mut solution);
+        Ok(solution)
+    }
 }
 
 /// The interface that an algorithm implements: one run, generic over the probe. Every `Propagate`
@@ -370,6 +389,27 @@ impl<T: Propagate> Solver for T {
         check_sources(self.vertex_count(), sources)?;
         self.check()?;
         Ok(sampler.watch(|probe| self.propagate(sources, probe)))
+    }
+
+    fn profile_until(
+        &mut self,
+        sources: &[VertexId],
+        goal: &Goal,
+        sampler: &mut PhaseSampler,
+    ) -> Result<Solution, SolveError> {
+        // What a run needs to end early would count to the memory of a whole one.
+        if goal.is_everything() {
+            return self.profile(sources, sampler);
+        }
+        check_sources(self.vertex_count(), sources)?;
+        check_goal(self.vertex_count(), goal)?;
+        self.check()?;
+        Ok(sampler.watch(|probe| {
+            let mut until = Until::new(*probe, goal);
+            let mut solution = self.propagate(sources, &mut until);
+            until.cut(&mut solution);
+            solution
+        }))
     }
 }
 

@@ -1,5 +1,7 @@
 //! The window: a cone of straight paths through one half-edge.
 
+use crate::frame::Frame;
+
 /// The straight paths from one (pseudo-)source through an interval of a half-edge, in the frame of
 /// that half-edge, about to enter its face.
 ///
@@ -55,6 +57,14 @@ impl Window {
     #[inline]
     pub fn nearest_abscissa(&self) -> f64 {
         less(greater(self.px, self.b0), self.b1)
+    }
+
+    /// Where its shortest path to the apex of the triangle of `frame` crosses the half-edge: on the
+    /// straight line, or at the end of the interval that is next to it.
+    #[inline]
+    pub fn entry(&self, frame: &Frame) -> f64 {
+        let ray = (frame.cy * self.px - frame.cx * self.py) / (frame.cy - self.py);
+        ray.max(self.b0).min(self.b1)
     }
 
     /// The same paths in the frame of the twin half-edge, where the source lies above the edge. `l`

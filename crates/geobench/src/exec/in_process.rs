@@ -229,25 +229,16 @@ impl InProcess {
         let source = self.source(step)?;
         // Memory of the solver of the timed runs does not count, nor does that of the sampler.
         self.dismiss(step.algorithm.label());
-        if !step.goal.is_everything() {
-            // Phases are sampled in whole runs only.
-            let measure = PeakMemory::start();
-            let result = source.solve(&mut *step.algorithm.build(&source.mesh));
-            let peaks = measure.stop();
-            return Ok(Observation {
-                peaks,
-                ..source.observation(result?.distances, &self.mesh)
-            });
-        }
+        let goal = step.goal.of_solver(source.targets.as_deref());
         let mut sampler = PhaseSampler::start().context("no thread for sampling phases")?;
         let start = Instant::now();
         let measure = PeakMemory::start();
         let mut solver = step.algorithm.build(&source.mesh);
-        let result = solver.profile(&source.vertices, &mut sampler);
+        let result = solver.profile_until(&source.vertices, &goal, &mut sampler);
         let peaks = measure.stop();
         let solution = result?;
         while sampler.samples() < ENOUGH_SAMPLES && start.elapsed() < LONGEST_PROFILE {
-            solver.profile(&source.vertices, &mut sampler)?;
+            solver.profile_until(&source.vertices, &goal, &mut sampler)?;
         }
         let phases = sampler.phases();
         Ok(Observation {
@@ -433,7 +424,9 @@ mod tests {
                     goal: &goal,
                     ..step(&mmp, &source, pass)
                 };
-                session.execute(&step).unwrap().distances
+                let observation = session.execute(&step).unwrap();
+                assert_eq!(observation.phases.is_some(), pass == Pass::Profile);
+                observation.distances
             };
             for pass in [Pass::Warmup, Pass::Time, Pass::Profile, Pass::Count] {
                 assert_eq!(run("2,edge:0-1,0.5,2", None, pass), [5.0, 1.5]);

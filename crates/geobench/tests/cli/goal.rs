@@ -1,6 +1,7 @@
 //! Targets and radius of `geobench run` and `verify`: runs end early, and only what is asked for is
 //! compared.
 
+use geobench::registry;
 use serde_json::{Value, json};
 
 use crate::support::Sandbox;
@@ -38,6 +39,8 @@ fn a_run_ends_early_and_its_counters_show_it() {
                 found.into_iter().find_map(Value::as_u64).unwrap()
             };
             assert!(5 * counter(cell) < counter(whole), "{cell}");
+            let samples = cell["phases"]["samples"].as_u64();
+            assert!(samples.is_some_and(|count| count > 0), "{cell}");
         }
     }
     let group = &sandbox.json("near.json")["plan"]["groups"][0];
@@ -113,6 +116,19 @@ fn what_cannot_end_early_is_refused_by_name() {
         "{shown}"
     );
     sandbox.succeed("verify square.off --radius 1 --quiet");
+    for algorithm in registry::select("all,certificate").unwrap() {
+        let name = algorithm.label();
+        let run = format!("run square.off --algo {name} --target 1 --repeat 1 --quiet");
+        if algorithm.ends_early() {
+            sandbox.succeed(&run);
+        } else {
+            let refused = sandbox.refuse(&run);
+            assert!(
+                refused.contains(&format!("{name} cannot end early")),
+                "{refused}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -212,6 +212,10 @@ fn wrong_input_is_named() {
             "cannot be used with",
         ),
         ("path none.off --source 1 --target 2", "none.off"),
+        (
+            "path square.off --source 1 --target 2 --algo heat",
+            "heat: this algorithm traces no paths; choose an exact one that does, such as vtp-fast",
+        ),
     ] {
         let outcome = sandbox.call(arguments);
         assert_eq!(outcome.code, 2, "{arguments}");

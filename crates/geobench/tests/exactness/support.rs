@@ -16,7 +16,7 @@ pub(crate) const ROUNDING: f64 = 1e-12;
 pub(crate) const AGREEMENT: f64 = 1e-9;
 
 /// The algorithms that claim to be exact, and other forms of those that have several.
-const EXACT: &str = "exact,vtp-fast{simd=avx2},vtp-fast{simd=scalar},vtp-fast{pairs=1},\
+pub(crate) const EXACT: &str = "exact,vtp-fast{simd=avx2},vtp-fast{simd=scalar},vtp-fast{pairs=1},\
     pvtp{threads=2},pch{threads=2},mmp{turn=list},fwp-mmp{turn=list,filter=vertices,lists=forget}";
 
 /// Further forms for small meshes.

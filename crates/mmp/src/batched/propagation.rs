@@ -6,7 +6,7 @@ use geobench_window::queue::{Discipline, Event, EventKind};
 use geobench_window::trimming::ThinFaces;
 use geobench_window::{
     Counter, Crossing, Exit, FaceView, Frame, Lookout, Phase, Probe, Propagate, Side, Solution,
-    VertexFilter, Way, Window, spawn_window,
+    VertexFilter, Way, Window, length_past_end, spawn_window,
 };
 
 use super::merge::{Batch, Merger};
@@ -428,7 +428,12 @@ fn cross_all<P: Probe>(
         let (x, y) = (frame.cx - window.px, frame.cy - window.py);
         // The sign handles a negative `spare` in the same comparison.
         if x * x + y * y < spare * spare.abs() {
-            least = least.min(crossing.bent_distance(&exits[side]));
+            let d = crossing.bent_distance(&exits[side]);
+            if d < least {
+                let bend = if side == 0 { window.b1 } else { window.b0 };
+                let sides = [frame.la, frame.lb];
+                least = least.min(length_past_end(d, bend, frame.l, [tail, head], sides));
+            }
             if P::TRACES && least < before {
                 best = Some(k);
             }

@@ -142,31 +142,42 @@ fn shared_faces(mesh: &Mesh, [a, b]: [&Point; 2]) -> impl Iterator<Item = (FaceI
 }
 
 /// How far sideways the path is bent where it crosses an edge.
+///
+/// The angles are in the frames of that edge itself: in those of long edges, the ends of a short one
+/// are differences of long vectors.
 fn bend_at_edge(mesh: &Mesh, point: &Point, [before, after]: [&Point; 2]) -> f64 {
-    let Place::Edge { ends: [a, _], .. } = point.place else {
+    let Place::Edge { ends, t } = point.place else {
         return f64::INFINITY;
     };
+    let own = point
+        .face
+        .into_iter()
+        .flat_map(|f| (0..3).map(move |k| f.half_edge(k)));
+    let sides = own.flat_map(|h| [Some(h), mesh.twin(h)]).flatten();
+    let sides: Vec<HalfEdgeId> = sides
+        .filter(|&h| {
+            let found = [mesh.tail(h), mesh.head(h)];
+            found == ends || found == [ends[1], ends[0]]
+        })
+        .collect();
+    // The angle at the point between the first end of the edge and `to`, and how far that is.
+    let seen = |h: HalfEdgeId, to: &Point| -> Option<(f64, f64)> {
+        let [x, y] = place(mesh, h, to)?;
+        let (l, is_forward) = (mesh.length(h), mesh.tail(h) == ends[0]);
+        let x = if is_forward {
+            x - t * l
+        } else {
+            x - (1.0 - t) * l
+        };
+        let towards = if is_forward { -x } else { x };
+        Some((y.atan2(towards), norm([x, y])))
+    };
     let mut least = f64::INFINITY;
-    for (f, [p, here]) in shared_faces(mesh, [before, point]) {
-        for (g, [q, there]) in shared_faces(mesh, [after, point]) {
-            if f == g {
-                continue;
+    for &h in &sides {
+        for &g in sides.iter().filter(|&&g| g != h) {
+            if let (Some((a, p)), Some((b, q))) = (seen(h, before), seen(g, after)) {
+                least = least.min((a + b - PI).abs() * p.min(q));
             }
-            let angle = |face: FaceId, from: [f64; 2], to: [f64; 2]| {
-                let k = mesh
-                    .face_vertices(face)
-                    .iter()
-                    .position(|&v| v == a)
-                    .unwrap_or(0);
-                let corner = corners(mesh, face.half_edge(0))[k];
-                let (x, y) = (sub(to, from), sub(corner, from));
-                (x[0] * y[1] - x[1] * y[0])
-                    .abs()
-                    .atan2(x[0] * y[0] + x[1] * y[1])
-            };
-            let turn = (angle(f, here, p) + angle(g, there, q) - PI).abs();
-            let arm = norm(sub(p, here)).min(norm(sub(q, there)));
-            least = least.min(turn * arm);
         }
     }
     least

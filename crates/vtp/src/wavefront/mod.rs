@@ -538,10 +538,13 @@ impl Wavefront {
         }
         if found.kept > 0 {
             let waiting = self.store.first(list, len);
-            let size = gate.l + found.distance;
-            let best = BestPath::of(waiting, found.best, gate.apex, size);
+            let (best, distance) =
+                BestPath::shortest(waiting, (found.best, found.distance), &gate, || {
+                    let face = &state.layout().faces[f];
+                    [before, after].map(|k| face.length[k])
+                });
             // Effects are deferred, because whether a path is the shortest is hard to predict.
-            let news = state.offer(apex, found.distance);
+            let news = state.offer(apex, distance);
             if P::TRACES && news {
                 let way = Way::through(best.entry, best.source, triangle.l);
                 let own = half_edge(f as u32, before);
@@ -551,7 +554,7 @@ impl Wavefront {
                 vertex: apex,
                 h,
                 entry: best.entry,
-                distance: found.distance,
+                distance,
             };
             self.note(path, news);
             self.send::<L, F, P, COALESCE>(

@@ -12,7 +12,7 @@ use super::policy::{Arrival, Child, Dequeued, Policy};
 use super::relaying::Relaying;
 use super::surface::Surface;
 use crate::counters::Counter;
-use crate::crossing::Crossing;
+use crate::crossing::{Crossing, length_past_end};
 use crate::crossings::CrossedChild;
 use crate::frame::{Exit, FaceView, Side};
 use crate::goal::Lookout;
@@ -229,6 +229,20 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
+    /// `d`, the length of the path of `window` to the apex of `h`, beside needles
+    /// [as the ends of `h` tell it](length_past_end).
+    #[inline(always)]
+    fn length_past_end(&self, h: HalfEdgeId, d: f64, window: impl Fn(&Self) -> Window) -> f64 {
+        let [tail, head, _] = self.surface.faces().corners(h);
+        let ends = [tail, head].map(|v| self.surface.distance(v));
+        if W::RELAYS || ends[0].max(ends[1]) <= d {
+            return d;
+        }
+        let frame = self.surface.faces().frame(h);
+        let entry = window(self).entry(&frame);
+        length_past_end(d, entry, frame.l, ends, [frame.la, frame.lb])
+    }
+
     /// Offers distances along the edges of `v` and sends windows across its faces.
     fn spawn<P: Probe>(&mut self, v: VertexId, probe: &mut P) {
         probe.add(Counter::PseudoSources, 1);
@@ -377,6 +391,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             let exit = faces.exit(h, &frame, crossing.side());
             let d = self.value(crossing.bent_distance(&exit), window.sigma);
             if d < self.surface.distance(apex) {
+                let d = self.length_past_end(h, d, |_| window);
                 self.offer_apex(h, apex, d, |_| window, probe);
             }
             if let Some(heir) = self.policy.descend(&lineage) {
@@ -444,6 +459,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         };
         if value < self.surface.distance(apex) {
             let window = |run: &Self| run.lookahead.crossings().window(lane);
+            let value = self.length_past_end(h, value, window);
             self.offer_apex(h, apex, value, window, probe);
         }
         let tried = if covers_apex {

@@ -135,3 +135,10 @@ pub(crate) fn windows_beside_slivers_below_rounding_were_deleted(
 ) {
     data::SLIVERS_BELOW_ROUNDING.check(solvers);
 }
+
+/// The image of the source is placed to some ulps of the needle's long side.
+pub(crate) fn a_path_past_a_tip_was_shorter_than_the_distance_of_the_tip(
+    solvers: impl Fn(&Mesh) -> Solvers,
+) {
+    data::TIP_OF_A_LONG_NEEDLE.check_closely(solvers);
+}

@@ -35,20 +35,25 @@ pub(crate) struct Case {
 impl Case {
     /// Checks all `solvers` on this mesh, up to rounding of the greatest distance.
     pub(crate) fn check(&self, solvers: impl Fn(&Mesh) -> Solvers) {
-        self.check_beyond(FLOOR, solvers);
+        self.check_beyond(1e-9, FLOOR, solvers);
     }
 
     /// Checks each distance to 1e-9 of itself, however small it is.
     pub(crate) fn check_relative(&self, solvers: impl Fn(&Mesh) -> Solvers) {
-        self.check_beyond(0.0, solvers);
+        self.check_beyond(1e-9, 0.0, solvers);
     }
 
-    fn check_beyond(&self, floor: f64, solvers: impl Fn(&Mesh) -> Solvers) {
+    /// The same with each distance to 1e-13 of itself.
+    pub(crate) fn check_closely(&self, solvers: impl Fn(&Mesh) -> Solvers) {
+        self.check_beyond(1e-13, 0.0, solvers);
+    }
+
+    fn check_beyond(&self, relative: f64, floor: f64, solvers: impl Fn(&Mesh) -> Solvers) {
         let mesh = mesh(self.positions.to_vec(), self.faces.to_vec());
         let sources: Vec<VertexId> = self.sources.iter().map(|&v| VertexId::new(v)).collect();
         let failures = solvers(&mesh).into_iter().filter_map(|(name, mut solver)| {
             let found = solver.solve(&sources).unwrap().distances;
-            wrong(&found, self.distances, floor).map(|wrong| format!("{name}: {wrong}"))
+            wrong(&found, self.distances, relative, floor).map(|wrong| format!("{name}: {wrong}"))
         });
         let failures: Vec<String> = failures.collect();
         assert!(
@@ -69,12 +74,13 @@ fn mesh(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Mesh {
 /// Rounding error of every distance, as a fraction of the greatest one.
 const FLOOR: f64 = 1e-13;
 
-/// The first wrong distance, with its vertex; `floor` as in [`FLOOR`].
-fn wrong(found: &[f64], expected: &[f64], floor: f64) -> Option<String> {
+/// The first vertex whose distance is wrong by more than `relative` of it, and how it is. `floor` is
+/// as [`FLOOR`].
+fn wrong(found: &[f64], expected: &[f64], relative: f64, floor: f64) -> Option<String> {
     assert_eq!(found.len(), expected.len());
     let reached = expected.iter().copied().filter(|d| d.is_finite());
     let slack = floor * reached.fold(0.0, f64::max);
-    let is_right = |d: f64, e: f64| d == e || (d - e).abs() <= 1e-9 * e + slack;
+    let is_right = |d: f64, e: f64| d == e || (d - e).abs() <= relative * e + slack;
     iter::zip(found, expected)
         .position(|(&d, &e)| !is_right(d, e))
         .map(|v| format!("vertex {v} at {} instead of {}", found[v], expected[v]))
@@ -90,7 +96,7 @@ pub(crate) fn check_needles(solvers: impl Fn(&Mesh) -> Solvers) {
         let (mesh, expected) = needle(height);
         for (name, mut solver) in solvers(&mesh) {
             let (solution, counters) = solver.count(&[VertexId::new(1)]).unwrap();
-            let wrong = wrong(&solution.distances, &expected, FLOOR);
+            let wrong = wrong(&solution.distances, &expected, 1e-9, FLOOR);
             assert_eq!(wrong, None, "{name}, height {height:e}");
             let propagated = counters.get(Counter::Propagated).unwrap();
             assert!(

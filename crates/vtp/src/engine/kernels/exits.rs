@@ -1,8 +1,10 @@
 //! Rules for the exits through which windows may leave a face.
 
 use super::columns::Windows;
+use super::filter::Gate;
 use crate::engine::store::Columns;
 use crate::precision::{CLEARANCE, MARGIN, RESOLUTION, WINS};
+use geobench_window::length_past_end;
 use geobench_window::simd::{LaneMask, Lanes};
 
 /// How far beyond the best path, as a fraction of the half-edge and of the path, rays of a source
@@ -143,6 +145,50 @@ impl BestPath {
             sp
         };
         Self::new(entry, [px, py], size)
+    }
+
+    /// The shortest path of `list` to the apex behind `gate` and its length, where windows tell that
+    /// it is that of window `best`, `distance` long; `sides` are the lengths of the other two edges
+    /// of the face.
+    #[inline(always)]
+    pub(crate) fn shortest(
+        list: Columns<'_>,
+        (best, distance): (usize, f64),
+        gate: &Gate,
+        sides: impl Fn() -> [f64; 2],
+    ) -> (Self, f64) {
+        let path = Self::of(list, best, gate.apex, gate.l + distance);
+        // Past an end of the half-edge, and shorter than the distance there? Not but beside needles.
+        let past_tail = path.entry <= 0.0 && gate.ends[0] > distance;
+        if past_tail || path.entry >= gate.l && gate.ends[1] > distance {
+            let sides = sides();
+            if length_past_end(distance, path.entry, gate.l, gate.ends, sides) > distance {
+                return Self::shortest_past_end(list, gate, sides);
+            }
+        }
+        (path, distance)
+    }
+
+    /// The same, once more, each length beside needles as the ends tell it.
+    #[cold]
+    #[inline(never)]
+    fn shortest_past_end(list: Columns<'_>, gate: &Gate, sides: [f64; 2]) -> (Self, f64) {
+        let [cx, cy] = gate.apex;
+        let lengths = (0..list.len()).map(|i| {
+            let [.., px, py, sigma] = list.row(i);
+            let path = Self::of(list, i, gate.apex, gate.l);
+            let is_straight = path.entry == (cy * px - cx * py) / (cy - py);
+            let d = if is_straight {
+                sigma + (cx - px).hypot(cy - py)
+            } else {
+                sigma + (path.entry - px).hypot(py) + (cx - path.entry).hypot(cy)
+            };
+            length_past_end(d, path.entry, gate.l, gate.ends, sides)
+        });
+        let shortest = lengths.enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b));
+        let (best, distance) = shortest.unwrap_or((0, f64::INFINITY));
+        let path = Self::of(list, best, gate.apex, gate.l + distance);
+        (path, distance)
     }
 }
 

@@ -112,7 +112,7 @@
 //! * [`solvers`]: all of them, under the names of the papers.
 //! * [`Paths`]: the shortest paths to many vertices, of one run of any solver.
 //! * [`Diagram`]: geodesic Voronoi diagrams. [`remesh`], [`Quality`] and [`Deviation`]: new meshes,
-//!   and how good they are. [`Certificate`]: proofs of distances. [`Field`]: the
+//!   and how good they are. [`Certificate`]: proofs of distances. [`DistanceField`]: the
 //!   distance of all points of a surface, for isolines.
 //! * [`Solver`]: the interface of all solvers. It also counts windows and samples phases.
 //! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`], [`paths`], [`isolines`],
@@ -149,7 +149,7 @@ pub use geobench_vtp as vtp;
 pub use geobench_window as window;
 
 pub use certificate::{Certificate, CertificateError, Comparison, OriginalFailure};
-pub use geobench_isolines::{Arc, Field, FieldError, Isoline, Line};
+pub use geobench_isolines::{CircleArc, DistanceField, FieldError, Isoline, Line};
 pub use geobench_mesh::{
     InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined, SurfacePoint,
     TriangleSoup, VertexId, generate, io,
@@ -269,7 +269,7 @@ pub trait Distances {
     ///
     /// It keeps all windows of MMP, which takes several times as long and much more memory than
     /// distances of vertices: about a gigabyte for 300,000 faces. For more levels later keep a
-    /// [`Field`].
+    /// [`DistanceField`].
     ///
     /// # Errors
     ///
@@ -313,7 +313,7 @@ impl Distances for Mesh {
     }
 
     fn isolines(&self, sources: impl Points, levels: &[f64]) -> Result<Vec<Isoline>, FieldError> {
-        Ok(Field::new(self, &sources.into_points())?.isolines(levels))
+        Ok(DistanceField::new(self, &sources.into_points())?.isolines(levels))
     }
 }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use anyhow::Context;
 use geobench_mesh::io::PlyWriter;
 use geobench_mesh::{FaceId, Mesh, Refined, SurfacePoint};
-use geobench_voronoi::{Arc, Diagram, NO_SOURCE};
+use geobench_voronoi::{BorderArc, Diagram, NO_SOURCE};
 use serde::Serialize;
 
 use super::polylines::{LineScalars, Polylines};
@@ -338,7 +338,7 @@ fn without_coordinates(file: &DiagramFile<'_>) -> String {
 
 /// The points of each arc; `None` if the mesh has no coordinates.
 fn polylines(diagram: &Diagram) -> Option<Vec<Vec<[f64; 3]>>> {
-    let points = |arc: &Arc| {
+    let points = |arc: &BorderArc| {
         let parts = if arc.is_line() { 1 } else { POINTS_PER_ARC + 1 };
         let places = (0..=parts).map(|i| match i {
             0 => arc.ends[0],

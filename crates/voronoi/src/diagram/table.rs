@@ -237,6 +237,7 @@ impl<const N: usize> SimdProgram for NearestOf<'_, N> {
     type Output = (f64, [usize; N]);
 
     #[inline(always)]
+    #[allow(clippy::cast_sign_loss)] // Places are not negative.
     fn run<L: Lanes>(self, simd: L::Token) -> Self::Output {
         let x = self.x.map(|c| L::splat(simd, c));
         let infinite = L::splat(simd, f64::INFINITY);

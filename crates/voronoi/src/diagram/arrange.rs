@@ -295,8 +295,8 @@ pub(crate) fn arrange(
 #[derive(Clone, Copy, Debug)]
 struct Effort {
     most_cuts: u32,
-    /// Whether borders that cut off a part of a triangle are looked for before it is cut in two, and
-    /// whether the place where cells meet is looked for where some are equally near.
+    /// Whether borders that cut off a part of a triangle are looked for before it is cut in two,
+    /// and the place where cells meet is looked for where some are equally near.
     joins_neighbours: bool,
 }
 

@@ -10,7 +10,8 @@ use super::plane::{Point, between, sub};
 use super::sites::{BENT, FROM_VERTEX, FaceSites, Nearest, NearestSites, Site};
 
 /// Columns of a table: image, σ, left end of the gate and the length up to it, right end and the
-/// length up to it, number of the source, by how much of their length straight paths count as longer.
+/// length up to it, number of the source, by how much of their length straight paths count as
+/// longer.
 const WIDTH: usize = 11;
 
 /// Sites as rows of columns.
@@ -140,8 +141,8 @@ impl<'a> MeasuredSites<'a> {
     /// between `ends`, at most `beside` off it, where `rounding` is the error of lengths; one of
     /// them is site number `of`.
     ///
-    /// Lengths are convex: on the chord that of `of` is at most what lies between its lengths at both
-    /// ends, and any other is at least what its length and its direction in the middle tell.
+    /// Lengths are convex: on the chord that of `of` is at most what lies between its lengths at
+    /// both ends, and any other is at least what its length and its direction in the middle tell.
     pub(crate) fn near_chord(
         &self,
         of: usize,

@@ -113,8 +113,8 @@
 //! * [`solvers`]: all solvers, with the names of the papers.
 //! * [`Paths`]: the shortest paths to many vertices, from one run of a solver.
 //! * [`Diagram`]: geodesic Voronoi diagrams. [`remesh`]: new meshes; [`Quality`] and [`Deviation`]
-//!   measure them. [`Certificate`]: proofs of distances. [`Field`]: the distance of every point of
-//!   a surface, for isolines.
+//!   measure them. [`Certificate`]: proofs of distances. [`DistanceField`]: the distance of every
+//!   point of a surface, for isolines.
 //! * [`Solver`]: the interface of all solvers. It also counts windows and samples phases.
 //! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`], [`paths`], [`isolines`],
 //!   [`voronoi`], [`certify`]: the crates of the suite, with the parts from which solvers are
@@ -150,7 +150,7 @@ pub use geobench_vtp as vtp;
 pub use geobench_window as window;
 
 pub use certificate::{Certificate, CertificateError, Comparison, OriginalFailure};
-pub use geobench_isolines::{Arc, Field, FieldError, Isoline, Line};
+pub use geobench_isolines::{CircleArc, DistanceField, FieldError, Isoline, Line};
 pub use geobench_mesh::{
     InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined, SurfacePoint,
     TriangleSoup, VertexId, generate, io,
@@ -269,7 +269,8 @@ pub trait Distances {
     /// is not positive, or greater than all distances, has no lines.
     ///
     /// This stores all windows of MMP. It takes several times as long as distances of vertices, and
-    /// much more memory: about a gigabyte for 300,000 faces. For several queries keep a [`Field`].
+    /// much more memory: about a gigabyte for 300,000 faces. For several queries keep a
+    /// [`DistanceField`].
     ///
     /// # Errors
     ///
@@ -313,7 +314,7 @@ impl Distances for Mesh {
     }
 
     fn isolines(&self, sources: impl Points, levels: &[f64]) -> Result<Vec<Isoline>, FieldError> {
-        Ok(Field::new(self, &sources.into_points())?.isolines(levels))
+        Ok(DistanceField::new(self, &sources.into_points())?.isolines(levels))
     }
 }
 

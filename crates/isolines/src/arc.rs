@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use geobench_mesh::{FaceId, Mesh};
 
+use crate::cones::corners;
 use crate::plane::{Point, add, cross, dot, nearest_on_segment, norm, sub};
-use crate::sites::corners;
 
 /// How far the centres of two arcs may be apart that are one, as a fraction of the radius.
 const SAME: f64 = 1e-11;
@@ -17,8 +17,22 @@ const CHORDS: f64 = 12.0;
 ///
 /// Its points are in the plane of the face: the first corner is the origin, the second one has a
 /// positive abscissa and the ordinate 0, and the third one a positive ordinate.
+///
+/// ```
+/// use geobench_isolines::DistanceField;
+/// use geobench_mesh::{Mesh, VertexId};
+///
+/// let mesh = Mesh::generate("sphere,subdiv=3")?;
+/// let pole = mesh.point_at_vertex(VertexId::new(0))?;
+/// let isoline = DistanceField::new(&mesh, &[pole])?.isoline(0.5);
+/// for arc in &isoline.lines[0].arcs {
+///     assert!((arc.length() - arc.radius * arc.angle()).abs() < 1e-15);
+///     assert!(arc.points(1e-6).iter().all(|&at| arc.position(&mesh, at).is_some()));
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arc {
+pub struct CircleArc {
     /// The face.
     pub face: FaceId,
     /// The image of the source, or of the last vertex at which paths bend.
@@ -29,7 +43,7 @@ pub struct Arc {
     pub ends: [[f64; 2]; 2],
 }
 
-impl Arc {
+impl CircleArc {
     pub(crate) fn new(face: FaceId, ends: [Point; 2], centre: Point) -> Self {
         Self {
             face,
@@ -131,8 +145,8 @@ impl Arc {
 }
 
 /// `arcs` with those as one that make up one circle: faces may have been split for the run.
-pub(crate) fn joined(arcs: Vec<Arc>, closed: bool) -> Vec<Arc> {
-    let mut all: Vec<Arc> = Vec::with_capacity(arcs.len());
+pub(crate) fn joined(arcs: Vec<CircleArc>, closed: bool) -> Vec<CircleArc> {
+    let mut all: Vec<CircleArc> = Vec::with_capacity(arcs.len());
     for arc in arcs {
         match all
             .last_mut()
@@ -157,9 +171,9 @@ mod tests {
     use super::*;
     use crate::plane::scale;
 
-    fn arc(angles: [f64; 2]) -> Arc {
+    fn arc(angles: [f64; 2]) -> CircleArc {
         let at = |angle: f64| [1.0 + 3.0 * angle.cos(), 2.0 + 3.0 * angle.sin()];
-        Arc::new(FaceId::new(0), angles.map(at), [1.0, 2.0])
+        CircleArc::new(FaceId::new(0), angles.map(at), [1.0, 2.0])
     }
 
     #[test]

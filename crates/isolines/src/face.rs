@@ -1,6 +1,6 @@
 //! How arcs in a face follow each other.
 
-use crate::arc::Arc;
+use crate::arc::CircleArc;
 use crate::plane::{Point, norm, sub};
 
 /// The way of an isoline through a face.
@@ -12,7 +12,7 @@ pub(crate) struct Link {
     pub(crate) straight: Option<[Point; 2]>,
     /// Numbers of its arcs, with where they start and end.
     pub(crate) ends: Vec<(usize, [Point; 2])>,
-    pub(crate) arcs: Vec<Arc>,
+    pub(crate) arcs: Vec<CircleArc>,
 }
 
 /// The ends of arcs in a face, and the crossings of its edges.

@@ -2,11 +2,11 @@
 //!
 //! The distance of the points of a face is the least over the windows that enter it and over its
 //! vertices, so that an isoline is made of arcs of circles around images of sources and
-//! pseudo-sources. [`Field`] keeps the windows of a run; [`Field::isoline`] gives the arcs at a
-//! distance, joined to loops and to lines between points of the boundary:
+//! pseudo-sources. [`DistanceField`] keeps the windows of a run. [`DistanceField::isoline`] gives
+//! the arcs at a distance, joined to loops and to lines between points of the boundary:
 //!
 //! ```
-//! use geobench_isolines::Field;
+//! use geobench_isolines::DistanceField;
 //! use geobench_mesh::Mesh;
 //! use std::f64::consts::PI;
 //!
@@ -14,7 +14,7 @@
 //! let mesh = Mesh::generate("grid,n=8")?;
 //! let side = mesh.positions().iter().map(|p| p[0]).fold(0.0, f64::max);
 //! let (middle, _) = mesh.nearest_point([0.43 * side, 0.55 * side, 0.0])?;
-//! let field = Field::new(&mesh, &[middle])?;
+//! let field = DistanceField::new(&mesh, &[middle])?;
 //! let isoline = field.isoline(0.3 * side);
 //! let [circle] = &isoline.lines[..] else { panic!("one circle") };
 //! assert!(circle.closed);
@@ -27,10 +27,10 @@
 //! its cone ends, where it leaves the face, and where another window or a vertex is nearer.
 
 mod arc;
+mod cones;
 mod crossings;
 mod face;
 mod plane;
-mod sites;
 
 use std::collections::HashMap;
 
@@ -38,12 +38,12 @@ use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Place, PointError, Refined, Surfac
 use geobench_mmp::{Mmp, mmp, windows_of};
 use geobench_window::{SolveError, Solver, Window};
 
-pub use arc::Arc;
+pub use arc::CircleArc;
 
+use cones::{ConeArc, FaceCones, corners};
 use crossings::crossings;
 use face::Link;
 use plane::{norm, sub};
-use sites::{FaceSites, SiteArc, corners};
 
 /// How near a vertex may be to a level, relatively, before the level is lowered.
 const TIE: f64 = 4e-12;
@@ -52,7 +52,7 @@ const TIE: f64 = 4e-12;
 /// rounding: another part of the isoline touches the edge.
 const SPECK: f64 = 1e-7;
 
-/// Most levels of [`Field::levels_every`].
+/// Most levels of [`DistanceField::levels_every`].
 const MOST_LEVELS: usize = 100_000;
 
 /// Why there is no field.
@@ -69,7 +69,7 @@ pub enum FieldError {
 
 /// The distance of all points of a surface from the nearest of some sources: what MMP leaves when
 /// it keeps all windows. See the [example](crate).
-pub struct Field {
+pub struct DistanceField {
     mesh: Mesh,
     /// With a vertex at each source.
     refined: Refined,
@@ -82,6 +82,20 @@ pub struct Field {
 }
 
 /// The points of a surface at one distance.
+///
+/// ```
+/// use geobench_isolines::DistanceField;
+/// use geobench_mesh::{Mesh, VertexId};
+///
+/// let mesh = Mesh::generate("sphere,subdiv=3")?;
+/// let pole = mesh.point_at_vertex(VertexId::new(0))?;
+/// let isoline = DistanceField::new(&mesh, &[pole])?.isoline(0.5);
+/// assert_eq!((isoline.distance, isoline.lines.len()), (0.5, 1));
+/// // The circle of latitude at this distance from the pole of the unit sphere.
+/// let latitude = std::f64::consts::TAU * 0.5_f64.sin();
+/// assert!((isoline.length() - latitude).abs() < 0.02 * latitude);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Isoline {
     /// The distance asked for. Where vertices are at this distance up to rounding, the lines are
@@ -94,18 +108,33 @@ pub struct Isoline {
 }
 
 /// A connected part of an isoline.
+///
+/// ```
+/// use geobench_isolines::DistanceField;
+/// use geobench_mesh::{Mesh, VertexId};
+///
+/// let mesh = Mesh::generate("sphere,subdiv=3")?;
+/// let pole = mesh.point_at_vertex(VertexId::new(0))?;
+/// let isoline = DistanceField::new(&mesh, &[pole])?.isoline(0.5);
+/// let line = &isoline.lines[0];
+/// assert!(line.closed);
+/// // Chords at most a thousandth from the arcs.
+/// let points: Vec<[f64; 3]> = line.polyline(&mesh, 1e-3);
+/// assert_eq!(points.first(), points.last());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
     /// Whether it is a loop.
     pub closed: bool,
     /// Its arcs, each from where the one before ends. Nearer points are on their left.
-    pub arcs: Vec<Arc>,
+    pub arcs: Vec<CircleArc>,
 }
 
 impl Line {
     /// Its length.
     pub fn length(&self) -> f64 {
-        self.arcs.iter().map(Arc::length).sum()
+        self.arcs.iter().map(CircleArc::length).sum()
     }
 
     /// Its points in space, so many that the chords between them are nowhere further than
@@ -148,7 +177,7 @@ fn multiple(k: usize, step: f64) -> f64 {
     }
 }
 
-impl Field {
+impl DistanceField {
     /// Solves for the distances from the nearest of `sources`; time and memory are those of
     /// [`mmp`].
     ///
@@ -258,8 +287,8 @@ impl Field {
         windows_of(&self.solver, h)
     }
 
-    fn sites(&self, face: FaceId) -> FaceSites {
-        FaceSites::new(
+    fn cones(&self, face: FaceId) -> FaceCones {
+        FaceCones::new(
             &self.refined.mesh,
             &self.distances,
             |h| self.windows(h),
@@ -280,23 +309,23 @@ impl Field {
             let beyond = self.windows(twin).map(|w| w.reversed(l));
             return crossings(self.windows(h).chain(beyond), ends, l, level);
         }
-        let sites = self.sites(h.face());
+        let cones = self.cones(h.face());
         let k = h.corner() as usize;
-        let [from, to] = [sites.corners[k], sites.corners[(k + 1) % 3]];
+        let [from, to] = [cones.corners[k], cones.corners[(k + 1) % 3]];
         let direction = plane::scale(sub(to, from), 1.0 / l);
         // Its ends are given as distances.
-        let seen = sites.sites.iter();
-        let seen = seen.filter(|site| site.centre != from && site.centre != to);
-        let seen = seen.filter_map(|site| site.window(from, direction, l));
+        let seen = cones.cones.iter();
+        let seen = seen.filter(|cone| cone.centre != from && cone.centre != to);
+        let seen = seen.filter_map(|cone| cone.window(from, direction, l));
         crossings(seen, ends, l, level)
     }
 
     /// A circle of a face of the refined mesh, as an arc of the face of the mesh that holds it.
-    fn arc(&self, face: FaceId, [from, to]: [plane::Point; 2], centre: plane::Point) -> Arc {
+    fn arc(&self, face: FaceId, [from, to]: [plane::Point; 2], centre: plane::Point) -> CircleArc {
         let parent = self.refined.parent(face);
         let split = self.refined.mesh.face_vertices(face) != self.mesh.face_vertices(parent);
         if !split {
-            return Arc::new(parent, [from, to], centre);
+            return CircleArc::new(parent, [from, to], centre);
         }
         let within = corners(&self.refined.mesh, face);
         let outer = corners(&self.mesh, parent);
@@ -317,7 +346,7 @@ impl Field {
             let turned = [turn[0] * x - turn[1] * y, turn[1] * x + turn[0] * y];
             plane::add(placed[k], turned)
         };
-        Arc::new(parent, [map(from), map(to)], map(centre))
+        CircleArc::new(parent, [map(from), map(to)], map(centre))
     }
 
     /// Where vertex `v` of the refined mesh lies in the plane of `face` of the mesh.
@@ -350,7 +379,7 @@ struct EdgeCrossings {
 
 /// Follows the isoline of one level.
 struct Tracer<'a> {
-    field: &'a Field,
+    field: &'a DistanceField,
     level: f64,
     edges: HashMap<HalfEdgeId, EdgeCrossings>,
     /// The edge of each crossing.
@@ -392,7 +421,7 @@ impl Tracer<'_> {
     /// Links the crossings of the edges of `face` by its arcs.
     fn trace_face(&mut self, face: FaceId) {
         let mesh = &self.field.refined.mesh;
-        let sites = self.field.sites(face);
+        let cones = self.field.cones(face);
         let mut joints = face::Joints::default();
         for k in 0..3 {
             let h = face.half_edge(k);
@@ -402,7 +431,7 @@ impl Tracer<'_> {
             let count = crossings.at.len();
             let mut is_near = self.field.distances[mesh.tail(h).index()] < self.level;
             let k = k as usize;
-            let (from, to) = (sites.corners[k], sites.corners[(k + 1) % 3]);
+            let (from, to) = (cones.corners[k], cones.corners[(k + 1) % 3]);
             for i in 0..count {
                 let (i, x) = if own == h {
                     (i, crossings.at[i])
@@ -417,55 +446,55 @@ impl Tracer<'_> {
                 is_near = !is_near;
             }
         }
-        let found = sites.arcs(self.level);
+        let found = cones.arcs(self.level);
         if found.is_empty() && joints.is_empty() {
             return;
         }
         for arc in &found {
-            let site = &sites.sites[arc.site];
-            let radius = site.radius(self.level);
-            joints.arc([arc.from, arc.to].map(|angle| site.at(angle, radius)));
+            let cone = &cones.cones[arc.cone];
+            let radius = cone.radius(self.level);
+            joints.arc([arc.from, arc.to].map(|angle| cone.at(angle, radius)));
         }
         let (links, loops, gap) = joints.connect();
         self.gap = self.gap.max(gap);
         for (entry, mut link) in links {
-            self.finish(face, &sites, &found, &mut link);
+            self.finish(face, &cones, &found, &mut link);
             if self.links.len() <= entry {
                 self.links.resize_with(entry + 1, || None);
             }
             self.links[entry] = Some(link);
         }
         for mut link in loops {
-            self.finish(face, &sites, &found, &mut link);
+            self.finish(face, &cones, &found, &mut link);
             self.add(link.arcs, true, true);
         }
     }
 
     /// Makes arcs of the numbers of `link`.
-    fn finish(&self, face: FaceId, sites: &FaceSites, found: &[SiteArc], link: &mut Link) {
+    fn finish(&self, face: FaceId, cones: &FaceCones, found: &[ConeArc], link: &mut Link) {
         let ends = link.ends.drain(..);
         link.arcs = ends
             .map(|(i, ends)| {
-                let centre = sites.sites[found[i].site].centre;
+                let centre = cones.cones[found[i].cone].centre;
                 self.field.arc(face, ends, centre)
             })
             .collect();
         // A face without height, or a corner cut off by rounding.
         if let Some([from, to]) = link.straight {
             let middle = plane::scale(plane::add(from, to), 0.5);
-            if let Some(i) = sites.nearest(middle) {
-                let centre = sites.sites[i].centre;
+            if let Some(i) = cones.nearest(middle) {
+                let centre = cones.cones[i].centre;
                 link.arcs.push(self.field.arc(face, [from, to], centre));
             }
         }
     }
 
     /// Adds a line, unless it is a speck.
-    fn add(&mut self, arcs: Vec<Arc>, closed: bool, crosses_one_edge: bool) {
+    fn add(&mut self, arcs: Vec<CircleArc>, closed: bool, crosses_one_edge: bool) {
         let mut arcs = arc::joined(arcs, closed);
         // Faces without height leave such pieces.
-        if arcs.iter().any(Arc::has_length) {
-            arcs.retain(Arc::has_length);
+        if arcs.iter().any(CircleArc::has_length) {
+            arcs.retain(CircleArc::has_length);
         } else {
             arcs.truncate(1);
         }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use geobench_isolines::{Field, Isoline, Line};
+use geobench_isolines::{DistanceField, Isoline, Line};
 use geobench_mesh::{Mesh, SplitMix64, SurfacePoint, TriangleSoup, VertexId};
 use geobench_oracle::{Geometry, Model, nasty, zoo};
 use geobench_vtp::VtpFast;
@@ -51,7 +51,7 @@ fn isolines_of_a_plane_are_circles() {
     let mesh = square(12, 7);
     for at in [[6.0, 6.0], [5.3, 6.9], [6.51, 5.01]] {
         let (source, _) = mesh.nearest_point([at[0], at[1], 0.0]).unwrap();
-        let field = Field::new(&mesh, &[source]).unwrap();
+        let field = DistanceField::new(&mesh, &[source]).unwrap();
         for r in [1e-6, 0.01, 0.5, 1.0, 2.0_f64.sqrt(), 3.0, 4.9] {
             let isoline = field.isoline(r);
             assert_eq!((isoline.lines.len(), closed(&isoline)), (1, 1), "{r}");
@@ -77,7 +77,7 @@ fn isolines_end_at_the_boundary() {
     for mesh in [square(10, 3), Mesh::generate("grid,n=10").unwrap()] {
         let side = mesh.positions()[mesh.vertex_count() - 1][0];
         let (corner, _) = mesh.nearest_point([0.0; 3]).unwrap();
-        let field = Field::new(&mesh, &[corner]).unwrap();
+        let field = DistanceField::new(&mesh, &[corner]).unwrap();
         let step = side / 10.0;
         for r in [0.25, 1.0, 5.0, 7.3, 10.0] {
             let isoline = field.isoline(r * step);
@@ -153,7 +153,7 @@ fn isolines_of_a_cone_have_the_length_of_its_angle() {
     for (angle, sectors) in [(1.5, 5), (4.0, 7), (7.0, 9), (11.0, 14)] {
         let mesh = cone(angle, sectors, 6);
         // Around the tip.
-        let field = Field::new(&mesh, &[VertexId::new(0).into()]).unwrap();
+        let field = DistanceField::new(&mesh, &[VertexId::new(0).into()]).unwrap();
         for r in [0.3, 1.0, 1.7, 3.0] {
             let isoline = field.isoline(r);
             assert_eq!((isoline.lines.len(), closed(&isoline)), (1, 1));
@@ -163,7 +163,7 @@ fn isolines_of_a_cone_have_the_length_of_its_angle() {
         // Around a point at distance d of the tip.
         let source = mesh.point_on_edge([1.into(), 0.into()], 0.4).unwrap();
         let d = 0.6;
-        let field = Field::new(&mesh, &[source]).unwrap();
+        let field = DistanceField::new(&mesh, &[source]).unwrap();
         for r in [0.2, 0.59, 0.7, 1.0, 1.9] {
             let isoline = field.isoline(r);
             let expected = length_around(d, angle, r);
@@ -256,7 +256,7 @@ fn isolines_of_a_cylinder_pass_the_cut_locus() {
     let source = mesh.point_in_face(8.into(), [0.3, 0.45, 0.25]).unwrap();
     // Or vertex (0, 4), where isolines meet many vertices.
     for (source, y) in [(VertexId::new(4 * n as u32).into(), 4.0), (source, 0.0)] {
-        let field = Field::new(&mesh, &[source]).unwrap();
+        let field = DistanceField::new(&mesh, &[source]).unwrap();
         for r in [0.5, 1.0, 2.0, 3.0, 3.5] {
             let isoline = field.isoline(r);
             if y > 0.0 {
@@ -323,7 +323,7 @@ fn faults(
     levels: usize,
     most_gap: f64,
 ) -> Vec<String> {
-    let field = Field::new(mesh, sources).unwrap();
+    let field = DistanceField::new(mesh, sources).unwrap();
     let finite = field.distances().iter().copied().filter(|d| d.is_finite());
     let farthest = finite.fold(0.0, f64::max);
     let longest = mesh
@@ -431,7 +431,7 @@ fn sources_lie_anywhere() {
     // Within one face, as many circles as sources.
     let three = [[0.6, 0.2, 0.2], [0.2, 0.6, 0.2], [0.2, 0.2, 0.6]];
     let sources = three.map(|w| mesh.point_in_face(9.into(), w).unwrap());
-    let isoline = Field::new(&mesh, &sources).unwrap().isoline(1e-3);
+    let isoline = DistanceField::new(&mesh, &sources).unwrap().isoline(1e-3);
     assert_eq!((isoline.lines.len(), closed(&isoline)), (3, 3));
     assert!((isoline.length() - 6e-3 * PI).abs() < 1e-13);
     assert!(

@@ -2,7 +2,7 @@
 
 use std::sync::Arc as Shared;
 
-use geodesic::{Field, FieldError, Line, Mesh, Stop, SurfacePoint};
+use geodesic::{DistanceField, FieldError, Line, Mesh, Stop, SurfacePoint};
 use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -146,7 +146,7 @@ pub(crate) fn isolines(
     }
     let surface = mesh.clone();
     let work = move || {
-        let field = Field::new(&surface, &points)?;
+        let field = DistanceField::new(&surface, &points)?;
         let levels = match asked {
             Levels::These(levels) => levels,
             Levels::Every(every) => {

@@ -92,7 +92,7 @@ pub(crate) struct PyArc {
 }
 
 impl PyArc {
-    fn arc(&self) -> &geodesic::voronoi::Arc {
+    fn arc(&self) -> &geodesic::voronoi::BorderArc {
         &self.diagram.arcs()[self.place]
     }
 }

@@ -15,7 +15,9 @@ mod window_vtp;
 use geobench_mesh::VertexId;
 use geobench_window::SolveError;
 
-pub use diagram::{Arc, Bisector, Cell, Diagram, Dual, Kind, Node, Obstacle, Part, Vertex};
+pub use diagram::{
+    Bisector, BorderArc, Cell, Diagram, Dual, Node, NodeKind, Obstacle, Part, Vertex,
+};
 pub use field::{Field, FieldSolver, NO_SOURCE};
 pub use lct11::Lct11;
 pub use remesh::{Deviation, Quality, RemeshError, RemeshOptions, Remeshed, remesh};

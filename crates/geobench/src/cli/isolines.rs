@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use geobench_isolines::{Field, Isoline};
+use geobench_isolines::{DistanceField, Isoline};
 use geobench_mesh::Mesh;
 use geobench_window::precision;
 
@@ -38,7 +38,7 @@ pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     if !is_quiet {
         points.print_notes()?;
     }
-    let field = Field::new(mesh, &points.places).with_context(|| model.path.clone())?;
+    let field = DistanceField::new(mesh, &points.places).with_context(|| model.path.clone())?;
     if let Some(doubt) = precision::doubt(mesh, field.distances()) {
         terminal::warning(&format!("{}: {doubt}", model.name));
     }

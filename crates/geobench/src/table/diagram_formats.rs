@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use geobench_mesh::io::PlyWriter;
 use geobench_mesh::{FaceId, Mesh, Refined, SurfacePoint};
-use geobench_voronoi::{Arc, Diagram, NO_SOURCE};
+use geobench_voronoi::{BorderArc, Diagram, NO_SOURCE};
 use serde::Serialize;
 
 use super::polylines::{LineScalars, Polylines};
@@ -317,7 +317,7 @@ fn json(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
 
 /// The points of each arc; `None` if the mesh has no coordinates.
 fn polylines(diagram: &Diagram) -> Option<Vec<Vec<[f64; 3]>>> {
-    let points = |arc: &Arc| {
+    let points = |arc: &BorderArc| {
         let parts = if arc.is_line() { 1 } else { POINTS_PER_ARC + 1 };
         let places = (0..=parts).map(|i| match i {
             0 => arc.ends[0],

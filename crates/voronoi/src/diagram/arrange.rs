@@ -15,17 +15,18 @@ use super::curve::{Bisector, newton_across};
 use super::line::{Change, Line};
 use super::plane::{Point, between, cross, dot, norm, sub};
 use super::sites::{FaceSites, Nearest};
+use super::table::{MeasuredSites, SiteTable};
 
 /// A point of the diagram inside a face or on its sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Node {
+pub(crate) struct FaceNode {
     pub(crate) at: Point,
-    pub(crate) kind: NodeKind,
+    pub(crate) kind: FaceNodeKind,
 }
 
-/// Where a [`Node`] is.
+/// Where a [`FaceNode`] is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum NodeKind {
+pub(crate) enum FaceNodeKind {
     /// Change number `change` of side `side`.
     Side { side: u8, change: u32 },
     /// Inside, where a border goes on along another bisector.
@@ -49,19 +50,25 @@ pub(crate) struct Piece {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Region {
     pub(crate) source: u32,
-    /// Its border along the sides of the triangle, counter-clockwise.
-    pub(crate) outline: Vec<Point>,
-    /// Its border inside, going on from there: pieces, and whether they are to be followed from
-    /// their first node to their second.
-    pub(crate) pieces: Vec<(usize, bool)>,
+    /// Its border, counter-clockwise.
+    pub(crate) border: Vec<Span>,
     /// The runs along which it lies, by their numbers.
     pub(crate) runs: Vec<u32>,
+}
+
+/// A part of the border of a [`Region`].
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Span {
+    /// Along the sides of the triangle.
+    Sides(Vec<Point>),
+    /// A piece, by its number, and whether it is to be followed from its first node to its second.
+    Inside(usize, bool),
 }
 
 /// What a face is divided into.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Arrangement {
-    pub(crate) nodes: Vec<Node>,
+    pub(crate) nodes: Vec<FaceNode>,
     pub(crate) pieces: Vec<Piece>,
     pub(crate) regions: Vec<Region>,
     /// The cells along the segments by which the face was cut, which part [regions](Self::regions):
@@ -166,18 +173,20 @@ struct Triangle {
 }
 
 /// The change at which a walk around a triangle arrives.
+#[derive(Clone)]
 struct Stop {
     node: usize,
     side: usize,
     /// The cells before and behind it.
     before: u32,
     next: u32,
-    /// The runs up to the next one.
+    /// The runs up to the next one, and the border of the cell along them.
     runs: Vec<u32>,
+    border: Vec<Span>,
 }
 
 impl Triangle {
-    fn stops(&self) -> Vec<Stop> {
+    fn stops(&self, nodes: &[FaceNode]) -> Vec<Stop> {
         let mut stops: Vec<Stop> = Vec::new();
         let mut leading = Vec::new();
         let mut before = self.sides[0].first;
@@ -191,12 +200,18 @@ impl Triangle {
                     before,
                     next: mark.next,
                     runs: vec![run],
+                    border: Vec::new(),
                 });
                 before = mark.next;
             }
         }
         if let Some(last) = stops.last_mut() {
             last.runs.extend(leading);
+        }
+        for i in 0..stops.len() {
+            let j = (i + 1) % stops.len();
+            let outline = self.outline(&stops[i], &stops[j], j == 0, nodes);
+            stops[i].border.push(Span::Sides(outline));
         }
         stops
     }
@@ -223,7 +238,7 @@ impl Triangle {
     }
 
     /// The sides between two stops, counter-clockwise.
-    fn outline(&self, from: &Stop, to: &Stop, wraps: bool, nodes: &[Node]) -> Vec<Point> {
+    fn outline(&self, from: &Stop, to: &Stop, wraps: bool, nodes: &[FaceNode]) -> Vec<Point> {
         let mut outline = vec![nodes[from.node].at];
         let end = to.side + if wraps { 3 } else { 0 };
         for side in from.side..end {
@@ -245,25 +260,49 @@ pub(crate) fn arrange(
     runs: &[Vec<u32>; 3],
     next_run: u32,
 ) -> Arrangement {
-    let simple = arrange_within(FEW_CUTS, sites, lines, runs, next_run);
-    if simple.1 == 0.0 {
-        return simple.0;
+    let simple = Effort {
+        most_cuts: FEW_CUTS,
+        joins_neighbours: false,
+    };
+    let joining = Effort {
+        joins_neighbours: true,
+        ..simple
+    };
+    let thorough = Effort {
+        most_cuts: MOST_CUTS,
+        ..joining
+    };
+    let ranked = sites.ranked();
+    let mut best: Option<(Arrangement, f64)> = None;
+    for (effort, sites) in [
+        (simple, sites),
+        (joining, sites),
+        (thorough, &ranked),
+        (thorough, sites),
+    ] {
+        let found = arrange_within(effort, sites, lines, runs, next_run);
+        if best.as_ref().is_none_or(|(_, doubt)| found.1 < *doubt) {
+            best = Some(found);
+        }
+        if let Some((arrangement, 0.0)) = best {
+            return arrangement;
+        }
     }
-    let ranked = arrange_within(MOST_CUTS, &sites.ranked(), lines, runs, next_run);
-    if ranked.1 == 0.0 {
-        return ranked.0;
-    }
-    let thorough = arrange_within(MOST_CUTS, sites, lines, runs, next_run);
-    if thorough.1 <= ranked.1 {
-        thorough.0
-    } else {
-        ranked.0
-    }
+    best.unwrap_or_default().0
 }
 
-/// The same with at most so many cuts, and the size of the largest part that is still in doubt.
-fn arrange_within(
+/// How thoroughly a face is divided.
+#[derive(Clone, Copy, Debug)]
+struct Effort {
     most_cuts: u32,
+    /// Whether borders that cut off a part of a triangle are looked for before it is cut in two,
+    /// and the place where cells meet is looked for where some are equally near.
+    joins_neighbours: bool,
+}
+
+/// The same with so much effort, and the size of the largest part that is still in doubt.
+fn arrange_within(
+    effort: Effort,
     sites: &FaceSites,
     lines: &[Line; 3],
     runs: &[Vec<u32>; 3],
@@ -271,9 +310,10 @@ fn arrange_within(
 ) -> (Arrangement, f64) {
     let mut arranger = Arranger {
         sites,
+        measured: MeasuredSites::new(sites),
         next_run,
         cut: 0,
-        most_cuts,
+        effort,
         doubt: 0.0,
         found: Arrangement::default(),
     };
@@ -282,7 +322,7 @@ fn arrange_within(
         let place = |(i, change): (usize, &Change)| {
             let node = arranger.node(
                 between(from, to, change.at),
-                NodeKind::Side {
+                FaceNodeKind::Side {
                     side: k as u8,
                     change: i as u32,
                 },
@@ -306,18 +346,19 @@ fn arrange_within(
 
 struct Arranger<'a> {
     sites: &'a FaceSites,
+    measured: MeasuredSites<'a>,
     next_run: u32,
     /// Triangles that have been cut in two.
     cut: u32,
-    most_cuts: u32,
+    effort: Effort,
     /// Size of the largest triangle that should have been cut.
     doubt: f64,
     found: Arrangement,
 }
 
 impl Arranger<'_> {
-    fn node(&mut self, at: Point, kind: NodeKind) -> usize {
-        self.found.nodes.push(Node { at, kind });
+    fn node(&mut self, at: Point, kind: FaceNodeKind) -> usize {
+        self.found.nodes.push(FaceNode { at, kind });
         self.found.nodes.len() - 1
     }
 
@@ -343,12 +384,11 @@ impl Arranger<'_> {
 
     /// Divides a triangle that is simple enough; `false` if it has to be cut.
     fn try_solve(&mut self, triangle: &Triangle) -> bool {
-        let stops = triangle.stops();
+        let stops = triangle.stops(&self.found.nodes);
         if stops.is_empty() {
             self.found.regions.push(Region {
                 source: triangle.sides[0].first,
-                outline: triangle.corners.to_vec(),
-                pieces: Vec::new(),
+                border: vec![Span::Sides(triangle.corners.to_vec())],
                 runs: triangle.sides.iter().map(|side| side.runs[0]).collect(),
             });
             return true;
@@ -368,7 +408,7 @@ impl Arranger<'_> {
         self.found.nodes.truncate(before.0);
         self.found.pieces.truncate(before.1);
         self.found.regions.truncate(before.2);
-        if self.cut < self.most_cuts {
+        if self.cut < self.effort.most_cuts {
             return false;
         }
         self.doubt = self.doubt.max(triangle.size());
@@ -411,7 +451,7 @@ impl Arranger<'_> {
         let runs = runs.collect();
         let marks = line.changes.iter().map(|change| Mark {
             at: change.at,
-            node: self.node(between(from, to, change.at), NodeKind::Inside),
+            node: self.node(between(from, to, change.at), FaceNodeKind::Inside),
             next: change.next,
         });
         Side {
@@ -424,75 +464,118 @@ impl Arranger<'_> {
     /// Divides a triangle with two changes, or whose cells all meet in a point. If it `is_last`,
     /// any triangle is divided, as well as may be.
     fn solve_simple(&mut self, triangle: &Triangle, stops: &[Stop], is_last: bool) -> Option<()> {
-        if let [a, b] = stops {
+        let mut stops = stops.to_vec();
+        if self.effort.joins_neighbours {
+            while self.join_neighbours(triangle, &mut stops) {}
+        }
+        if let [a, b] = &stops[..] {
             let sources = [a.before, a.next];
             let pieces = self.join(triangle, [a.node, b.node], sources, is_last)?;
-            let nodes = &self.found.nodes;
-            let right = Region {
-                source: a.next,
-                outline: triangle.outline(a, b, false, nodes),
-                pieces: pieces.clone().rev().map(|piece| (piece, false)).collect(),
-                runs: a.runs.clone(),
-            };
-            let left = Region {
-                source: a.before,
-                outline: triangle.outline(b, a, true, nodes),
-                pieces: pieces.map(|piece| (piece, true)).collect(),
-                runs: b.runs.clone(),
-            };
-            self.found.regions.extend([right, left]);
+            let backward = pieces.clone().rev().map(|piece| (piece, false));
+            self.add_region(a, backward);
+            self.add_region(b, pieces.map(|piece| (piece, true)));
             return Some(());
         }
-        let at = match self.meeting(triangle, stops) {
+        let at = match self.meeting(triangle, &stops) {
             Some(at) => at,
             None if is_last => centre(stops.iter().map(|stop| self.found.nodes[stop.node].at)),
             None => return None,
         };
-        let vertex = self.node(at, NodeKind::Vertex(stops.len() as u32));
+        let vertex = self.node(at, FaceNodeKind::Vertex(stops.len() as u32));
         let mut arms = Vec::new();
-        for stop in stops {
+        for stop in &stops {
             let sources = [stop.before, stop.next];
             arms.push(self.join(triangle, [stop.node, vertex], sources, is_last)?);
         }
         for (i, stop) in stops.iter().enumerate() {
             let j = (i + 1) % stops.len();
-            let nodes = &self.found.nodes;
             let inward = arms[j].clone().map(|piece| (piece, true));
             let outward = arms[i].clone().rev().map(|piece| (piece, false));
-            let region = Region {
-                source: stop.next,
-                outline: triangle.outline(stop, &stops[j], j == 0, nodes),
-                pieces: inward.chain(outward).collect(),
-                runs: stop.runs.clone(),
-            };
-            self.found.regions.push(region);
+            self.add_region(stop, inward.chain(outward));
         }
         let around = stops.iter().map(|stop| stop.next).collect();
         self.found.vertices.push((vertex, around));
         Some(())
     }
 
+    /// Adds the part of the cell behind `stop`, which these pieces close.
+    fn add_region(&mut self, stop: &Stop, pieces: impl Iterator<Item = (usize, bool)>) {
+        let inside = pieces.map(|(piece, is_forward)| Span::Inside(piece, is_forward));
+        self.found.regions.push(Region {
+            source: stop.next,
+            border: stop.border.iter().cloned().chain(inside).collect(),
+            runs: stop.runs.clone(),
+        });
+    }
+
+    /// Joins two changes that follow each other, from one cell to another and back, if there are
+    /// more and the border between both is beyond doubt; what it cuts off is done then.
+    fn join_neighbours(&mut self, triangle: &Triangle, stops: &mut Vec<Stop>) -> bool {
+        let count = stops.len();
+        if count < 3 {
+            return false;
+        }
+        for i in 0..count {
+            let (j, last) = ((i + 1) % count, (i + count - 1) % count);
+            let (outer, inner) = (stops[i].before, stops[i].next);
+            if stops[j].next != outer {
+                continue;
+            }
+            let nodes = [stops[i].node, stops[j].node];
+            let before = (self.found.nodes.len(), self.found.pieces.len());
+            let Some(pieces) = self.join(triangle, nodes, [outer, inner], false) else {
+                self.found.nodes.truncate(before.0);
+                self.found.pieces.truncate(before.1);
+                continue;
+            };
+            let backward = pieces.clone().rev().map(|piece| (piece, false));
+            self.add_region(&stops[i].clone(), backward);
+            let Stop { border, runs, .. } = stops[j].clone();
+            let along = pieces.map(|piece| Span::Inside(piece, true));
+            stops[last].border.extend(along.chain(border));
+            stops[last].runs.extend(runs);
+            let mut number = 0..;
+            stops.retain(|_| number.next().is_none_or(|k| k != i && k != j));
+            return true;
+        }
+        false
+    }
+
     /// The point at which all cells around a triangle meet, if they are different and there is one
     /// beyond doubt.
     fn meeting(&self, triangle: &Triangle, stops: &[Stop]) -> Option<Point> {
-        let mut cells: Vec<u32> = stops.iter().map(|stop| stop.next).collect();
-        let three = [cells[0], cells[1], cells[2]];
-        cells.sort_unstable();
-        if cells.windows(2).any(|pair| pair[0] == pair[1]) {
+        let cells: Vec<u32> = stops.iter().map(|stop| stop.next).collect();
+        let mut sorted = cells.clone();
+        sorted.sort_unstable();
+        if sorted.windows(2).any(|pair| pair[0] == pair[1]) {
             return None;
         }
-        let size = triangle.size();
-        let start = centre(stops.iter().map(|stop| self.found.nodes[stop.node].at));
-        let x = meeting_point(start, size, |x| {
-            let nearest = self.sites.nearest(three, x);
-            nearest.each.map(|site| (site.length, site.direction(x)))
-        })?;
-        let least = self.sites.distance(x);
-        let slack = self.sites.rounding(least);
-        let all_meet = cells
-            .iter()
-            .all(|&source| self.sites.nearest([source], x).each[0].length <= least + slack);
-        (all_meet && triangle.contains(x, self.slack(triangle))).then_some(x)
+        let nodes = stops.iter().map(|stop| self.found.nodes[stop.node].at);
+        let (size, start) = (triangle.size(), centre(nodes.clone()));
+        let of_three = |three: [u32; 3]| {
+            meeting_point(start, size, |x| {
+                let nearest = self.measured.nearest(three, x);
+                nearest.each.map(|site| (site.length, site.direction(x)))
+            })
+        };
+        let do_meet = |&x: &Point| {
+            let least = self.measured.distance(x);
+            let slack = self.sites.rounding(least);
+            let is_near =
+                |&source: &u32| self.measured.nearest([source], x).each[0].length <= least + slack;
+            triangle.contains(x, self.slack(triangle)) && cells.iter().all(is_near)
+        };
+        let first = of_three([cells[0], cells[1], cells[2]]).filter(do_meet);
+        if first.is_some() || !self.effort.joins_neighbours {
+            return first;
+        }
+        // Two of three may be equally near all over a part of the triangle.
+        let count = cells.len();
+        let others = (1..count).filter_map(|i| {
+            let three = [0, 1, 2].map(|k| cells[(i + k) % count]);
+            of_three(three)
+        });
+        others.chain(nodes).chain(triangle.corners).find(do_meet)
     }
 
     fn slack(&self, triangle: &Triangle) -> f64 {
@@ -513,25 +596,26 @@ impl Arranger<'_> {
         let mut parts = Vec::new();
         let is_short = norm(sub(ends[1], ends[0])) <= BESIDE_FACE * self.sites.size;
         if is_short || is_last {
-            parts.push(Part {
+            parts.push(BorderPart {
                 to: ends[1],
                 sites: None,
             });
         } else {
-            let way = Way {
+            let tracer = BorderTracer {
                 sites: self.sites,
+                measured: &self.measured,
                 triangle,
                 slack: self.slack(triangle),
                 sources,
-                near: RefCell::default(),
+                near: RefCell::new(self.measured.room()),
             };
-            if way.is_straight(ends) {
-                parts.push(Part {
+            if tracer.is_straight(ends) {
+                parts.push(BorderPart {
                     to: ends[1],
                     sites: None,
                 });
             } else {
-                way.trace(ends, &mut 0, &mut parts)?;
+                tracer.trace(ends, &mut 0, &mut parts)?;
             }
         }
         let mut node = from;
@@ -540,7 +624,7 @@ impl Arranger<'_> {
             let next = if i + 1 == count {
                 to
             } else {
-                self.node(part.to, NodeKind::Inside)
+                self.node(part.to, FaceNodeKind::Inside)
             };
             let curve = part
                 .sites
@@ -558,26 +642,27 @@ impl Arranger<'_> {
 
 /// A part of a border that is about to become a [`Piece`].
 #[derive(Clone, Copy, Debug)]
-struct Part {
+struct BorderPart {
     to: Point,
     sites: Option<[usize; 2]>,
 }
 
 /// The border between two cells in a triangle that holds nothing else.
-struct Way<'a> {
+struct BorderTracer<'a> {
     sites: &'a FaceSites,
+    measured: &'a MeasuredSites<'a>,
     triangle: &'a Triangle,
     slack: f64,
     sources: [u32; 2],
     /// Room for the sites near a part of it.
-    near: RefCell<Vec<usize>>,
+    near: RefCell<SiteTable>,
 }
 
-impl Way<'_> {
+impl BorderTracer<'_> {
     /// The nearest sites of both cells, if `x` is on the border: equally far from both, with nothing
     /// nearer.
     fn pair(&self, x: Point) -> Option<[usize; 2]> {
-        let nearest = self.sites.nearest(self.sources, x);
+        let nearest = self.measured.nearest(self.sources, x);
         let most = nearest.least + self.sites.rounding(nearest.least);
         let is_border = nearest.each.iter().all(|site| site.length <= most);
         (is_border && self.triangle.contains(x, self.slack))
@@ -599,7 +684,7 @@ impl Way<'_> {
     fn beside(&self, [from, to]: [Point; 2], t: f64) -> Option<Point> {
         let start = between(from, to, t);
         newton_across(start, sub(to, from), |x| {
-            let [a, b] = self.sites.nearest(self.sources, x).each;
+            let [a, b] = self.measured.nearest(self.sources, x).each;
             let value = a.length - b.length;
             value
                 .is_finite()
@@ -624,7 +709,7 @@ impl Way<'_> {
         &self,
         [mut at, to]: [Point; 2],
         steps: &mut u32,
-        parts: &mut Vec<Part>,
+        parts: &mut Vec<BorderPart>,
     ) -> Option<()> {
         loop {
             *steps += 1;
@@ -658,7 +743,9 @@ impl Way<'_> {
         let are_apart = |a: Point, b: Point| norm(sub(a, b)) > touch;
         let mut ahead = AHEAD;
         let (pair, mut end, mut most) = loop {
-            let start = self.sites.nearest(self.sources, between(from, to, ahead));
+            let start = self
+                .measured
+                .nearest(self.sources, between(from, to, ahead));
             let pair = start.each.map(|site| site.site);
             if pair.contains(&usize::MAX) {
                 return None;
@@ -688,7 +775,7 @@ impl Way<'_> {
             if self.is_whole(pair, [from, end]) {
                 return Some((end, pair));
             }
-            let nearest = self.sites.nearest(self.sources, end);
+            let nearest = self.measured.nearest(self.sources, end);
             if self.holds(pair, end, nearest.least) {
                 // The rival is nearer before the end, or at the beginning.
                 return None;
@@ -731,13 +818,10 @@ impl Way<'_> {
         // A curve that turns one way is nowhere farther off its chord than twice as in the middle.
         let beside = 2.0 * norm(sub(middle, between(ends[0], ends[1], 0.5)));
         let mut near = self.near.borrow_mut();
-        self.sites.near_chord(pair[0], ends, beside, &mut near);
-        let holds = |x: Point| {
-            let lengths = near
-                .iter()
-                .map(|&site| self.sites.sites[site].path(x).length);
-            self.holds(pair, x, lengths.fold(f64::INFINITY, f64::min))
-        };
+        let rounding = |length| self.sites.rounding(length);
+        self.measured
+            .near_chord(pair[0], ends, beside, rounding, &mut near);
+        let holds = |x: Point| self.holds(pair, x, self.measured.least(&near, x));
         [ends[1], ends[0], middle].into_iter().all(holds)
             && [0.2, 0.8].into_iter().all(|t| {
                 let x = curve.beside(ends[0], ends[1], t);
@@ -758,11 +842,13 @@ const MOST_RIVALS: u32 = 8;
 
 /// Appends a part that ends at `to`. Parts of the same bisector become one; what is too short to
 /// have one becomes part of its neighbour.
-fn append(parts: &mut Vec<Part>, to: Point, sites: Option<[usize; 2]>) {
+fn append(parts: &mut Vec<BorderPart>, to: Point, sites: Option<[usize; 2]>) {
     match parts.last_mut() {
-        Some(last) if last.sites == sites || last.sites.is_none() => *last = Part { to, sites },
+        Some(last) if last.sites == sites || last.sites.is_none() => {
+            *last = BorderPart { to, sites }
+        }
         Some(last) if sites.is_none() => last.to = to,
-        _ => parts.push(Part { to, sites }),
+        _ => parts.push(BorderPart { to, sites }),
     }
 }
 

@@ -5,6 +5,15 @@ use super::sites::Site;
 
 /// The points between two ends at which two sites are equally near, a branch of a hyperbola with
 /// their images as foci.
+///
+/// ```
+/// use geobench_voronoi::Bisector;
+///
+/// let mut bisector = Bisector { images: [[0.0, 0.0], [2.0, 0.0]], sigmas: [0.0, 0.0] };
+/// assert!(bisector.is_line());
+/// bisector.sigmas[1] = 1.0;
+/// assert!(!bisector.is_line()); // A branch of a hyperbola.
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bisector {
     /// The images of both sites in the plane of the face.

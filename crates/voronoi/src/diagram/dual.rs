@@ -6,6 +6,19 @@ use std::fmt;
 use super::Diagram;
 
 /// The dual of a [`Diagram`]: sources whose cells meet in a Voronoi vertex form a triangle.
+///
+/// ```
+/// use geobench_mesh::{Mesh, VertexId};
+/// use geobench_voronoi::{Diagram, FieldSolver, WindowVtp};
+///
+/// let mesh = Mesh::generate("sphere,subdiv=2")?;
+/// let mut solver = WindowVtp::new(&mesh);
+/// let sources: Vec<VertexId> = (0..12).map(VertexId::new).collect();
+/// let dual = Diagram::new(&solver.field(&sources)?, sources.len()).dual();
+/// // The first vertices are those of an icosahedron.
+/// assert_eq!((dual.triangles.len(), dual.obstacles.len()), (20, 0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Dual {
     /// Triangles of sources, in the orientation of the surface.

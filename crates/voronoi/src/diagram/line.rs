@@ -45,17 +45,18 @@ impl Line {
         std::iter::once(self.first).chain(self.changes.iter().map(|change| change.next))
     }
 
-    /// The cells along a segment of length `l`: those of the windows that are shorter where.
-    /// `first` and `last` are the cells at its ends, which others have decided.
+    /// The cells along a segment of length `l`: at each place that of the window that is shorter
+    /// there. The windows of `list` are disjoint and in ascending order. `first` and `last` are the
+    /// cells at its ends, which others have decided.
     pub(crate) fn envelope(
-        windows: impl Iterator<Item = (Window, u32)>,
+        mut list: Vec<(Window, u32)>,
+        others: impl Iterator<Item = (Window, u32)>,
         l: f64,
         [first, last]: [u32; 2],
     ) -> Self {
-        let mut list: Vec<(Window, u32)> = Vec::new();
         let mut met = Vec::new();
         let mut overlap = Overlap::default();
-        for (new, source) in windows {
+        for (new, source) in others {
             let from = list.partition_point(|(w, _)| w.b1 <= new.b0);
             met.clear();
             let behind = list[from..].iter().map(|&(w, _)| w);
@@ -272,7 +273,7 @@ mod tests {
     #[test]
     fn cells_change_where_their_windows_tie() {
         let windows = [(window(2.0), 7), (window(0.0), 3)];
-        let line = Line::envelope(windows.into_iter(), 2.0, [3, 7]);
+        let line = Line::envelope(Vec::new(), windows.into_iter(), 2.0, [3, 7]);
         let change = Change { at: 0.5, next: 7 };
         assert_eq!((line.first, &line.changes[..]), (3, &[change][..]));
         assert_eq!(line.reversed().first, 7);
@@ -281,7 +282,7 @@ mod tests {
 
     #[test]
     fn what_was_decided_at_an_end_stays() {
-        let line = Line::envelope([(window(0.0), 3)].into_iter(), 2.0, [1, 2]);
+        let line = Line::envelope(vec![(window(0.0), 3)], std::iter::empty(), 2.0, [1, 2]);
         assert_eq!(line.cells().collect::<Vec<_>>(), [1, 3, 2]);
         assert_eq!((line.changes[0].at, line.changes[1].at), (0.0, 1.0));
     }

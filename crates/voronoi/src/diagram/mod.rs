@@ -6,6 +6,7 @@ mod dual;
 mod line;
 mod plane;
 pub(crate) mod sites;
+mod table;
 
 use std::collections::BTreeSet;
 
@@ -14,7 +15,7 @@ use geobench_window::Window;
 
 use crate::field::{Field, NO_SOURCE};
 use crate::store::edge_of;
-use arrange::{Arrangement, NodeKind, arrange};
+use arrange::{Arrangement, FaceNodeKind, Span, arrange};
 pub use curve::Bisector;
 pub use dual::{Dual, Obstacle};
 use line::Line;
@@ -44,7 +45,7 @@ pub struct Diagram {
     labels: Vec<u32>,
     nodes: Vec<Node>,
     vertices: Vec<Vertex>,
-    arcs: Vec<Arc>,
+    arcs: Vec<BorderArc>,
     cells: Vec<Cell>,
     faces: Vec<BorderFace>,
     /// For each face its only cell, [`NO_SOURCE`] where no source reaches it or in border faces.
@@ -53,6 +54,24 @@ pub struct Diagram {
 }
 
 /// A point at which arcs end.
+///
+/// ```
+/// use geobench_mesh::{Mesh, VertexId};
+/// use geobench_voronoi::{Diagram, FieldSolver, NodeKind, WindowVtp};
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let mut solver = WindowVtp::new(&mesh);
+/// // The corners of a square of four by four.
+/// let field = solver.field(&[0, 4, 20, 24].map(VertexId::new))?;
+/// let diagram = Diagram::new(&field, 4);
+/// // Borders of neighbours cross edges on their way to the middle.
+/// let on_edges = diagram.nodes().iter().filter(|node| node.kind == NodeKind::OnEdge);
+/// assert!(on_edges.count() >= 4);
+/// let node = diagram.nodes()[0];
+/// let [x, y, _] = diagram.position(node.face, node.place).ok_or("no positions")?;
+/// assert!((x - 2.0).abs() < 1e-12 || (y - 2.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
     /// One of the faces in which it lies.
@@ -60,12 +79,12 @@ pub struct Node {
     /// Its place in the plane of that face, in the frame of the first half-edge.
     pub place: [f64; 2],
     /// What it is.
-    pub kind: Kind,
+    pub kind: NodeKind,
 }
 
 /// What a [`Node`] is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum NodeKind {
     /// Where a border between two cells crosses an edge of the mesh.
     OnEdge,
     /// Where a border goes on along another bisector.
@@ -78,6 +97,22 @@ pub enum Kind {
 }
 
 /// A Voronoi vertex: a point at which three cells or more meet.
+///
+/// ```
+/// use geobench_mesh::{Mesh, VertexId};
+/// use geobench_voronoi::{Diagram, FieldSolver, WindowVtp};
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let mut solver = WindowVtp::new(&mesh);
+/// // The corners of a square of four by four.
+/// let field = solver.field(&[0, 4, 20, 24].map(VertexId::new))?;
+/// let diagram = Diagram::new(&field, 4);
+/// // The middle, once with four cells or twice with three.
+/// for vertex in diagram.vertices() {
+///     assert!((vertex.distance - 8.0_f64.sqrt()).abs() < 1e-9);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vertex {
     /// The number of its node.
@@ -89,8 +124,23 @@ pub struct Vertex {
 }
 
 /// A piece of the border between two cells, inside one face.
+///
+/// ```
+/// use geobench_mesh::{Mesh, VertexId};
+/// use geobench_voronoi::{Diagram, FieldSolver, WindowVtp};
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let mut solver = WindowVtp::new(&mesh);
+/// let field = solver.field(&[0, 24].map(VertexId::new))?;
+/// let diagram = Diagram::new(&field, 2);
+/// // In a plane all borders are straight; this one is a diagonal of the square.
+/// assert!(diagram.arcs().iter().all(|arc| arc.is_line()));
+/// let length: f64 = diagram.arcs().iter().map(|arc| arc.length()).sum();
+/// assert!((length - 32.0_f64.sqrt()).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arc {
+pub struct BorderArc {
     /// The face.
     pub face: FaceId,
     /// The cells on its left and on its right.
@@ -103,7 +153,7 @@ pub struct Arc {
     pub bisector: Option<Bisector>,
 }
 
-impl Arc {
+impl BorderArc {
     /// Whether it is straight.
     pub fn is_line(&self) -> bool {
         self.bisector.is_none_or(|bisector| bisector.is_line())
@@ -137,6 +187,21 @@ impl Arc {
 }
 
 /// All points that are nearer to one source than to any other.
+///
+/// ```
+/// use geobench_mesh::{Mesh, VertexId};
+/// use geobench_voronoi::{Diagram, FieldSolver, WindowVtp};
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let mut solver = WindowVtp::new(&mesh);
+/// // The corners of a square of four by four.
+/// let field = solver.field(&[0, 4, 20, 24].map(VertexId::new))?;
+/// let diagram = Diagram::new(&field, 4);
+/// for cell in diagram.cells() {
+///     assert!((cell.area - 4.0).abs() < 1e-12 && cell.is_disc());
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cell {
     /// Its area.
@@ -160,6 +225,20 @@ impl Cell {
 }
 
 /// A part of a cell inside a face.
+///
+/// ```
+/// use geobench_mesh::{Mesh, VertexId};
+/// use geobench_voronoi::{Diagram, FieldSolver, WindowVtp};
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let mut solver = WindowVtp::new(&mesh);
+/// let field = solver.field(&[0, 24].map(VertexId::new))?;
+/// let diagram = Diagram::new(&field, 2);
+/// // Eight of the 32 faces lie along the diagonal that is the border.
+/// let parts: Vec<_> = diagram.parts(0).collect();
+/// assert_eq!(parts.len(), parts.iter().flat_map(|part| part.triangles()).count());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// The cell.
@@ -233,7 +312,7 @@ impl Diagram {
     }
 
     /// The pieces of the borders between cells.
-    pub fn arcs(&self) -> &[Arc] {
+    pub fn arcs(&self) -> &[BorderArc] {
         &self.arcs
     }
 
@@ -263,8 +342,15 @@ impl Diagram {
     pub fn parts(&self, points_per_arc: usize) -> impl Iterator<Item = Part> {
         self.faces.iter().flat_map(move |border| {
             border.arrangement.regions.iter().map(move |region| {
-                let mut outline = region.outline.clone();
-                for &(piece, is_forward) in &region.pieces {
+                let mut outline = Vec::new();
+                for span in &region.border {
+                    let (piece, is_forward) = match span {
+                        Span::Sides(points) => {
+                            outline.extend_from_slice(points);
+                            continue;
+                        }
+                        Span::Inside(piece, is_forward) => (piece, *is_forward),
+                    };
                     let arc = &self.arcs[border.first_arc + piece];
                     let count = if arc.is_line() { 0 } else { points_per_arc };
                     for i in 1..=count {
@@ -273,7 +359,7 @@ impl Diagram {
                     }
                     outline.push(arc.ends[usize::from(is_forward)]);
                 }
-                if !region.pieces.is_empty() {
+                if region.border.len() > 1 {
                     // It ends where it began.
                     outline.pop();
                 }
@@ -359,7 +445,7 @@ struct Builder<'a> {
     /// For each line the numbers of its cells among the unions.
     first_union: Vec<u32>,
     nodes: Vec<Node>,
-    arcs: Vec<Arc>,
+    arcs: Vec<BorderArc>,
     cells: Vec<Cell>,
     neighbours: Vec<BTreeSet<u32>>,
     faces: Vec<BorderFace>,
@@ -413,7 +499,7 @@ impl<'a> Builder<'a> {
                 self.nodes.push(Node {
                     face: h.face(),
                     place: plane::between(from, to, change.at),
-                    kind: Kind::OnEdge,
+                    kind: NodeKind::OnEdge,
                 });
             }
             self.lines.push(line);
@@ -439,11 +525,10 @@ impl<'a> Builder<'a> {
             return None;
         }
         let l = self.field.mesh.length(h);
-        let windows = || {
-            let windows = list.iter().map(|s| (s.window, s.source()));
-            windows.chain(end_windows(ends, l))
-        };
-        let line = Line::envelope(windows(), l, [first, ends[1].1]);
+        let stored = || list.iter().map(|s| (s.window, s.source()));
+        let windows = || stored().chain(end_windows(ends, l));
+        let disjoint = stored().collect();
+        let line = Line::envelope(disjoint, end_windows(ends, l), l, [first, ends[1].1]);
         Some(line.settled(l, |t, wanted| {
             let windows = windows().filter(|(_, s)| wanted.is_none_or(|source| source == *s));
             let paths = windows.map(|(window, source)| (path_to(&window, t * l), source));
@@ -457,8 +542,8 @@ impl<'a> Builder<'a> {
     /// its face.
     fn line_of_boundary(&self, h: HalfEdgeId) -> Option<Line> {
         let ends = self.ends(h);
-        let sites = FaceSites::new(self.field, h.face());
         let first = ends[0].1;
+        let sites = FaceSites::new(self.field, h.face());
         if sites.sites.iter().all(|site| site.source == first) {
             return None;
         }
@@ -548,7 +633,7 @@ impl<'a> Builder<'a> {
         }
         let first_arc = self.arcs.len();
         for piece in &arrangement.pieces {
-            let arc = Arc {
+            let arc = BorderArc {
                 face,
                 sources: piece.sources,
                 nodes: piece.nodes.map(|node| numbers[node]),
@@ -611,7 +696,7 @@ impl<'a> Builder<'a> {
         let mut numbers = Vec::new();
         for node in &arrangement.nodes {
             let kind = match node.kind {
-                NodeKind::Side { side, change } => {
+                FaceNodeKind::Side { side, change } => {
                     let side = side as usize;
                     let (line, is_reversed) = along[side].unwrap_or_default();
                     let last = lines[side].changes.len() as u32 - 1;
@@ -619,8 +704,8 @@ impl<'a> Builder<'a> {
                     numbers.push(self.first_node[line] + change);
                     continue;
                 }
-                NodeKind::Inside => Kind::Breakpoint,
-                NodeKind::Vertex(degree) => Kind::Vertex { degree },
+                FaceNodeKind::Inside => NodeKind::Breakpoint,
+                FaceNodeKind::Vertex(degree) => NodeKind::Vertex { degree },
             };
             numbers.push(self.nodes.len() as u32);
             self.nodes.push(Node {
@@ -632,7 +717,7 @@ impl<'a> Builder<'a> {
         numbers
     }
 
-    fn add_arc(&mut self, arc: Arc) {
+    fn add_arc(&mut self, arc: BorderArc) {
         let (length, bulge) = arc.length_and_area();
         let [from, to] = arc.ends;
         // Counter-clockwise around the cell on its left.

@@ -16,9 +16,9 @@ pub(crate) struct Site {
     pub(crate) source: u32,
     /// The ends of the interval through which its paths come, the left one first as seen from the
     /// image; none for a vertex of the face.
-    gate: Option<[Point; 2]>,
+    pub(super) gate: Option<[Point; 2]>,
     /// The lengths of the paths up to these ends.
-    to_gate: [f64; 2],
+    pub(super) to_gate: [f64; 2],
 }
 
 /// A path from a [`Site`].
@@ -27,8 +27,6 @@ pub(crate) struct SitePath {
     pub(crate) length: f64,
     /// Where it last turns: at the image, or at an end of the gate.
     turn: Point,
-    /// Whether it turns at an end of the gate.
-    is_bent: bool,
 }
 
 impl Site {
@@ -50,19 +48,17 @@ impl Site {
     pub(crate) fn path(&self, x: Point) -> SitePath {
         let mut turn = self.image;
         let mut before = self.sigma;
-        let mut is_bent = false;
         if let Some([left, right]) = self.gate {
             let way = sub(x, self.image);
             if cross(sub(left, self.image), way) > 0.0 {
-                (turn, before, is_bent) = (left, self.to_gate[0], true);
+                (turn, before) = (left, self.to_gate[0]);
             } else if cross(sub(right, self.image), way) < 0.0 {
-                (turn, before, is_bent) = (right, self.to_gate[1], true);
+                (turn, before) = (right, self.to_gate[1]);
             }
         }
         SitePath {
             length: before + norm(sub(x, turn)),
             turn,
-            is_bent,
         }
     }
 
@@ -220,86 +216,12 @@ impl FaceSites {
         ranked
     }
 
-    /// The shortest of all paths to `x`, and the shortest of each of these sources.
-    ///
-    /// Of equal ones of a source a straight path through a gate counts more than one from a vertex
-    /// of the face, and that more than a bent one: windows that end in a vertex have bent paths
-    /// through it, and only the vertex has the bisector on which these end.
-    pub(crate) fn nearest<const N: usize>(&self, sources: [u32; N], x: Point) -> NearestSites<N> {
-        let mut found = NearestSites {
-            least: f64::INFINITY,
-            each: [Nearest::NONE; N],
-        };
-        let mut least = [f64::INFINITY; N];
-        for (i, site) in self.sites.iter().enumerate() {
-            let path = site.path(x);
-            found.least = found.least.min(path.length);
-            for k in 0..N {
-                if site.source != sources[k] {
-                    continue;
-                }
-                let handicap = if path.is_bent {
-                    BENT
-                } else if site.gate.is_none() {
-                    FROM_VERTEX
-                } else {
-                    0.0
-                };
-                let length = path.length * (1.0 + handicap);
-                if length < least[k] {
-                    least[k] = length;
-                    found.each[k] = Nearest {
-                        site: i,
-                        length: path.length,
-                        turn: path.turn,
-                    };
-                }
-            }
-        }
-        found
-    }
-
-    /// The sites that may have the shortest path to any point beside the chord between `ends`, at
-    /// most `beside` off it; one of them is site number `of`.
-    ///
-    /// Lengths are convex: on the chord that of `of` is at most what lies between its lengths at both
-    /// ends, and any other is at least what its length and its direction in the middle tell.
-    pub(crate) fn near_chord(
-        &self,
-        of: usize,
-        [from, to]: [Point; 2],
-        beside: f64,
-        near: &mut Vec<usize>,
-    ) {
-        near.clear();
-        let middle = between(from, to, 0.5);
-        let half = sub(to, middle);
-        let [most_from, most_to] = [from, to].map(|x| {
-            let length = self.sites[of].path(x).length;
-            // On each side of the chord both lengths change by at most as much.
-            length + 2.0 * beside + 2.0 * self.rounding(length)
-        });
-        for (i, site) in self.sites.iter().enumerate() {
-            let path = site.path(middle);
-            let way = sub(middle, path.turn);
-            let length = norm(way);
-            let change = if length > 0.0 {
-                dot(way, half) / length
-            } else {
-                0.0
-            };
-            if path.length - change <= most_from || path.length + change <= most_to {
-                near.push(i);
-            }
-        }
-    }
-
     /// The cells along a segment of the face, with those at its ends.
     pub(crate) fn line(&self, from: Point, to: Point, ends: [u32; 2]) -> Line {
         let l = norm(sub(to, from));
         let windows = self.sites.iter();
         let windows = windows.filter_map(|s| Some((s.window(from, to, l)?, s.source)));
-        let line = Line::envelope(windows, l, ends);
+        let line = Line::envelope(Vec::new(), windows, l, ends);
         line.settled(self.size, |t, wanted| {
             let x = between(from, to, t);
             let sites = self.sites.iter();
@@ -328,9 +250,13 @@ impl FaceSites {
 const GRAZING: f64 = 1e-14;
 
 /// By how much a path from a vertex of the face must be shorter than one through a gate to be taken
-/// for it, relative to its length; by how much a bent one.
-const FROM_VERTEX: f64 = 1e-15;
-const BENT: f64 = 1e-13;
+/// for it, relative to its length.
+pub(super) const FROM_VERTEX: f64 = 1e-15;
+
+/// By how much a bent path must be shorter than a straight one to be taken for it, relative to its
+/// length and the size of the face together. It is less than [`ROUNDING`], so that the straight one
+/// is as short up to rounding.
+pub(super) const BENT: f64 = 1e-13;
 
 /// Relative error of distances at a point of a face.
 pub(crate) const ROUNDING: f64 = 2e-13;
@@ -339,7 +265,7 @@ pub(crate) const ROUNDING: f64 = 2e-13;
 /// relative to their length: more than trimming and [`ROUNDING`] leave undecided.
 const RANK: f64 = 1e-12;
 
-/// A site and its shortest path to a point; see [`FaceSites::nearest`].
+/// A site and its shortest path to a point; see [`nearest`](super::table::MeasuredSites::nearest).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearest {
     pub(crate) site: usize,
@@ -348,7 +274,15 @@ pub(crate) struct Nearest {
 }
 
 impl Nearest {
-    const NONE: Self = Self {
+    pub(super) fn of(site: usize, path: SitePath) -> Self {
+        Self {
+            site,
+            length: path.length,
+            turn: path.turn,
+        }
+    }
+
+    pub(super) const NONE: Self = Self {
         site: usize::MAX,
         length: f64::INFINITY,
         turn: [0.0; 2],
@@ -360,7 +294,7 @@ impl Nearest {
     }
 }
 
-/// See [`FaceSites::nearest`].
+/// See [`nearest`](super::table::MeasuredSites::nearest).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NearestSites<const N: usize> {
     /// The length of the shortest path.

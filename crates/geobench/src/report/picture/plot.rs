@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use geobench_isolines::Field;
+use geobench_isolines::DistanceField;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_paths::Paths;
 use geobench_vtp::VtpFast;
@@ -198,7 +198,7 @@ fn of_model(
 
 /// The exact isolines at multiples of `step`; none if there are any doubts.
 fn isolines(mesh: &Mesh, source: VertexId, step: f64) -> Vec<Vec<[f64; 3]>> {
-    let Ok(field) = Field::new(mesh, &[source.into()]) else {
+    let Ok(field) = DistanceField::new(mesh, &[source.into()]) else {
         return Vec::new();
     };
     let isolines = field.isolines(&field.levels_every(step));

@@ -5,8 +5,9 @@ use geobench_window::Window;
 
 use crate::plane::{Point, add, cross, dot, norm, scale, sub, turned};
 
-/// How far beside its cone a site still counts, as the sine of an angle: rounding parts windows
-/// that touch, and a path that bends by so little is longer by less than 1e-20 of its length.
+/// How far beside a cone points still count as inside, as the sine of an angle: rounding parts
+/// windows that touch, and a path that bends by so little is longer by less than 1e-20 of its
+/// length.
 const BESIDE: f64 = 1e-10;
 
 /// By how much two distances of a point must differ, relatively, to be told apart.
@@ -15,10 +16,10 @@ const ROUNDING: f64 = 1e-13;
 /// The height of a face, as a fraction of its size and of distances, that is lost in rounding.
 const FLAT: f64 = 1e-13;
 
-/// A (pseudo-)source as the points of a face see it, unfolded into the plane of the face: the
-/// centre of circles, in a cone.
+/// The points of the plane of a face that a window or a vertex of the face sees. Their distances
+/// grow around the image of the (pseudo-)source, the apex of the cone.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Site {
+pub(crate) struct Cone {
     pub(crate) centre: Point,
     /// The distance of the (pseudo-)source.
     sigma: f64,
@@ -31,18 +32,18 @@ pub(crate) struct Site {
     nearest: f64,
 }
 
-/// A part of the circle around a site, by angles from the right side of its cone.
+/// A part of a circle around the apex of a cone, by angles from the right side of the cone.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SiteArc {
-    pub(crate) site: usize,
+pub(crate) struct ConeArc {
+    pub(crate) cone: usize,
     pub(crate) from: f64,
     pub(crate) to: f64,
 }
 
-/// A face in the plane, and all sites that reach it.
-pub(crate) struct FaceSites {
+/// A face in the plane, and the cones of all windows that enter it and of its vertices.
+pub(crate) struct FaceCones {
     pub(crate) corners: [Point; 3],
-    pub(crate) sites: Vec<Site>,
+    pub(crate) cones: Vec<Cone>,
     /// The longest side.
     pub(crate) size: f64,
 }
@@ -53,7 +54,7 @@ pub(crate) fn corners(mesh: &Mesh, face: FaceId) -> [Point; 3] {
     [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)]
 }
 
-impl Site {
+impl Cone {
     /// The cone of an angle from `centre` between two vectors; `None` without an angle.
     fn new(centre: Point, sigma: f64, sides: [Point; 2], angle: f64, nearest: f64) -> Option<Self> {
         let [right, left] = sides.map(|way| scale(way, 1.0 / norm(way)));
@@ -156,7 +157,7 @@ impl Site {
     }
 }
 
-impl FaceSites {
+impl FaceCones {
     /// The windows that enter `face`, and its vertices.
     pub(crate) fn new<W: Iterator<Item = Window>>(
         mesh: &Mesh,
@@ -165,11 +166,11 @@ impl FaceSites {
         face: FaceId,
     ) -> Self {
         let corners = corners(mesh, face);
-        let mut sites = Vec::new();
+        let mut cones = Vec::new();
         for (k, v) in mesh.face_vertices(face).into_iter().enumerate() {
             let sides = [1, 2].map(|i| sub(corners[(k + i) % 3], corners[k]));
             let angle = cross(sides[0], sides[1]).atan2(dot(sides[0], sides[1]));
-            sites.extend(Site::new(
+            cones.extend(Cone::new(
                 corners[k],
                 distances[v.index()],
                 sides,
@@ -194,13 +195,13 @@ impl FaceSites {
                 let opposite = (w.b1 - w.px) * (w.b0 - w.px) + w.py * w.py;
                 let angle = (height * (w.b1 - w.b0)).atan2(opposite);
                 let nearest = (w.nearest_abscissa() - w.px).hypot(w.py);
-                sites.extend(Site::new(centre, w.sigma, sides, angle, nearest));
+                cones.extend(Cone::new(centre, w.sigma, sides, angle, nearest));
             }
         }
         let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
         Self {
             corners,
-            sites,
+            cones,
             size: lengths.into_iter().fold(0.0, f64::max),
         }
     }
@@ -211,10 +212,10 @@ impl FaceSites {
         left(a, b) && left(b, c) && left(c, a)
     }
 
-    /// Whether site `i`, of which `x` is at distance `level`, is the nearest one there: the first
+    /// Whether cone `i`, of which `x` is at distance `level`, is the nearest one there: the first
     /// of several equally near.
     fn is_nearest(&self, i: usize, x: Point, level: f64, slack: f64) -> bool {
-        let rivals = self.sites.iter().enumerate();
+        let rivals = self.cones.iter().enumerate();
         let mut rivals = rivals.filter(|&(j, _)| j != i);
         !rivals.any(|(j, rival)| {
             let margin = if j < i { slack } else { -slack };
@@ -229,29 +230,29 @@ impl FaceSites {
         height < FLAT * (self.size + level)
     }
 
-    /// The site that is nearest to `x`; `None` if none sees it.
+    /// The cone that is nearest to `x`; `None` if none sees it.
     pub(crate) fn nearest(&self, x: Point) -> Option<usize> {
-        let seen = self.sites.iter().enumerate().filter(|(_, s)| s.sees(x));
+        let seen = self.cones.iter().enumerate().filter(|(_, s)| s.sees(x));
         let nearest = seen.min_by(|a, b| a.1.distance(x).total_cmp(&b.1.distance(x)));
         nearest.map(|(i, _)| i)
     }
 
     /// The arcs of circles at distance `level` inside the face; none in a face without height,
-    /// which a line crosses from one point to the same one. O(k² + a k) for k sites and a pieces
+    /// which a line crosses from one point to the same one. O(k² + a k) for k cones and a pieces
     /// into which others cut their circles.
-    pub(crate) fn arcs(&self, level: f64) -> Vec<SiteArc> {
-        let mut arcs: Vec<SiteArc> = Vec::new();
+    pub(crate) fn arcs(&self, level: f64) -> Vec<ConeArc> {
+        let mut arcs: Vec<ConeArc> = Vec::new();
         if self.is_flat(level) {
             return arcs;
         }
         let slack = ROUNDING * (level + self.size);
         let mut cuts = Vec::new();
-        for (i, site) in self.sites.iter().enumerate() {
-            let radius = site.radius(level);
-            let farthest = self.corners.map(|c| norm(sub(c, site.centre)));
+        for (i, cone) in self.cones.iter().enumerate() {
+            let radius = cone.radius(level);
+            let farthest = self.corners.map(|c| norm(sub(c, cone.centre)));
             if radius.is_nan()
                 || radius <= 0.0
-                || radius < site.nearest
+                || radius < cone.nearest
                 || farthest.iter().all(|&d| d < radius)
             {
                 continue;
@@ -259,30 +260,30 @@ impl FaceSites {
             self.cuts(i, level, slack, &mut cuts);
             for pair in cuts.windows(2) {
                 let [from, to] = [pair[0], pair[1]];
-                let middle = site.at(f64::midpoint(from, to), radius);
+                let middle = cone.at(f64::midpoint(from, to), radius);
                 if !self.is_inside(middle) || !self.is_nearest(i, middle, level, slack) {
                     continue;
                 }
                 match arcs.last_mut() {
-                    Some(last) if last.site == i && last.to == from => last.to = to,
-                    _ => arcs.push(SiteArc { site: i, from, to }),
+                    Some(last) if last.cone == i && last.to == from => last.to = to,
+                    _ => arcs.push(ConeArc { cone: i, from, to }),
                 }
             }
         }
         arcs
     }
 
-    /// The angles, in order, at which the circle of site `i` at distance `level` may come to an
+    /// The angles, in order, at which the circle of cone `i` at distance `level` may come to an
     /// end: at the sides of its cone, at those of the face, at circles of others and at the sides
     /// of their cones.
     fn cuts(&self, i: usize, level: f64, slack: f64, cuts: &mut Vec<f64>) {
-        let site = &self.sites[i];
-        let radius = site.radius(level);
+        let cone = &self.cones[i];
+        let radius = cone.radius(level);
         cuts.clear();
-        cuts.extend([0.0, site.angle]);
+        cuts.extend([0.0, cone.angle]);
         let mut cut = |x: Point| {
-            let angle = site.angle_of(x);
-            if angle > 0.0 && angle < site.angle {
+            let angle = cone.angle_of(x);
+            if angle > 0.0 && angle < cone.angle {
                 cuts.push(angle);
             }
         };
@@ -290,19 +291,19 @@ impl FaceSites {
             let [from, to] = [self.corners[k], self.corners[(k + 1) % 3]];
             let way = sub(to, from);
             let direction = scale(way, 1.0 / norm(way));
-            let found = site.meets_line(radius, from, direction);
+            let found = cone.meets_line(radius, from, direction);
             found.into_iter().flatten().for_each(&mut cut);
         }
-        for (j, other) in self.sites.iter().enumerate() {
+        for (j, other) in self.cones.iter().enumerate() {
             let its_radius = other.radius(level);
             if j == i || its_radius.is_nan() || its_radius <= 0.0 || its_radius < other.nearest {
                 continue;
             }
-            let circle = site.meets_circle(radius, other, its_radius);
+            let circle = cone.meets_circle(radius, other, its_radius);
             let circle = circle.into_iter().flatten().filter(|&x| other.sees(x));
             circle.for_each(&mut cut);
             for side in [other.right, other.left] {
-                let found = site.meets_line(radius, other.centre, side);
+                let found = cone.meets_line(radius, other.centre, side);
                 let found = found.into_iter().flatten();
                 let hides = |x: &Point| {
                     dot(sub(*x, other.centre), side) >= 0.0 && other.distance(*x) < level + slack

@@ -1,0 +1,309 @@
+//! The sites of a face as columns of a table, so that vector instructions measure several paths at
+//! once. Every instruction set rounds as [`Site::path`] does.
+
+// Generic code must be inlined into the functions that are compiled for an instruction set.
+#![allow(clippy::inline_always)]
+
+use geobench_window::simd::{Block, Columns, Instructions, Lanes, Line, Simd, SimdProgram};
+
+use super::plane::{Point, between, sub};
+use super::sites::{BENT, FROM_VERTEX, FaceSites, Nearest, NearestSites, Site};
+
+/// Columns of a table: image, σ, left end of the gate and the length up to it, right end and the
+/// length up to it, number of the source, by how much of their length straight paths count as
+/// longer.
+const WIDTH: usize = 11;
+
+/// Sites as rows of columns.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SiteTable {
+    lines: Vec<Line>,
+    /// Lines of each column.
+    column: u32,
+    len: usize,
+}
+
+impl SiteTable {
+    /// A table with room for so many rows.
+    fn with_room(len: usize) -> Self {
+        let column = len.div_ceil(Line::LANES);
+        Self {
+            lines: vec![Line::default(); WIDTH * column],
+            column: column as u32,
+            len: 0,
+        }
+    }
+
+    /// All of `sites`.
+    fn of(sites: &[Site]) -> Self {
+        let mut table = Self::with_room(sites.len());
+        let column = table.column as usize;
+        for (i, site) in sites.iter().enumerate() {
+            let row = row_of(site);
+            for (k, x) in row.into_iter().enumerate() {
+                table.lines[k * column + i / Line::LANES].0[i % Line::LANES] = x;
+            }
+        }
+        table.len = sites.len();
+        table
+    }
+
+    #[inline(always)]
+    fn columns(&self) -> Columns<'_, WIDTH> {
+        Columns::new(&self.lines, self.column, self.len)
+    }
+}
+
+/// The row of a site. One without a gate has both ends of it at its image, which no point is
+/// beside.
+fn row_of(site: &Site) -> [f64; WIDTH] {
+    let [left, right] = site.gate.unwrap_or([site.image; 2]);
+    let [to_left, to_right] = site.to_gate;
+    let handicap = if site.gate.is_none() {
+        FROM_VERTEX
+    } else {
+        0.0
+    };
+    [
+        site.image[0],
+        site.image[1],
+        site.sigma,
+        left[0],
+        left[1],
+        to_left,
+        right[0],
+        right[1],
+        to_right,
+        f64::from(site.source),
+        handicap,
+    ]
+}
+
+/// The sites of a face with the vector instructions that measure them.
+#[derive(Clone, Debug)]
+pub(crate) struct MeasuredSites<'a> {
+    sites: &'a [Site],
+    /// The longest side of the face.
+    size: f64,
+    simd: Simd,
+    all: SiteTable,
+}
+
+impl<'a> MeasuredSites<'a> {
+    pub(crate) fn new(face: &'a FaceSites) -> Self {
+        let sites = &face.sites;
+        Self {
+            sites,
+            size: face.size,
+            simd: Simd::new(Instructions::detect()),
+            all: SiteTable::of(sites),
+        }
+    }
+
+    /// The length of the shortest of all paths to `x`.
+    pub(crate) fn distance(&self, x: Point) -> f64 {
+        self.least(&self.all, x)
+    }
+
+    /// Room for [`near_chord`](Self::near_chord).
+    pub(crate) fn room(&self) -> SiteTable {
+        SiteTable::with_room(self.all.len)
+    }
+
+    /// The length of the shortest path to `x` from the sites of `table`.
+    pub(crate) fn least(&self, table: &SiteTable, x: Point) -> f64 {
+        self.simd.run(Least {
+            columns: table.columns(),
+            x,
+        })
+    }
+
+    /// The shortest of all paths to `x`, and the shortest of each of these sources.
+    ///
+    /// Of equal ones of a source a straight path through a gate counts more than one from a vertex
+    /// of the face, and that more than a bent one: windows that end in a vertex have bent paths
+    /// through it, and only the vertex has the bisector on which these end.
+    pub(crate) fn nearest<const N: usize>(&self, sources: [u32; N], x: Point) -> NearestSites<N> {
+        let (least, numbers) = self.simd.run(NearestOf {
+            columns: self.all.columns(),
+            sources,
+            size: self.size,
+            x,
+        });
+        let each = numbers.map(|site| match self.sites.get(site) {
+            Some(found) => Nearest::of(site, found.path(x)),
+            None => Nearest::NONE,
+        });
+        NearestSites { least, each }
+    }
+
+    /// Puts into `near` the sites that may have the shortest path to any point beside the chord
+    /// between `ends`, at most `beside` off it, where `rounding` is the error of lengths; one of
+    /// them is site number `of`.
+    ///
+    /// Lengths are convex: on the chord that of `of` is at most what lies between its lengths at
+    /// both ends, and any other is at least what its length and its direction in the middle tell.
+    pub(crate) fn near_chord(
+        &self,
+        of: usize,
+        [from, to]: [Point; 2],
+        beside: f64,
+        rounding: impl Fn(f64) -> f64,
+        near: &mut SiteTable,
+    ) {
+        let middle = between(from, to, 0.5);
+        let most = [from, to].map(|x| {
+            let length = self.sites[of].path(x).length;
+            // On each side of the chord both lengths change by at most as much.
+            length + 2.0 * beside + 2.0 * rounding(length)
+        });
+        near.len = self.simd.run(NearChord {
+            columns: self.all.columns(),
+            middle,
+            half: sub(to, middle),
+            most,
+            near: Block::new(&mut near.lines, near.column),
+        });
+    }
+}
+
+/// Paths from the sites of a register to a point.
+struct Paths<L: Lanes> {
+    lengths: L,
+    /// From where the paths last turn to the point, and how long that is.
+    ways: [L; 2],
+    last: L,
+    is_bent: L::Mask,
+}
+
+/// See [`Site::path`].
+#[inline(always)]
+fn paths<L: Lanes>(simd: L::Token, row: &[L; WIDTH], x: [L; 2]) -> Paths<L> {
+    let zero = L::splat(simd, 0.0);
+    let cross = |a: [L; 2], b: [L; 2]| a[0] * b[1] - a[1] * b[0];
+    let way = [x[0] - row[0], x[1] - row[1]];
+    let left = cross([row[3] - row[0], row[4] - row[1]], way);
+    let right = cross([row[6] - row[0], row[7] - row[1]], way);
+    let (is_left, is_right) = (zero.lt(left), right.lt(zero));
+    let choose =
+        |image: L, left: L, right: L| L::select(is_left, left, L::select(is_right, right, image));
+    let turn = [
+        choose(row[0], row[3], row[6]),
+        choose(row[1], row[4], row[7]),
+    ];
+    let before = choose(row[2], row[5], row[8]);
+    let ways = [x[0] - turn[0], x[1] - turn[1]];
+    let last = (ways[0] * ways[0] + ways[1] * ways[1]).sqrt();
+    Paths {
+        lengths: before + last,
+        ways,
+        last,
+        is_bent: is_left | is_right,
+    }
+}
+
+/// See [`MeasuredSites::least`].
+struct Least<'a> {
+    columns: Columns<'a, WIDTH>,
+    x: Point,
+}
+
+impl SimdProgram for Least<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, simd: L::Token) -> f64 {
+        let x = self.x.map(|c| L::splat(simd, c));
+        let infinite = L::splat(simd, f64::INFINITY);
+        let mut least = infinite;
+        for register in 0..self.columns.registers::<L>() {
+            let row = self.columns.load::<L>(simd, register);
+            let listed = self.columns.listed::<L>(simd, register);
+            let lengths = L::select(listed, paths(simd, &row, x).lengths, infinite);
+            least = lengths.min(least);
+        }
+        least.least()
+    }
+}
+
+/// See [`MeasuredSites::nearest`].
+struct NearestOf<'a, const N: usize> {
+    columns: Columns<'a, WIDTH>,
+    sources: [u32; N],
+    size: f64,
+    x: Point,
+}
+
+impl<const N: usize> SimdProgram for NearestOf<'_, N> {
+    type Output = (f64, [usize; N]);
+
+    #[inline(always)]
+    #[allow(clippy::cast_sign_loss)] // Places are not negative.
+    fn run<L: Lanes>(self, simd: L::Token) -> Self::Output {
+        let x = self.x.map(|c| L::splat(simd, c));
+        let infinite = L::splat(simd, f64::INFINITY);
+        let [bent, size] = [BENT, self.size].map(|x| L::splat(simd, x));
+        let sources = self.sources.map(|source| L::splat(simd, f64::from(source)));
+        let mut least = infinite;
+        let mut best = [infinite; N];
+        let mut places = [infinite; N];
+        for register in 0..self.columns.registers::<L>() {
+            let row = self.columns.load::<L>(simd, register);
+            let listed = self.columns.listed::<L>(simd, register);
+            let found = paths(simd, &row, x);
+            let lengths = L::select(listed, found.lengths, infinite);
+            least = lengths.min(least);
+            let handicap = L::select(found.is_bent, bent * (lengths + size), row[10] * lengths);
+            let ranked = lengths + handicap;
+            let here = L::places(simd) + L::splat(simd, (register * L::COUNT) as f64);
+            for k in 0..N {
+                let is_its = row[9].le(sources[k]) & sources[k].le(row[9]);
+                let is_better = ranked.lt(best[k]) & is_its;
+                best[k] = L::select(is_better, ranked, best[k]);
+                places[k] = L::select(is_better, here, places[k]);
+            }
+        }
+        let mut numbers = [usize::MAX; N];
+        for k in 0..N {
+            let shortest = L::splat(simd, best[k].least());
+            // The first one of several.
+            let first = L::select(best[k].le(shortest), places[k], infinite).least();
+            if first < f64::INFINITY {
+                numbers[k] = first as usize;
+            }
+        }
+        (least.least(), numbers)
+    }
+}
+
+/// See [`MeasuredSites::near_chord`].
+struct NearChord<'a> {
+    columns: Columns<'a, WIDTH>,
+    middle: Point,
+    half: Point,
+    most: [f64; 2],
+    near: Block<'a, WIDTH>,
+}
+
+impl SimdProgram for NearChord<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, simd: L::Token) -> usize {
+        let [middle, half] = [self.middle, self.half].map(|p| p.map(|c| L::splat(simd, c)));
+        let most = self.most.map(|length| L::splat(simd, length));
+        let zero = L::splat(simd, 0.0);
+        let mut near = self.near.append(0);
+        for register in 0..self.columns.registers::<L>() {
+            let row = self.columns.load::<L>(simd, register);
+            let listed = self.columns.listed::<L>(simd, register);
+            let found = paths(simd, &row, middle);
+            let along = found.ways[0] * half[0] + found.ways[1] * half[1];
+            let change = L::select(zero.lt(found.last), along / found.last, zero);
+            let is_near =
+                (found.lengths - change).le(most[0]) | (found.lengths + change).le(most[1]);
+            near.add::<L>(is_near & listed, row);
+        }
+        near.len()
+    }
+}

@@ -343,6 +343,33 @@ mod tests {
         }
     }
 
+    /// Windows wound around a needle thousands of times too often when another thread had the
+    /// straight ones.
+    #[test]
+    fn a_surface_with_a_needle_stays_with_one_thread() {
+        let soup = generate(&"gen:terrain,n=90,seed=2".parse().unwrap()).unwrap();
+        let (terrain, _) = Mesh::from_soup(soup).unwrap();
+        let mut positions = terrain.positions().to_vec();
+        let corners = |f| terrain.face_vertices(f).map(|v| v.index() as u32);
+        let mut faces: Vec<[u32; 3]> = terrain.faces().map(corners).collect();
+        // A needle of three sides beside the terrain.
+        let first = positions.len() as u32;
+        let far = 1e3;
+        positions.extend([
+            [far, 0.0, 0.0],
+            [far + 0.01, 0.0, 0.0],
+            [far, 0.01, 0.0],
+            [far, 0.0, 1.0],
+        ]);
+        faces.extend([[0, 1, 3], [1, 2, 3], [2, 0, 3]].map(|face| face.map(|v| first + v)));
+        let mesh = Mesh::new(positions, faces).unwrap();
+        let mut solver = Pvtp::new(&mesh, 2);
+        for _ in 0..20 {
+            solver.solve(&[VertexId::new(0)]).unwrap();
+            assert_eq!(solver.workers.iter().map(|w| w.given).sum::<usize>(), 0);
+        }
+    }
+
     /// More threads than the system starts once caused a panic.
     #[test]
     fn threads_that_the_system_does_not_start_are_an_error() {

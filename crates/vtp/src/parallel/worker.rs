@@ -148,8 +148,12 @@ impl Worker {
 
     /// Hands off vertices to the thread with the least load, if this one has too much and the last
     /// check was some buckets ago. `bucket` is the next to be processed.
+    ///
+    /// A surface with a needle stays with one thread: windows that wind around the needle are
+    /// trimmed only by the windows that their own thread keeps, and without the straight ones of
+    /// another thread they take thousands of times as many crossings.
     fn give(&mut self, shared: &Shared, bucket: u32) {
-        if shared.threads == 1 || bucket < self.next_check {
+        if shared.threads == 1 || bucket < self.next_check || self.wavefront.kept.has_tip() {
             return;
         }
         self.next_check = bucket.saturating_add(BUCKETS);

@@ -74,7 +74,7 @@ pub(crate) struct Wavefront {
     keep: Vec<u8>,
     cuts: Cuts,
     levels: Levels,
-    kept: KeptWindows,
+    pub(crate) kept: KeptWindows,
     lookout: Lookout,
     /// The faces that have joined, in runs that may end early.
     joined: Vec<u32>,

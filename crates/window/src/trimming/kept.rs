@@ -35,6 +35,7 @@ pub struct KeptWindows {
     lists: Vec<u32>,
     kept: Vec<KeptList>,
     doubt: f64,
+    has_tip: bool,
     overlap: Overlap,
     met: Vec<Window>,
     replaced: Vec<Window>,
@@ -59,6 +60,7 @@ impl KeptWindows {
             return kept;
         }
         kept.doubt = thin.doubt();
+        kept.has_tip = thin.has_tip();
         for h in mesh.half_edges().filter(|&h| thin.is_beside(number(h))) {
             kept.lists.resize(numbers, NO_LIST);
             kept.lists[number(h)] = kept.kept.len() as u32;
@@ -81,6 +83,12 @@ impl KeptWindows {
     #[inline]
     pub fn doubt(&self) -> f64 {
         self.doubt
+    }
+
+    /// Whether faces are thin and the mesh has the tip of a needle, as [`ThinFaces::has_tip`].
+    #[inline]
+    pub fn has_tip(&self) -> bool {
+        self.has_tip
     }
 
     /// Whether windows that arrive at half-edge number `h` are stored.

@@ -42,6 +42,7 @@ pub struct ThinFaces {
     /// Whether the face on either side is thin, by number of half-edge; empty if no face is thin.
     beside: Vec<bool>,
     doubt: f64,
+    has_tip: bool,
 }
 
 impl ThinFaces {
@@ -49,11 +50,8 @@ impl ThinFaces {
     /// `numbers`. O(faces).
     pub fn of(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
         let mut thin = Self::default();
-        let limit = if mesh.vertices().any(|v| is_tip(mesh, v)) {
-            THIN_AROUND_TIPS
-        } else {
-            THIN
-        };
+        thin.has_tip = mesh.vertices().any(|v| is_tip(mesh, v));
+        let limit = if thin.has_tip { THIN_AROUND_TIPS } else { THIN };
         // Some rounding slack: the faces are selected by another formula.
         if mesh.least_relative_height() > 1.001 * limit {
             return thin;
@@ -82,6 +80,12 @@ impl ThinFaces {
     #[inline]
     pub fn doubt(&self) -> f64 {
         self.doubt
+    }
+
+    /// Whether the mesh has the tip of a needle, around which windows may wind more than once.
+    #[inline]
+    pub fn has_tip(&self) -> bool {
+        self.has_tip
     }
 
     /// Whether the face on either side of half-edge number `h` is thin.

@@ -49,8 +49,10 @@ impl ThinFaces {
     /// The thin faces of `mesh`. `number` gives the number of each half-edge, which is less than
     /// `numbers`. O(faces).
     pub fn of(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
-        let mut thin = Self::default();
-        thin.has_tip = mesh.vertices().any(|v| is_tip(mesh, v));
+        let mut thin = Self {
+            has_tip: mesh.vertices().any(|v| is_tip(mesh, v)),
+            ..Self::default()
+        };
         let limit = if thin.has_tip { THIN_AROUND_TIPS } else { THIN };
         // Some rounding slack: the faces are selected by another formula.
         if mesh.least_relative_height() > 1.001 * limit {

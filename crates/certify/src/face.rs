@@ -30,8 +30,8 @@ pub(crate) struct ChainLink {
 /// Let u be 2^-53, half a unit in the last place of 1. Lengths, cosines and sines are the middles
 /// of intervals of at most 20 operations: right to 40 u. An image in the frame of another side is
 /// at most 4 times the size from its origin, and comes from 7 operations and these factors: it is
-/// right to 300 u of the size. A distance to an image of given coordinates is right to 4 u of it, and
-/// differences and tangents add a few more. All that is below 1000 u, or 1.2e-13.
+/// right to 300 u of the size. A distance to an image of given coordinates is right to 4 u of it,
+/// and differences and tangents add a few more. The sum is below 1000 u, or 1.2e-13.
 const MARGIN: f64 = 1e-11;
 
 /// Sizes of faces between which no square overflows, or loses what the margin does not cover.
@@ -200,7 +200,7 @@ struct Across<'a> {
     skips_bends: bool,
 }
 
-/// What is known of the ways that leave one piece: each found when it is needed.
+/// The ways that leave one piece. Each is computed when it is first needed.
 struct FromPiece<'a> {
     index: usize,
     piece: &'a SidePiece,
@@ -297,8 +297,8 @@ impl Across<'_> {
         self.connect(from, other, upper, links);
     }
 
-    /// How far `other` is above the distances by ways from a piece, at most. `found` is how far `other` is above each of the
-    /// three reaches, but for rounding.
+    /// How far `other` is above the distances by ways from a piece, at most. `found` is how far
+    /// `other` is above each of the three reaches, but for rounding.
     fn exact_excess(
         &mut self,
         from: &mut FromPiece<'_>,

@@ -30,11 +30,11 @@ pub enum Removal {
 /// prefetched.
 const PERIOD: u32 = 32;
 
-/// How many faces ahead a face is prefetched, and how many ahead what is kept of its edges and
+/// How many faces ahead a face is prefetched, and how many ahead the data of its edges and
 /// vertices.
 const AHEAD: [usize; 2] = [8, 4];
 
-/// What is known of a face.
+/// The state of a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum State {
     /// Windows may still improve it.

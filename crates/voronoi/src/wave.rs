@@ -263,9 +263,9 @@ impl Wave {
         }
     }
 
-    /// The windows of `batch` arrive at `h`, of length `l` and with twin `twin`, in ascending order. Returns of
-    /// how many something is left. All that are left are announced by one arrival, unless windows
-    /// cross there [one by one](ThinFaces).
+    /// Stores the windows of `batch`, in ascending order, on `h`, which has length `l` and the twin
+    /// `twin`. Returns the number of windows of which a part is stored. They are queued as one
+    /// arrival, unless windows cross there [one by one](ThinFaces).
     fn arrive_all<P: Probe>(
         &mut self,
         h: HalfEdgeId,

@@ -5,7 +5,7 @@ use geobench_window::trimming::ties_between;
 
 use crate::precision::WINS;
 
-/// What is left of a window: up to three pieces, from left to right.
+/// The rest of a window: up to three pieces, from left to right.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pieces {
     windows: [Window; 3],

@@ -190,15 +190,15 @@ pub(crate) fn entry(offset: f64, height: f64, px: f64, l: f64) -> f64 {
     }
 }
 
-/// The length of a path to an apex that crosses its half-edge at `entry`, where a window tells `d`.
-/// The half-edge is `l` long; `ends` are the distances of its tail and head, and `sides` how far
-/// these are from the apex.
+/// The length of the path to an apex that crosses its half-edge at `entry`. By its window the length
+/// is `d`. The half-edge is `l` long; `ends` are the distances of its tail and its head, `sides` the
+/// distances from these to the apex.
 ///
-/// A path through one of the two vertices is no shorter than the distance there, which has been
-/// offered before a window came to this half-edge. But a window places its source to some ulps of
-/// the half-edge, which is coarse where that is far longer than all distances around: the path may
-/// come out shorter than the distance of the vertex, which shorter edges have told better. Then it
-/// is that distance and the edge from there.
+/// A path through one of the two vertices is no shorter than the distance of the vertex plus the
+/// side from there. A window places its source to some ulps of the half-edge. If the half-edge is
+/// far longer than all distances around, this error is not small beside them, and `d` may be less
+/// than the distance of the vertex, which comes from shorter edges and is more exact. Then the
+/// length is that distance plus the side, if they exceed `d` by no more than the error.
 ///
 /// ```
 /// use geobench_window::length_past_end;
@@ -207,9 +207,10 @@ pub(crate) fn entry(offset: f64, height: f64, px: f64, l: f64) -> f64 {
 /// let (d, tail) = (0.99999997e-9, 1e-9);
 /// let sides = [1e-17, 1.0];
 /// assert_eq!(length_past_end(d, 0.0, 1.0, [tail, 1.0], sides), 1e-9 + 1e-17);
-/// // A path that does not pass the tip, and one whose difference is not of rounding.
+/// // A path that does not pass the tip, and two whose difference is not of rounding.
 /// assert_eq!(length_past_end(d, 0.1, 1.0, [tail, 1.0], sides), d);
 /// assert_eq!(length_past_end(d, 0.0, 1.0, [2e-9, 1.0], sides), d);
+/// assert_eq!(length_past_end(d, 0.0, 1.0, [tail, 1.0], [1e-9, 1.0]), d);
 /// ```
 #[inline]
 pub fn length_past_end(d: f64, entry: f64, l: f64, ends: [f64; 2], sides: [f64; 2]) -> f64 {
@@ -220,9 +221,9 @@ pub fn length_past_end(d: f64, entry: f64, l: f64, ends: [f64; 2], sides: [f64; 
     } else {
         return d;
     };
-    let excess = ends[end] - d;
-    if excess > 0.0 && excess <= PLACE * l {
-        ends[end] + sides[end]
+    let length = ends[end] + sides[end];
+    if ends[end] > d && length - d <= PLACE * l {
+        length
     } else {
         d
     }

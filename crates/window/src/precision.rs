@@ -76,11 +76,11 @@
 //!
 //! A position on a side of length L is a multiple of ε·L. A bent path through an end of the side is
 //! compared with the distance of that vertex, which shorter edges give more exactly
-//! ([`length_past_end`](crate::length_past_end)); other paths have no such help. Where all distances are far less than L,
-//! an error of ε·L is not small beside them. No order of operations helps, because the abscissa
-//! itself is rounded. The same holds where one distance is less than what a path accumulates across
-//! many such faces: [`PLACE`]·L on each where windows are equal. [`doubt`] finds these faces and
-//! bounds the error.
+//! ([`length_past_end`](crate::length_past_end)). Other paths have no such help. Where all distances
+//! are far less than L, an error of ε·L is not small beside them. No order of operations helps,
+//! because the abscissa itself is rounded. The same holds where one distance is less than what a
+//! path accumulates across many such faces: [`PLACE`]·L on each where windows are equal. [`doubt`]
+//! finds these faces and bounds the error.
 //!
 //! # Termination in reasonable time
 //!

@@ -229,8 +229,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// `d`, the length of the path of `window` to the apex of `h`, beside needles
-    /// [as the ends of `h` tell it](length_past_end).
+    /// [`length_past_end`] for the path of `window` to the apex of `h`, which has length `d` by its
+    /// window.
     #[inline(always)]
     fn length_past_end(&self, h: HalfEdgeId, d: f64, window: impl Fn(&Self) -> Window) -> f64 {
         let [tail, head, _] = self.surface.faces().corners(h);

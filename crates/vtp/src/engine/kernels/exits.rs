@@ -147,8 +147,8 @@ impl BestPath {
         Self::new(entry, [px, py], size)
     }
 
-    /// The shortest path of `list` to the apex behind `gate` and its length, where windows tell that
-    /// it is that of window `best`, `distance` long; `sides` are the lengths of the other two edges
+    /// The shortest path of `list` to the apex behind `gate`, and its length. By the windows alone it
+    /// is that of window `best`, of length `distance`. `sides` are the lengths of the other two edges
     /// of the face.
     #[inline(always)]
     pub(crate) fn shortest(
@@ -158,7 +158,7 @@ impl BestPath {
         sides: impl Fn() -> [f64; 2],
     ) -> (Self, f64) {
         let path = Self::of(list, best, gate.apex, gate.l + distance);
-        // Past an end of the half-edge, and shorter than the distance there? Not but beside needles.
+        // Only beside needles is a path through an end shorter than the distance there.
         let past_tail = path.entry <= 0.0 && gate.ends[0] > distance;
         if past_tail || path.entry >= gate.l && gate.ends[1] > distance {
             let sides = sides();
@@ -169,7 +169,7 @@ impl BestPath {
         (path, distance)
     }
 
-    /// The same, once more, each length beside needles as the ends tell it.
+    /// As [`shortest`](Self::shortest), with the lengths of all windows by [`length_past_end`].
     #[cold]
     #[inline(never)]
     fn shortest_past_end(list: Columns<'_>, gate: &Gate, sides: [f64; 2]) -> (Self, f64) {

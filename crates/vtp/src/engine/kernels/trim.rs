@@ -64,8 +64,8 @@ pub(super) fn trim<L: Lanes>(
     (left, overlap & (a_parted | b_parted | disordered))
 }
 
-/// What is left of an interval with three consecutive ranges in it, of which those in `lost` are
-/// lost and some may be `empty`, and whether a lost range splits the interval.
+/// The rest of an interval with three consecutive ranges in it, of which those in `lost` are lost
+/// and some may be `empty`, and whether a lost range splits the interval.
 #[inline(always)]
 fn rest<L: Lanes>(
     [start, end]: [L; 2],

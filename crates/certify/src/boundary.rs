@@ -1,12 +1,13 @@
-//! Distances on boundary edges, across which solvers send no windows.
+//! Distances on boundary edges. Solvers store no windows there, because no face lies beyond.
 
 use geobench_mesh::{HalfEdgeId, Mesh};
 
 use crate::envelope::WindowData;
 
-/// What the corner opposite, and the windows that enter the face of `h` through each of its other
-/// sides, give on the edge of `h`, in the frame of `h`. Rounding is no concern: a proof holds for any
-/// windows.
+/// Windows that reach boundary edge `h` from inside its face, in the frame of `h`: one from the
+/// opposite corner, as a pseudo-source, and those that enter the face through its other two sides
+/// and leave it through `h`. Plain floating-point arithmetic suffices, because the proof assumes
+/// nothing about windows.
 pub(crate) fn windows_from_inside<W>(
     mesh: &Mesh,
     h: HalfEdgeId,
@@ -24,7 +25,7 @@ where
     }];
     let mut through = |side: HalfEdgeId| {
         let (apex, end) = (mesh.apex(side), [mesh.length(side), 0.0]);
-        // The edge of `h` in the frame of `side`.
+        // The ends of the edge of `h` in the frame of `side`.
         let follows = side.next() == h;
         let (tail, head) = if follows {
             (end, apex)
@@ -36,11 +37,11 @@ where
         let leave = |window: WindowData| {
             let image = [window.image[0], -window.image[1].abs()];
             let offset = minus(image, tail);
-            // Where the ray through an end of the window leaves the face, as a part of the edge.
+            // The abscissa on `h` at which the ray through point `b` of `side` leaves the face.
             let exit = |b: f64| {
                 let ray = minus([b, 0.0], image);
                 let [start, end] = [tail, head].map(|point| cross(ray, minus(point, image)));
-                // The end that both sides share is never beyond the ray, whatever rounding says.
+                // The corner that both sides share cannot lie beyond the ray, except by rounding.
                 let (start, end) = if follows {
                     (start.min(0.0), end)
                 } else {

@@ -1,21 +1,21 @@
-//! How errors add up along chains of ways across faces.
+//! Sums of violations along chains of links.
 
 use geobench_mesh::FaceId;
 
 use crate::face::ChainLink;
 
-/// The greatest sum of losses on chains of ways that end in each node.
+/// For each node, the greatest sum of violations on a chain of links that ends in it.
 ///
-/// Node `n` loses `own[n]` when a chain passes it, and each face what `in_face` has for it. A chain
-/// passes a face once and a node in a row once. Nodes that lie on a cycle of ways lose together what
-/// all of them and all the faces between them may lose.
+/// A chain that passes node `n` adds `own[n]`. A chain that crosses face `f` adds `in_face[f]`. A
+/// chain crosses each face once, and passes each node in one run. On a cycle the order is unknown,
+/// so all nodes of a strongly connected component, and all faces between them, add up.
 pub(crate) fn greatest_sums(own: &[f64], ways: &[ChainLink], in_face: &[f64]) -> Vec<f64> {
     let graph = Graph::new(own.len(), ways);
     let (component, order) = graph.components();
     let count = order
         .last()
         .map_or(0, |&n| component[n as usize] as usize + 1);
-    // Of each component: what its nodes and the faces inside lose.
+    // The sum of each component: of its nodes, and of the faces that its inner links cross.
     let mut loss = vec![0.0; count];
     for (n, &lost) in own.iter().enumerate() {
         loss[component[n] as usize] += lost;
@@ -30,7 +30,7 @@ pub(crate) fn greatest_sums(own: &[f64], ways: &[ChainLink], in_face: &[f64]) ->
     for (component, face) in inside {
         loss[component as usize] += in_face[face as usize];
     }
-    // Components are numbered from the ends of chains to their beginnings.
+    // Component numbers grow from the ends of chains to their beginnings.
     let mut before = vec![0.0_f64; count];
     for n in order.into_iter().rev() {
         let here = component[n as usize] as usize;
@@ -46,13 +46,13 @@ pub(crate) fn greatest_sums(own: &[f64], ways: &[ChainLink], in_face: &[f64]) ->
     component.iter().map(sum).collect()
 }
 
-/// The ways from each node.
+/// The outgoing links of each node.
 struct Graph {
     starts: Vec<usize>,
     ways: Vec<OutLink>,
 }
 
-/// Where a way leads, and across which face.
+/// The target of a link, and the face that it crosses.
 #[derive(Clone, Copy)]
 struct OutLink {
     to: u32,
@@ -60,7 +60,7 @@ struct OutLink {
 }
 
 impl Graph {
-    /// O(nodes + ways): a counting sort.
+    /// Counting sort by the node that a link leaves. O(nodes + links).
     fn new(nodes: usize, ways: &[ChainLink]) -> Self {
         let mut starts = vec![0; nodes + 1];
         for way in ways {
@@ -76,7 +76,7 @@ impl Graph {
             face: FaceId::new(0),
         };
         let mut sorted = vec![none; ways.len()];
-        // From the end of each node's ways to their start.
+        // Fills the range of each node from its end to its start.
         for way in ways.iter().rev() {
             let start = &mut starts[way.from as usize];
             *start -= 1;
@@ -95,18 +95,18 @@ impl Graph {
         &self.ways[self.starts[n as usize]..self.starts[n as usize + 1]]
     }
 
-    /// The strongly connected component of each node (R. Tarjan, 1972), and the nodes in the order of
-    /// their components. Ways lead to components of the same number or a less one.
+    /// The strongly connected component of each node (R. Tarjan, 1972), and the nodes in the order
+    /// of their components. A link leads to a component with the same or a lower number.
     fn components(&self) -> (Vec<u32>, Vec<u32>) {
         const NONE: u32 = u32::MAX;
         let nodes = self.starts.len() - 1;
         let mut component = vec![NONE; nodes];
         let mut order = Vec::with_capacity(nodes);
-        // The order in which nodes are met, and the first met that each can come back to.
+        // Tarjan's index of each node in order of discovery, and its low-link.
         let (mut met, mut low) = (vec![NONE; nodes], vec![0; nodes]);
         let (mut next_met, mut next_component) = (0, 0);
         let mut open: Vec<u32> = Vec::new();
-        // Nodes under way, each with the number of ways that are done.
+        // The depth-first stack: each node with the number of its links that are done.
         let mut path: Vec<(u32, usize)> = Vec::new();
         for root in 0..nodes as u32 {
             if met[root as usize] != NONE {
@@ -124,7 +124,8 @@ impl Graph {
                 if let Some(way) = self.of(n).get(done) {
                     let to = way.to as usize;
                     if met[to] == NONE {
-                        // Come back to this way when it is done; its node is met by then.
+                        // Looks at this link again after the target is done. The target then has an
+                        // index.
                         path.push((n, done + 1));
                         path.push((way.to, 0));
                         continue;
@@ -184,7 +185,8 @@ mod tests {
         assert_eq!(sums, [3.25, 3.25, 7.25]);
     }
 
-    /// The greatest sum on a chain from `n` backwards, each face once.
+    /// Reference by exhaustive search: the greatest sum on a chain that ends in `n`, each face
+    /// once.
     fn greatest(n: u32, ways: &[ChainLink], in_face: &[f64], used: u32) -> f64 {
         let before = ways.iter().filter(|way| way.to == n);
         let unused = before.filter(|way| used & (1 << way.face.raw()) == 0);

@@ -1,22 +1,22 @@
-//! The greatest difference of two distances along a line.
+//! Upper bounds of the difference of two distance functions on a line.
 
 use crate::interval::{Interval, IntervalVector, greater, lesser, norm};
 
-/// A function of the points of a line, the abscissa axis: `sigma` plus the distance to `image`.
+/// A distance function on a line, the abscissa axis: `sigma` plus the distance to `image`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Distance {
-    /// A point of the plane; the sign of its ordinate does not matter.
+    /// A point of the plane. The sign of its ordinate does not matter.
     pub(crate) image: IntervalVector<2>,
     pub(crate) sigma: Interval,
 }
 
 impl Distance {
-    /// Its value at abscissa `t`.
+    /// The value at abscissa `t`.
     pub(crate) fn at(&self, t: Interval) -> Interval {
         self.sigma + norm([t - self.image[0], self.image[1]])
     }
 
-    /// About the same in numbers.
+    /// The same function in rounded arithmetic, up to rounding.
     pub(crate) fn rounded(&self) -> Rounded {
         Rounded {
             image: self.image.map(Interval::middle),
@@ -24,14 +24,14 @@ impl Distance {
         }
     }
 
-    /// The abscissa `t` from its image, and the distance to that.
+    /// The abscissa of `t` relative to the image, and the distance from the image to `t`.
     fn way(&self, t: f64) -> [Interval; 2] {
         let x = Interval::exact(t) - self.image[0];
         [x, norm([x, self.image[1]])]
     }
 }
 
-/// The slope of a distance where its way is this, between -1 and 1.
+/// The slope of a distance function, given the result of [`Distance::way`]; between -1 and 1.
 fn slope([x, way]: [Interval; 2]) -> Interval {
     let quotient = x / way;
     Interval {
@@ -52,55 +52,58 @@ impl Rounded {
         self.sigma + self.way(t)[1]
     }
 
-    /// The abscissa `t` from its image, and the distance to that.
+    /// As [`Distance::way`].
     fn way(&self, t: f64) -> [f64; 2] {
         let [x, y] = [t - self.image[0], self.image[1]];
         [x, (x * x + y * y).sqrt()]
     }
 
-    /// 0 at its image.
+    /// The slope at abscissa `t`; 0 at the image.
     pub(crate) fn slope(&self, t: f64) -> f64 {
         let [x, way] = self.way(t);
         if way > 0.0 { x / way } else { 0.0 }
     }
 
-    /// Its value at abscissa `t`, and its slope there. The line of both is nowhere above it, but for
-    /// rounding.
+    /// The value and the slope at abscissa `t`. The function is convex, so it lies nowhere below
+    /// this tangent, except by rounding.
     pub(crate) fn tangent(&self, t: f64) -> [f64; 2] {
         let [x, way] = self.way(t);
         [self.sigma + way, if way > 0.0 { x / way } else { 0.0 }]
     }
 
-    /// The distance of the images on one side of the line, and of the sigmas: no difference of both
-    /// is more.
+    /// An upper bound of the difference to `other` on the whole line, by the triangle inequality:
+    /// the difference of the sigmas plus the distance between the images, reflected to one side of
+    /// the line.
     pub(crate) fn peak(&self, other: &Self) -> f64 {
         let x = self.image[0] - other.image[0];
         let y = self.image[1].abs() - other.image[1].abs();
         self.sigma - other.sigma + (x * x + y * y).sqrt()
     }
 
-    /// An upper bound of its difference to `other` over `from <= t <= to`, but for rounding and twice
+    /// An upper bound of the difference to `other` over `from <= t <= to`, up to rounding and twice
     /// the length `tiny`.
     pub(crate) fn excess(&self, other: &Self, from: f64, to: f64, tiny: f64) -> f64 {
         let ways = [from, to].map(|t| [self.way(t), other.way(t)]);
         let sigma = self.sigma - other.sigma;
         let [first, last] = ways.map(|[ours, theirs]| sigma + (ours[1] - theirs[1]));
         let at_ends = greater(first, last);
-        // Beside an image a distance has the slope 1, but for a part as short as the way there.
+        // An image within `tiny` of an end has no reliable slope there. Inside the interval the
+        // slope is 1 or -1, except on a part no longer than `tiny`.
         let slope = |[x, way]: [f64; 2], otherwise| if way > tiny { x / way } else { otherwise };
         let rises = slope(ways[0][0], 1.0) - slope(ways[0][1], 1.0);
         let falls = slope(ways[1][0], -1.0) - slope(ways[1][1], -1.0);
-        // See `greatest_difference`.
+        // See [`greatest_difference`].
         if rises <= 0.0 || falls >= 0.0 {
             return at_ends;
         }
-        // Both change by at most the way along the line.
+        // Both functions are 1-Lipschitz, so their difference is 2-Lipschitz.
         let roughly = first / 2.0 + last / 2.0 + (to - from);
         greater(lesser(self.peak(other), roughly), at_ends)
     }
 }
 
-/// An upper bound of a distance on a part of the line: a line through these values at its ends.
+/// An upper bound of a distance function on an interval of the line: the linear function with the
+/// values `at_ends` at its ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Chord {
     pub(crate) middle: f64,
@@ -117,18 +120,20 @@ impl Chord {
         }
     }
 
-    /// Whether the distance from its middle to the image is more than its length.
+    /// Whether the distance from the middle of the interval to the image exceeds the interval's
+    /// length.
     pub(crate) fn is_shorter_than_way(&self, distance: &Rounded) -> bool {
         let [x, y] = [self.middle - distance.image[0], distance.image[1]];
         x * x + y * y > 4.0 * self.half * self.half
     }
 
-    /// Whether it is everywhere less than `distance` by more than `clear`.
+    /// Whether the chord is everywhere less than `distance` by more than `clear`.
     ///
-    /// A distance is convex, so it is nowhere below its tangent in the middle, and a line is below
-    /// another where it is at both ends. With the way w from the image to the middle, x its part
-    /// along the line, and h half the length, that says `a + x/w h < sigma + w` at one end and
-    /// `b - x/w h < sigma + w` at the other; it is tested multiplied by w. Where w is 0 it is never so.
+    /// A distance function is convex, so it lies nowhere below its tangent in the middle of the
+    /// interval. The chord is below the tangent if it is at both ends. Let w be the distance from
+    /// the image to the middle, x its component along the line, h half the length of the interval,
+    /// and a and b the values of the chord at the ends. The conditions are `a + x/w h < sigma + w`
+    /// and `b - x/w h < sigma + w`, here multiplied by w. They are never met if w is 0.
     pub(crate) fn is_below(&self, distance: &Rounded, clear: f64) -> bool {
         let [x, y] = [self.middle - distance.image[0], distance.image[1]];
         let square = x * x + y * y;
@@ -142,25 +147,25 @@ impl Chord {
 
 /// An upper bound of `f(t) - g(t)` over `from <= t <= to`.
 ///
-/// The difference has at most one critical point: where the line through both images, reflected to
-/// one side, meets the axis. It is a maximum, the distance of the images, where the slope of the
-/// difference goes from positive to negative.
+/// The difference has at most one critical point, where the line through both images, reflected to
+/// one side, meets the axis. There it is [`peak`]. This is a maximum if the slope of the difference
+/// changes from positive to negative.
 pub(crate) fn greatest_difference(f: &Distance, g: &Distance, from: f64, to: f64) -> f64 {
     bound(f, g, from, to, &mut { BISECTIONS })
 }
 
-/// Intervals that are bisected where signs of slopes are in doubt.
+/// Greatest number of bisections of intervals on which the signs of the slopes are uncertain.
 const BISECTIONS: u32 = 100;
 
-/// A bound this close to the value at an end, as a fraction of the distances, is not improved.
+/// A bound within this fraction of the distances of the value at an end is not improved.
 pub(crate) const CLOSE: f64 = 2e-15;
 
 fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -> f64 {
     let ways = |t| [f.way(t), g.way(t)];
     let values = |[of_f, of_g]: [[Interval; 2]; 2]| [f.sigma + of_f[1], g.sigma + of_g[1]];
-    // It only decides how good a bound has to be: rounding does not matter.
+    // Rounding is harmless here: `close` only decides when a bound is good enough.
     let close = CLOSE * (f.rounded().at(from) + g.rounded().at(from));
-    // Both change by at most the way along the line.
+    // Both functions are 1-Lipschitz, so their difference is 2-Lipschitz.
     let change = (2.0 * (to - from).max(0.0)).next_up();
     let is_point = change <= close / 8.0;
     let peak = peak(f, g);
@@ -182,14 +187,15 @@ fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -
     let ways = [first, last];
     let [[f0, g0], [f1, g1]] = ways.map(|ways| ways.map(slope));
     let (rises, falls) = (f0 - g0, f1 - g1);
-    // There is one critical point at most: monotone, or with a minimum between.
+    // There is at most one critical point. The difference is monotone, or it has a minimum inside.
     if falls.lo >= 0.0 || rises.hi <= 0.0 {
         return at_ends;
     }
     if rises.lo > 0.0 && falls.hi < 0.0 {
         return peak;
     }
-    // Slopes of distances grow along the line.
+    // Slopes of distance functions increase along the line. So the difference rises from `from`,
+    // and falls to `to`, with at most these slopes.
     let width = Interval::exact(to) - Interval::exact(from);
     let up = Interval::exact((f1 - g0).hi.max(0.0));
     let down = Interval::exact((g1 - f0).hi.max(0.0));
@@ -208,7 +214,7 @@ fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -
         .fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The distance of the images on one side of the line, and of the sigmas: no difference is more.
+/// As [`Rounded::peak`].
 pub(crate) fn peak(f: &Distance, g: &Distance) -> f64 {
     let x = f.image[0] - g.image[0];
     let y = f.image[1].abs() - g.image[1].abs();
@@ -262,7 +268,7 @@ mod tests {
 
     #[test]
     fn a_single_point_has_no_peak() {
-        // The images are far apart, and both distances are the same at 0.25.
+        // The images are far apart, and both functions have the same value at 0.25.
         let (f, g) = (distance(0.25, 3.0, 0.0), distance(0.25, 1.0, 2.0));
         assert!(greatest_difference(&f, &g, 0.25, 0.25) < 1e-14);
         let g = distance(3.25, 4.0, -2.0);
@@ -271,7 +277,7 @@ mod tests {
 
     #[test]
     fn a_peak_between_the_ends_is_found() {
-        // Two sources above each other: the difference is greatest at the foot.
+        // One source above the other: the difference is greatest at their common foot.
         let (far, near) = (distance(0.5, 2.0, 0.0), distance(0.5, 1.0, 1.0));
         let found = greatest_difference(&far, &near, 0.0, 1.0);
         assert!(found.abs() < 1e-14, "{found}");

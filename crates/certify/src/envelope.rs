@@ -1,8 +1,9 @@
-//! The lower envelope of all windows of an edge: a distance for each of its points.
+//! The lower envelope of the windows of an edge: the distance of each of its points.
 
 use crate::interval::lesser;
 
-/// A window as a solver reports it, in the frame of its half-edge: abscissas run from its tail.
+/// A window as a solver reports it, in the frame of its half-edge. The tail is the origin, the
+/// abscissa runs along the half-edge, and units are those of the mesh.
 ///
 /// ```
 /// use geobench_certify::{Claim, WindowData};
@@ -25,16 +26,16 @@ use crate::interval::lesser;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowData {
-    /// Where the window begins and ends.
+    /// The abscissas at which the window begins and ends.
     pub interval: [f64; 2],
-    /// The image of its source in the plane of the half-edge. The sign of the ordinate does not
-    /// matter.
+    /// The image of its source, or pseudo-source, in the plane of the half-edge. The sign of the
+    /// ordinate does not matter.
     pub image: [f64; 2],
-    /// The distance of the source of the window from the source of the field.
+    /// The distance of the pseudo-source from the nearest source; 0 for a window of a source.
     pub sigma: f64,
 }
 
-/// A distance along an edge: `sigma` plus the distance to the image, valid on an interval.
+/// A distance function along an edge, `sigma` plus the distance to the image, valid on an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EnvelopePiece {
     pub(crate) from: f64,
@@ -49,7 +50,7 @@ impl EnvelopePiece {
         self.sigma + ((t - x) * (t - x) + y * y).sqrt()
     }
 
-    /// Its value, and its slope: not a number at the image.
+    /// The value and the slope; the slope is NaN at the image.
     fn at_with_slope(&self, t: f64) -> [f64; 2] {
         let [x, y] = [t - self.image[0], self.image[1]];
         let way = (x * x + y * y).sqrt();
@@ -65,12 +66,13 @@ impl EnvelopePiece {
     }
 }
 
-/// Pieces cover gaps beside them up to this fraction of the edge and the distance: rounding leaves
-/// gaps between windows, and solvers drop splinters, which are wider where sources are far.
+/// A piece also covers gaps next to it up to this fraction of edge length plus distance. Rounding
+/// leaves gaps between windows, and solvers drop very narrow windows, which are wider far from the
+/// source.
 const GAP: f64 = 3e-8;
 
-/// A window of a half-edge of this length as a piece, turned if the canonical half-edge of the
-/// edge is the twin.
+/// Converts a window of a half-edge of this length to a piece. With `turned`, the canonical
+/// half-edge of the edge is the twin.
 pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> EnvelopePiece {
     let [b0, b1] = window.interval;
     let [x, y] = window.image;
@@ -87,25 +89,26 @@ pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> EnvelopeP
     }
 }
 
-/// Finds lower envelopes one after another.
+/// Builds lower envelopes. Keeps its buffers between calls.
 #[derive(Default)]
 pub(crate) struct EnvelopeBuilder {
-    /// Where pieces begin and end, or have kinks.
+    /// Sorted abscissas at which a piece begins, ends or has a kink.
     cuts: Vec<f64>,
-    /// The pieces between two cuts that may be least there, each with its value in the middle.
+    /// The pieces that can be least between two cuts, each with its value in the middle.
     here: Vec<(EnvelopePiece, f64)>,
-    /// Their values and slopes at both cuts.
+    /// The values and slopes of these pieces at both cuts.
     at_ends: Vec<[[f64; 2]; 2]>,
-    /// Where two of them are equal.
+    /// Sorted abscissas at which two of these pieces are equal.
     meetings: Vec<f64>,
 }
 
 impl EnvelopeBuilder {
-    /// Appends the lower envelope of `pieces`, some of which cover all of an edge of this length:
-    /// pieces in their order, each beginning where the one before ends, from 0 to `length`.
+    /// Appends the lower envelope of `pieces` on an edge of this length. At least one of `pieces`
+    /// must cover the whole edge. The appended pieces are sorted and cover the edge without gaps,
+    /// from 0 to `length`.
     ///
-    /// Rounding may misplace a change of pieces by a few units in the last place. A certificate does
-    /// not rely on it: it measures the jump there.
+    /// Rounding may misplace a boundary between two pieces by a few units in the last place. The
+    /// proof allows for it: it measures the jump at the boundary.
     pub(crate) fn lower_envelope(
         &mut self,
         pieces: &[EnvelopePiece],
@@ -135,7 +138,8 @@ impl EnvelopeBuilder {
                     self.here.push((*piece, value));
                 }
             }
-            // A function that is above another by more than both can change is nowhere least.
+            // Both functions are 1-Lipschitz. One that is above the least by more than both can
+            // change on the interval is nowhere the least.
             let most = least + (to - from) * (1.0 + 1e-12);
             self.here.retain(|(_, value)| *value <= most);
             if let [(only, _)] = &self.here[..] {
@@ -154,7 +158,7 @@ impl EnvelopeBuilder {
         }
     }
 
-    /// Sets the cuts to those of these pieces.
+    /// Sets `cuts` for these pieces.
     fn set_cuts(&mut self, pieces: &[EnvelopePiece], length: f64) {
         let cuts = &mut self.cuts;
         cuts.clear();
@@ -167,7 +171,7 @@ impl EnvelopeBuilder {
         for piece in pieces {
             cut(piece.from);
             cut(piece.to);
-            // Where a distance has a kink it may leave another with which it agrees on one side.
+            // Two functions can agree on one side of a kink and differ on the other.
             if piece.image[1] < 1e-6 * length {
                 cut(piece.image[0]);
             }
@@ -177,7 +181,8 @@ impl EnvelopeBuilder {
         cuts.dedup();
     }
 
-    /// Sets the meetings to those of the pieces between two cuts, and the cuts.
+    /// Sets `meetings` to both cuts and the abscissas between them at which two pieces of `here`
+    /// are equal.
     fn set_meetings(&mut self, from: f64, to: f64) {
         let (here, at_ends, meetings) = (&self.here, &mut self.at_ends, &mut self.meetings);
         at_ends.clear();
@@ -201,9 +206,9 @@ impl EnvelopeBuilder {
     }
 }
 
-/// Whether two functions with these values and slopes at the ends of an interval are equal nowhere
-/// between: one is less at both ends, and their difference, which has one critical point at most,
-/// has none there. In doubt they are not apart.
+/// Whether two functions with these values and slopes at the ends of an interval are certainly
+/// equal nowhere between. One must be less at both ends, and their difference, which has at most
+/// one critical point, must have none in between. Returns false in doubt.
 fn stay_apart(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> bool {
     let [first, last] = [0, 1].map(|end| a[end][0] - b[end][0]);
     let [rises, falls] = [0, 1].map(|end| a[end][1] - b[end][1]);
@@ -212,12 +217,12 @@ fn stay_apart(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> bool {
     are_apart && rises.abs().min(falls.abs()) > 1e-9 && rises * falls > 0.0
 }
 
-/// Where two functions are equal, at most two abscissas; also where their distances add up to the
-/// difference of their sigmas, which does no harm to an envelope. NaN or infinite where there are
-/// fewer.
+/// The abscissas at which two functions are equal: at most two, else NaN or infinity. They can
+/// include a point at which the sum of the distances to the images, and not their difference, is
+/// the difference of the sigmas. An extra point is harmless for an envelope.
 fn crossings(a: &EnvelopePiece, b: &EnvelopePiece) -> [f64; 2] {
-    // With X the abscissa from the middle m of both images: ra² - rb² = k X + c, and
-    // ra - rb = d gives 2 rb d = k X + c - d².
+    // Let X be the abscissa relative to the midpoint m of both images, and ra and rb the distances
+    // to the images. Then ra² - rb² = k X + c, and ra - rb = d gives 2 rb d = k X + c - d².
     let d = b.sigma - a.sigma;
     let m = f64::midpoint(a.image[0], b.image[0]);
     let half = (b.image[0] - a.image[0]) / 2.0;
@@ -231,7 +236,7 @@ fn crossings(a: &EnvelopePiece, b: &EnvelopePiece) -> [f64; 2] {
     let mut roots = quadratic_roots(q2, q1, q0);
     for x in &mut roots {
         *x += m;
-        // Newton's steps on the difference itself.
+        // Newton's method on the difference itself.
         for _ in 0..3 {
             let [a, b] = [a, b].map(|p| p.at_with_slope(*x));
             let step = (a[0] - b[0]) / (a[1] - b[1]);
@@ -247,11 +252,11 @@ fn crossings(a: &EnvelopePiece, b: &EnvelopePiece) -> [f64; 2] {
     roots
 }
 
-/// Not finite where there are fewer.
+/// The real roots of `a x² + b x + c`; a missing root is NaN or infinite.
 fn quadratic_roots(a: f64, b: f64, c: f64) -> [f64; 2] {
     let discriminant = b * b - 4.0 * a * c;
     if discriminant < 0.0 {
-        // A double root that rounding has lost.
+        // Rounding has made the discriminant of a double root negative.
         return [-b / (2.0 * a), f64::NAN];
     }
     let q = -0.5 * (b + discriminant.sqrt().copysign(b));

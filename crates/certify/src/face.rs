@@ -1,7 +1,12 @@
-//! Whether a distance on the boundary of a face grows no faster than the way inside the face.
+//! The Lipschitz check of one face: upper bounds of `d(y) - d(x) - |xy|` for its boundary points.
 //!
-//! Rounded arithmetic sorts out pairs of pieces that are far from it, by a margin ten thousand times
-//! its error. All that is left is computed in interval arithmetic.
+//! Let x range over an envelope piece on one side. The least `d(x) + |xy|` is a function of the
+//! point y on another side. It has three parts ([`Reaches`]). Where the segment from the image of
+//! the piece to y crosses the piece, the path is *straight*. On either side of this part, the path
+//! is *bent*: it turns at an end of the piece.
+//!
+//! Pairs of pieces that clearly satisfy the condition are accepted in rounded arithmetic, with a
+//! margin of about 90 times its error bound. All others are compared in interval arithmetic.
 
 use geobench_mesh::{FaceId, HalfEdgeId};
 
@@ -10,58 +15,62 @@ use crate::field::{EdgeField, ExactPiece, FaceSide, SidePiece, canonical};
 use crate::interval::{Interval, greater, lesser};
 use crate::shape::{Border, FaceShape, Reaches, RoundedTransform, SideTransform, excess};
 
-/// A way across a face that a shortest path may take.
+/// A link of a chain: segments across a face between two nodes, of which a shortest path may take
+/// one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChainLink {
-    /// The node that it leaves: a piece, or a vertex with all points near it.
+    /// The node that it leaves: a piece, or a vertex with its neighbourhood.
     pub(crate) from: u32,
-    /// The node to which it comes.
+    /// The node at which it arrives.
     pub(crate) to: u32,
     pub(crate) face: FaceId,
-    /// At least `d(y) - d(x) - |xy|` for the points x and y of the two nodes.
+    /// An upper bound of `d(y) - d(x) - |xy|` for the points x and y of the two nodes; minus the
+    /// detour.
     pub(crate) excess: f32,
 }
 
-/// Rounded arithmetic is right to this part of the *size* of a face, the greatest distance on its
-/// sides and their lengths.
+/// More than the error of rounded arithmetic, as a fraction of the *size* of a face. The size is
+/// the greatest distance on its sides plus their lengths.
 ///
-/// Windows have sigmas that are not negative. So the distance between an image and a point of the
-/// side is at most that point's distance, and both coordinates of the image are at most the size.
-/// Let u be 2^-53, half a unit in the last place of 1. Lengths, cosines and sines are the middles
-/// of intervals of at most 20 operations: right to 40 u. An image in the frame of another side is
-/// at most 4 times the size from its origin, and comes from 7 operations and these factors: it is
-/// right to 300 u of the size. A distance to an image of given coordinates is right to 4 u of it,
-/// and differences and tangents add a few more. The sum is below 1000 u, or 1.2e-13.
+/// Windows have non-negative sigmas. So the distance between an image and a point of the side is at
+/// most the distance of the point, and both coordinates of the image are at most the size. Let u be
+/// 2^-53, half a unit in the last place of 1. Lengths, cosines and sines are the middles of
+/// intervals from at most 20 operations; their error is at most 40 u. An image in the frame of
+/// another side is at most 4 times the size from the origin, and results from 7 operations with
+/// these factors; its error is at most 300 u of the size. A distance to a given image has an error
+/// of at most 4 u of it. Differences and tangents add a few more. The sum is below 1000 u, or
+/// 1.2e-13.
 const MARGIN: f64 = 1e-11;
 
-/// Sizes of faces between which no square overflows, or loses what the margin does not cover.
+/// Sizes of faces for which no square overflows, or underflows by more than the margin covers.
 const SIZES: std::ops::Range<f64> = 1e-130..1e130;
 
-/// The most links that are kept, 16 bytes each. Errors on more of them are added up by distance.
+/// The greatest number of links that are kept, 16 bytes each. With more, violations are added up by
+/// distance instead of along chains.
 pub(crate) const MOST_LINKS: usize = 1 << 26;
 
-/// Ways as short as this part of the margin have no direction.
+/// Vectors shorter than this fraction of the margin have no reliable direction.
 const TINY: f64 = 0.1;
 
-/// The points this near to a vertex, in lengths of its shortest edge, are one node with it: around a
-/// vertex there are ways of almost no length in all directions.
+/// The radius of the neighbourhood of a vertex, as a fraction of its shortest edge. The points in
+/// it form one node with the vertex, because segments of almost no length lead around it in all
+/// directions.
 const NEAR_VERTEX: f64 = 0.01;
 
-/// Checks faces one after another.
+/// Checks faces one after another. Keeps its buffers.
 pub(crate) struct Checker<'a> {
     field: &'a EdgeField<'a>,
-    /// How far from each vertex points are one node with it.
+    /// The radius of the neighbourhood of each vertex.
     radii: Vec<f64>,
-    /// Ways that are too long by more than this are left out.
+    /// Links with a detour above this are left out.
     clear: f64,
-    /// The ways that are left, up to [`MOST_LINKS`] and those of one face more.
+    /// The remaining links. One more than [`MOST_LINKS`] means that others were dropped.
     pub(crate) links: Vec<ChainLink>,
     sides: [FaceSide; 3],
 }
 
 impl<'a> Checker<'a> {
-    /// For the pieces of `field`; ways that are longer than the distance by more than `clear` are
-    /// left out.
+    /// A checker for the pieces of `field`, which leaves out links with a detour above `clear`.
     pub(crate) fn new(field: &'a EdgeField<'a>, clear: f64) -> Self {
         let mut radii = vec![f64::INFINITY; field.mesh.vertex_count()];
         for h in field.mesh.half_edges() {
@@ -79,8 +88,8 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// An upper bound of `d(y) - d(x) - |xy|` over all points x and y of the boundary of `face`,
-    /// not less than 0, and the side on which d(y) is too long. Adds the ways across the face.
+    /// An upper bound of `d(y) - d(x) - |xy|` over all points x and y of the boundary of `face`, at
+    /// least 0, and the side on which d(y) is too long. Adds the links across the face.
     pub(crate) fn violation(&mut self, face: FaceId) -> (f64, HalfEdgeId) {
         let mut sides = std::mem::take(&mut self.sides);
         let shape = FaceShape::of(self.field.mesh, face);
@@ -146,9 +155,9 @@ impl<'a> Checker<'a> {
                     from_side = (across.excess, there);
                 }
             }
-            // Between two points of one side the distance grows faster than the way by the jumps
-            // there. What bends at a concave kink is no shorter than what goes through the piece
-            // beyond, but for the jump there.
+            // Between two points of one side, only jumps violate the condition. A path that bends
+            // at a concave kink is no shorter than one through the next piece, up to the jump at
+            // the kink.
             let side = canonical(self.field.mesh, face.half_edge(k as u32));
             let jump = self.field.jumps[side.index()];
             let (found, there) = from_side;
@@ -166,41 +175,42 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// Whether the slope of the distance decreases where `left` ends and `right` begins. Then no point
-/// has its least distance by a way that bends there: it can be moved to a piece beside.
+/// Whether the slope of the distance decreases where `left` ends and `right` begins. Then no
+/// shortest path bends there: moving the bend into one of the two pieces makes the path shorter.
 fn is_concave(left: Option<&SidePiece>, right: Option<&SidePiece>, margin: f64) -> bool {
     let (Some(left), Some(right)) = (left, right) else {
         return false;
     };
     let t = left.to;
     let sides = [left, right].map(|p| p.distance);
-    // Slopes are right to 1e-10 where images are not too near.
+    // The error of a slope is at most 1e-10 if its image is not too near.
     let is_far = sides.iter().all(|d| d.at(t) - d.sigma > 1e5 * margin);
     is_far && sides[0].slope(t) - sides[1].slope(t) > 1e-8
 }
 
-/// All ways from one side of a face to another.
+/// All pairs of pieces of two sides of a face, for paths from the one side to the other.
 struct Across<'a> {
     field: &'a EdgeField<'a>,
-    /// The side that ways leave, and that to which they come; so are all pairs.
+    /// The side that paths leave, and the one at which they arrive. All pairs below are in this
+    /// order.
     sides: [&'a FaceSide; 2],
     half_edges: [HalfEdgeId; 2],
     exact_lengths: [Interval; 2],
     lengths: [f64; 2],
     transform: &'a SideTransform,
     near: RoundedTransform,
-    /// Nodes and sizes of the neighbourhoods of the ends of both sides.
+    /// The nodes and radii of the neighbourhoods of the ends of both sides.
     balls: [[(usize, f64); 2]; 2],
     margin: f64,
     clear: f64,
-    /// How far the distances of the one side are above those by ways from the other, at most; or more
-    /// where no better bound is of use.
+    /// An upper bound of the violations on the second side. It is not tightened where that could
+    /// not change the result.
     excess: f64,
-    /// Whether ways that bend at a concave kink were left out.
+    /// Whether paths that bend at a concave kink were left out.
     skips_bends: bool,
 }
 
-/// The ways that leave one piece. Each is computed when it is first needed.
+/// The paths that leave one piece. Each field is computed when it is first needed.
 struct FromPiece<'a> {
     index: usize,
     piece: &'a SidePiece,
@@ -208,13 +218,13 @@ struct FromPiece<'a> {
     reaches: Option<Reaches>,
     exact_straight: Option<Distance>,
     exact_piece: Option<ExactPiece>,
-    /// Beyond its end, and before its beginning.
+    /// At the end of the piece and at its beginning.
     borders: [Option<Border>; 2],
     parts: Option<Parts>,
 }
 
 /// The parts of a piece in the neighbourhoods of the ends of the side and between them, each with
-/// the ways that leave it.
+/// the paths that leave it.
 type Parts = [Option<(SidePiece, Option<Reaches>)>; 3];
 
 impl<'a> FromPiece<'a> {
@@ -233,12 +243,11 @@ impl<'a> FromPiece<'a> {
 }
 
 impl Across<'_> {
-    /// Sets the excess, and adds the ways. Ways that bend at ends of pieces do not count where the
-    /// distance has a concave kink.
+    /// Raises `excess`, and adds the links. Leaves out paths that bend at a concave kink.
     ///
-    /// A way from any point x of the line through the piece to a point y is no shorter than the
-    /// straight one from its image, by the triangle inequality: `d(x) + |xy| >= straight(y)`. So
-    /// what is below the straight distance needs no look at where straight ways arrive.
+    /// By the triangle inequality, no path from a point x of the line through the piece to a point
+    /// y is shorter than the straight one from the image: `d(x) + |xy| >= straight(y)`. If `other`
+    /// is below the straight distance, the range of straight paths need not be known.
     fn compare_all(&mut self, links: &mut Vec<ChainLink>) {
         let [here, there] = self.sides;
         let Some(whole) = &there.whole else {
@@ -271,8 +280,8 @@ impl Across<'_> {
         }
     }
 
-    /// Raises the excess to how far `other` is above the distances by ways from a piece; adds the
-    /// ways between them.
+    /// Raises `excess` to the violations of `other` by paths from one piece, and adds the links
+    /// between them.
     fn compare(&mut self, from: &mut FromPiece<'_>, other: &SidePiece, links: &mut Vec<ChainLink>) {
         let near = self.near;
         let reaches = from
@@ -297,8 +306,8 @@ impl Across<'_> {
         self.connect(from, other, upper, links);
     }
 
-    /// How far `other` is above the distances by ways from a piece, at most. `found` is how far
-    /// `other` is above each of the three reaches, but for rounding.
+    /// An upper bound of how much `other` is above the distances by paths from one piece. `found`
+    /// holds the same for each of the three parts of [`Reaches`], in rounded arithmetic.
     fn exact_excess(
         &mut self,
         from: &mut FromPiece<'_>,
@@ -313,16 +322,18 @@ impl Across<'_> {
         let straight = *from
             .exact_straight
             .get_or_insert_with(|| self.transform.straight(&exact_piece.distance));
-        // It only decides how good a bound has to be: rounding does not matter.
+        // Rounding is harmless here: `close` only decides when a bound is good enough.
         let close = CLOSE * other.at_ends()[0];
-        // The triangle inequality again: what is not above the straight ways is above none.
+        // The straight distance is a lower bound of all paths from the piece. So how much `other`
+        // is above it bounds the violation.
         let at = |t: Interval| (exact_other.distance.at(t) - straight.at(t)).hi;
         let width = other.to - other.from;
         let simple = if other.distance.peak(&from.straight) <= self.margin {
             peak(&exact_other.distance, &straight)
         } else {
-            // A chord of the one is below a tangent of the other: at one end by far, so that the
-            // greatest difference is at the other end.
+            // The chord of `other` minus a tangent of the straight distance bounds the difference,
+            // and equals it at the point of tangency. If the bound is clearly negative at the other
+            // end, the difference at the point of tangency is the greatest one that matters.
             let [first, last] = other.at_ends();
             let [value, slope] = from.straight.tangent(other.from);
             if last - (value + slope * width) <= -self.margin {
@@ -353,7 +364,7 @@ impl Across<'_> {
             };
         };
         for at_end in [true, false] {
-            // Where no border is in sight, straight ways are the bound, wherever they end.
+            // If `other` does not reach this end of the straight range, the end need not be known.
             let is_beyond = if at_end {
                 begin[0] + self.margin < other.from
             } else {
@@ -398,15 +409,16 @@ impl Across<'_> {
         }
     }
 
-    /// Whether a piece is nowhere above ways that bend, as told by how far it is above the same,
-    /// rounded, and by where both begin.
+    /// Whether a piece is certainly nowhere above the bent paths. `difference` is how much it is
+    /// above them in rounded arithmetic. `border` is where they begin, and `rounded` the same in
+    /// rounded arithmetic.
     fn is_below(&self, difference: f64, border: f64, rounded: f64) -> bool {
         let lies_beside = difference == f64::NEG_INFINITY;
         let off = (border - rounded).abs();
         !lies_beside && off <= self.margin / 8.0 && difference <= -2.0 * self.margin
     }
 
-    /// Adds the ways between the nodes of two pieces.
+    /// Adds the links between the nodes of two pieces.
     fn connect(
         &self,
         from: &mut FromPiece<'_>,
@@ -452,8 +464,8 @@ impl Across<'_> {
         }
     }
 
-    /// Whether all ways between two parts are too long by more than matters, as told by their
-    /// beginnings: from there distances and ways change by at most the widths of the parts.
+    /// Whether all segments between two parts have a detour above `clear`, judged by the segment
+    /// between their beginnings. The change from there is bounded by the widths of the parts.
     fn is_far(&self, part: &SidePiece, other: &SidePiece) -> bool {
         let way = self.near.way(part.from, other.from);
         let widths = (part.to - part.from) + (other.to - other.from);
@@ -461,7 +473,7 @@ impl Across<'_> {
         excess + 2.0 * widths + self.margin <= -self.clear
     }
 
-    /// Whether a piece has no part in the neighbourhoods of the ends of the side.
+    /// Whether a piece lies outside the neighbourhoods of both ends of the side.
     fn is_between(&self, side: usize, piece: &SidePiece) -> bool {
         let [(_, near_tail), (_, near_head)] = self.balls[side];
         piece.from >= near_tail && piece.to <= self.lengths[side] - near_head
@@ -486,7 +498,7 @@ impl Across<'_> {
             })
         });
         if parts.iter().all(Option::is_none) {
-            // A piece of no length.
+            // A piece of length 0.
             return [Some(*piece), None, None];
         }
         parts
@@ -500,8 +512,9 @@ mod tests {
     use super::*;
     use crate::envelope::EnvelopePiece;
 
-    /// Face 11996 of the scan igea from vertex 0, and two pieces of it. The ways that bend at the
-    /// end of the first piece reach the second up to its very end, and the straight ones begin there.
+    /// Face 11996 of the scan igea, source vertex 0, and two of its pieces. The paths that bend at
+    /// the end of the first piece reach exactly the end of the second, where the straight ones
+    /// begin.
     #[test]
     #[expect(clippy::unreadable_literal, reason = "as the program prints them")]
     fn pieces_that_meet_in_one_point_are_compared_there() {
@@ -524,7 +537,7 @@ mod tests {
             [0.029, 0.0252, -0.0084],
             [0.0287, 0.0257, -0.0089],
         ];
-        // Beside faces of less number its sides 0 and 2 are turned.
+        // Two other faces with lower numbers, so that sides 0 and 2 are not canonical.
         let mesh = Mesh::new(positions, vec![[1, 0, 3], [0, 2, 4], [0, 1, 2]]).unwrap();
         let far = EnvelopePiece {
             from: 1.4883927423876347e-15,
@@ -546,7 +559,7 @@ mod tests {
         };
         let found = Checker::new(&field, 1e-9).violation(FaceId::new(2)).0;
         assert!(found < 1e-12, "{found:e}");
-        // Both are compared: the second may not be longer.
+        // The pair is compared: making the second piece longer is a violation.
         let mut field = field;
         field.pieces[1].sigma += 1e-10;
         let (found, side) = Checker::new(&field, 1e-9).violation(FaceId::new(2));

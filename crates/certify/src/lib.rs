@@ -1,25 +1,28 @@
-//! Proofs that a field of geodesic distances is right.
+//! Proofs that computed geodesic distances are correct.
 //!
-//! A claim gives every vertex a distance from the nearest source. It is proven from two sides, in
-//! interval arithmetic: what is stated is true of the positions in the mesh, whatever rounding the
-//! solver had.
+//! A [`Claim`] assigns each vertex its distance from the nearest source. Two proofs bound the error
+//! of the distances, one in each direction. Both use interval arithmetic on the vertex positions,
+//! so they hold whatever the rounding errors of the solver are.
 //!
-//! *Not too short.* A path of that length exists: [`Claim::not_too_short`] checks that its points
-//! lie on the surface, one face after another, and adds up its segments.
+//! *Not too short.* A path of the claimed length exists. [`Claim::not_too_short`] checks that
+//! consecutive points of the path share a face, and adds up the lengths of its segments.
 //!
-//! *Not too long.* Let d be any function of the points of all edges that is 0 at the sources. If
-//! in every face `d(y) <= d(x) + |xy|` for all points x and y of its boundary, then d is nowhere
-//! above the distance, since every path is a chain of segments inside faces.
-//! [`Claim::not_too_long`] takes the lower envelope of all windows of a solver, and of the ways
-//! along the edge from its ends, for d, and checks all pairs of pieces of a face in closed form.
-//! Nothing is assumed about the windows: wrong ones make the proof fail.
+//! *Not too long.* Let d be a function on the points of all edges that is 0 at the sources. Suppose
+//! that in every face d satisfies the Lipschitz condition `d(y) <= d(x) + |xy|` for all boundary
+//! points x and y. Every path is a chain of segments inside faces, so d nowhere exceeds the
+//! geodesic distance. [`Claim::not_too_long`] takes for d the lower envelope, on each edge, of the
+//! solver's windows and of the distances along the edge from its ends. It checks all pairs of
+//! envelope pieces of a face in closed form. It assumes nothing about the windows: wrong ones make
+//! the proof fail.
 //!
-//! If the inequality holds up to `e(f)` in face f, then d is too long by at most the sum of `e(f)`
-//! over the faces that a shortest path crosses, each of which it crosses once. Let T be the sum
-//! over all faces. Where a path goes from x to y and `d(x) + |xy|` exceeds `d(y)` by more than T,
-//! d(y) is not too long, whatever came before. So only chains of pieces between which this is not
-//! so add up, and these follow the wavefront: the bound of a vertex is the greatest sum along such
-//! a chain.
+//! If the condition holds only up to a violation `e(f)` in face f, d is too long by at most the sum
+//! of `e(f)` over the faces that a shortest path crosses. A shortest path crosses a face at most
+//! once, so the total T of `e(f)` over all faces bounds the error. T is usually far too
+//! pessimistic. Call `d(x) + |xy| - d(y)` the *detour* of the segment from x to y. If the last
+//! segment of a shortest path to y has a detour above T, d(y) is not too long, because d(x) is too
+//! long by at most T. Violations therefore add up only along chains of segments with a detour of at
+//! most T. These chains follow the wavefront. The error bound of a vertex is the greatest sum of
+//! violations along such a chain.
 //!
 //! ```
 //! use geobench_certify::{Claim, PathPoint};
@@ -63,7 +66,8 @@ use jump::jump;
 pub use envelope::WindowData;
 pub use length::PathPoint;
 
-/// Distances of all vertices, claimed to be those from the nearest of some sources.
+/// Distances of all vertices, claimed to be the geodesic distances from the nearest of some
+/// sources.
 #[derive(Clone, Copy, Debug)]
 pub struct Claim<'a> {
     mesh: &'a Mesh,
@@ -71,11 +75,11 @@ pub struct Claim<'a> {
     distances: &'a [f64],
 }
 
-/// Why a claim cannot be looked at.
+/// Why a claim cannot be checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ClaimError {
-    /// The number of distances is not that of the vertices.
+    /// The number of distances differs from the number of vertices.
     #[error("{distances} distances for {vertices} vertices; give one for each")]
     Count {
         /// Number of distances.
@@ -86,7 +90,7 @@ pub enum ClaimError {
     /// A distance is negative or not a number.
     #[error("the distance of vertex {0} is negative or not a number")]
     NoDistance(VertexId),
-    /// A source is not a vertex, or none is given.
+    /// There is no source, or a source is not a vertex of the mesh.
     #[error("no source is given, or one does not exist")]
     NoSource,
     /// A source is not at distance 0.
@@ -94,17 +98,19 @@ pub enum ClaimError {
     SourceNotZero(VertexId),
 }
 
-/// How much the distances of a claim may be wrong in one direction.
+/// Upper bound of the error of a claim's distances in one direction.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bound {
-    /// In units of the mesh, for all vertices, and for all points of edges that it rests on;
-    /// infinite if a vertex has no proof at all.
+    /// Greatest error, in units of the mesh. It covers all vertices and, for
+    /// [`Claim::not_too_long`], the points of all edges. Infinite if there is no proof for some
+    /// vertex.
     pub absolute: f64,
-    /// As a fraction of the distance, for all vertices other than sources.
+    /// Greatest error as a fraction of the distance, over all vertices other than sources.
     pub relative: f64,
-    /// Where the proof fails by more than rounding, worst first.
+    /// Places where the violation exceeds rounding, worst first.
     pub failures: Vec<Failure>,
-    /// Number of pieces of the envelopes of all edges; of points of all paths.
+    /// Number of envelope pieces on all edges, for [`Claim::not_too_long`]; number of points of all
+    /// paths, for [`Claim::not_too_short`].
     pub pieces: usize,
 }
 
@@ -125,39 +131,41 @@ pub struct Bound {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Failure {
-    /// The place.
+    /// The face or vertex.
     pub place: Place,
-    /// In a face, the edge to whose points the distances are too long.
+    /// For a face, the edge on which the distances are too long. `None` for a vertex, and for a
+    /// face that has both finite and infinite corners.
     pub edge: Option<HalfEdgeId>,
-    /// By how much, in units of the mesh: infinite if a distance is finite on one side of an edge
-    /// only, or a path is missing or leaves the surface.
+    /// Amount of the violation, in units of the mesh. Infinite if only some corners of a face have
+    /// a finite distance, or if a path is missing or leaves the surface.
     pub violation: f64,
 }
 
 /// A face or a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// A face across which distances grow faster than the way.
+    /// A face with boundary points x and y for which `d(y) > d(x) + |xy|`.
     Face(FaceId),
-    /// A vertex at which edges disagree, or to which no path of that length leads.
+    /// A vertex at which the distances on its edges disagree, or without a path of the claimed
+    /// length.
     Vertex(VertexId),
 }
 
-/// Ways longer than the distance by this fraction of the greatest distance are left out of sums,
-/// as long as all violations together are less than that.
+/// Segments with a detour above this fraction of the greatest distance are left out of the chains.
+/// The limit is raised if the sum of all violations exceeds it.
 const CLEAR: f64 = 1e-8;
 
-/// A violation above this fraction of the distances in the place is a failure, not rounding.
+/// A violation above this fraction of the local distances and lengths is a failure, not rounding.
 const ROUNDING: f64 = 1e-13;
 
 impl<'a> Claim<'a> {
-    /// The claim that `distances`, one for each vertex and infinite where unreachable, are those
-    /// from the nearest of `sources`.
+    /// Claims that `distances` are the geodesic distances from the nearest of `sources`: one for
+    /// each vertex, infinite where unreachable.
     ///
     /// # Errors
     ///
-    /// When the numbers do not match the mesh, a distance is negative or not a number, or a source
-    /// is missing or not at distance 0.
+    /// If the number of distances is not the number of vertices, a distance is negative or NaN, or
+    /// a source is missing, does not exist or is not at distance 0.
     pub fn new(
         mesh: &'a Mesh,
         sources: &'a [VertexId],
@@ -189,10 +197,12 @@ impl<'a> Claim<'a> {
         })
     }
 
-    /// How much too long the distances may be, by the windows that enter the face of each
+    /// Upper bound of the amount by which the distances are too long.
+    ///
+    /// `windows` returns the windows that enter the face of a half-edge, in the frame of that
     /// half-edge.
     ///
-    /// O(w²) for the w windows of a face.
+    /// Takes O(w²) time for each face that w windows enter.
     pub fn not_too_long<W>(&self, windows: impl Fn(HalfEdgeId) -> W) -> Bound
     where
         W: IntoIterator<Item = WindowData>,
@@ -221,10 +231,10 @@ impl<'a> Claim<'a> {
         let finite = self.distances.iter().copied().filter(|d| d.is_finite());
         let farthest = finite.fold(0.0, f64::max);
         let mut clear = CLEAR * farthest;
-        // What adds up, all together: few fields need the second turn.
+        // `clear` must be at least the total of all violations. Few claims need a second round.
         let (in_face, sides, ways, total) = loop {
             let (in_face, sides, ways) = self.violations(&field, clear);
-            // A sum of n numbers that are not negative is right to n ulps.
+            // The rounding error of a sum of n non-negative numbers is at most n ulps.
             let generous = 1.0 + (in_face.len() + own.len()) as f64 * f64::EPSILON;
             let total = in_face.iter().chain(&own).sum::<f64>() * generous;
             if total <= clear || !total.is_finite() {
@@ -259,8 +269,8 @@ impl<'a> Claim<'a> {
         }
     }
 
-    /// What each face may add to a distance, on which side, and the ways across that are too long by
-    /// less than `clear`.
+    /// Returns for each face its violation and the side with the violation, and the links whose
+    /// detour is at most `clear`.
     fn violations(
         &self,
         field: &EdgeField<'_>,
@@ -282,10 +292,12 @@ impl<'a> Claim<'a> {
         (in_face, sides, checker.links)
     }
 
-    /// How much too short the distances may be, by a path from a source to every vertex with a
-    /// finite distance.
+    /// Upper bound of the amount by which the distances are too short.
     ///
-    /// O(points of all paths).
+    /// `path` returns a path from a source to a vertex. It is called for each vertex with a finite
+    /// distance that is not a source. Without a path the bound is infinite.
+    ///
+    /// Takes O(n) time for n points of all paths together, with a small number of sources.
     pub fn not_too_short(&self, mut path: impl FnMut(VertexId) -> Option<Vec<PathPoint>>) -> Bound {
         let mut bound = Bound::default();
         for v in self.mesh.vertices() {
@@ -344,7 +356,8 @@ impl<'a> Claim<'a> {
                 let inside = windows_from_inside(mesh, h, opposite, &windows);
                 all.extend(inside.iter().map(|window| piece(window, length, false)));
             }
-            // The margin of rounded arithmetic needs this. Without a window a proof fails, or holds.
+            // `face::MARGIN` relies on these conditions. Dropping a window is safe: it can only
+            // make the proof fail.
             all.retain(|p| p.sigma >= 0.0 && p.image.iter().all(|x| x.is_finite()));
             all.extend(
                 [(0.0, ends[0]), (length, ends[1])].map(|(x, sigma)| EnvelopePiece {
@@ -371,7 +384,8 @@ impl<'a> Claim<'a> {
         }
     }
 
-    /// How far the distances of `v` on its edges, and its own, are apart.
+    /// Difference between the greatest and the least of the distances of `v`: its own and those at
+    /// the ends of the envelopes of its edges.
     fn disagreement(&self, field: &EdgeField<'_>, v: VertexId) -> f64 {
         let mut range = [self.distances[v.index()]; 2];
         for &h in self.mesh.outgoing(v) {
@@ -393,8 +407,9 @@ impl<'a> Claim<'a> {
         lengths.fold(0.0, f64::max)
     }
 
-    /// By how much the distance of a point of an edge may be too long, and that of a vertex as a
-    /// fraction of it.
+    /// Upper bounds of how much the distances are too long: absolute for vertices and points of
+    /// edges, relative for vertices. `own` holds the violations at vertices, `in_face` those in
+    /// faces, `total` their sum.
     fn add_up(
         &self,
         field: &EdgeField<'_>,
@@ -408,7 +423,7 @@ impl<'a> Claim<'a> {
         }
         ways.retain(|way| f64::from(way.excess) >= -total);
         let pieces = field.pieces.len();
-        // A path may pass all faces around a vertex in its neighbourhood.
+        // Inside the neighbourhood of a vertex, a path may cross all faces around the vertex.
         let mut losses = vec![0.0; pieces];
         losses.extend(own);
         for face in self.mesh.faces() {
@@ -429,10 +444,12 @@ impl<'a> Claim<'a> {
         (absolute, relative.next_up())
     }
 
-    /// By how much the distance of a vertex may be too long as a fraction of it, if its path may pass
-    /// everything that is not farther than it.
+    /// Upper bound of how much the distance of a vertex is too long, as a fraction of that
+    /// distance. Adds up all violations that are not farther from the source than the vertex. It
+    /// needs no links.
     fn add_up_by_distance(&self, own: &[f64], in_face: &[f64], total: f64) -> f64 {
-        // Distances are known up to the total, and fall by at most its longest edge within a face.
+        // Distances are known up to `total`. Inside a face they fall below the least corner
+        // distance by at most the longest edge.
         let of_faces = self.mesh.faces().map(|face| {
             let corners = self.mesh.face_vertices(face);
             let least = corners.map(|v| self.distances[v.index()]);

@@ -6,16 +6,16 @@ use crate::difference::{Chord, Distance, Rounded};
 use crate::envelope::EnvelopePiece;
 use crate::interval::{Interval, greater, minus, norm};
 
-/// The distance on all edges of a mesh: the pieces of an edge under its canonical half-edge, the
-/// one of less number.
+/// The distance on all edges of a mesh. The pieces of an edge are stored under its canonical
+/// half-edge, the one with the lower number.
 #[derive(Debug)]
 pub(crate) struct EdgeField<'a> {
     pub(crate) mesh: &'a Mesh,
     /// Where the pieces of each half-edge begin in `pieces`, and a last entry for their end.
     pub(crate) starts: Vec<usize>,
     pub(crate) pieces: Vec<EnvelopePiece>,
-    /// The sum of all jumps between the pieces of each half-edge: along an edge the distance grows no
-    /// faster than the way but there.
+    /// The sum of the jumps between the pieces of each half-edge. Only at jumps does the distance
+    /// along an edge change faster than the position.
     pub(crate) jumps: Vec<f64>,
 }
 
@@ -24,13 +24,13 @@ pub(crate) fn canonical(mesh: &Mesh, h: HalfEdgeId) -> HalfEdgeId {
     mesh.twin(h).map_or(h, |twin| twin.min(h))
 }
 
-/// A piece, or a part of one, in the frame of a half-edge of the edge: rounded.
+/// A piece, or a part of one, in the frame of a half-edge of the edge, in rounded arithmetic.
 #[derive(Clone, Copy)]
 pub(crate) struct SidePiece {
     pub(crate) distance: Rounded,
     pub(crate) from: f64,
     pub(crate) to: f64,
-    /// A distance is convex: nowhere above its chord.
+    /// The chord of the piece. A distance is convex, so it is nowhere above its chord.
     pub(crate) chord: Chord,
     /// The node that stands for it in chains.
     pub(crate) node: usize,
@@ -152,12 +152,12 @@ impl EdgeField<'_> {
     }
 }
 
-/// Pieces of a side in a row, which are sorted out together.
+/// Consecutive pieces of a side, which are compared together.
 #[derive(Clone, Copy)]
 pub(crate) struct PieceBlock {
     pub(crate) first: usize,
     pub(crate) end: usize,
-    /// All of them are nowhere above it.
+    /// A linear function that is nowhere below the pieces.
     pub(crate) chord: Chord,
 }
 
@@ -189,7 +189,7 @@ impl PieceBlock {
 #[derive(Default)]
 pub(crate) struct FaceSide {
     pub(crate) pieces: Vec<SidePiece>,
-    /// None if one would have all pieces.
+    /// Empty if a single block would hold all pieces.
     pub(crate) blocks: Vec<PieceBlock>,
     /// All pieces.
     pub(crate) whole: Option<PieceBlock>,

@@ -1,11 +1,11 @@
 //! The jump between two pieces, in double-double arithmetic.
 //!
-//! Interval arithmetic would bound it by a few units in the last place of the distances, which add
-//! up over all pieces of an edge. Here all numbers are those of the pieces, and a sum, a product or a
-//! root of two double-doubles is right to 2^-100 of it (M. Joldes, J.-M. Muller, V. Popescu, Tight
-//! and rigorous error bounds for basic building blocks of double-word arithmetic, 2017; V. Lefèvre,
-//! N. Louvet, J.-M. Muller, J. Picot, L. Rideau, Accurate calculation of Euclidean norms using
-//! double-word arithmetic, 2023).
+//! Interval arithmetic would bound a jump by a few units in the last place of the distances, and
+//! these bounds add up over all pieces of an edge. Here the input is exact, and a sum, product or
+//! root of two double-doubles has a relative error of at most 2^-100 (M. Joldes, J.-M. Muller, V.
+//! Popescu, Tight and rigorous error bounds for basic building blocks of double-word arithmetic,
+//! 2017; V. Lefèvre, N. Louvet, J.-M. Muller, J. Picot, L. Rideau, Accurate calculation of
+//! Euclidean norms using double-word arithmetic, 2023).
 
 use crate::envelope::EnvelopePiece;
 
@@ -41,14 +41,14 @@ fn way(piece: &EnvelopePiece, t: f64) -> (f64, f64) {
     two_sum(root, rest / (2.0 * root))
 }
 
-/// The sum, and what rounding loses of it.
+/// The rounded sum and its rounding error.
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let from_b = sum - a;
     (sum, (a - (sum - from_b)) + (b - from_b))
 }
 
-/// The product, and what rounding loses of it.
+/// The rounded product and its rounding error.
 fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
     (product, a.mul_add(b, -product))

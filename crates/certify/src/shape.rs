@@ -1,4 +1,4 @@
-//! The shape of a face, and distances on one side of it by ways from another.
+//! The shape of a face, and distances on one side by paths from another side.
 
 use geobench_mesh::{FaceId, Mesh};
 
@@ -55,7 +55,7 @@ impl FaceShape {
 
 /// From the frame of one side of a face to that of another.
 pub(crate) struct SideTransform {
-    /// The corner of both, on the one side and on the other.
+    /// The abscissas of the shared corner on the one side (`corner`) and on the other (`offset`).
     corner: Interval,
     offset: Interval,
     /// The direction of the other side.
@@ -83,7 +83,7 @@ impl SideTransform {
         }
     }
 
-    /// The distances by the straight ways from the image of a distance across the one side.
+    /// The distance function of straight paths from the image of `distance` across the one side.
     pub(crate) fn straight(&self, distance: &Distance) -> Distance {
         let [x, y] = distance.image;
         Distance {
@@ -92,8 +92,8 @@ impl SideTransform {
         }
     }
 
-    /// Where the straight ways from an image through `piece` end on the other side, and the ways that
-    /// bend there begin: on the side of the end of `piece`, or of its beginning.
+    /// Where the straight paths from an image through `piece` end on the other side and the bent
+    /// ones begin: those at the end of `piece`, or at its beginning.
     pub(crate) fn border(
         &self,
         piece: &ExactPiece,
@@ -105,7 +105,8 @@ impl SideTransform {
         let image = self.map([t, Interval::ZERO]);
         let at = self.boundary(straight.image, image);
         Border {
-            // Straight ways are never longer than those that bend: in doubt they are the bound.
+            // Straight distances are never longer than bent ones, so in doubt the straight range is
+            // extended.
             at: if at_end { at.lo } else { at.hi },
             bend: bends.then(|| Distance {
                 image,
@@ -136,15 +137,16 @@ impl SideTransform {
     }
 }
 
-/// Where straight ways end.
+/// An end of the range of straight paths.
 #[derive(Clone, Copy)]
 pub(crate) struct Border {
     pub(crate) at: f64,
-    /// The distance beyond, by the ways that bend; `None` if these do not count.
+    /// The distance function of the bent paths beyond; `None` if they are left out.
     pub(crate) bend: Option<Distance>,
 }
 
-/// How far `piece` is above a distance from abscissa `from` to `to`, at most; 0 where it lies beside.
+/// An upper bound of how much `piece` is above `distance` from abscissa `from` to `to`; 0 if the
+/// piece lies outside this interval.
 pub(crate) fn excess(piece: &ExactPiece, distance: &Distance, [from, to]: [f64; 2]) -> f64 {
     let (first, last) = (greater(piece.from.lo, from), lesser(piece.to.hi, to));
     if from >= to || first > last {
@@ -160,7 +162,7 @@ pub(crate) struct RoundedTransform {
     offset: f64,
     unit: [f64; 2],
     length: f64,
-    /// Ways that rounding may have made.
+    /// Vectors shorter than this may be rounding noise.
     tiny: f64,
 }
 
@@ -190,7 +192,7 @@ impl RoundedTransform {
         }
     }
 
-    /// The least distances over the points of `piece` to the points of the other side.
+    /// The least distances over the points of `piece`, as functions on the other side.
     pub(crate) fn reaches(&self, piece: &SidePiece, straight: Rounded) -> Reaches {
         let image = straight.image;
         let bend = |t: f64, sigma: f64| Rounded {
@@ -219,7 +221,8 @@ impl RoundedTransform {
         if rise > 0.0 {
             (self.length * (-start / rise)).clamp(0.0, self.length)
         } else if start + rise / 2.0 > 0.0 {
-            // No ray that leads away meets the side but in its corner, where the image is then.
+            // A ray that leads away from the side meets it at most in a corner, if the image lies
+            // there.
             0.0
         } else {
             self.length
@@ -227,30 +230,30 @@ impl RoundedTransform {
     }
 }
 
-/// The least distances over the points of a piece to the points of another side, in rounded
+/// The least distances over the points of a piece, as functions on another side, in rounded
 /// arithmetic.
 #[derive(Clone, Copy)]
 pub(crate) struct Reaches {
-    /// By the ways that bend at the end of the piece, by the straight ones, and by those that bend
+    /// By the paths that bend at the end of the piece, by the straight ones, and by those that bend
     /// at its beginning.
     distances: [Rounded; 3],
-    /// Where each of them begins and ends.
+    /// The abscissas at which the three parts begin and end.
     bounds: [f64; 4],
     tiny: f64,
 }
 
 impl Reaches {
-    /// Where one of the three begins and ends.
+    /// The abscissas at which part `k` begins and ends.
     pub(crate) fn bounds(&self, k: usize) -> [f64; 2] {
         [self.bounds[k], self.bounds[k + 1]]
     }
 
-    /// Whether a chord is everywhere below the least of the three by more than `clear`, as told by
-    /// that at its middle alone.
+    /// Whether a chord is everywhere below the least of the three by more than `clear`, judged by
+    /// the tangent in the middle of the chord.
     ///
-    /// The least of them is convex, since the way is and distances are: nowhere below its tangent.
-    /// Where rounding takes the wrong one, both have one value and one slope but for its second
-    /// order, unless the way is short.
+    /// The least of the three is convex, so it is nowhere below its tangent. If rounding selects
+    /// the wrong part, the two parts have the same value and slope there up to second order, unless
+    /// the path is short.
     pub(crate) fn is_above(&self, chord: &Chord, clear: f64) -> bool {
         let t = chord.middle;
         let k = usize::from(t > self.bounds[1]) + usize::from(t > self.bounds[2]);
@@ -262,8 +265,8 @@ impl Reaches {
         chord.is_shorter_than_way(distance) && chord.is_below(distance, clear)
     }
 
-    /// How far `other` is above each of the three, but for rounding; minus infinity where it lies
-    /// beside.
+    /// How much `other` is above each of the three, up to rounding; minus infinity where it lies
+    /// outside the part.
     pub(crate) fn differences(&self, other: &SidePiece) -> [f64; 3] {
         [0, 1, 2].map(|k| {
             let from = greater(self.bounds[k], other.from);

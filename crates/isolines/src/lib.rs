@@ -1,9 +1,9 @@
 //! Isolines of the exact geodesic distance on a triangle mesh.
 //!
-//! The distance of the points of a face is the least over the windows that enter it and over its
-//! vertices, so that an isoline is made of arcs of circles around images of sources and
-//! pseudo-sources. [`DistanceField`] keeps the windows of a run. [`DistanceField::isoline`] gives
-//! the arcs at a distance, joined to loops and to lines between points of the boundary:
+//! The distance of a point of a face is the least over the windows that enter the face and over its
+//! vertices. So an isoline consists of circular arcs around images of sources and pseudo-sources.
+//! [`DistanceField`] keeps the windows of a run. [`DistanceField::isoline`] returns the arcs at a
+//! distance, joined to loops and to lines between points of the boundary:
 //!
 //! ```
 //! use geobench_isolines::DistanceField;
@@ -22,9 +22,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Crossings of edges come from the windows of both sides of the edge, the same for both faces, so
-//! that lines are closed whatever rounding does. Inside a face the circle of a window is cut where
-//! its cone ends, where it leaves the face, and where another window or a vertex is nearer.
+//! The crossings of an edge are computed once, from the windows of both sides, and shared by both
+//! faces. So lines are closed whatever the rounding errors are. Inside a face the circle of a
+//! window is cut where its cone ends, where it leaves the face, and where another window or a
+//! vertex is nearer.
 
 mod arc;
 mod cones;

@@ -31,8 +31,8 @@ pub(crate) fn turned(a: Point) -> Point {
     [-a[1], a[0]]
 }
 
-/// The distance of `x` from the segment between `a` and `b`, and the place of the nearest point, from
-/// 0 to 1.
+/// The distance of `x` from the segment between `a` and `b`, and the position of the nearest point
+/// on the segment, from 0 at `a` to 1 at `b`.
 pub(crate) fn nearest_on_segment(x: Point, [a, b]: [Point; 2]) -> (f64, f64) {
     let along = sub(b, a);
     let size = dot(along, along);

@@ -55,8 +55,8 @@ impl PyCertificate {
 /// ----------
 /// mesh : Mesh
 /// source : int, Point or sequence of these
-///     Distances are from the nearest. A point that is no vertex splits the faces around it, and the
-///     proof is of the mesh with these faces.
+///     Distances are from the nearest. A point that is no vertex splits the faces around it. The
+///     proof is for the mesh with these faces.
 /// distances : array_like, shape (n,), optional
 ///     Distances to judge. Without them those of `"mmp"` are proven.
 /// tolerance : float

@@ -36,8 +36,8 @@ impl Kit {
         })
     }
 
-    /// A doubt about distances. To look at all faces takes some percent of a run, so they are looked
-    /// at only if their longest edge gives cause.
+    /// A warning about the precision of distances. Looking at all faces takes some percent of a
+    /// run, so they are looked at only if the longest edge gives cause.
     fn doubt(&self, distances: &[f64]) -> Option<String> {
         let longest = *self.longest_edge.get_or_init(|| {
             let lengths = self.mesh.half_edges().map(|h| self.mesh.length(h));

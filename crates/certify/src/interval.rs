@@ -2,10 +2,10 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Half a unit in the last place of 1, and a little more.
+/// Slightly more than half a unit in the last place of 1.
 const HALF_ULP: f64 = f64::EPSILON / 2.0 * (1.0 + f64::EPSILON);
 
-/// The least positive number.
+/// The least positive (subnormal) number.
 const LEAST: f64 = f64::from_bits(1);
 
 /// A number below `x` by one or two units in the last place: without branches, unlike
@@ -20,12 +20,12 @@ fn above(x: f64) -> f64 {
     x + (x.abs() * HALF_ULP + LEAST)
 }
 
-/// The greater number, or `b` where one is not a number: one instruction, unlike `f64::max`.
+/// The greater number, or `b` if one of them is NaN. One instruction, unlike `f64::max`.
 pub(crate) fn greater(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// The lesser number, or `b` where one is not a number.
+/// The lesser number, or `b` if one of them is NaN.
 pub(crate) fn lesser(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
@@ -52,7 +52,7 @@ impl Interval {
         Self { lo: x, hi: x }
     }
 
-    /// Encloses the numbers between two that are rounded.
+    /// The interval between two rounded results, widened by their rounding errors.
     fn outwards(lo: f64, hi: f64) -> Self {
         Self {
             lo: below(lo),
@@ -64,13 +64,14 @@ impl Interval {
         let Self { lo, hi } = self.abs();
         let (a, b) = (lo * lo, hi * hi);
         Self {
-            // Below nothing but 0, or what is rounded to it, there is a negative number.
+            // A square is never negative, so the lower end can stay at 0.
             lo: greater(below(a), 0.0),
             hi: above(b),
         }
     }
 
-    /// The root of its numbers that are not negative; exact arguments never are.
+    /// The square root. Negative numbers in the interval are ignored: the exact argument is never
+    /// negative.
     pub(crate) fn sqrt(self) -> Self {
         Self {
             lo: greater(below(greater(self.lo, 0.0).sqrt()), 0.0),
@@ -86,7 +87,7 @@ impl Interval {
         }
     }
 
-    /// The number that stands for it where rounding does not matter.
+    /// A representative for use where rounding does not matter.
     pub(crate) fn middle(self) -> f64 {
         self.lo / 2.0 + self.hi / 2.0
     }
@@ -135,7 +136,7 @@ impl Mul for Interval {
 impl Div for Interval {
     type Output = Self;
 
-    /// All numbers if the divisor may be zero.
+    /// The whole line if the divisor may be zero.
     fn div(self, other: Self) -> Self {
         if other.lo <= 0.0 && other.hi >= 0.0 {
             return Self {

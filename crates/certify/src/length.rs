@@ -32,8 +32,8 @@ use crate::interval::{Interval, IntervalVector, minus, norm};
 pub enum PathPoint {
     /// A vertex.
     Vertex(VertexId),
-    /// The point of the edge between two vertices at this part of the way from the first to the
-    /// second: 0 is the first, 1 the second.
+    /// A point of the edge between two vertices. The number is its position, from 0 at the first
+    /// vertex to 1 at the second.
     Edge([VertexId; 2], f64),
 }
 
@@ -61,7 +61,7 @@ impl PathPoint {
         }
     }
 
-    /// Whether a face has both points.
+    /// Whether some face contains both points.
     fn shares_face(self, mesh: &Mesh, other: Self) -> bool {
         let ([first, second], others) = (self.ends(), other.ends());
         mesh.outgoing(first).iter().any(|h| {
@@ -71,8 +71,8 @@ impl PathPoint {
     }
 }
 
-/// An upper bound of the length of the path over these points, which begins at one of `sources`
-/// and ends at `target`; `None` if it is no such path, or leaves the surface.
+/// An upper bound of the length of the path through these points. `None` if the path does not begin
+/// at one of `sources` and end at `target`, or leaves the surface.
 pub(crate) fn greatest_length(
     mesh: &Mesh,
     points: &[PathPoint],

@@ -1,4 +1,4 @@
-//! Fields of `mmp` are proven; damaged ones are not.
+//! The distances of `mmp` are proven; damaged ones are rejected.
 
 use geobench_certify::{Bound, Claim, Place, WindowData};
 use geobench_mesh::{HalfEdgeId, Mesh, TriangleSoup, VertexId};
@@ -46,7 +46,8 @@ fn fields_of_the_zoo_are_not_too_long() {
             let farthest = distances.iter().copied().filter(|d| d.is_finite());
             let farthest = farthest.fold(0.0, f64::max);
             let worst = bound.failures.first();
-            // Solvers drop splinters of 1e-10 of an edge, which is long here where faces are thin.
+            // Solvers drop windows narrower than 1e-10 of an edge, and edges of thin faces are
+            // long.
             let tolerance = if model.name.contains("stretched") {
                 1e-8
             } else {
@@ -107,7 +108,7 @@ fn a_distance_that_is_too_long_by_a_billionth_is_noticed() {
 fn a_field_that_is_too_long_by_a_billionth_is_noticed() {
     let mesh = Mesh::generate("terrain,n=16,seed=2").unwrap();
     let (mut distances, mut windows) = solved(&mesh, 5);
-    // All but the source and what it sees.
+    // Leaves the source and its windows as they are: their distance and sigma are 0.
     for d in &mut distances {
         *d *= 1.0 + 1e-9;
     }
@@ -119,7 +120,7 @@ fn a_field_that_is_too_long_by_a_billionth_is_noticed() {
     assert!(!bound.failures.is_empty());
 }
 
-/// Whether a window is the shortest somewhere on its edge by far more than it is damaged.
+/// Whether a window is the shortest somewhere on its edge, by far more than the damage done to it.
 fn matters(
     mesh: &Mesh,
     distances: &[f64],

@@ -2,8 +2,8 @@
 
 use geobench_window::Window;
 
-/// How far apart two windows may end that touch, as a fraction of their edge; one beside another
-/// that ends where the level is reached.
+/// The greatest gap between two touching windows, as a fraction of the edge: `PARTED` if both end
+/// there, `BESIDE` if one of them ends where the level is reached.
 const PARTED: f64 = 1e-6;
 const BESIDE: f64 = 1e-9;
 

@@ -1,9 +1,10 @@
-//! How arcs in a face follow each other.
+//! Joins the arcs in a face to lines.
 
 use crate::arc::CircleArc;
 use crate::plane::{Point, norm, sub};
 
-/// The way of an isoline through a face.
+/// The part of an isoline from where it enters a face to where it leaves, or a loop inside the
+/// face.
 #[derive(Default)]
 pub(crate) struct Link {
     /// The crossing at which it leaves the face; none for a loop.

@@ -1,8 +1,8 @@
 //! Shortest paths over the surface of a mesh.
 //!
-//! A solver that [traces](geobench_window::Solver::trace) remembers of every vertex where its
-//! distance comes from: along an edge, or straight from the image of a source or of a vertex at
-//! which the path bends. [`Paths`] follows these back to the sources:
+//! [`Solver::trace`](geobench_window::Solver::trace) records an origin for each vertex: the last
+//! straight piece of its shortest path. The piece runs along an edge, or from the image of a source
+//! or of a vertex at which the path bends. [`Paths`] follows these origins back to the sources:
 //!
 //! ```
 //! use geobench_mesh::Mesh;
@@ -22,10 +22,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A path aims at the image, which does not move as faces are unfolded on the way. It has the
-//! length of the distance to 1e-12 of it, crosses every edge straight, and bends only at vertices
-//! with an angle of at least π on both sides, up to rounding. Of several shortest paths it is the
-//! one that the solver met first.
+//! A straight piece is traced from the vertex towards the image. In the plane into which the faces
+//! on the way are unfolded, the image stays fixed. The length of a path equals the distance of its
+//! target to 1e-12. A path is straight across every edge and bends only at vertices, with an angle
+//! of at least π on both sides, up to rounding. If a vertex has several shortest paths, the path is
+//! the one that the solver found first.
 
 mod onto;
 mod path;

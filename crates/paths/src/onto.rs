@@ -1,13 +1,13 @@
-//! Paths on refined meshes, told of the mesh that was refined.
+//! Paths on a refined mesh, mapped to the original mesh.
 
 use geobench_mesh::{Mesh, Refined, SurfacePoint};
 
 use crate::path::{Path, Place, Point};
 
 impl Path {
-    /// This path of `refined`, which was made of `mesh` [with](Mesh::with_points) `points`, as a
-    /// path of `mesh`: edges that are not in `mesh` are not told, and the ends may lie on edges and
-    /// in faces.
+    /// Maps this path on `refined` to `mesh`. `refined` must be the result of [`Mesh::with_points`]
+    /// for `mesh` and `points`. Crossings of edges that `mesh` does not have are left out. The ends
+    /// may lie on edges and inside faces of `mesh`.
     ///
     /// ```
     /// use geobench_mesh::{FaceId, Mesh};

@@ -9,9 +9,9 @@ pub enum Place {
     Vertex(VertexId),
     /// On an edge.
     Edge {
-        /// Its vertices.
+        /// The vertices of the edge.
         ends: [VertexId; 2],
-        /// How far from the first to the second: from 0 to 1.
+        /// Position between them: 0 at the first vertex, 1 at the second.
         t: f64,
     },
     /// Inside a face.
@@ -21,16 +21,18 @@ pub enum Place {
 /// A point of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// What it lies on.
+    /// The vertex, edge or face on which it lies.
     pub place: Place,
-    /// A face that contains it; none if it is an isolated vertex.
+    /// A face that contains the point; `None` for an isolated vertex.
     pub face: Option<FaceId>,
-    /// Its barycentric coordinates there, in the order of the corners of the face.
+    /// Barycentric coordinates in that face, in the order of its corners; all 0 without a face.
     pub barycentric: [f64; 3],
 }
 
 impl Point {
-    /// Vertex `v` of `mesh`.
+    /// The point at vertex `v` of `mesh`.
+    ///
+    /// Its face is one of those around `v`.
     pub fn at_vertex(mesh: &Mesh, v: VertexId) -> Self {
         let mut barycentric = [0.0; 3];
         let corner = mesh.outgoing(v).first();
@@ -44,7 +46,7 @@ impl Point {
         }
     }
 
-    /// The vertex that it is, if it is one.
+    /// The vertex at which the point lies; `None` on an edge or inside a face.
     pub fn vertex(&self) -> Option<VertexId> {
         match self.place {
             Place::Vertex(v) => Some(v),
@@ -52,7 +54,7 @@ impl Point {
         }
     }
 
-    /// Its position in space; `None` for a mesh that has none.
+    /// Position in space; `None` if `mesh` has no positions.
     pub fn position(&self, mesh: &Mesh) -> Option<[f64; 3]> {
         let at = |v: VertexId| mesh.positions().get(v.index()).copied();
         let combine = |corners: &[(VertexId, f64)]| {
@@ -78,20 +80,23 @@ impl Point {
 /// A shortest path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
-    /// Its length.
+    /// Length, in the units of the mesh.
     pub length: f64,
-    /// Its points in order from the source: one for each edge that it crosses and each vertex that
-    /// it passes. Between two of them it runs straight across a face or along an edge.
+    /// The points in order, from the source to the target: one for each edge crossed and each
+    /// vertex passed. Between two consecutive points, the path runs straight across a face or along
+    /// an edge.
     pub points: Vec<Point>,
 }
 
 impl Path {
-    /// The vertices at which it starts, ends, or passes from one straight piece to the next.
+    /// The vertices on the path, in order: its ends, and the vertices at which straight pieces
+    /// meet. An end inside a face or on an edge is left out.
     pub fn vertices(&self) -> impl Iterator<Item = VertexId> {
         self.points.iter().filter_map(Point::vertex)
     }
 
-    /// The edges that it crosses, with how far from their first to their second vertex.
+    /// The edges that the path crosses, in order, each with its vertices and the position of the
+    /// point between them, as in [`Place::Edge`].
     pub fn edges(&self) -> impl Iterator<Item = ([VertexId; 2], f64)> {
         self.points.iter().filter_map(|point| match point.place {
             Place::Edge { ends, t } => Some((ends, t)),
@@ -99,7 +104,7 @@ impl Path {
         })
     }
 
-    /// The positions of its points; empty for a mesh that has none.
+    /// The positions of the points, in order; empty if `mesh` has no positions.
     pub fn polyline(&self, mesh: &Mesh) -> Vec<[f64; 3]> {
         let points = self.points.iter();
         points.filter_map(|point| point.position(mesh)).collect()

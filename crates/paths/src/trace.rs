@@ -1,26 +1,30 @@
-//! From a vertex back to its source.
+//! Tracing of paths from a vertex back to its source.
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 use geobench_window::{Goal, Origin, Origins, SolveError, Solver, Sources};
 
 use crate::path::{Path, Place, Point};
 
-/// How far beside the straight line to an image a vertex may lie that the path passes, as a
-/// fraction of the length of the line: more than unfolding moves the image.
+/// Greatest distance of a vertex from the straight line to an image at which the path may pass
+/// through the vertex, as a fraction of the length of the line. It exceeds the error that unfolding
+/// adds to the image.
 const BESIDE: f64 = 1e-11;
 
-/// By how much a path may differ from its distance, relatively.
+/// Greatest difference between the length of a path and its distance, relative to the distance of
+/// the target.
 const TOLERANCE: f64 = 5e-13;
 
-/// The same at first, as much as rounding moves a distance: a vertex beside the line that makes the
-/// path longer is passed only where no other one continues it.
+/// The tolerance of the first attempts, in place of [`TOLERANCE`]: the rounding error of a
+/// distance. A vertex beside the line that makes the path longer than this is passed only if no
+/// other vertex continues the path.
 const ROUNDING: f64 = 3e-14;
 
-/// The height of a face over an edge, in lengths of that, below which unfolding it moves vertices too
-/// far.
+/// Least height of a face over an edge, in units of the length of the edge, that the fast path
+/// [`glide`](Paths::glide) accepts; the greatest is its inverse. Unfolding a thinner face moves
+/// vertices too far.
 const THIN: f64 = 1e-7;
 
-/// Why a path was lost.
+/// Why a path cannot be traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TraceError {
@@ -34,54 +38,56 @@ pub enum TraceError {
         /// Number of vertices of the mesh.
         vertices: usize,
     },
-    /// The line to the image ends in a face, and no vertex is near.
+    /// The line to the image ends in a face, and no vertex near it continues the path. This is a
+    /// defect of the program.
     #[error(
         "the path to vertex {target} ends in face {face}, where no vertex continues it; please report the mesh"
     )]
     Lost {
-        /// The target.
+        /// The vertex to which the path leads.
         target: VertexId,
-        /// Where it ends.
+        /// The face in which the line ends.
         face: FaceId,
     },
-    /// The path crosses more edges than the mesh has faces, or passes more vertices than it has.
+    /// The path crosses more edges than the mesh has faces, or passes more vertices than the mesh
+    /// has. This is a defect of the program.
     #[error(
         "the path to vertex {target} crosses more edges than there are faces; please report the mesh"
     )]
     Endless {
-        /// The target.
+        /// The vertex to which the path leads.
         target: VertexId,
     },
 }
 
-/// Why there is no path to hand out.
+/// Why there is no path to return.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PathError {
-    /// The run did not start.
+    /// The solver failed.
     #[error(transparent)]
     Solve(#[from] SolveError),
-    /// The path was lost.
+    /// The path cannot be traced.
     #[error(transparent)]
     Trace(#[from] TraceError),
 }
 
-/// The shortest paths to the vertices of a mesh from the nearest of the sources of a run; see the
-/// [example](crate).
+/// The shortest paths from the sources of a run to the vertices of its mesh, each from the nearest
+/// source. See the [example](crate).
 #[derive(Clone, Debug)]
 pub struct Paths {
     mesh: Mesh,
     distances: Vec<f64>,
     origins: Origins,
-    /// All half-edges as paths cross them, if many paths are to be traced.
+    /// The record of every half-edge; empty if few paths are expected.
     steps: Vec<Step>,
 }
 
-/// A half-edge across which a path enters a face. What it needs is in one place, since paths go
-/// through memory at random.
+/// The data of a half-edge that a path needs to enter its face. They form one record, because paths
+/// access memory in random order.
 #[derive(Clone, Copy, Debug)]
 struct Step {
-    /// The apex in the frame of the half-edge, in lengths of that.
+    /// The apex in the frame of the half-edge, in units of its length.
     apex: [f64; 2],
     tail: VertexId,
     twin: Option<HalfEdgeId>,
@@ -98,15 +104,18 @@ impl Step {
     }
 }
 
-/// For more targets than one in so many half-edges, the shapes of all faces are computed at once.
+/// The records of all half-edges are computed in advance if there is more than one target for this
+/// many half-edges.
 const FEW: usize = 64;
 
 impl Paths {
-    /// Has `solver`, set up for `mesh`, find what `goal` asks for, and how paths come there.
+    /// Runs `solver`, which is set up for `mesh`, until `goal` is reached, and records the origins
+    /// of the shortest paths.
     ///
     /// # Errors
     ///
-    /// When a source or a target does not exist, there is no source, or the solver cannot trace.
+    /// As [`Solver::trace`]: if a source or a target does not exist, if there is no source, or if
+    /// the solver does not record origins.
     pub fn find(
         solver: &mut (impl Solver + ?Sized),
         mesh: &Mesh,
@@ -133,17 +142,18 @@ impl Paths {
         })
     }
 
-    /// The distances of all vertices; infinite where there is no path or none was asked for.
+    /// The distances of all vertices, in the order of the mesh. A distance is infinite if no path
+    /// leads to the vertex or the goal of the run did not ask for it.
     pub fn distances(&self) -> &[f64] {
         &self.distances
     }
 
-    /// The shortest path to `target`; `None` if none leads there, or none was asked for. O(faces
-    /// crossed).
+    /// The shortest path to `target`; `None` if its distance is infinite. O(faces crossed).
     ///
     /// # Errors
     ///
-    /// When `target` does not exist, or the path is lost, which is a defect of this program.
+    /// [`TraceError::NoSuchVertex`] if `target` does not exist. All other errors are defects of the
+    /// program.
     pub fn to(&self, target: VertexId) -> Result<Option<Path>, TraceError> {
         let Some(&distance) = self.distances.get(target.index()) else {
             return Err(TraceError::NoSuchVertex {
@@ -160,9 +170,9 @@ impl Paths {
         };
         let mut v = target;
         for passed in 1..=self.distances.len() {
-            // A shortest path is in each face once, so it crosses fewer edges than there are faces.
-            // Along edges it may take as many more steps as it passes vertices: an edge of faces
-            // without area counts for none of them.
+            // A shortest path enters each face at most once, so it crosses fewer edges than there
+            // are faces. A step along an edge adds a point and enters no face, if the faces of the
+            // edge have no area. There is at most one such step for each vertex passed.
             if path.points.len() > self.mesh.face_count() + passed {
                 return Err(TraceError::Endless { target });
             }
@@ -197,12 +207,15 @@ impl Paths {
         known.map_or_else(|| self.mesh.tail(h), |step| step.tail)
     }
 
-    /// Follows the straight line from `v`, the apex of `h`, to `image`, in the frame of `h`, up to
-    /// the vertex that `image` is or to one before it. Adds the points on the way to `path` and
-    /// returns that vertex.
+    /// Follows the straight line from `v`, the apex of `h`, to `image`, in the frame of `h`. The
+    /// line ends at the vertex of which `image` is the image, or at a vertex before it. Appends the
+    /// points on the way to `path` and returns that vertex.
     ///
-    /// Beside slivers an image may be further off than what its distance tells. The line then
-    /// comes by the vertex that is meant, and is drawn once more to where that lies.
+    /// Beside slivers, the error of an image may exceed the error of its distance. The line then
+    /// misses its vertex. So the attempts are, in this order: [`glide`](Self::glide), a plain
+    /// [walk](Self::walk), a careful walk that notes the vertices it comes near, and a careful walk
+    /// that aims at a vertex noted. The walks are repeated with a greater tolerance if they all
+    /// fail.
     fn follow(
         &self,
         target: VertexId,
@@ -241,9 +254,9 @@ impl Paths {
         Err(TraceError::Lost { target, face: lost })
     }
 
-    /// Follows the line from `v`, the apex of `h`, to `image` in a frame of its own, in which it is
-    /// the x-axis, and into which the faces on the way are unfolded. That is all that is needed but
-    /// beside slivers. Returns the vertex in which it ends, or `None` if that is in doubt.
+    /// Follows the line from `v`, the apex of `h`, to `image` in one frame, whose x-axis is the
+    /// line. The faces on the way are unfolded into this frame. This fast path suffices except
+    /// beside slivers. Returns the vertex at which the line ends; `None` if that is in doubt.
     #[inline]
     fn glide(
         &self,
@@ -270,7 +283,7 @@ impl Paths {
                 && at[0] >= 0.0
                 && excess.abs() <= ROUNDING * self.distances[target.index()]
         };
-        // The ends of the edge under way, and the vertices there.
+        // The right and the left end of the current edge: position and vertex.
         let mut right = (turned([0.0; 2]), self.tail(h));
         let mut left = (turned([self.mesh.length(h), 0.0]), self.tail(h.next()));
         for (at, v) in [right, left] {
@@ -287,7 +300,8 @@ impl Paths {
         for _ in 0..self.mesh.face_count() {
             let (a, b) = (right.0, left.0);
             let t = a[1] / (a[1] - b[1]);
-            // Beyond the image, past the vertex that it is of.
+            // The abscissa of the crossing. Beyond the image, the line has missed the vertex of the
+            // image.
             let x = a[0] + t * (b[0] - a[0]);
             if x.is_nan() || x > length + beside {
                 return None;
@@ -322,7 +336,8 @@ impl Paths {
         None
     }
 
-    /// The line from `v`, the apex of `h`, to `image`, which may be too long by `tolerance`.
+    /// The line from `v`, the apex of `h`, to `image`, for a path that may be too long by
+    /// `tolerance`.
     fn line(&self, v: VertexId, h: HalfEdgeId, image: [f64; 2], tolerance: f64) -> Line {
         let apex = self.mesh.apex(h);
         let length = norm(sub(image, apex));
@@ -344,10 +359,10 @@ impl Paths {
         }
     }
 
-    /// Considers the vertices behind `h`, in whose frame `line` is. Where the faces there have no
-    /// area, a path may bend at one that lies on `h`.
+    /// Considers the vertices of the faces beyond `h`; `line` is in the frame of `h`. If these
+    /// faces have no area, a vertex at which the path bends may lie on `h`.
     fn consider_behind(&self, h: HalfEdgeId, line: &mut Line) {
-        // Half-edges on `h`, with the abscissas where they start and end.
+        // Half-edges that lie on `h`, each with the abscissas of its tail and head.
         let mut ahead = vec![(h, [0.0, self.mesh.length(h)])];
         for _ in 0..self.mesh.face_count() {
             let Some((e, [from, to])) = ahead.pop() else {
@@ -365,8 +380,8 @@ impl Paths {
         }
     }
 
-    /// Goes along `line` from the apex of `h` to the vertex where it ends, or to one that it
-    /// passes. If there is none, returns the face in which it ends.
+    /// Follows `line` from the apex of `h` to the vertex at which it ends, or to the first vertex
+    /// that it passes. If there is no such vertex, returns the face in which the line ends.
     fn walk(&self, h: HalfEdgeId, line: &mut Line, path: &mut Path) -> Result<VertexId, FaceId> {
         let mesh = &self.mesh;
         let (apex, l) = (mesh.apex(h), mesh.length(h));
@@ -382,7 +397,7 @@ impl Paths {
         if line.is_careful {
             self.consider_behind(h, line);
         }
-        // Not if it is NaN either.
+        // The negation also catches NaN.
         if !(s >= -line.beside && s <= l + line.beside) {
             return Err(h.face());
         }
@@ -390,7 +405,7 @@ impl Paths {
         line.advance([s, 0.0], path);
         path.points
             .push(on_edge(h, [mesh.tail(h), mesh.head(h)], s / l));
-        // About to cross edge `out`, in whose frame everything is.
+        // The half-edge to be crossed next. `line` is in its frame.
         let mut out = h;
         for _ in 0..mesh.face_count() {
             let Some(g) = mesh.twin(out) else {
@@ -407,15 +422,16 @@ impl Paths {
             let left = if square(to_image) > line.beside * line.beside {
                 cross(to_image, sub(apex, line.here)) <= 0.0
             } else {
-                // The image is on this edge, and is the corner of another face without area.
+                // The image is on this edge: it is a corner of another face, which has no area.
                 line.here[0] < apex[0]
             };
-            // The exit from one corner to the other one, beyond which the image lies.
+            // The exit, beyond which the image lies: its start, the difference in x to its end, and
+            // its half-edge.
             let (from, along, exit) = if left {
                 ([0.0; 2], apex[0], g.prev())
             } else {
-                // How far the apex is from the head along `g`, which is less than a difference of
-                // two long edges if that is a needle's short side.
+                // The difference in x between the apex and the head of `g`. Beside the short side
+                // of a needle, `l - apex[0]` would cancel: both are long.
                 let exit = g.next();
                 (apex, mesh.apex(exit)[0] / l * mesh.length(exit), exit)
             };
@@ -428,10 +444,10 @@ impl Paths {
                 return Err(g.face());
             }
             let share = (before / (before - behind.max(0.0))).clamp(0.0, 1.0);
-            // There is no way to go if it is NaN.
+            // NaN: the current point and the image are both on the exit.
             let share = if share.is_nan() { 0.0 } else { share };
             line.advance([0, 1].map(|k| line.here[k] + share * to_image[k]), path);
-            // Into the frame of the exit, which runs from `to` to `from`; the image is below.
+            // To the frame of the exit, whose head is `from`. The image is below the exit.
             line.transform(|p| {
                 let [x, y] = sub(p, from);
                 let [x, y] = [unit[0] * x + unit[1] * y, unit[0] * y - unit[1] * x];
@@ -446,7 +462,7 @@ impl Paths {
     }
 }
 
-/// The point at the fraction `t` of `h`, which runs between `ends`.
+/// The point at fraction `t` of `h`, from `ends[0]` to `ends[1]`.
 #[inline]
 fn on_edge(h: HalfEdgeId, ends: [VertexId; 2], t: f64) -> Point {
     let barycentric = match h.corner() {
@@ -461,48 +477,53 @@ fn on_edge(h: HalfEdgeId, ends: [VertexId; 2], t: f64) -> Point {
     }
 }
 
-/// The rest of the line to an image, in the frame of the face under way.
+/// A line to an image, during a walk. Coordinates are in the frame of the current face, unless
+/// noted.
 struct Line {
-    /// Where it starts: in the frame of its first half-edge, and in that of the face under way.
+    /// Its start: in the frame of its first half-edge, and in the current frame.
     start: [[f64; 2]; 2],
-    /// The image in the frame of the first half-edge.
+    /// The image, in the frame of the first half-edge.
     goal: [f64; 2],
+    /// The point that the walk has reached.
     here: [f64; 2],
+    /// The image, in the current frame.
     image: [f64; 2],
-    /// The distance of the vertex at which it starts, and of what the image is of.
+    /// The distances of the vertex at which the line starts and of the (pseudo-)source of the
+    /// image.
     distance: f64,
     sigma: f64,
-    /// How far beside it a vertex may be that it passes.
+    /// Greatest distance of a vertex from the line at which the path passes the vertex.
     beside: f64,
-    /// By how much it may be too long.
+    /// Greatest difference between the length of the path and the distance.
     tolerance: f64,
-    /// The longest edge met.
+    /// The longest edge so far.
     longest: f64,
-    /// The vertex through which the path would be shortest, of those that it came by.
+    /// Of the vertices near the line, the one through which the path is shortest.
     best: Option<Best>,
-    /// Where a vertex lies, in the frame of the first half-edge, to which the line would have the
-    /// right length.
+    /// The position, in the frame of the first half-edge, of a vertex to which a straight line has
+    /// the right length.
     aim: Option<[f64; 2]>,
-    /// The sine of the angle between the two lines, times the length of this one.
+    /// The sine of the angle between this line and the line to `aim`, times the length of this one.
     off: f64,
-    /// Whether the two are looked for.
+    /// Whether `best` and `aim` are searched for.
     is_careful: bool,
 }
 
-/// A vertex to which a path can go from one of its points, across one face.
+/// A vertex that the path can reach from one of its points across one face.
 struct Best {
     vertex: VertexId,
-    /// By how much the path would be too long.
+    /// By how much the path through the vertex is too long.
     excess: f64,
-    /// Its points up to there, its length up to there, and how far the vertex is.
+    /// The number of points and the length of the path before the vertex, and the distance from
+    /// there to the vertex.
     points: usize,
     length: f64,
     way: f64,
 }
 
 impl Line {
-    /// Enters a face across an edge of length `l` with the apex beyond it: rounding moves points by
-    /// parts of its size.
+    /// Enters a face across an edge of length `l`. Widens the tolerances if the face is larger than
+    /// all before: the rounding errors of points are proportional to its size.
     fn enter(&mut self, l: f64, apex: [f64; 2]) {
         let size = l.max(norm(apex));
         if size > self.longest {
@@ -513,15 +534,16 @@ impl Line {
         }
     }
 
-    /// Notes where vertex `v` lies, at `corner` of the face under way, if a straight line to it
-    /// would have the right length, and is the nearest to this one.
+    /// Sets `aim` to the position of vertex `v`, at `corner` of the current face, if a straight
+    /// line to it has the right length and the angle to this line is the least so far.
     fn consider(&mut self, corner: [f64; 2], v: VertexId, paths: &Paths) {
         let known = paths.distances[v.index()];
         let [first, start] = self.start;
         let straight = sub(corner, start);
         let is_as_long = (norm(straight) + known - self.distance).abs() <= self.tolerance;
         if is_as_long && known < self.distance {
-            // Turned back by the angle between the line here and there.
+            // Rotated into the frame of the first half-edge, by the angle between the line in both
+            // frames.
             let (here, there) = (sub(self.image, start), sub(self.goal, first));
             let size = square(here);
             let off = cross(here, straight).abs() / norm(straight);
@@ -540,7 +562,8 @@ impl Line {
         }
     }
 
-    /// Whether the path passes vertex `v` at `corner` of the face under way.
+    /// Whether the path passes vertex `v` at `corner` of the current face. A careful walk also
+    /// considers the vertex for `best` and `aim`.
     fn meets(&mut self, corner: [f64; 2], v: VertexId, paths: &Paths, path: &Path) -> bool {
         let (to_corner, to_image) = (sub(corner, self.here), sub(self.image, self.here));
         let (across, rest) = (cross(to_image, to_corner), square(to_image));
@@ -552,7 +575,7 @@ impl Line {
             return false;
         }
         let known = paths.distances[v.index()];
-        // The vertices of a path come ever nearer to its source.
+        // Along a path towards its source, the distances of the vertices decrease.
         if known >= self.distance {
             return false;
         }
@@ -573,7 +596,7 @@ impl Line {
         is_beside && excess.abs() <= self.tolerance
     }
 
-    /// Ends in vertex `v` at `corner`.
+    /// Ends the line at vertex `v`, at `corner`, and returns `v`.
     fn go(&self, corner: [f64; 2], v: VertexId, paths: &Paths, path: &mut Path) -> VertexId {
         let from = if self.is_careful {
             self.here
@@ -585,7 +608,8 @@ impl Line {
         v
     }
 
-    /// Turns to a vertex on the way from which the path is as short, if there is one.
+    /// Redirects the path to the best vertex near it, if the path through that vertex is short
+    /// enough. Returns the vertex.
     #[cold]
     fn turn(&self, paths: &Paths, path: &mut Path) -> Option<VertexId> {
         let best = self.best.as_ref();
@@ -596,7 +620,8 @@ impl Line {
         Some(best.vertex)
     }
 
-    /// Goes on to `there`. The length of a line that is not careful is added at its end.
+    /// Moves the current point to `there`. A careful walk adds the length step by step; otherwise
+    /// [`go`](Self::go) adds it at the end.
     fn advance(&mut self, there: [f64; 2], path: &mut Path) {
         if self.is_careful {
             path.length += norm(sub(there, self.here));
@@ -604,7 +629,7 @@ impl Line {
         self.here = there;
     }
 
-    /// Into another frame.
+    /// Maps the line into another frame.
     fn transform(&mut self, frame: impl Fn([f64; 2]) -> [f64; 2]) {
         self.start[1] = frame(self.start[1]);
         self.here = frame(self.here);

@@ -1,4 +1,5 @@
-//! Paths of every kind of solver, on every small surface of the zoo and on random nasty ones.
+//! Paths of every solver: on all small surfaces of the zoo, between points in faces and on edges,
+//! and with ties.
 
 mod straight;
 
@@ -62,7 +63,8 @@ fn solvers(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver>)> {
     all
 }
 
-/// Checks the paths from `sources` to all vertices, and adds what is wrong to `failures`.
+/// Checks the paths of every solver from `sources` to all vertices. Appends a message to `failures`
+/// for each wrong path.
 fn check(name: &str, mesh: &Mesh, sources: &[u32], failures: &mut Vec<String>) {
     for (algorithm, mut solver) in solvers(mesh) {
         let ids: Vec<VertexId> = sources.iter().copied().map(VertexId::new).collect();
@@ -86,7 +88,7 @@ fn check(name: &str, mesh: &Mesh, sources: &[u32], failures: &mut Vec<String>) {
 }
 
 fn report(failures: &[String]) {
-    // A few of each model.
+    // At most three of each model.
     let mut of_model = ("", 0);
     let first = failures.iter().filter(|line| {
         let model = line.split(", ").next().unwrap_or_default();
@@ -215,7 +217,7 @@ fn of_several_shortest_paths_it_is_always_the_same_one() {
         let again = solvers(&mesh).into_iter();
         for ((name, mut solver), (_, mut other)) in solvers(&mesh).into_iter().zip(again) {
             let first = Paths::find(solver.as_mut(), &mesh, 0, &Goal::everything()).unwrap();
-            // A solver that has run before, from elsewhere, and one that has not.
+            // One solver has run before, from another source; the other one is new.
             solver.solve(&[VertexId::new(9)]).unwrap();
             for solver in [&mut solver, &mut other] {
                 let paths = Paths::find(solver.as_mut(), &mesh, 0, &Goal::everything()).unwrap();

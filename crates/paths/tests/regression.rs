@@ -1,6 +1,6 @@
-//! Defects of paths that were mended, each with a test that is named after what went wrong.
+//! Regression tests for fixed defects of paths. Each test is named after what went wrong.
 
-// Coordinates, of which every digit counts.
+// Every digit of these coordinates counts.
 #![allow(clippy::unreadable_literal)]
 
 mod straight;
@@ -14,7 +14,8 @@ use geobench_window::{Goal, Solver};
 
 use crate::straight::{check_bends, check_path};
 
-/// Checks the path from `source` to `target` by several solvers, and returns that by the last one.
+/// Checks the path from `source` to `target` by several solvers, and returns the path of the last
+/// one.
 fn check(positions: &[[f64; 3]], faces: &[[u32; 3]], [source, target]: [u32; 2]) -> Path {
     let soup = TriangleSoup::new(positions.to_vec(), faces.to_vec());
     let (mesh, _) = Mesh::from_soup(soup).unwrap();
@@ -39,8 +40,8 @@ fn check(positions: &[[f64; 3]], faces: &[[u32; 3]], [source, target]: [u32; 2])
     last
 }
 
-/// The exit's direction was the difference of two long edges, and a vertex from which the path is
-/// longer by 4e-13 of it was near enough. This is a part of `seed20868` of the slivers.
+/// The direction of an exit was the difference of two long edges, and a vertex was accepted that
+/// makes the path longer by 4e-13 of its length. This is a part of `seed20868` of the slivers.
 #[test]
 #[rustfmt::skip]
 fn a_path_between_two_close_vertices_passed_through_one_of_them() {
@@ -58,8 +59,8 @@ fn a_path_between_two_close_vertices_passed_through_one_of_them() {
     assert_eq!(path.vertices().count(), 2);
 }
 
-/// The vertex is 2e-12 from the image, and not the one that this is of. This is `seed17008` of
-/// the slivers.
+/// A vertex lies 2e-12 from an image and was mistaken for the vertex of the image. This is
+/// `seed17008` of the slivers.
 #[test]
 #[rustfmt::skip]
 fn a_vertex_beside_the_image_was_taken_for_its_own() {
@@ -100,8 +101,8 @@ fn a_vertex_beside_the_image_was_taken_for_its_own() {
     check(&positions, &faces, [8, 5]);
 }
 
-/// The point where the line meets a face of no area is as far beside a vertex there as images
-/// err, which the path was too long by. This is `seed1038756` of the slivers.
+/// The line met a face without area beside one of its corners, off by the error of the image. The
+/// path through the corner was too long by the same amount. This is `seed1038756` of the slivers.
 #[test]
 #[rustfmt::skip]
 fn a_path_through_a_corner_of_a_flat_face_was_lost() {
@@ -129,7 +130,7 @@ fn a_path_through_a_corner_of_a_flat_face_was_lost() {
     check(&positions, &faces, [17, 11]);
 }
 
-/// The window of `vtp-fast` ends at a vertex behind two faces of no area, where the path bends.
+/// The window of `vtp-fast` ends at a vertex behind two faces without area, where the path bends.
 /// This is `seed1036242` of the slivers.
 #[test]
 #[rustfmt::skip]
@@ -170,7 +171,7 @@ fn a_bend_behind_two_flat_faces_was_lost() {
     check(&positions, &faces, [24, 5]);
 }
 
-/// The check of the tests finds a point that is moved by a millionth of its edge.
+/// The check detects a point that is moved by 1e-6 of its edge.
 #[test]
 fn a_bent_path_is_refused() {
     let mesh = Mesh::generate("grid,n=4").unwrap();

@@ -1,4 +1,5 @@
-//! Paths on the small meshes that have broken solvers, where they are at hand.
+//! Paths on the meshes with slivers on which solvers have failed. The test does nothing if the file
+//! of these meshes is missing.
 
 mod straight;
 

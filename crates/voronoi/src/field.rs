@@ -1,4 +1,4 @@
-//! What a run leaves: the distance and the source of every vertex, and windows on edges.
+//! The result of a run: the distance and the source of every vertex, and windows on edges.
 
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::SolveError;
@@ -8,8 +8,9 @@ use crate::store::EdgeWindows;
 /// The label of a vertex that no source reaches.
 pub const NO_SOURCE: u32 = u32::MAX;
 
-/// What a run has found: the distance and the nearest source of every vertex, and on the edges of
-/// all faces in which cells meet the windows by which their borders are known.
+/// The result of a run: the distance and the nearest source of every vertex, and windows on edges.
+/// All windows are stored from which the borders of cells are computed: those on the edges of faces
+/// that several cells share.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'a> {
     pub(crate) mesh: &'a Mesh,
@@ -24,13 +25,14 @@ impl<'a> Field<'a> {
         self.mesh
     }
 
-    /// The distance of every vertex from the nearest source; infinite where no path leads.
+    /// The distance of every vertex from the nearest source, in the units of the mesh and the order
+    /// of its vertices; infinite where no path leads.
     pub const fn distances(&self) -> &'a [f64] {
         self.distances
     }
 
-    /// The nearest source of every vertex, by its place in the list of sources; [`NO_SOURCE`] where
-    /// no path leads. Of several sources that are equally near, one of them.
+    /// The nearest source of every vertex, as an index into the list of sources; [`NO_SOURCE`]
+    /// where no path leads. If several sources are equally near, it is one of them.
     pub const fn labels(&self) -> &'a [u32] {
         self.labels
     }
@@ -41,13 +43,13 @@ impl<'a> Field<'a> {
     }
 }
 
-/// An algorithm that keeps the windows from which a diagram is made.
+/// An algorithm that stores the windows from which a diagram is computed.
 pub trait FieldSolver: Send {
     /// Finds the distance and the nearest of `sources` for every vertex, and the windows from which
-    /// the [diagram](crate::Diagram) is made.
+    /// the [diagram](crate::Diagram) is computed.
     ///
     /// # Errors
     ///
-    /// When `sources` is empty or names a vertex that does not exist.
+    /// If `sources` is empty or has a vertex that does not exist.
     fn field(&mut self, sources: &[VertexId]) -> Result<Field<'_>, SolveError>;
 }

@@ -1,4 +1,4 @@
-//! The method of Liu, Chen and Tang: MMP from all sources at once, with all windows kept.
+//! The algorithm of Liu, Chen and Tang: MMP from all sources at once, with all windows kept.
 
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::queue::{Discipline, Event, EventKind, Priority};
@@ -8,11 +8,12 @@ use crate::field::{Field, FieldSolver};
 use crate::store::edge_of;
 use crate::wave::{Announced, COUNTERS, Wave};
 
-/// MMP with sources (Liu, Chen, Tang 2011): windows one by one in the order of `queue`, all of them
-/// kept on edges until the end.
+/// MMP from several sources (Liu, Chen, Tang 2011). Windows cross one by one, in the order of the
+/// discipline `Q`. All windows that trimming leaves stay on their edges until the end.
 ///
 /// Windows of both directions of an edge are trimmed together, as in
-/// [`WindowVtp`](crate::WindowVtp), so that both leave the same windows at cell borders.
+/// [`WindowVtp`](crate::WindowVtp). So both algorithms leave the same windows at the borders of
+/// cells.
 #[derive(Clone, Debug)]
 pub struct Lct11<Q = Priority> {
     wave: Wave,
@@ -20,14 +21,14 @@ pub struct Lct11<Q = Priority> {
 }
 
 impl Lct11<Priority> {
-    /// Sets up for `mesh`, nearest window first; O(faces).
+    /// Sets up for `mesh`, with the nearest window first and without the vertex filter; O(faces).
     pub fn new(mesh: &Mesh) -> Self {
         Self::in_order(mesh, Priority::new(mesh), VertexFilter::Off)
     }
 }
 
 impl<Q: Discipline> Lct11<Q> {
-    /// Sets up for `mesh`, in the order of `queue`; O(faces).
+    /// Sets up for `mesh`, in the order of `queue` and with or without the vertex filter; O(faces).
     pub fn in_order(mesh: &Mesh, queue: Q, filter: VertexFilter) -> Self {
         Self {
             wave: Wave::new(mesh, filter),
@@ -81,6 +82,7 @@ impl<Q: Discipline> Lct11<Q> {
         self.wave.finish(probe);
     }
 
+    /// Queues the windows that have arrived and the vertices whose distance has improved.
     fn receive<P: Probe>(&mut self, probe: &mut P) {
         let mut arrivals = std::mem::take(&mut self.wave.arrivals);
         for arrival in arrivals.drain(..) {

@@ -1,4 +1,10 @@
 //! Geodesic Voronoi diagrams: which of several sources is the nearest, at every point of a surface.
+//!
+//! * A [`FieldSolver`] ([`WindowVtp`] or [`Lct11`]) finds the nearest source of each vertex, and
+//!   stores windows on the edges near the borders of cells. Its result is a [`Field`].
+//! * [`Diagram`] is computed from a field: cells, borders, Voronoi vertices. [`Diagram::dual`]
+//!   connects the sources of neighbouring cells to triangles.
+//! * [`remesh()`] makes a new mesh for a surface: the dual of the diagram of evenly spread sources.
 
 mod diagram;
 mod field;
@@ -24,7 +30,7 @@ pub use remesh::{Deviation, Quality, RemeshError, RemeshOptions, Remeshed, remes
 pub use removal::Removal;
 pub use window_vtp::{Options, WindowVtp};
 
-/// Refuses a run without sources or from a vertex that does not exist.
+/// Returns an error if `sources` is empty or has a vertex that does not exist.
 fn check_sources(vertices: usize, sources: &[VertexId]) -> Result<(), SolveError> {
     match sources.iter().find(|v| v.index() >= vertices) {
         Some(&vertex) => Err(SolveError::NoSuchVertex { vertex, vertices }),

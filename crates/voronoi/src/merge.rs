@@ -1,29 +1,30 @@
-//! Windows that arrive at an edge together, merged into its list in one pass.
+//! Merges windows that arrive at an edge together into its list, in one pass.
 
 use geobench_window::trimming::{OverlapRange, is_sliver, matters};
 
 use crate::store::{Changes, Stored};
 
-/// Number of windows up to which all of a list are compared, instead of a binary search.
+/// Up to this length, all windows of a list are compared, instead of a binary search.
 const SHORT: usize = 16;
 
-/// One pass over the list of an edge, in ascending order, that inserts windows.
+/// One pass over the list of an edge, in ascending order, that inserts new windows.
 ///
-/// What takes the place of the windows passed is collected and copied back at the end. A stored
-/// window that loses its left part is cut in place.
+/// The windows that replace a range of the list are collected as pieces. The caller copies them
+/// into the list at the [end](Self::end). A stored window that loses its left part is cut in place.
 pub(crate) struct Sweep<'a> {
     list: &'a mut [Stored],
+    /// Length of the edge.
     l: f64,
     pieces: &'a mut Vec<Stored>,
     changes: &'a mut Changes,
     /// The first window that the pieces replace.
     base: usize,
-    /// The first window that has not been passed; the pieces replace those before it.
+    /// The first window that has not been passed. The pieces replace those from `base` up to it.
     next: usize,
 }
 
 impl<'a> Sweep<'a> {
-    /// Starts behind the windows of `list` that end at `x` or before; `pieces` is scratch space.
+    /// Starts after the windows of `list` that end at or before `x`. `pieces` is scratch space.
     #[inline]
     pub(crate) fn start(
         list: &'a mut [Stored],
@@ -32,7 +33,7 @@ impl<'a> Sweep<'a> {
         pieces: &'a mut Vec<Stored>,
         changes: &'a mut Changes,
     ) -> Self {
-        // Comparisons of a short list do not wait for each other's memory.
+        // The loads of a linear search do not depend on each other, as those of a binary search do.
         let next = if list.len() <= SHORT {
             list.iter().map(|s| usize::from(s.window.b1 <= x)).sum()
         } else {
@@ -49,12 +50,12 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Inserts windows of `batch` from number `k` on, as long as they are in ascending order. Returns
-    /// the number of the first one that is left, and whether that one needs a division of the whole
-    /// overlap.
+    /// Inserts the windows of `batch` from index `k` on, as long as they are in ascending order.
+    /// Returns the index of the first window that is not inserted, and whether that window needs
+    /// the general case: an `Overlap` with all windows that it meets.
     #[inline]
     pub(crate) fn insert_all(&mut self, batch: &[Stored], mut k: usize) -> (usize, bool) {
-        // The windows that end here or before have been passed.
+        // All windows that end at or before this abscissa have been passed.
         let mut passed = batch[k].window.b0;
         while let Some(new) = batch.get(k) {
             let mut new = *new;
@@ -72,7 +73,7 @@ impl<'a> Sweep<'a> {
                         }
                         self.insert_over_last(&new)
                     } else if end < new.window.b1 {
-                        // They touch; the overlap is rounding.
+                        // They only touch: the overlap is due to rounding.
                         new.window.b0 = end;
                         self.insert(&new)
                     } else {
@@ -93,7 +94,7 @@ impl<'a> Sweep<'a> {
         (k, false)
     }
 
-    /// Passes the windows that end at `x` or before.
+    /// Passes the windows that end at or before `x`.
     #[inline]
     fn pass(&mut self, x: f64) {
         while let Some(stored) = self.list.get(self.next)
@@ -106,8 +107,8 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Inserts `new`, which begins at or behind the end of the windows passed and of the pieces.
-    /// Returns false, and changes nothing, if several parts of it may be shorter than stored
+    /// Inserts `new`, which begins at or after the end of the passed windows and of the pieces.
+    /// Returns false and changes nothing if several parts of `new` may be shorter than stored
     /// windows.
     #[inline]
     fn insert(&mut self, new: &Stored) -> bool {
@@ -124,7 +125,7 @@ impl<'a> Sweep<'a> {
         if self.pieces.is_empty() {
             self.base = self.next;
         }
-        // The window of which the part before the new one stays.
+        // The index of the stored window that keeps a part on the left of the new one.
         let mut halved = None;
         if let Some(old) = self.list.get(self.next)
             && old.window.b0 < start
@@ -138,7 +139,7 @@ impl<'a> Sweep<'a> {
         true
     }
 
-    /// [`insert`](Self::insert) for a window that begins within the last of the pieces.
+    /// [`insert`](Self::insert) for a window that begins within the last piece.
     #[inline(never)]
     fn insert_over_last(&mut self, new: &Stored) -> bool {
         let Some(&last) = self.pieces.last() else {
@@ -180,8 +181,9 @@ impl<'a> Sweep<'a> {
         true
     }
 
-    /// Puts `start..end` of `new` behind the pieces, in the place of what it covers of the windows
-    /// that have not been passed; `halved` is the number of the one of which a part stays before it.
+    /// Appends `start..end` of `new` to the pieces, and removes the range that it covers from the
+    /// windows that have not been passed. `halved` is the index of the window whose left part is a
+    /// piece already.
     #[inline]
     fn put(&mut self, new: &Stored, start: f64, end: f64, halved: Option<usize>) {
         let piece = new.cut(start, end);
@@ -211,7 +213,7 @@ impl<'a> Sweep<'a> {
         self.changes.removed += self.next - first - usize::from(keeps_left);
     }
 
-    /// The range of the list that the pieces replace.
+    /// The range of the list that the pieces replace; empty if there are none.
     #[inline]
     pub(crate) fn end(self) -> std::ops::Range<usize> {
         if self.pieces.is_empty() {

@@ -1,4 +1,4 @@
-//! Redundant windows: those around which all comes from one source.
+//! Removal of redundant windows: those whose surroundings belong to one cell.
 
 use geobench_mesh::{FaceId, HalfEdgeId};
 use geobench_window::precision::MARGIN;
@@ -11,76 +11,79 @@ use crate::store::Stored;
 use crate::store::edge_of;
 use crate::wave::Wave;
 
-/// Which windows are given up during a run.
+/// Which windows are removed during a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Removal {
-    /// None: all that trimming leaves are kept until the end.
+    /// None. All windows that trimming leaves are kept until the end.
     Off,
-    /// Those on redundant edges, as soon as the wave has passed (Qin, Yu, Zhang 2017, section 3).
+    /// Windows on redundant edges, soon after the wavefront has passed (Qin, Yu, Zhang 2017,
+    /// section 3).
     #[default]
     Continuous,
-    /// The same edges, looked for among all faces at times (Xu et al. 2014).
+    /// Windows on redundant edges, by a periodic scan of the faces (Xu et al. 2014).
     Periodic {
-        /// The faces are looked through after this many propagations for each face of the mesh.
+        /// A scan follows after this number of propagations per face of the mesh.
         c: f64,
     },
 }
 
-/// Number of turns between two searches for redundant edges. Faces that are looked at together are
-/// prefetched.
+/// Number of turns between two sweeps for redundant edges. A sweep over several faces can prefetch
+/// them.
 const PERIOD: u32 = 32;
 
-/// How many faces ahead a face is prefetched, and how many ahead the data of its edges and
-/// vertices.
+/// Prefetch distances, in faces: of a face, and of the data of its edges and vertices.
 const AHEAD: [usize; 2] = [8, 4];
 
 /// The state of a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum State {
-    /// Windows may still improve it.
+    /// Windows may still shorten distances in the face.
     #[default]
     Active,
-    /// No window that is still to come is shorter anywhere in it, and several sources reach it.
+    /// No window to come is shorter anywhere in the face, and several sources reach it.
     Border,
-    /// As `Border`, but it has one source.
+    /// As `Border`, but the face has one source.
     Redundant,
 }
 
-/// Finds redundant edges and gives their windows up.
+/// Finds redundant edges and removes their windows.
 ///
-/// A face is *inactive* once all windows that are still to cross any face offer more than
-/// `d + e` everywhere, where one point of the face is reached within d, and e is its longest edge:
-/// all its points are reached within that. It is *redundant* if, then, the windows on its edges and
-/// its three vertices have one source. An edge both of whose faces are so is of no use to the
-/// diagram. It is closed: what comes later would be longer there, and settle nevertheless, since
-/// nothing is left to compare it with.
+/// Let one point of a face be reached within distance d, and let e be the longest edge of the face.
+/// Then all points of the face are reached within d + e. The face is *inactive* once all windows
+/// that are still to cross any face offer more than d + e. An inactive face is *redundant* if its
+/// three vertices and all windows on its edges have one source.
+///
+/// An edge between two redundant faces is of no use to the diagram. Its windows are removed and the
+/// edge is closed. Without closing, later windows would be stored there although they are longer,
+/// because no window is left to trim them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Remover {
     removal: Removal,
     states: Vec<State>,
-    /// Faces that are not inactive by the length below which they may be.
+    /// Reached faces that are not known to be inactive, by their bound d + e.
     queue: MinHeap<u32>,
-    /// Faces that have been reached and not been found redundant, for the periodic check.
+    /// Reached faces that are not known to be redundant, for the periodic scan.
     open: Vec<u32>,
+    /// Propagations since the last scan.
     crossed: u64,
     /// Turns since the last sweep.
     turns: u32,
-    /// Faces found inactive by a sweep.
+    /// Scratch: the faces that a sweep has found inactive.
     inactive: Vec<u32>,
     #[cfg(test)]
     pub(crate) traps: Traps,
 }
 
-/// Mistakes of the printed procedure, to show that tests notice them.
+/// Defects of the published procedure. Tests switch them on to show that they would be noticed.
 #[cfg(test)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[allow(clippy::struct_excessive_bools)]
 pub(crate) struct Traps {
-    /// The neighbour need not be inactive.
+    /// The other face of an edge need not be inactive.
     pub(crate) active_neighbour: bool,
-    /// Edges stay open.
+    /// Edges are not closed when their windows are removed.
     pub(crate) no_closing: bool,
-    /// Vertices do not count, only windows.
+    /// The sources of the vertices of a face are ignored, only those of its windows count.
     pub(crate) windows_alone: bool,
 }
 
@@ -92,12 +95,12 @@ impl Remover {
         }
     }
 
-    /// Whether it needs to know how near faces are.
+    /// Whether the distances at which faces are reached have to be recorded.
     pub(crate) fn watches_faces(&self) -> bool {
         self.removal != Removal::Off
     }
 
-    /// Forgets the last run, on a mesh of so many faces.
+    /// Prepares for a run on a mesh with this number of faces.
     pub(crate) fn reset(&mut self, faces: usize) {
         self.states.clear();
         self.queue.clear();
@@ -108,7 +111,8 @@ impl Remover {
         }
     }
 
-    /// So many more windows have been propagated, and all that are still to be offer `d` or more.
+    /// Removes windows if a sweep or scan is due. `propagated` is the number of propagations since
+    /// the last call. All windows still to be propagated offer `d` or more.
     pub(crate) fn step(&mut self, wave: &mut Wave, propagated: u64, d: f64) {
         match self.removal {
             Removal::Off => {}
@@ -130,7 +134,7 @@ impl Remover {
         }
     }
 
-    /// Gives up what has become redundant since the last time.
+    /// Removes the windows that have become redundant since the last sweep.
     fn sweep(&mut self, wave: &mut Wave, d: f64) {
         for (i, &f) in wave.reached.iter().enumerate() {
             prefetch_face(wave, wave.reached.get(i + AHEAD[1]));
@@ -139,7 +143,8 @@ impl Remover {
         wave.reached.clear();
         let mut inactive = std::mem::take(&mut self.inactive);
         inactive.clear();
-        // Where the bound has fallen since the face was queued, it waits longer than it must.
+        // The bound of a face may have fallen since it was queued. Then the face is only found
+        // later.
         while let Some((bound, f)) = self.queue.peek()
             && is_less(bound, d)
         {
@@ -154,7 +159,8 @@ impl Remover {
         self.inactive = inactive;
     }
 
-    /// The same, looking at every face that is not known to be redundant.
+    /// As [`sweep`](Self::sweep), by a scan of all reached faces that are not known to be
+    /// redundant.
     fn look_through(&mut self, wave: &mut Wave, d: f64) {
         let mut open = std::mem::take(&mut self.open);
         open.retain(|&f| {
@@ -166,7 +172,8 @@ impl Remover {
         self.open = open;
     }
 
-    /// Face `f` is inactive.
+    /// Sets the state of face `f`, which is inactive, and removes the windows of its edges that
+    /// have become redundant.
     fn settle(&mut self, wave: &mut Wave, f: u32) {
         let face = FaceId::new(f);
         if !self.has_one_source(wave, face) {
@@ -175,7 +182,7 @@ impl Remover {
         }
         self.states[f as usize] = State::Redundant;
         for h in [0, 1, 2].map(|corner| face.half_edge(corner)) {
-            // The edges of the boundary hold no windows.
+            // Boundary edges hold no windows.
             if let Some(twin) = wave.faces.twin(h)
                 && self.is_redundant(wave, twin)
             {
@@ -184,6 +191,7 @@ impl Remover {
         }
     }
 
+    /// Whether the face of `h` is redundant.
     fn is_redundant(&self, wave: &Wave, h: HalfEdgeId) -> bool {
         #[cfg(test)]
         if self.traps.active_neighbour {
@@ -193,7 +201,8 @@ impl Remover {
         self.states[h.face().index()] == State::Redundant
     }
 
-    #[allow(clippy::unused_self)] // Tests set a trap here.
+    /// Whether an edge is closed when its windows are removed.
+    #[allow(clippy::unused_self)] // Tests read `traps` here.
     fn closes(&self) -> bool {
         #[cfg(test)]
         if self.traps.no_closing {
@@ -202,7 +211,7 @@ impl Remover {
         true
     }
 
-    /// Whether all windows on the edges of `face` and its vertices have the same source.
+    /// Whether all windows on the edges of `face`, and all its vertices, have the same source.
     #[allow(clippy::unused_self)] // As above.
     fn has_one_source(&self, wave: &Wave, face: FaceId) -> bool {
         let corners = wave.faces.corners(face.half_edge(0));
@@ -217,13 +226,13 @@ impl Remover {
     }
 }
 
-/// The edges of `face` that hold windows: not those of the boundary.
+/// The edges of `face` that can hold windows: all but boundary edges.
 fn edges_of(wave: &Wave, face: FaceId) -> impl Iterator<Item = usize> {
     let half_edges = [0, 1, 2].into_iter().map(move |c| face.half_edge(c));
     half_edges.filter_map(|h| Some(edge_of(h, wave.faces.twin(h)?).0))
 }
 
-/// Whether the windows on the edges of `face` have the same source, whatever its vertices have.
+/// Whether the windows on the edges of `face` have the same source, regardless of its vertices.
 #[cfg(test)]
 fn windows_have_one_source(wave: &Wave, face: FaceId) -> bool {
     let windows = edges_of(wave, face).flat_map(|e| wave.store.list(e));
@@ -240,7 +249,8 @@ fn prefetch_face(wave: &Wave, f: Option<&u32>) {
     }
 }
 
-/// Prefetches what [`Remover::settle`] looks at, after [`prefetch_face`].
+/// Prefetches the data that [`Remover::settle`] reads. The face must have been
+/// [prefetched](prefetch_face) before.
 #[inline]
 fn prefetch_around(wave: &Wave, f: Option<&u32>) {
     if let Some(&f) = f {
@@ -254,19 +264,19 @@ fn prefetch_around(wave: &Wave, f: Option<&u32>) {
     }
 }
 
-/// The length within which all points of face `f` are reached.
+/// The distance d + e within which all points of face `f` are reached.
 fn bound(wave: &Wave, f: u32) -> f64 {
     let face = FaceId::new(f);
     let lengths = [0, 1, 2].map(|corner| wave.faces.length(face.half_edge(corner)));
     wave.nearest[f as usize] + lengths.into_iter().fold(0.0, f64::max)
 }
 
-/// Whether windows of `d` and more cannot improve face `f`, beyond doubt.
+/// Whether windows that offer `d` or more cannot improve face `f`, beyond rounding.
 fn is_inactive(wave: &Wave, f: u32, d: f64) -> bool {
     is_less(bound(wave, f), d)
 }
 
-/// Whether `bound` is less than `d`, beyond doubt.
+/// Whether `bound` is less than `d`, beyond rounding.
 fn is_less(bound: f64, d: f64) -> bool {
     bound * (1.0 + MARGIN) < d
 }

@@ -1,4 +1,4 @@
-//! Windows kept on edges with their sources, those of both directions trimmed together.
+//! Windows stored on edges with their sources. Those of both directions are trimmed together.
 
 use std::ops::Range;
 
@@ -9,11 +9,11 @@ use geobench_window::{Window, prefetch};
 use crate::field::NO_SOURCE;
 use crate::merge::Sweep;
 
-/// A window of a list. It is in the frame of the edge's first half-edge, whichever way it crosses.
+/// A window of a list, in the frame of the edge's first half-edge, whichever way it crosses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stored {
     pub(crate) window: Window,
-    /// Number of its source, with two flags above it.
+    /// The number of its source, with the flags [`WAITS`] and [`REVERSED`] in the highest bits.
     marks: u32,
     /// The number by which a queue finds it in its list.
     pub(crate) serial: u32,
@@ -25,6 +25,7 @@ const WAITS: u32 = 1 << 31;
 const REVERSED: u32 = 1 << 30;
 
 impl Stored {
+    /// Filler of unused room in blocks.
     const NONE: Self = Self {
         window: Window {
             b0: 0.0,
@@ -66,11 +67,13 @@ impl Stored {
         self.marks & !(WAITS | REVERSED)
     }
 
+    /// Whether the window waits to cross.
     #[inline]
     pub(crate) fn waits(&self) -> bool {
         self.marks & WAITS != 0
     }
 
+    /// Whether the window crosses by the second half-edge of the edge.
     #[inline]
     pub(crate) fn is_reversed(&self) -> bool {
         self.marks & REVERSED != 0
@@ -82,11 +85,11 @@ impl Stored {
 struct Head {
     start: u32,
     len: u32,
-    /// The source of all windows that the list has held, or [`SEVERAL`].
+    /// The source of all windows that the list has held, [`SEVERAL`], or [`NO_SOURCE`].
     source: u32,
     /// Size class of the block; 0 without any.
     class: u8,
-    /// No window is kept here any more.
+    /// Whether the edge is closed: it stores no more windows.
     closed: bool,
 }
 
@@ -102,13 +105,13 @@ impl Default for Head {
     }
 }
 
-/// Windows of a list that are prefetched.
+/// Greatest number of windows of a list that are prefetched.
 const MOST_PREFETCHED: u32 = 16;
 
 /// The source of a list whose windows have come from several.
 const SEVERAL: u32 = u32::MAX - 1;
 
-/// Windows that a block of size class `class` holds: 4, 8, 12, 16, 24, 32, ...
+/// Capacity of a block of size class `class`, in windows: 0, 4, 8, 12, 16, 24, 32, ...
 const fn room(class: u8) -> usize {
     match class {
         0 => 0,
@@ -117,7 +120,7 @@ const fn room(class: u8) -> usize {
     }
 }
 
-/// A window that has to wait.
+/// A part of a window that has to be queued.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Waiting {
     /// Its least distance.
@@ -126,23 +129,23 @@ pub(crate) struct Waiting {
     pub(crate) is_reversed: bool,
 }
 
-/// What an insertion did.
+/// The effects of an insertion.
 #[derive(Clone, Debug)]
 pub(crate) struct Changes {
-    /// Windows to queue one by one: what is left of the new one, and further parts of stored ones
-    /// that wait. Not those of a [merge](EdgeWindows::merge).
+    /// Windows to queue one by one: the stored parts of the new window, and additional parts of
+    /// stored windows that wait. A [merge](EdgeWindows::merge) leaves it empty.
     pub(crate) waiting: Vec<Waiting>,
-    /// Parts that are left of new windows.
+    /// Number of stored parts of new windows.
     pub(crate) new_parts: usize,
     /// Their least distance; infinite if there are none.
     pub(crate) least: f64,
-    /// New windows of which nothing is left.
+    /// Number of new windows, or of their [pieces], of which nothing is stored.
     pub(crate) dropped: usize,
-    /// Further parts of stored windows that wait.
+    /// Number of additional parts of stored windows that wait.
     pub(crate) split: usize,
-    /// Stored windows that lost a part.
+    /// Number of stored windows that lost a part.
     pub(crate) trimmed: usize,
-    /// Stored windows that lost everything.
+    /// Number of stored windows that lost everything.
     pub(crate) removed: usize,
 }
 
@@ -170,7 +173,7 @@ impl Changes {
         };
     }
 
-    /// Counts `part` of a new window, which is left. Returns its least distance.
+    /// Counts a stored part of a new window. Returns its least distance.
     #[inline]
     pub(crate) fn keep(&mut self, part: &Stored) -> f64 {
         self.new_parts += 1;
@@ -182,18 +185,21 @@ impl Changes {
     }
 }
 
-/// The windows of all edges. Those of one edge have disjoint intervals and stand in ascending
-/// order; gaps are normal. The edge of half-edges h and t has the number of the lesser one, and its
-/// windows are in the frame of that one.
+/// The windows of all edges. The windows of one edge have disjoint intervals in ascending order;
+/// gaps are normal. An edge has the number of the lesser one of its two half-edges, and its windows
+/// are in the frame of that half-edge.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct EdgeWindows {
     heads: Vec<Head>,
+    /// The blocks of all lists.
     windows: Vec<Stored>,
+    /// Starts of unused blocks, by size class.
     free: Vec<Vec<u32>>,
     stored: usize,
     waiting: usize,
     counts_waiting: bool,
     next_serial: u32,
+    /// Scratch, as `met` and `replaced`.
     overlap: Overlap,
     met: Vec<Window>,
     replaced: Vec<Stored>,
@@ -204,7 +210,7 @@ impl EdgeWindows {
     /// Bytes of one stored window.
     pub(crate) const WINDOW_BYTES: usize = size_of::<Stored>();
 
-    /// Empty lists for the edges of so many half-edges.
+    /// Empty lists for the edges of a mesh with this number of half-edges.
     pub(crate) fn new(half_edges: usize) -> Self {
         Self {
             heads: vec![Head::default(); half_edges],
@@ -212,8 +218,8 @@ impl EdgeWindows {
         }
     }
 
-    /// Makes all lists empty and opens them. Windows that wait are counted from now on if
-    /// `counts_waiting`.
+    /// Empties all lists and opens them. If `counts_waiting`, windows that wait are counted from
+    /// now on.
     pub(crate) fn clear(&mut self, counts_waiting: bool) {
         self.counts_waiting = counts_waiting;
         self.heads.fill(Head::default());
@@ -256,17 +262,17 @@ impl EdgeWindows {
         }
     }
 
-    /// Asks for the memory that tells where the windows of edge `e` are.
+    /// Prefetches the head of the list of edge `e`.
     #[inline]
     pub(crate) fn prefetch_list(&self, e: usize) {
         prefetch(&self.heads, e);
     }
 
-    /// Asks for the windows of edge `e`, whose list was [prefetched](Self::prefetch_list) before.
+    /// Prefetches the windows of edge `e`, whose list was [prefetched](Self::prefetch_list) before.
     #[inline]
     pub(crate) fn prefetch_windows(&self, e: usize) {
         let Head { start, len, .. } = self.heads[e];
-        // Four windows fill three lines.
+        // Four windows fill three cache lines; the prefetch of every second one requests all three.
         for k in (0..len.min(MOST_PREFETCHED)).step_by(2) {
             prefetch(&self.windows, (start + k) as usize);
         }
@@ -277,14 +283,14 @@ impl EdgeWindows {
         (0..self.heads.len()).flat_map(|e| self.list(e))
     }
 
-    /// Whether edge `e` keeps no windows any more.
+    /// Whether edge `e` is closed: it stores no more windows.
     #[inline]
     pub(crate) fn is_closed(&self, e: usize) -> bool {
         self.heads[e].closed
     }
 
-    /// Gives up the windows of edge `e`, and keeps none from now on if `and_close`. Returns how
-    /// many there were.
+    /// Removes the windows of edge `e`, and closes it if `and_close`. Returns the number of windows
+    /// removed.
     pub(crate) fn give_up(&mut self, e: usize, and_close: bool) -> usize {
         let Head {
             start, len, class, ..
@@ -306,9 +312,9 @@ impl EdgeWindows {
         list.filter(move |s| s.waits() && s.is_reversed() == is_reversed)
     }
 
-    /// Takes the windows that wait on edge `e` of length `l` and cross in this direction into
-    /// `batch`, in the frame of the half-edge by which they cross, in ascending order there. They
-    /// stay stored, and wait no longer.
+    /// Appends to `batch` the windows that wait on edge `e` of length `l` and cross in this
+    /// direction. In `batch` they are in the frame of the half-edge by which they cross, in
+    /// ascending order there. They stay stored and no longer wait.
     #[inline]
     pub(crate) fn take_all(
         &mut self,
@@ -344,7 +350,7 @@ impl EdgeWindows {
         list.find(|s| s.serial == serial && s.waits())
     }
 
-    /// The same window waits no longer.
+    /// Marks window number `serial` of edge `e` as no longer waiting. It stays stored.
     pub(crate) fn take(&mut self, e: usize, serial: u32) {
         let mut list = self.list_mut(e).iter_mut();
         if let Some(stored) = list.find(|s| s.serial == serial && s.waits()) {
@@ -353,11 +359,12 @@ impl EdgeWindows {
         }
     }
 
-    /// Inserts a window of `source` on edge `e` of length `l`, which then waits; the window is in
-    /// the frame of the edge. The [`changes`](Self::changes) tell what became of it and of others.
+    /// Inserts a window of `source`, in the frame of the edge, on edge `e` of length `l`. Its
+    /// stored parts wait. The effects are recorded in [`changes`](Self::changes).
     ///
-    /// Ranges that it shares with stored windows are divided at tie points, whatever the directions
-    /// are: what is longer at a point of the edge is of no use beyond it.
+    /// Ranges that it shares with stored windows are divided at tie points, regardless of the
+    /// directions: a window that is longer at a point of the edge is on no shortest path beyond
+    /// that point.
     pub(crate) fn insert(
         &mut self,
         e: usize,
@@ -378,11 +385,11 @@ impl EdgeWindows {
     }
 
     /// Inserts windows without a [foot], which then wait, on edge `e` of length `l`. They are in
-    /// the frame of the edge, mostly in ascending order. The [`changes`](Self::changes) tell what
-    /// became of them and of others.
+    /// the frame of the edge, mostly in ascending order. The effects are recorded in
+    /// [`changes`](Self::changes).
     ///
-    /// The result is that of inserting them one after the other, but in one pass over the list for
-    /// all that are in ascending order.
+    /// The result is that of inserting them one after the other. All that are in ascending order
+    /// are inserted in one pass over the list.
     pub(crate) fn merge(&mut self, e: usize, batch: &[Stored], l: f64) {
         self.changes.clear();
         let mut k = 0;
@@ -406,6 +413,8 @@ impl EdgeWindows {
         }
     }
 
+    /// Inserts a window that has no [foot] or is one of the [pieces] of a window. Computes an
+    /// [`Overlap`] with all windows that it meets.
     fn insert_piece(&mut self, e: usize, new: Stored, l: f64) {
         let window = new.window;
         let list = self.list(e);
@@ -432,7 +441,8 @@ impl EdgeWindows {
         self.overlap = overlap;
     }
 
-    /// Puts the segments in the place of the windows `met` of edge `e`.
+    /// Replaces the windows `met` of edge `e` by the segments of `overlap`, and records the
+    /// effects.
     fn apply(&mut self, e: usize, met: Range<usize>, overlap: &Overlap, new: Stored) {
         let mut replaced = std::mem::take(&mut self.replaced);
         replaced.clear();
@@ -478,7 +488,8 @@ impl EdgeWindows {
         self.replaced = replaced;
     }
 
-    /// Puts `new` in the place of the windows `old` of edge `e`, and counts them.
+    /// Replaces the windows `old` of edge `e` by `new`, and updates the counts and the source of
+    /// the list.
     #[inline]
     fn replace(&mut self, e: usize, old: Range<usize>, new: &[Stored]) {
         let source = &mut self.heads[e].source;
@@ -496,7 +507,8 @@ impl EdgeWindows {
         self.splice(e, old, new);
     }
 
-    /// Counts what waits of `new`, which takes the place of the windows `old` of edge `e`.
+    /// Updates the number of windows that wait, for a replacement of the windows `old` of edge `e`
+    /// by `new`.
     #[inline]
     fn count_waiting(&mut self, e: usize, old: Range<usize>, new: &[Stored]) {
         if self.counts_waiting {
@@ -505,7 +517,8 @@ impl EdgeWindows {
         }
     }
 
-    /// Puts `new` in the place of the windows `old` of edge `e`.
+    /// Replaces the windows `old` of edge `e` by `new`. Moves the list to a larger block if it
+    /// grows beyond its own.
     fn splice(&mut self, e: usize, old: Range<usize>, new: &[Stored]) {
         let Head {
             start, len, class, ..
@@ -549,14 +562,15 @@ impl EdgeWindows {
     }
 }
 
-/// The edge of half-edge `h` with twin `twin`, and whether windows of `h` are reversed there.
+/// The number of the edge of half-edge `h` with twin `twin`, and whether windows that cross by `h`
+/// are reversed there.
 #[inline]
 pub(crate) fn edge_of(h: HalfEdgeId, twin: HalfEdgeId) -> (usize, bool) {
     (h.min(twin).index(), twin < h)
 }
 
-/// Whether `new` has nothing but what the windows `met` hold at least as cheaply: the answer for
-/// most windows, without an `Overlap`.
+/// Whether the windows `met` cover all of `new` and are nowhere longer. Decides most insertions
+/// without an [`Overlap`].
 fn loses_everywhere(met: &[Stored], new: &Window, l: f64) -> bool {
     let mut covered = new.b0;
     for Stored { window, .. } in met {
@@ -602,7 +616,7 @@ mod tests {
             ..WINDOW
         };
         lists.insert(0, &from_above, true, 1, 1.0);
-        // The bisector of (0.5, -1) and (1.5, 1) meets the edge at 1: nothing is won.
+        // The bisector of (0.5, -1) and (1.5, 1) meets the edge at 1: the new window wins nothing.
         assert_eq!(ends(&lists), [(0.0, 1.0, 0)]);
         let nearer = Window {
             px: 1.0,
@@ -660,7 +674,8 @@ mod tests {
         assert_eq!(lists.windows.len(), room_taken);
     }
 
-    /// A batch of windows in ascending order, from sources below the edge and above it.
+    /// A batch of windows in ascending order, from sources below the edge, or above it if
+    /// `is_reversed`.
     fn random_batch(random: &mut SplitMix64, is_reversed: bool) -> Vec<Stored> {
         let mut number = |low: f64, high: f64| {
             low + (high - low) * (random.next() >> 11) as f64 / (1u64 << 53) as f64

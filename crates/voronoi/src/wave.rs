@@ -1,5 +1,5 @@
-//! What all algorithms of this crate share: windows with sources that cross faces and are trimmed
-//! on edges.
+//! The state that all algorithms of this crate share. Windows with sources cross faces and are
+//! trimmed on edges.
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::trimming::{ThinFaces, foot};
@@ -28,18 +28,19 @@ pub(crate) const COUNTERS: &[Counter] = &[
     Counter::PseudoSources,
 ];
 
-/// A window that has come to wait.
+/// A window that has arrived at a half-edge and waits there to cross.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrival {
     pub(crate) h: HalfEdgeId,
     /// The ends of its edge.
     pub(crate) ends: [VertexId; 2],
-    /// Its least distance.
+    /// Its least distance; that of all of them if it stands for several windows.
     pub(crate) label: f64,
+    /// Its number in the list of its edge; not used if it stands for several windows.
     pub(crate) serial: u32,
 }
 
-/// How windows that have come to wait are announced to the schedule.
+/// How windows that have arrived are announced to the schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Announced {
     /// Each by an arrival of its own.
@@ -48,8 +49,9 @@ pub(crate) enum Announced {
     Together,
 }
 
-/// The surface during a run, with all that is known of it. What a schedule has to know is left in
-/// [`arrivals`](Self::arrivals) and [`improved`](Self::improved) for it to take.
+/// The state of the surface during a run. Events that the schedule has to handle are appended to
+/// [`arrivals`](Self::arrivals) and [`improved`](Self::improved), from which the schedule takes
+/// them.
 #[derive(Clone, Debug)]
 pub(crate) struct Wave {
     pub(crate) mesh: Mesh,
@@ -58,17 +60,18 @@ pub(crate) struct Wave {
     filter: VertexFilter,
     pub(crate) distances: Vec<f64>,
     pub(crate) labels: Vec<u32>,
-    /// The distance at which each vertex last sent out windows; infinite if it has not.
+    /// The distance at which each vertex last spawned windows; infinite if it has not.
     spawned: Vec<f64>,
     pub(crate) store: EdgeWindows,
-    /// Windows that leave a face together, by its left and by its right exit.
+    /// Scratch: windows that leave a face together, by its left and by its right exit.
     children: [Vec<Stored>; 2],
-    /// For each face a length within which one of its points is reached; empty if not asked for.
+    /// For each face, a distance within which one of its points is reached; empty if not recorded.
     pub(crate) nearest: Vec<f64>,
-    /// Faces that have been reached for the first time.
+    /// Faces reached for the first time since the last call of
+    /// [`Remover::step`](crate::removal::Remover) that read them; empty if `nearest` is.
     pub(crate) reached: Vec<u32>,
     pub(crate) arrivals: Vec<Arrival>,
-    /// Vertices at which paths may turn and whose distance has improved.
+    /// Pseudo-sources, the vertices at which paths may turn, whose distance has improved.
     pub(crate) improved: Vec<(f64, VertexId)>,
 }
 
@@ -92,8 +95,9 @@ impl Wave {
         }
     }
 
-    /// Forgets the last run and starts one: the sources are reached, and still have to
-    /// [spawn](Self::spawn).
+    /// Prepares for a run: resets the state and gives the sources distance 0. The sources still
+    /// have to [spawn](Self::spawn). `watches_faces` tells whether [`nearest`](Self::nearest) is
+    /// recorded.
     pub(crate) fn start<P: Probe>(
         &mut self,
         sources: &[VertexId],
@@ -121,7 +125,7 @@ impl Wave {
         }
     }
 
-    /// What the run has found.
+    /// The result of the run.
     pub(crate) fn field(&self) -> Field<'_> {
         Field {
             mesh: &self.mesh,
@@ -131,10 +135,12 @@ impl Wave {
         }
     }
 
-    /// A path of length `d` from `source` reaches `v`. Returns whether it is the shortest so far.
+    /// Updates `v` by a path of length `d` from `source`. Returns whether it is the shortest so
+    /// far.
     ///
-    /// Of two sources that are equally far the lesser one is taken, as long as `v` has not sent out
-    /// windows: behind a saddle that is equidistant to both, all is the one's or the other's.
+    /// Of two equally near sources, the one with the lesser number is taken, unless `v` has spawned
+    /// windows at this distance. So all windows behind a saddle that is equidistant to both have
+    /// the source of the saddle.
     #[inline]
     fn offer(&mut self, v: VertexId, d: f64, source: u32) -> bool {
         let i = v.index();
@@ -151,7 +157,7 @@ impl Wave {
         improves
     }
 
-    /// One of the points of face `f` is reached within `d`.
+    /// Records that a point of face `f` is reached within distance `d`.
     #[inline]
     fn reach(&mut self, f: usize, d: f64) {
         if let Some(nearest) = self.nearest.get_mut(f)
@@ -164,8 +170,8 @@ impl Wave {
         }
     }
 
-    /// Sends out paths along the edges of `v` and windows across its faces, unless it has done so
-    /// at this distance. The windows are announced [one by one](Self::arrive) or
+    /// Sends paths along the edges of `v` and windows across its faces, unless `v` has done so at
+    /// its present distance. The windows are announced [one by one](Self::arrive) or
     /// [together](Self::arrive_all).
     pub(crate) fn spawn<P: Probe>(&mut self, v: VertexId, arrival: Announced, probe: &mut P) {
         let sigma = self.distances[v.index()];
@@ -197,7 +203,8 @@ impl Wave {
         }
     }
 
-    /// A window of `source` arrives at `h`. Returns whether anything of it is left.
+    /// Stores `window` of `source`, in the frame of `h`, at which it arrives. Returns whether a
+    /// part of it is stored.
     #[inline]
     fn arrive<P: Probe>(
         &mut self,
@@ -211,8 +218,8 @@ impl Wave {
         };
         let (e, is_reversed) = edge_of(h, twin);
         let l = self.faces.length(h);
-        // No paper of this family has a filter. Without one, windows wind around needles in any
-        // order but nearest first.
+        // The papers of this family have no vertex filter. But without it, windows wind around
+        // needles in any order except nearest first.
         let filters = self.filter == VertexFilter::On || self.thin.is_beside(h.index());
         if self.store.is_closed(e) || filters && self.is_beaten(h, window, l) {
             probe.add(Counter::Filtered, 1);
@@ -237,13 +244,14 @@ impl Wave {
                 serial: waiting.serial,
             });
         }
-        // Of a window with a foot, some pieces may be left.
+        // A window with a foot is inserted in pieces, some of which may be dropped.
         let is_kept = self.store.changes.new_parts > 0;
         self.note_changes(h, twin, usize::from(!is_kept), probe);
         is_kept
     }
 
-    /// Windows that arrived at `h` have been inserted, except `dropped` of them.
+    /// Counts the changes after windows that arrived at `h` have been inserted, except `dropped` of
+    /// them. Records the distance at which they reach the faces on both sides.
     #[inline]
     fn note_changes<P: Probe>(
         &mut self,
@@ -263,9 +271,10 @@ impl Wave {
         }
     }
 
-    /// Stores the windows of `batch`, in ascending order, on `h`, which has length `l` and the twin
-    /// `twin`. Returns the number of windows of which a part is stored. They are queued as one
-    /// arrival, unless windows cross there [one by one](ThinFaces).
+    /// Stores the windows of `batch`, which are in ascending order, on `h`. `h` has length `l` and
+    /// twin `twin`. Returns the number of windows of which a part is stored. They are announced as
+    /// one arrival. Beside [thin faces](ThinFaces), and if one of them has a [foot], they are
+    /// announced one by one.
     fn arrive_all<P: Probe>(
         &mut self,
         h: HalfEdgeId,
@@ -292,7 +301,7 @@ impl Wave {
         let changes = &self.store.changes;
         let dropped = changes.dropped;
         if changes.least < f64::INFINITY {
-            // The face that the windows have left is in the cache.
+            // `twin` belongs to the face that the windows have left, which is in the cache.
             let [head, tail, _] = self.faces.corners(twin);
             self.arrivals.push(Arrival {
                 h,
@@ -305,7 +314,7 @@ impl Wave {
         (batch.len() - dropped) as u64
     }
 
-    /// [`arrive_all`](Self::arrive_all) for one window, which the filter has not seen.
+    /// [`arrive_all`](Self::arrive_all) for one window, to which the filter has not been applied.
     fn arrive_with_filter<P: Probe>(
         &mut self,
         h: HalfEdgeId,
@@ -339,7 +348,7 @@ impl Wave {
         kept
     }
 
-    /// Whether a path along the edge beats all of `window`.
+    /// Whether paths along the edge from its ends beat all of `window`.
     #[inline]
     fn is_beaten(&self, h: HalfEdgeId, window: &Window, l: f64) -> bool {
         let [tail, head, _] = self.faces.corners(h);
@@ -347,8 +356,8 @@ impl Wave {
         is_beaten_from_ends(window, l, d0, d1)
     }
 
-    /// Takes a window of `source`, in the frame of `h`, across the face of `h`. Returns how many
-    /// children were tried.
+    /// Propagates a window of `source`, in the frame of `h`, across the face of `h`. Returns the
+    /// number of children tried.
     pub(crate) fn cross<P: Probe>(
         &mut self,
         h: HalfEdgeId,
@@ -395,7 +404,7 @@ impl Wave {
                 probe.add(Counter::Kept, u64::from(kept));
             }
         }
-        // As MMP: all of a window that leaves on the right is tried on the left, too.
+        // Counted as in MMP, which tries a window that leaves on the right on the left, too.
         tries += u64::from(!covers && crossing.side() == Side::Right);
         probe.add(Counter::Propagated, tries);
         probe.enter(Phase::Management);
@@ -404,16 +413,16 @@ impl Wave {
         tries
     }
 
-    /// The half-edges, with their twins, of the face of `h` by which windows leave that enter it
-    /// through `h`.
+    /// The half-edges by which windows leave the face of `h` after they have entered it through
+    /// `h`, each with its twin.
     #[inline]
     fn exits(&self, h: HalfEdgeId) -> impl Iterator<Item = (HalfEdgeId, HalfEdgeId)> {
         let inside = [h.prev(), h.next()].into_iter();
         inside.filter_map(|h| Some((h, self.faces.twin(h)?)))
     }
 
-    /// Prefetches the lists of the exits that [`cross_all`](Self::cross_all) meets, and what it looks
-    /// at first.
+    /// Prefetches the lists of the exits and the other data that [`cross_all`](Self::cross_all)
+    /// reads first.
     #[inline]
     pub(crate) fn prefetch_exits(&self, h: HalfEdgeId) {
         let [.., apex] = self.faces.corners(h);
@@ -426,7 +435,7 @@ impl Wave {
         }
     }
 
-    /// Prefetches the windows of the same lists.
+    /// Prefetches the windows on the exits.
     #[inline]
     pub(crate) fn prefetch_exit_windows(&self, h: HalfEdgeId) {
         for (h, twin) in self.exits(h) {
@@ -434,8 +443,8 @@ impl Wave {
         }
     }
 
-    /// Takes `windows`, in ascending order in the frame of `h`, across the face of `h`. Returns how
-    /// many children were tried.
+    /// Propagates `windows`, in ascending order in the frame of `h`, across the face of `h`.
+    /// Returns the number of children tried.
     pub(crate) fn cross_all<P: Probe>(
         &mut self,
         h: HalfEdgeId,
@@ -494,7 +503,7 @@ impl Wave {
         }
     }
 
-    /// The run has ended: last counts.
+    /// Reports the last counts of a run, and the numbering of its origins.
     pub(crate) fn finish<P: Probe>(&self, probe: &mut P) {
         probe.add(Counter::StoredWindows, self.store.stored() as u64);
         if P::TRACES {
@@ -503,10 +512,11 @@ impl Wave {
     }
 }
 
-/// Takes `windows` across the face of `view`, whose corners have the distances `known` and whose
-/// apex has the source `label`. Their children go to `children`, those on the left exit first,
-/// except those that a path through an end of the exit beats, if `filters`. Returns how many were
-/// tried, and the best path to the apex with the number of its window, if it is to be offered.
+/// Propagates `windows` across the face of `view`. `known` are the distances of its corners,
+/// `label` is the source of its apex. Appends the children to `children`, those on the left exit to
+/// the first list; if `filters`, without those that a path through an end of the exit beats.
+/// Returns the number of children tried and, if the apex is improved, the length of the best path
+/// to it with the index of its window.
 #[inline]
 #[allow(clippy::too_many_arguments)] // Private, and one step of `Wave::cross_all`.
 fn cross_face<P: Probe>(
@@ -529,10 +539,11 @@ fn cross_face<P: Probe>(
         let crossing = Crossing::new(frame, window);
         let covers = crossing.covers_apex();
         let side = usize::from(!crossing.goes_left());
-        // As MMP: all of a window that leaves on the right is tried on the left, too.
+        // Counted as in MMP, which tries a window that leaves on the right on the left, too.
         tries += u64::from(covers || side == 1);
-        // No bent path is shorter than the straight one. With its sign, the square tells both
-        // whether anything is to spare and whether it is enough.
+        // No bent path is shorter than the straight one, so it is computed only if the straight one
+        // is at most `spare`. The square keeps the sign of `spare`: nothing is at most a negative
+        // one.
         let spare = least - window.sigma;
         if covers || crossing.squared_straight() <= spare * spare.abs() {
             let d = if covers {

@@ -1,4 +1,5 @@
-//! window-VTP: vertex by vertex, windows kept and trimmed on edges, redundant ones given up.
+//! window-VTP: the traversed area grows vertex by vertex, windows are kept and trimmed on edges,
+//! redundant windows are removed.
 
 use std::collections::VecDeque;
 
@@ -14,10 +15,10 @@ use crate::wave::{Announced, COUNTERS, Wave};
 /// Options of [`WindowVtp`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Which windows are given up.
+    /// Which windows are removed during a run.
     pub removal: Removal,
-    /// Whether windows that a path through an end of their edge beats are dropped before they are
-    /// compared with others. The paper has no filter.
+    /// Whether the vertex filter drops windows that a path through an end of their edge beats,
+    /// before they are compared with other windows. The paper has no filter.
     pub filter: VertexFilter,
 }
 
@@ -30,12 +31,12 @@ impl Default for Options {
     }
 }
 
-/// Whose turn it is.
+/// An event of the queue.
 #[derive(Clone, Copy, Debug)]
 enum Turn {
     /// The faces around this vertex join the traversed area.
     Join(VertexId),
-    /// So do they, and the vertex sends out windows.
+    /// The same, and the vertex spawns windows.
     Spawn(VertexId),
 }
 
@@ -43,9 +44,9 @@ enum Turn {
 /// of an edge, and a source for every window.
 ///
 /// The *traversed area* grows by the faces around the vertex at which the nearest window waits.
-/// Windows cross the faces of the area, first in first out, until they come to its border or lose
-/// everything to windows that they meet.
-/// Those that wait on one half-edge cross together, and their children enter a list in one pass.
+/// Windows cross the faces of the area, first in, first out, until they reach its border or lose
+/// their whole interval to windows that they meet. The windows that wait on one half-edge cross
+/// together, and their children enter a list in one pass.
 ///
 /// ```
 /// use geobench_mesh::{Mesh, VertexId};
@@ -63,25 +64,28 @@ pub struct WindowVtp {
     wave: Wave,
     pub(crate) remover: Remover,
     queue: MinHeap<Turn>,
-    /// For each vertex the least distance of the windows that wait for it.
+    /// For each vertex, the least distance of the windows that wait for it; infinite without any.
     keys: Vec<f64>,
+    /// Whether each face belongs to the traversed area.
     joined: Vec<bool>,
-    /// Half-edges with windows that can cross, and whether each is among them.
+    /// Half-edges whose windows can cross, first in, first out, and whether each half-edge is among
+    /// them.
     ready: VecDeque<HalfEdgeId>,
     is_ready: Vec<bool>,
     batch: Vec<Stored>,
-    /// Windows of the area beside thin faces, by their distances. First in, first out, they would
-    /// wind around a needle before the ones that beat them have come.
+    /// Windows in the area beside thin faces, as half-edge and serial number, by their least
+    /// distances. In first-in, first-out order, they would wind around a needle before the windows
+    /// that beat them have arrived.
     thin: MinHeap<(HalfEdgeId, u32)>,
 }
 
 impl WindowVtp {
-    /// Sets up for `mesh`; O(faces).
+    /// Sets up for `mesh` with the default options; O(faces).
     pub fn new(mesh: &Mesh) -> Self {
         Self::with_options(mesh, Options::default())
     }
 
-    /// Sets up for `mesh`; O(faces).
+    /// Sets up for `mesh` with `options`; O(faces).
     pub fn with_options(mesh: &Mesh, options: Options) -> Self {
         Self {
             wave: Wave::new(mesh, options.filter),
@@ -127,7 +131,7 @@ impl WindowVtp {
                         self.wave.spawn(v, Announced::Together, probe);
                         self.receive(probe);
                     }
-                    // The vertex has had its turn, or has improved since.
+                    // Outdated: the vertex has had its turn, or its distance has improved since.
                     _ => continue,
                 }
                 0
@@ -142,18 +146,19 @@ impl WindowVtp {
         self.wave.finish(probe);
     }
 
-    /// Whether the windows of `h` cross nearest first.
+    /// Whether the windows of `h` cross in the order of their distances, because `h` is beside a
+    /// thin face.
     #[inline]
     fn crosses_by_distance(&self, h: HalfEdgeId) -> bool {
         self.wave.thin.is_beside(h.index())
     }
 
-    /// The distance at which the next vertex has its turn.
+    /// The distance of the next event of the queue; infinite if the queue is empty.
     fn next_turn(&self) -> f64 {
         self.queue.peek().map_or(f64::INFINITY, |(d, _)| d)
     }
 
-    /// The least distance of the windows beside thin faces that can cross.
+    /// The least distance of the windows beside thin faces that can cross; infinite without any.
     fn next_thin(&self) -> f64 {
         self.thin.peek().map_or(f64::INFINITY, |(d, _)| d)
     }
@@ -164,7 +169,7 @@ impl WindowVtp {
         probe.raise(Counter::QueuePeak, self.queue.len() as u64);
     }
 
-    /// The faces around `v` join the area, and the windows that wait for them can cross.
+    /// Adds the faces around `v` to the area, and queues the windows that wait for these faces.
     fn join(&mut self, v: VertexId) {
         let mesh = self.wave.mesh.clone();
         for face in mesh.outgoing(v).iter().map(|h| h.face()) {
@@ -187,6 +192,7 @@ impl WindowVtp {
         }
     }
 
+    /// Queues the windows of `h` to cross, first in, first out.
     fn make_ready(&mut self, h: HalfEdgeId) {
         if !std::mem::replace(&mut self.is_ready[h.index()], true) {
             self.ready.push_back(h);
@@ -194,7 +200,7 @@ impl WindowVtp {
         }
     }
 
-    /// Prefetches what the next half-edges that are ready need.
+    /// Prefetches the data of the next half-edges in `ready`.
     #[inline]
     fn prefetch_ready(&self) {
         if let Some(&h) = self.ready.get(1) {
@@ -205,8 +211,8 @@ impl WindowVtp {
         }
     }
 
-    /// Prefetches what the next turns need: the faces of vertices that come soon, and the lists of
-    /// the one that probably comes next.
+    /// Prefetches the data of the next turns: the faces of the vertices that come soon, and the
+    /// lists of the vertex that probably comes next.
     #[inline]
     fn prefetch_turns(&self) {
         let vertex = |&(_, turn): &(f64, Turn)| match turn {
@@ -231,8 +237,8 @@ impl WindowVtp {
         }
     }
 
-    /// Takes windows across the faces of the area until none can cross any more. Returns how many
-    /// were propagated.
+    /// Propagates windows across the faces of the area until none can cross. Returns the number of
+    /// propagations.
     fn cross_ready<P: Probe>(&mut self, probe: &mut P) -> u64 {
         let mut propagated = 0;
         while let Some(h) = self.ready.pop_front() {
@@ -256,7 +262,7 @@ impl WindowVtp {
         propagated
     }
 
-    /// Takes the nearest window beside a thin face across it. Returns how many were propagated.
+    /// Propagates the nearest window beside a thin face. Returns the number of propagations.
     #[cold]
     fn cross_nearest<P: Probe>(&mut self, probe: &mut P) -> u64 {
         let Some((label, (h, serial))) = self.thin.pop() else {
@@ -287,7 +293,8 @@ impl WindowVtp {
         propagated
     }
 
-    /// Windows that have arrived can cross, or wait for one of the vertices of their edge.
+    /// Queues the windows that have arrived: to cross at once if their face has joined, else to
+    /// wait for the vertices of their edge. Queues the vertices whose distance has improved.
     fn receive<P: Probe>(&mut self, probe: &mut P) {
         let mut arrivals = std::mem::take(&mut self.wave.arrivals);
         for arrival in arrivals.drain(..) {

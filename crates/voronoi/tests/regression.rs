@@ -1,4 +1,4 @@
-//! Defects of the Voronoi kinds that were mended, each with a test that is named after what went
+//! Regression tests for fixed defects of the Voronoi algorithms. Each test is named after what went
 //! wrong.
 
 use geobench_fwp::{BucketOptions, Buckets};
@@ -37,14 +37,14 @@ fn solvers(mesh: &Mesh) -> Solvers {
     ]
 }
 
-/// Beside its foot, a source on an edge kept what another one offered at the same length, whose
-/// rays go on at an angle.
+/// Beside its foot, the window of a source on an edge won ties against windows of other sources.
+/// Its own rays end there, but theirs go on at an angle.
 #[test]
 fn grazing_rays_of_a_source_on_an_edge_took_the_place_of_others() {
     seeds::check(93003, 5_780, solvers);
 }
 
-/// Windows of the traversed area crossed first in, first out.
+/// Windows in the traversed area crossed in first-in, first-out order.
 #[test]
 fn window_vtp_wound_around_needles() {
     for (seed, most) in [
@@ -57,7 +57,7 @@ fn window_vtp_wound_around_needles() {
     }
 }
 
-/// The same where no vertex is a tip.
+/// The same on meshes where no vertex is the tip of a needle.
 #[test]
 fn window_vtp_wound_around_collinear_faces_and_caps() {
     for (seed, most) in [(22444, 12_610), (51147, 9_080), (80273, 7_470)] {

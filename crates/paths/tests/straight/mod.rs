@@ -1,4 +1,4 @@
-//! Whether a path is a shortest one, told by the path and the mesh alone.
+//! Checks that a path is a shortest one, from the path, its length and the mesh alone.
 
 #![allow(dead_code)] // Each test program uses a part of it.
 
@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 use geobench_paths::{Path, Place, Point};
 
-/// Whether `path` goes from one of `sources` to `target`, is `d` long, straight across every edge,
-/// and has an angle of at least π on both sides of each vertex that it passes.
+/// Checks that `path` goes from one of `sources` to `target`, has length `d`, is straight across
+/// every edge, and has an angle of at least π on both sides of each vertex that it passes.
 pub(crate) fn check_path(
     mesh: &Mesh,
     path: &Path,
@@ -21,7 +21,7 @@ pub(crate) fn check_path(
     check_bends(mesh, path, d)
 }
 
-/// Whether `path` goes from one of `sources` to `target`.
+/// Checks that `path` goes from one of `sources` to `target`.
 pub(crate) fn check_ends(path: &Path, sources: &[u32], target: VertexId) -> Result<(), String> {
     let points = &path.points;
     let ends = [points[0].vertex(), points[points.len() - 1].vertex()];
@@ -31,7 +31,7 @@ pub(crate) fn check_ends(path: &Path, sources: &[u32], target: VertexId) -> Resu
     Ok(())
 }
 
-/// Whether `path` is `d` long, to 1e-12 of that and what rounding moves its points along edges.
+/// Checks that `path` has length `d`, to 1e-12 of `d` and the rounding of its points along edges.
 pub(crate) fn check_length(mesh: &Mesh, path: &Path, d: f64) -> Result<(), String> {
     let slack = 2.0 * f64::EPSILON * longest_edge(mesh) * path.points.len() as f64;
     let mut length = 0.0;
@@ -52,10 +52,11 @@ pub(crate) fn check_length(mesh: &Mesh, path: &Path, d: f64) -> Result<(), Strin
     Ok(())
 }
 
-/// Whether `path`, `d` long, is straight across every edge and cannot be cut short at a vertex.
+/// Checks that `path`, of length `d`, is straight across every edge and cannot be cut short at a
+/// vertex.
 pub(crate) fn check_bends(mesh: &Mesh, path: &Path, d: f64) -> Result<(), String> {
     let points = &path.points;
-    // Rounding moves a path that is short beside its edges by more than its own rounding.
+    // If a path is short in comparison with its edges, the rounding of the edges exceeds its own.
     let longest = mesh
         .half_edges()
         .map(|h| mesh.length(h))
@@ -90,15 +91,15 @@ fn longest_edge(mesh: &Mesh) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Where the corners of the face of `h` are in the frame of `h`, by their number in the face. In
-/// this frame a short edge from the tail of `h` is not the difference of two long ones.
+/// The corners of the face of `h` in the frame of `h`, in the order of the face. In this frame, a
+/// short edge from the tail of `h` is not the difference of two long ones.
 fn corners(mesh: &Mesh, h: HalfEdgeId) -> [[f64; 2]; 3] {
     let own = [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)];
     let first = h.corner() as usize;
     [0, 1, 2].map(|k| own[(k + 3 - first) % 3])
 }
 
-/// Where a point is in the frame of `h`, if it is in its face.
+/// The position of a point in the frame of `h`; `None` if it is not on a side of the face of `h`.
 fn place(mesh: &Mesh, h: HalfEdgeId, point: &Point) -> Option<[f64; 2]> {
     let f = h.face();
     let at = corners(mesh, h);
@@ -122,7 +123,7 @@ fn place(mesh: &Mesh, h: HalfEdgeId, point: &Point) -> Option<[f64; 2]> {
     }
 }
 
-/// The faces that hold both points, with where they are.
+/// The faces that contain both points, with the positions of the points in each.
 fn shared_faces(mesh: &Mesh, [a, b]: [&Point; 2]) -> impl Iterator<Item = (FaceId, [[f64; 2]; 2])> {
     let around = |point: &Point| -> Vec<FaceId> {
         if let Place::Vertex(v) = point.place {
@@ -141,10 +142,11 @@ fn shared_faces(mesh: &Mesh, [a, b]: [&Point; 2]) -> impl Iterator<Item = (FaceI
     shared.collect::<Vec<_>>().into_iter()
 }
 
-/// How far sideways the path is bent where it crosses an edge.
+/// By how much the path bends where it crosses an edge: the deviation from a straight angle, times
+/// the length of the shorter adjacent piece.
 ///
-/// The angles are in the frames of that edge itself: in those of long edges, the ends of a short one
-/// are differences of long vectors.
+/// The angles are measured in the frames of the crossed edge. In the frame of a long edge, the ends
+/// of a short one are differences of long vectors.
 fn bend_at_edge(mesh: &Mesh, point: &Point, [before, after]: [&Point; 2]) -> f64 {
     let Place::Edge { ends, t } = point.place else {
         return f64::INFINITY;
@@ -160,7 +162,7 @@ fn bend_at_edge(mesh: &Mesh, point: &Point, [before, after]: [&Point; 2]) -> f64
             found == ends || found == [ends[1], ends[0]]
         })
         .collect();
-    // The angle at the point between the first end of the edge and `to`, and how far that is.
+    // The angle at the point between the first end of the edge and `to`, and the distance of `to`.
     let seen = |h: HalfEdgeId, to: &Point| -> Option<(f64, f64)> {
         let [x, y] = place(mesh, h, to)?;
         let (l, is_forward) = (mesh.length(h), mesh.tail(h) == ends[0]);
@@ -183,11 +185,11 @@ fn bend_at_edge(mesh: &Mesh, point: &Point, [before, after]: [&Point; 2]) -> f64
     least
 }
 
-/// At most by how much the path could be cut short in the faces around a vertex, on a side where
-/// its angle is less than π.
+/// An upper bound of what the path could save by a shortcut through the faces around a vertex, on a
+/// side with an angle below π. 0 for a pinched vertex.
 ///
-/// Beside the tip of a needle that angle alone tells nothing: the path passes one of two vertices
-/// that are 1e-12 apart, and the other one holds it.
+/// Beside the tip of a needle, the angle alone is no criterion: the path passes one of two vertices
+/// that are 1e-12 apart, and the other one blocks the shortcut.
 fn shortcut_at_vertex(mesh: &Mesh, v: VertexId, [before, after]: [&Point; 2]) -> f64 {
     if mesh.is_pinched(v) {
         return 0.0;
@@ -212,8 +214,8 @@ fn shortcut_at_vertex(mesh: &Mesh, v: VertexId, [before, after]: [&Point; 2]) ->
         let [x, y] = mesh.apex(h);
         sum += y.atan2(x);
     }
-    // A path that leaves out `v` on a side of this angle meets the spokes there. Through a point at
-    // most `s` from `v` it saves at most `s (cos α + cos β)`, where α + β is the angle.
+    // A shortcut on a side with this angle crosses the spokes there. Through a point at most `s`
+    // from `v` it saves at most `s (cos α + cos β)`, where α + β is the angle.
     let saved = |angle: f64, arm: f64, is_inside: &dyn Fn(f64) -> bool| {
         let bend = (PI - angle).max(0.0);
         let inside = spokes.iter().filter(|&&(at, _)| is_inside(at));

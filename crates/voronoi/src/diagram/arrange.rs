@@ -1,11 +1,13 @@
-//! The cells inside a face.
+//! Division of a face among the cells that share it.
 //!
-//! What is known is where cells change along the sides. Every cell reaches its points by straight
-//! lines from the sides, so each part of a cell touches a side: the borders inside form a forest
-//! whose leaves are the changes on the sides. Two changes are joined by one border; changes between
-//! cells that are all different meet in one vertex, if there is a point that is equally far from
-//! all. Everything else is cut in two, the largest part first, until each part is as simple, or too
-//! small to matter. So the outcome is always a division of the face, whatever rounding does.
+//! Given are the points at which cells change along the sides of the face. Every cell reaches its
+//! points by straight lines from the sides, so each part of a cell touches a side. Hence the
+//! borders inside the face form a forest whose leaves are the changes on the sides.
+//!
+//! A triangle is simple in two cases. Two changes are joined by one border. Changes between cells
+//! that are all different meet in one vertex, if a point is equally far from all these cells. Any
+//! other triangle is cut in two, the largest first, until each part is simple or too small to
+//! matter. So the result is always a division of the face, regardless of rounding.
 
 use std::cell::RefCell;
 
@@ -24,25 +26,25 @@ pub(crate) struct FaceNode {
     pub(crate) kind: FaceNodeKind,
 }
 
-/// Where a [`FaceNode`] is.
+/// The position of a [`FaceNode`] in the face and in the borders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FaceNodeKind {
     /// Change number `change` of side `side`.
     Side { side: u8, change: u32 },
-    /// Inside, where a border goes on along another bisector.
+    /// Inside the face: a border continues along another bisector, or crosses a cut.
     Inside,
-    /// Where this many borders meet.
+    /// A Voronoi vertex at which this many borders meet.
     Vertex(u32),
 }
 
 /// A piece of a border inside a face.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Piece {
-    /// From where to where, by the numbers of nodes.
+    /// The indices of the nodes at which it begins and ends.
     pub(crate) nodes: [usize; 2],
     /// The cells on its left and on its right.
     pub(crate) sources: [u32; 2],
-    /// `None` for one that rounding cannot tell from a straight line.
+    /// The bisector that contains it; `None` if it is a straight line up to rounding.
     pub(crate) curve: Option<Bisector>,
 }
 
@@ -52,7 +54,7 @@ pub(crate) struct Region {
     pub(crate) source: u32,
     /// Its border, counter-clockwise.
     pub(crate) border: Vec<Span>,
-    /// The runs along which it lies, by their numbers.
+    /// The numbers of the runs on its border.
     pub(crate) runs: Vec<u32>,
 }
 
@@ -61,50 +63,52 @@ pub(crate) struct Region {
 pub(crate) enum Span {
     /// Along the sides of the triangle.
     Sides(Vec<Point>),
-    /// A piece, by its number, and whether it is to be followed from its first node to its second.
+    /// The index of a piece, and whether it is followed from its first node to its second.
     Inside(usize, bool),
 }
 
-/// What a face is divided into.
+/// The division of a face.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Arrangement {
     pub(crate) nodes: Vec<FaceNode>,
     pub(crate) pieces: Vec<Piece>,
     pub(crate) regions: Vec<Region>,
-    /// The cells along the segments by which the face was cut, which part [regions](Self::regions):
-    /// a run for each.
+    /// The cell of each run along the cuts. Cuts separate [regions](Self::regions) of one cell.
     pub(crate) cuts: Vec<u32>,
-    /// The vertices by their nodes, and the cells around each, counter-clockwise.
+    /// The Voronoi vertices: the index of the node, and the cells around it, counter-clockwise.
     pub(crate) vertices: Vec<(usize, Vec<u32>)>,
 }
 
-/// Size of a triangle that is too small to matter, as a fraction of the face: along any border in
-/// it the distances of both cells differ by at most twice that.
+/// Size of a triangle, as a fraction of the face, up to which it is too small to matter. Along any
+/// border in it, the distances of both cells differ by at most twice its size.
 const SMALL: f64 = 1e-10;
 
-/// Triangles of a face that are cut in two; some eighty lie around each point that is in doubt.
+/// Greatest number of triangles of a face that are cut in two. About eighty of them lie around each
+/// point that is in doubt.
 const MOST_CUTS: u32 = 1000;
 
-/// Such triangles after which the face is divided anew with [ranked](FaceSites::ranked) sites.
+/// The same for the first attempts. If they leave doubt, the face is divided anew with
+/// [ranked](FaceSites::ranked) sites.
 const FEW_CUTS: u32 = 300;
 
-/// Points of a border that are looked at to find where its bisectors change: at most some 90 for
-/// each.
+/// Greatest number of steps along a border to find where its bisectors change. Each change takes at
+/// most about 90.
 const MOST_STEPS: u32 = 600;
 
-/// How far beside a triangle a point may come to lie by rounding, as a fraction of its width.
+/// How far outside a triangle rounding may place a point of it, as a fraction of the width of the
+/// triangle.
 const BESIDE: f64 = 1e-9;
 
-/// The same, as a fraction of the face.
+/// The same, as a fraction of the size of the face.
 const BESIDE_FACE: f64 = 1e-14;
 
 /// A change on a side of a triangle.
 #[derive(Clone, Copy, Debug)]
 struct Mark {
-    /// Place on the side, from 0 to 1.
+    /// The position on the side, from 0 to 1.
     at: f64,
     node: usize,
-    /// The cell behind it.
+    /// The cell after it.
     next: u32,
 }
 
@@ -113,7 +117,7 @@ struct Mark {
 struct Side {
     first: u32,
     marks: Vec<Mark>,
-    /// The number of the run before the first change, and of those behind each.
+    /// The numbers of its runs: the one before the first change, and the one after each change.
     runs: Vec<u32>,
 }
 
@@ -172,20 +176,21 @@ struct Triangle {
     sides: [Side; 3],
 }
 
-/// The change at which a walk around a triangle arrives.
+/// A change on the border of a triangle, reached by a counter-clockwise walk around the triangle.
 #[derive(Clone)]
 struct Stop {
     node: usize,
     side: usize,
-    /// The cells before and behind it.
+    /// The cells before and after it.
     before: u32,
     next: u32,
-    /// The runs up to the next one, and the border of the cell along them.
+    /// The numbers of the runs up to the next stop, and the border of the cell along them.
     runs: Vec<u32>,
     border: Vec<Span>,
 }
 
 impl Triangle {
+    /// The changes around the triangle, counter-clockwise from its first corner.
     fn stops(&self, nodes: &[FaceNode]) -> Vec<Stop> {
         let mut stops: Vec<Stop> = Vec::new();
         let mut leading = Vec::new();
@@ -228,7 +233,7 @@ impl Triangle {
         cross(sub(b, a), sub(c, a)).abs() / self.size()
     }
 
-    /// Whether `x` is inside, or beside it by no more than `slack`.
+    /// Whether `x` is inside, or outside by no more than `slack`.
     fn contains(&self, x: Point, slack: f64) -> bool {
         (0..3).all(|k| {
             let (a, b) = (self.corners[k], self.corners[(k + 1) % 3]);
@@ -237,7 +242,8 @@ impl Triangle {
         })
     }
 
-    /// The sides between two stops, counter-clockwise.
+    /// The sides between two stops, counter-clockwise. `wraps` tells whether the walk passes the
+    /// first corner.
     fn outline(&self, from: &Stop, to: &Stop, wraps: bool, nodes: &[FaceNode]) -> Vec<Point> {
         let mut outline = vec![nodes[from.node].at];
         let end = to.side + if wraps { 3 } else { 0 };
@@ -249,11 +255,12 @@ impl Triangle {
     }
 }
 
-/// Divides a face along whose sides the cells are `lines`, with these numbers of the runs; those
-/// inside are numbered from `next_run` on.
+/// Divides a face. `lines` are the cells along its sides, and `runs` the numbers of the runs there.
+/// Runs along cuts are numbered from `next_run` on.
 ///
-/// A face in which paths of several cells are equally long all over some part has no borders to be
-/// found there; it is divided as if the first source were a little nearer than the second.
+/// If several cells tie throughout a part of the face, no border can be found there. Such a face is
+/// divided as if each source were a little nearer than the next one. The attempts end with the
+/// first one that leaves no doubt; otherwise the one with the least doubt is taken.
 pub(crate) fn arrange(
     sites: &FaceSites,
     lines: &[Line; 3],
@@ -295,12 +302,14 @@ pub(crate) fn arrange(
 #[derive(Clone, Copy, Debug)]
 struct Effort {
     most_cuts: u32,
-    /// Whether borders that cut off a part of a triangle are looked for before it is cut in two,
-    /// and the place where cells meet is looked for where some are equally near.
+    /// Whether neighbouring changes are [joined](Arranger::join_neighbours) before a triangle is
+    /// cut in two, and whether the [meeting](Arranger::meeting) point is also searched for if some
+    /// cells tie.
     joins_neighbours: bool,
 }
 
-/// The same with so much effort, and the size of the largest part that is still in doubt.
+/// Divides a face with the given effort. Also returns the size of the largest triangle that is in
+/// doubt; 0 if there is none.
 fn arrange_within(
     effort: Effort,
     sites: &FaceSites,
@@ -348,10 +357,10 @@ struct Arranger<'a> {
     sites: &'a FaceSites,
     measured: MeasuredSites<'a>,
     next_run: u32,
-    /// Triangles that have been cut in two.
+    /// Number of triangles that have been cut in two.
     cut: u32,
     effort: Effort,
-    /// Size of the largest triangle that should have been cut.
+    /// Size of the largest triangle that should have been cut in two, but was divided as it is.
     doubt: f64,
     found: Arrangement,
 }
@@ -362,8 +371,8 @@ impl Arranger<'_> {
         self.found.nodes.len() - 1
     }
 
-    /// Divides a triangle, the largest of its parts first: when the most cuts have been made, what
-    /// is left is small.
+    /// Divides a triangle, the largest of its parts first. So the parts are small once the greatest
+    /// number of cuts is reached.
     fn solve(&mut self, whole: Triangle) {
         let mut largest = MinHeap::default();
         largest.push(-whole.size(), 0);
@@ -399,8 +408,9 @@ impl Arranger<'_> {
             self.found.regions.len(),
         );
         let small = SMALL * self.sites.size;
-        // A border from one end of a narrow triangle to the other is near its chord. Where several
-        // meet, it matters where.
+        // In a narrow triangle, a single border from one end to the other is close to its chord. If
+        // several borders meet, the position of their vertex matters, so the width does not
+        // suffice.
         let is_small = triangle.size() <= small || stops.len() == 2 && triangle.width() <= small;
         if self.solve_simple(triangle, &stops, is_small).is_some() {
             return true;
@@ -441,7 +451,7 @@ impl Arranger<'_> {
         ]
     }
 
-    /// The cells along a segment inside the face.
+    /// Cuts along a segment: adds its nodes and runs, and returns the cells along it.
     fn cut(&mut self, from: Point, to: Point, ends: [u32; 2]) -> Side {
         let line = self.sites.line(from, to, ends);
         let runs = line.cells().map(|source| {
@@ -461,8 +471,9 @@ impl Arranger<'_> {
         }
     }
 
-    /// Divides a triangle with two changes, or whose cells all meet in a point. If it `is_last`,
-    /// any triangle is divided, as well as may be.
+    /// Divides a triangle that has two changes, or whose cells all meet in one point; `None` if it
+    /// does not. If `is_last`, any triangle is divided, if necessary with a vertex at the mean of
+    /// the changes.
     fn solve_simple(&mut self, triangle: &Triangle, stops: &[Stop], is_last: bool) -> Option<()> {
         let mut stops = stops.to_vec();
         if self.effort.joins_neighbours {
@@ -498,7 +509,7 @@ impl Arranger<'_> {
         Some(())
     }
 
-    /// Adds the part of the cell behind `stop`, which these pieces close.
+    /// Adds the region of the cell after `stop`. `pieces` complete its border.
     fn add_region(&mut self, stop: &Stop, pieces: impl Iterator<Item = (usize, bool)>) {
         let inside = pieces.map(|(piece, is_forward)| Span::Inside(piece, is_forward));
         self.found.regions.push(Region {
@@ -508,8 +519,9 @@ impl Arranger<'_> {
         });
     }
 
-    /// Joins two changes that follow each other, from one cell to another and back, if there are
-    /// more and the border between both is beyond doubt; what it cuts off is done then.
+    /// Looks for two consecutive changes, from one cell to another and back, in a triangle that has
+    /// more. If the border between them is beyond doubt, adds the border and the region that it
+    /// cuts off, and removes both changes from `stops`. Returns whether it did.
     fn join_neighbours(&mut self, triangle: &Triangle, stops: &mut Vec<Stop>) -> bool {
         let count = stops.len();
         if count < 3 {
@@ -541,8 +553,8 @@ impl Arranger<'_> {
         false
     }
 
-    /// The point at which all cells around a triangle meet, if they are different and there is one
-    /// beyond doubt.
+    /// The point at which all cells around a triangle meet, if these are all different and the
+    /// point is beyond doubt.
     fn meeting(&self, triangle: &Triangle, stops: &[Stop]) -> Option<Point> {
         let cells: Vec<u32> = stops.iter().map(|stop| stop.next).collect();
         let mut sorted = cells.clone();
@@ -569,7 +581,8 @@ impl Arranger<'_> {
         if first.is_some() || !self.effort.joins_neighbours {
             return first;
         }
-        // Two of three may be equally near all over a part of the triangle.
+        // Two of the first three cells may tie throughout a part of the triangle. Try other
+        // triples, and then the points that are known.
         let count = cells.len();
         let others = (1..count).filter_map(|i| {
             let three = [0, 1, 2].map(|k| cells[(i + k) % count]);
@@ -578,12 +591,14 @@ impl Arranger<'_> {
         others.chain(nodes).chain(triangle.corners).find(do_meet)
     }
 
+    /// How far outside a triangle rounding may place a point of it.
     fn slack(&self, triangle: &Triangle) -> f64 {
         BESIDE * triangle.width() + BESIDE_FACE * self.sites.size
     }
 
-    /// Joins two nodes by a border with these cells on its left and on its right; `None` if the way
-    /// is in doubt, unless it `is_last`. Returns the numbers of its pieces.
+    /// Joins two nodes by a border with these cells on its left and on its right. Returns the
+    /// indices of its pieces; `None` if the course of the border is in doubt. If `is_last`, the
+    /// border is a straight line.
     fn join(
         &mut self,
         triangle: &Triangle,
@@ -647,20 +662,20 @@ struct BorderPart {
     sites: Option<[usize; 2]>,
 }
 
-/// The border between two cells in a triangle that holds nothing else.
+/// Traces the border between two cells in a triangle that holds nothing else.
 struct BorderTracer<'a> {
     sites: &'a FaceSites,
     measured: &'a MeasuredSites<'a>,
     triangle: &'a Triangle,
     slack: f64,
     sources: [u32; 2],
-    /// Room for the sites near a part of it.
+    /// Scratch: the sites near a part of the border.
     near: RefCell<SiteTable>,
 }
 
 impl BorderTracer<'_> {
-    /// The nearest sites of both cells, if `x` is on the border: equally far from both, with nothing
-    /// nearer.
+    /// The nearest sites of both cells, if `x` is on the border: both are equally near and no other
+    /// site is nearer. `None` if it is not.
     fn pair(&self, x: Point) -> Option<[usize; 2]> {
         let nearest = self.measured.nearest(self.sources, x);
         let most = nearest.least + self.sites.rounding(nearest.least);
@@ -669,9 +684,9 @@ impl BorderTracer<'_> {
             .then(|| nearest.each.map(|site| site.site))
     }
 
-    /// Whether the straight paths of both sites are the shortest to `x`, with `least` the length of
-    /// the shortest of all. They have to come through the gates of their sites: where they do not,
-    /// the path that does is longer.
+    /// Whether the straight paths of both sites are the shortest to `x`. `least` is the length of
+    /// the shortest path of all sites. Both straight paths must pass their gates: if one misses its
+    /// gate, its path through the gate is longer.
     fn holds(&self, pair: [usize; 2], x: Point, least: f64) -> bool {
         let slack = self.sites.rounding(least);
         pair.into_iter().all(|site| {
@@ -680,7 +695,8 @@ impl BorderTracer<'_> {
         })
     }
 
-    /// The border beside fraction `t` of the chord between two of its points.
+    /// The point of the border on the perpendicular at fraction `t` of the chord between two of its
+    /// points.
     fn beside(&self, [from, to]: [Point; 2], t: f64) -> Option<Point> {
         let start = between(from, to, t);
         newton_across(start, sub(to, from), |x| {
@@ -692,19 +708,22 @@ impl BorderTracer<'_> {
         })
     }
 
-    /// Whether the straight line between `ends` is the border, as far as rounding can tell.
+    /// Whether the straight line between `ends` is the border, up to rounding.
     ///
-    /// Where two images coincide the border is no bisector: it is the line up to which the one sees
-    /// and from which on the other does, since both look past the same vertex.
+    /// If two images coincide, the border is no bisector. Both gates then end at the same vertex,
+    /// and the border is the ray that separates the points that one site sees from those that the
+    /// other one sees.
     fn is_straight(&self, [from, to]: [Point; 2]) -> bool {
-        // Curves may cross their chord at a few points, in symmetric faces at round fractions.
+        // A curve may cross its chord at a few points, in symmetric faces at simple fractions. So
+        // the fractions are irregular.
         [0.5, 0.125, 0.875, 0.04, 0.27, 0.37, 0.66, 0.81, 0.97]
             .into_iter()
             .all(|t| self.pair(between(from, to, t)).is_some())
     }
 
-    /// Appends the parts of the border between `ends`, one bisector after the other. Where the next
-    /// one is in doubt, the rest is cut in two.
+    /// Appends the parts of the border between `ends`, one bisector after the other. If the next
+    /// part is in doubt, the rest is cut in two. `None` if the border cannot be traced within
+    /// [`MOST_STEPS`].
     fn trace(
         &self,
         [mut at, to]: [Point; 2],
@@ -750,7 +769,7 @@ impl BorderTracer<'_> {
             if pair.contains(&usize::MAX) {
                 return None;
             }
-            // As far as both look through their gates.
+            // The part ends where one of the sites is no longer visible through its gate.
             let [a, b] = pair.map(|site| &self.sites.sites[site]);
             let (mut end, mut most, mut entry) = (to, 1.0, 0.0);
             for x in [a.exits(b), b.exits(a)].into_iter().flatten().flatten() {
@@ -767,17 +786,17 @@ impl BorderTracer<'_> {
             if entry == 0.0 {
                 break (pair, end, most);
             }
-            // Others come first.
+            // The pair is not visible before `entry`, so other sites come first.
             ahead = 0.5 * entry;
         };
-        // And as far as no other site is nearer.
+        // The part also ends where another site becomes nearer.
         for _ in 0..MOST_RIVALS {
             if self.is_whole(pair, [from, end]) {
                 return Some((end, pair));
             }
             let nearest = self.measured.nearest(self.sources, end);
             if self.holds(pair, end, nearest.least) {
-                // The rival is nearer before the end, or at the beginning.
+                // Another site is nearer before the end, or at the beginning.
                 return None;
             }
             let [first, second] = nearest.each;
@@ -802,20 +821,21 @@ impl BorderTracer<'_> {
         None
     }
 
-    /// Whether the bisector of one pair of sites is the border all the way.
+    /// Whether the bisector of one pair of sites is the border all the way between `ends`.
     fn is_whole(&self, pair: [usize; 2], ends: [Point; 2]) -> bool {
         let curve = Bisector::of(pair.map(|site| &self.sites.sites[site]));
         let Some(middle) = curve.beside(ends[0], ends[1], 0.5) else {
             return false;
         };
-        // Nowhere does it turn back on itself, so that it can be followed along its chord.
+        // The curve must not turn back on itself, so that it can be followed along its chord.
         let [first, second] = [sub(middle, ends[0]), sub(ends[1], middle)];
         let turns_back = dot(first, second) < 0.5 * norm(first) * norm(second);
         let is_inside = |x: Point| self.triangle.contains(x, self.slack);
         if turns_back || !is_inside(middle) || !is_inside(ends[1]) {
             return false;
         }
-        // A curve that turns one way is nowhere farther off its chord than twice as in the middle.
+        // A curve that bends to one side only is nowhere farther from its chord than twice the
+        // distance in the middle.
         let beside = 2.0 * norm(sub(middle, between(ends[0], ends[1], 0.5)));
         let mut near = self.near.borrow_mut();
         let rounding = |length| self.sites.rounding(length);
@@ -830,18 +850,18 @@ impl BorderTracer<'_> {
     }
 }
 
-/// How far behind the beginning of a part its sites are looked for, as a share of the chord of the
-/// border.
+/// The point at which the sites of a part are determined: this fraction of the chord of the border
+/// after its beginning.
 const AHEAD: f64 = 1e-3;
 
-/// Distance of points that are the same but for rounding, as a fraction of the face.
+/// Distance up to which two points are the same up to rounding, as a fraction of the face.
 const TOUCHING: f64 = 1e-12;
 
-/// Sites that are found to be nearer at the end of a part before it is given up.
+/// Greatest number of nearer sites found at the end of a part before the search fails.
 const MOST_RIVALS: u32 = 8;
 
-/// Appends a part that ends at `to`. Parts of the same bisector become one; what is too short to
-/// have one becomes part of its neighbour.
+/// Appends a part that ends at `to`. Consecutive parts of one bisector are merged. A part without a
+/// bisector, which is too short to have one, is merged with its neighbour.
 fn append(parts: &mut Vec<BorderPart>, to: Point, sites: Option<[usize; 2]>) {
     match parts.last_mut() {
         Some(last) if last.sites == sites || last.sites.is_none() => {
@@ -852,8 +872,9 @@ fn append(parts: &mut Vec<BorderPart>, to: Point, sites: Option<[usize; 2]>) {
     }
 }
 
-/// A point at which three paths are equally long, by Newton's method from `x` on in steps of at
-/// most `size`; `paths` gives their lengths and directions.
+/// A point at which three paths are equally long, by Newton's method from `x` in steps of at most
+/// `size`. `paths` gives their lengths and directions. `None` if a step is not finite. The caller
+/// has to check the point: the method may not have converged.
 fn meeting_point(
     mut x: Point,
     size: f64,
@@ -883,6 +904,7 @@ fn meeting_point(
     Some(x)
 }
 
+/// The mean of `points`.
 fn centre(points: impl Iterator<Item = Point>) -> Point {
     let (mut sum, mut count) = ([0.0; 2], 0.0);
     for p in points {

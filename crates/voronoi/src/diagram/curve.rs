@@ -3,8 +3,8 @@
 use super::plane::{Point, along, between, cross, norm, sub};
 use super::sites::Site;
 
-/// The points between two ends at which two sites are equally near, a branch of a hyperbola with
-/// their images as foci.
+/// The points at which two sites are equally near: a branch of a hyperbola whose foci are the
+/// images of the sites, or a line.
 ///
 /// ```
 /// use geobench_voronoi::Bisector;
@@ -16,13 +16,14 @@ use super::sites::Site;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bisector {
-    /// The images of both sites in the plane of the face.
+    /// The images of both sites, in the plane of the face.
     pub images: [[f64; 2]; 2],
-    /// The lengths of the paths up to the images.
+    /// σ of both sites: the lengths of the paths up to the images.
     pub sigmas: [f64; 2],
 }
 
-/// Nodes and weights of Gauss's rule with four points on 0..1, for parts that are [short](SHORT).
+/// Nodes and weights of Gauss-Legendre quadrature with four points on 0..1, for [short](SHORT)
+/// parts.
 const GAUSS_SHORT: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
@@ -30,8 +31,8 @@ const GAUSS_SHORT: [(f64, f64); 4] = [
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
 
-/// Length of a part, relative to its distance from both images, below which its height over the
-/// chord is a polynomial of degree seven, but for 1e-13.
+/// Length of the chord of a part, relative to its distances from both images, below which the
+/// height of the part over the chord is a polynomial of degree seven, up to 1e-13.
 const SHORT: f64 = 0.1;
 
 /// The same with eight points.
@@ -46,16 +47,17 @@ const GAUSS: [(f64, f64); 8] = [
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
 ];
 
-/// Rate at which a function changes across a border below which rounding hides where the border is.
+/// Slope of a function across a border below which rounding hides the position of the border.
 ///
-/// Two paths that run nearly side by side, as where one source is right behind the other, are equally
-/// long in a wide strip.
+/// Two paths that run nearly side by side are equally long in a wide strip. This happens if one
+/// source is right behind the other.
 const FLAT: f64 = 1e-6;
 
-/// Length of a step of Newton's method, as a fraction of the chord, after which none is needed.
+/// Length of a step of Newton's method, as a fraction of the chord, after which no other step is
+/// needed.
 const CONVERGED: f64 = 1e-10;
 
-/// Steps of Newton's method after which it is given up.
+/// Greatest number of steps of Newton's method.
 const STEPS: usize = 40;
 
 impl Bisector {
@@ -66,13 +68,13 @@ impl Bisector {
         }
     }
 
-    /// Whether it is a straight line.
+    /// Whether it is a straight line: both σ are equal.
     pub fn is_line(&self) -> bool {
         self.sigmas[0] == self.sigmas[1]
     }
 
-    /// By how much the path from the first image to `x` is longer than that from the second, and
-    /// the gradient of that.
+    /// The length of the path from the first site to `x` minus that from the second, and the
+    /// gradient of this difference.
     fn difference(&self, x: Point) -> (f64, Point) {
         let ways = self.images.map(|image| sub(x, image));
         let lengths = ways.map(norm);
@@ -87,8 +89,8 @@ impl Bisector {
         (difference, sub(a, b))
     }
 
-    /// The point of the bisector that is beside fraction `t` of the chord from `from` to `to`;
-    /// `None` if there is none near it.
+    /// The point of the bisector on the perpendicular to the chord from `from` to `to` at fraction
+    /// `t`; `None` if none is found.
     pub(crate) fn beside(&self, from: Point, to: Point, t: f64) -> Option<Point> {
         let start = between(from, to, t);
         newton_across(start, sub(to, from), |x| {
@@ -114,11 +116,11 @@ impl Bisector {
         };
         for &(t, weight) in rule {
             let on_chord = between(from, to, t);
-            // Where rounding hides the curve, it is its chord.
+            // If no point of the curve is found, its chord takes its place.
             let x = self.beside(from, to, t).unwrap_or(on_chord);
             let (_, gradient) = self.difference(x);
             let height = cross(chord, sub(x, on_chord)) / c;
-            // The curve runs across the gradient.
+            // The curve is perpendicular to the gradient.
             let [with, across] = [cross(gradient, chord), super::plane::dot(gradient, chord)];
             let slope = if with == 0.0 { 0.0 } else { across / with };
             length += weight * c * slope.hypot(1.0);
@@ -128,8 +130,10 @@ impl Bisector {
     }
 }
 
-/// The point nearest to `start` across `direction` at which a function vanishes, by Newton's
-/// method, or a point around which it hardly changes; `function` gives its value and its gradient.
+/// A zero of a function on the line through `start` perpendicular to `direction`, by Newton's
+/// method from `start`. If the function hardly changes along the line, any point is returned.
+/// `function` gives the value and the gradient. `None` if `function` returns it or the method does
+/// not converge.
 pub(crate) fn newton_across(
     start: Point,
     direction: Point,
@@ -150,12 +154,12 @@ pub(crate) fn newton_across(
         }
         let step = (-value / slope).clamp(-chord, chord);
         if step.is_nan() || step.abs() >= last {
-            // As near as rounding allows, or lost.
+            // The steps no longer shrink: the method has converged to rounding, or fails.
             return (last <= 1e-6 * chord || step == 0.0).then_some(x);
         }
         last = step.abs();
         x = along(x, step, normal);
-        // The next step would be shorter by as much again.
+        // Convergence is quadratic: the next step would be below rounding.
         if last <= CONVERGED * chord {
             return Some(x);
         }

@@ -23,10 +23,11 @@ use super::Diagram;
 pub struct Dual {
     /// Triangles of sources, in the orientation of the surface.
     pub triangles: Vec<[u32; 3]>,
-    /// Voronoi vertices in which more than three cells meet, by their nodes: each became several
-    /// triangles, cut from a polygon at its first corner.
+    /// The nodes of Voronoi vertices at which more than three cells meet. The polygon of each was
+    /// cut into triangles from its first corner, unless it is an
+    /// [obstacle](Obstacle::TwiceAtVertex).
     pub split: Vec<u32>,
-    /// Why the triangles are not a triangulation; empty if they are.
+    /// Reasons why the triangles are not a triangulation; empty if none was found.
     pub obstacles: Vec<Obstacle>,
 }
 
@@ -34,14 +35,14 @@ pub struct Dual {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Obstacle {
-    /// A cell that is no disc.
+    /// A cell that is not a disc.
     NoDisc {
         /// The cell.
         cell: u32,
-        /// The [Euler characteristic](super::Cell::euler) of its inside.
+        /// The [Euler characteristic](super::Cell::euler) of its interior.
         euler: i64,
     },
-    /// A Voronoi vertex at which one cell comes twice.
+    /// A Voronoi vertex around which one cell occurs twice.
     TwiceAtVertex {
         /// The node of the vertex.
         node: u32,
@@ -82,7 +83,7 @@ impl fmt::Display for Obstacle {
 }
 
 impl Diagram {
-    /// The dual triangulation, with all that keeps it from being one.
+    /// The dual of the diagram, with the obstacles that keep it from being a triangulation.
     pub fn dual(&self) -> Dual {
         let mut dual = Dual::default();
         for (cell, found) in (0..).zip(&self.cells) {

@@ -5,29 +5,31 @@ use geobench_window::trimming::{Overlap, Owner};
 
 use super::sites::ROUNDING;
 
-/// The cells along a segment of length 1: the first one, and where they change.
+/// The cells along a segment: the first one, and where they change. Positions are fractions of the
+/// segment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Line {
+    /// The cell at the start.
     pub(crate) first: u32,
-    /// In ascending order; each names the cell behind it.
+    /// In ascending order. Each names the cell after it.
     pub(crate) changes: Vec<Change>,
 }
 
 /// Where one cell ends and another begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Change {
-    /// The place, from 0 to 1.
+    /// The position on the segment, from 0 to 1.
     pub(crate) at: f64,
-    /// The cell behind it.
+    /// The cell after it.
     pub(crate) next: u32,
 }
 
-/// Width of a cell on a segment, as a fraction of that, below which it is left out: what two others
-/// leave between them by rounding.
+/// Width of a cell on a segment, as a fraction of the segment, below which the cell is left out.
+/// Rounding leaves gaps of such widths between two other cells.
 const NARROW: f64 = 1e-12;
 
 impl Line {
-    /// Nothing but cell `first`.
+    /// A segment in cell `first` alone.
     pub(crate) const fn of(first: u32) -> Self {
         Self {
             first,
@@ -45,9 +47,9 @@ impl Line {
         std::iter::once(self.first).chain(self.changes.iter().map(|change| change.next))
     }
 
-    /// The cells along a segment of length `l`: at each place that of the window that is shorter
-    /// there. The windows of `list` are disjoint and in ascending order. `first` and `last` are the
-    /// cells at its ends, which others have decided.
+    /// The cells along a segment of length `l`: at each point, the source of the shortest window.
+    /// The windows of `list` are disjoint and in ascending order; those of `others` may overlap.
+    /// `first` and `last` are the cells at the ends of the segment, which are decided already.
     pub(crate) fn envelope(
         mut list: Vec<(Window, u32)>,
         others: impl Iterator<Item = (Window, u32)>,
@@ -89,7 +91,7 @@ impl Line {
         let mut end = 0.0;
         for (start, run_end, source) in runs {
             if source != line.last() {
-                // What lies between two runs was too narrow to count.
+                // The gap between two runs is due to rounding. The change is in its middle.
                 let at = if end == 0.0 { 0.0 } else { 0.5 * (start + end) };
                 line.changes.push(Change { at, next: source });
             }
@@ -104,12 +106,13 @@ impl Line {
         line
     }
 
-    /// The line corrected by distances, in a face whose longest edge is `size`. `nearest` tells the
-    /// length of the shortest path to a place, and its source: of all paths, or of those from one
-    /// source.
+    /// The line corrected by distances, in a face whose longest edge is `size`. `nearest` gives the
+    /// length of the shortest path to a position, and its source: of all paths, or of those from
+    /// one source.
     ///
-    /// Trimming drops slivers, and then windows that are longer, but wide enough to stay, come to
-    /// light beside them. The paths around the ends of intervals, which count here, are shorter.
+    /// Trimming drops slivers. Longer windows that are wide enough to stay can then appear to be
+    /// the shortest there. Paths around the ends of the neighbouring intervals, which `nearest`
+    /// includes, are shorter.
     pub(crate) fn settled(
         self,
         size: f64,
@@ -149,21 +152,22 @@ struct Settler<F> {
     nearest: F,
 }
 
-/// A place of a line, from 0 to 1, and its cell.
+/// A position on a line, from 0 to 1, and its cell.
 type Sample = (f64, u32);
 
-/// Length of a part of a line that is too short to be parted.
+/// Greatest length of a part of a line that is not divided further.
 const SHORT: f64 = 1e-13;
 
 impl<F: Fn(f64, Option<u32>) -> (f64, u32)> Settler<F> {
-    /// Whether no other cell is nearer than `source` at `t`, up to rounding.
+    /// Whether no other source is nearer than `source` at `t`, up to rounding.
     fn is_nearest(&self, t: f64, source: u32) -> bool {
         let (least, _) = (self.nearest)(t, None);
         let (own, _) = (self.nearest)(t, Some(source));
         own <= least + ROUNDING * (least + self.size)
     }
 
-    /// Whether both cells are the nearest wherever they change, and those between in their middle.
+    /// Whether distances confirm the line: both cells are the nearest at each change, and each cell
+    /// is the nearest in the middle of its run.
     fn agrees(&self, line: &Line) -> bool {
         let mut before = line.first;
         let mut start = 0.0;
@@ -181,7 +185,8 @@ impl<F: Fn(f64, Option<u32>) -> (f64, u32)> Settler<F> {
         line.changes.is_empty() || self.is_nearest(0.5 * (start + 1.0), before)
     }
 
-    /// The ends of a line, whose cells stay, and the middles of its parts.
+    /// The ends of a line, with the cells decided there, and the midpoints of its runs, with their
+    /// nearest cells.
     fn samples(&self, line: &Line) -> Vec<Sample> {
         let mut samples = vec![(0.0, line.first)];
         let mut start = 0.0;
@@ -196,8 +201,8 @@ impl<F: Fn(f64, Option<u32>) -> (f64, u32)> Settler<F> {
         samples
     }
 
-    /// Removes changes that rounding alone makes: where the cell before is as near all along, it goes
-    /// on.
+    /// Removes runs that are due to rounding: along them the cell before is as near, and it takes
+    /// them over.
     fn simplify(&self, line: &mut Line) {
         let mut before = line.first;
         let mut i = 0;
@@ -215,7 +220,7 @@ impl<F: Fn(f64, Option<u32>) -> (f64, u32)> Settler<F> {
         }
     }
 
-    /// Appends the changes between two places.
+    /// Appends the changes between two samples.
     fn part(&self, from: Sample, to: Sample, changes: &mut Vec<Change>) {
         let ((u, before), (v, next)) = (from, to);
         if before == next {
@@ -233,7 +238,7 @@ impl<F: Fn(f64, Option<u32>) -> (f64, u32)> Settler<F> {
         }
     }
 
-    /// A place between two others at which their cells are equally far.
+    /// A position between two samples at which their cells are equally near, by bisection.
     fn tie(&self, (mut u, before): Sample, (mut v, next): Sample) -> f64 {
         let lead = |t| (self.nearest)(t, Some(before)).0 - (self.nearest)(t, Some(next)).0;
         if lead(u) >= 0.0 {

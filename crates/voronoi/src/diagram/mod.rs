@@ -24,7 +24,7 @@ pub(crate) use plane::between;
 use plane::{Point, cross, norm, sub};
 use sites::{FaceSites, corners};
 
-/// A geodesic Voronoi diagram.
+/// A geodesic Voronoi diagram: the cells of the sources, their borders and their Voronoi vertices.
 ///
 /// ```
 /// use geobench_mesh::{Mesh, VertexId};
@@ -48,8 +48,10 @@ pub struct Diagram {
     arcs: Vec<BorderArc>,
     cells: Vec<Cell>,
     faces: Vec<BorderFace>,
-    /// For each face its only cell, [`NO_SOURCE`] where no source reaches it or in border faces.
+    /// For each face its only cell; [`NO_SOURCE`] for border faces and faces that no source
+    /// reaches.
     inner: Vec<u32>,
+    /// Whether several cells share each face.
     border_face: Vec<bool>,
 }
 
@@ -76,22 +78,22 @@ pub struct Diagram {
 pub struct Node {
     /// One of the faces in which it lies.
     pub face: FaceId,
-    /// Its place in the plane of that face, in the frame of the first half-edge.
+    /// Its position in the plane of that face, in the frame of the first half-edge.
     pub place: [f64; 2],
-    /// What it is.
+    /// The kind of the node.
     pub kind: NodeKind,
 }
 
-/// What a [`Node`] is.
+/// The kind of a [`Node`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeKind {
     /// Where a border between two cells crosses an edge of the mesh.
     OnEdge,
-    /// Where a border goes on along another bisector.
+    /// Inside a face, a border passes from one bisector to the next.
     Breakpoint,
-    /// A Voronoi vertex, in which as many borders meet.
+    /// A Voronoi vertex.
     Vertex {
-        /// The number of borders.
+        /// The number of borders that meet here.
         degree: u32,
     },
 }
@@ -115,11 +117,11 @@ pub enum NodeKind {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vertex {
-    /// The number of its node.
+    /// The index of its node in [`Diagram::nodes`].
     pub node: u32,
-    /// The cells around it, counter-clockwise as the faces are.
+    /// The cells around it, counter-clockwise in the orientation of the faces.
     pub cells: Vec<u32>,
-    /// Its distance from their sources.
+    /// Its distance from the sources of these cells, in the units of the mesh.
     pub distance: f64,
 }
 
@@ -141,15 +143,15 @@ pub struct Vertex {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BorderArc {
-    /// The face.
+    /// The face in which it lies.
     pub face: FaceId,
-    /// The cells on its left and on its right.
+    /// The cells on its left and on its right, seen from its first end to its second.
     pub sources: [u32; 2],
-    /// The nodes at which it begins and ends.
+    /// The nodes at which it begins and ends, as indices into [`Diagram::nodes`].
     pub nodes: [u32; 2],
-    /// Its ends in the plane of the face.
+    /// The positions of its ends in the plane of the face.
     pub ends: [[f64; 2]; 2],
-    /// The bisector of which it is a part; `None` if rounding cannot tell it from a straight line.
+    /// The bisector that contains it; `None` if the arc is a straight line up to rounding.
     pub bisector: Option<Bisector>,
 }
 
@@ -159,7 +161,8 @@ impl BorderArc {
         self.bisector.is_none_or(|bisector| bisector.is_line())
     }
 
-    /// The point beside fraction `t` of its chord, in the plane of the face.
+    /// The point of the arc on the perpendicular to its chord at fraction `t`, in the plane of the
+    /// face. 0 and 1 give the ends.
     pub fn point(&self, t: f64) -> [f64; 2] {
         let [from, to] = self.ends;
         if t == 0.0 || t == 1.0 {
@@ -169,6 +172,8 @@ impl BorderArc {
         curve.unwrap_or_else(|| plane::between(from, to, t))
     }
 
+    /// The length of the arc, and the area between it and its chord, positive on the left of the
+    /// chord.
     fn length_and_area(&self) -> (f64, f64) {
         let [from, to] = self.ends;
         let length = norm(sub(to, from));
@@ -180,7 +185,7 @@ impl BorderArc {
         }
     }
 
-    /// Its length.
+    /// Its length, in the units of the mesh.
     pub fn length(&self) -> f64 {
         self.length_and_area().0
     }
@@ -204,16 +209,16 @@ impl BorderArc {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cell {
-    /// Its area.
+    /// Area, in square units of the mesh.
     pub area: f64,
-    /// The length of its border, that of the surface included.
+    /// Length of its border, including the boundary of the surface.
     pub perimeter: f64,
     /// The cells with which it shares a border, in ascending order.
     pub neighbours: Vec<u32>,
-    /// The Euler characteristic of its inside: 1 for a disc, less for one with holes, 0 for none at
-    /// all, as for a source that another one at the same place has replaced.
+    /// Euler characteristic of its interior: 1 for a disc, less with holes. 0 for an empty cell, as
+    /// of the second of two sources at one place.
     pub euler: i64,
-    /// Whether its inside hangs together.
+    /// Whether its interior is connected.
     pub is_connected: bool,
 }
 
@@ -245,13 +250,13 @@ pub struct Part {
     pub source: u32,
     /// The face.
     pub face: FaceId,
-    /// Its corners in the plane of the face, counter-clockwise, with points along its arcs between
-    /// them.
+    /// Its outline as a polygon in the plane of the face, counter-clockwise. Points along curved
+    /// arcs approximate them.
     pub outline: Vec<[f64; 2]>,
 }
 
 impl Part {
-    /// Triangles that make it up, by the numbers of the corners of its outline.
+    /// Triangles that make up the outline, as indices of its corners; O(n³) for n corners.
     pub fn triangles(&self) -> Vec<[usize; 3]> {
         let mut left: Vec<usize> = (0..self.outline.len()).collect();
         let mut triangles = Vec::new();
@@ -265,7 +270,7 @@ impl Part {
                     |p| turns(a, b, p) > 0.0 && turns(b, c, p) > 0.0 && turns(c, a, p) > 0.0;
                 turns(a, b, c) > 0.0 && !(0..n).map(corner).any(holds)
             };
-            // Of an outline without area any corner will do.
+            // In an outline without area, any corner will do.
             let ear = (0..n).find(is_ear).unwrap_or(0);
             triangles.push([left[(ear + n - 1) % n], left[ear], left[(ear + 1) % n]]);
             left.remove(ear);
@@ -279,11 +284,16 @@ impl Part {
 struct BorderFace {
     face: FaceId,
     arrangement: Arrangement,
+    /// The index of the arc of its first piece.
     first_arc: usize,
 }
 
 impl Diagram {
-    /// The diagram of `field`, which was found from so many sources.
+    /// Computes the diagram of `field`, the result of a run from this number of `sources`.
+    ///
+    /// # Panics
+    ///
+    /// If a source of the field has the number `sources` or more.
     pub fn new(field: &Field<'_>, sources: usize) -> Self {
         let mut builder = Builder::new(field, sources);
         builder.find_lines();
@@ -296,7 +306,7 @@ impl Diagram {
         &self.mesh
     }
 
-    /// The nearest source of every vertex of the mesh.
+    /// The nearest source of every vertex of the mesh; [`NO_SOURCE`] where no path leads.
     pub fn labels(&self) -> &[u32] {
         &self.labels
     }
@@ -326,7 +336,7 @@ impl Diagram {
         self.faces.len()
     }
 
-    /// The only cell of a face; `None` if there are several, or none.
+    /// The only cell of a face; `None` if several cells share the face, or no source reaches it.
     pub fn cell_of_face(&self, face: FaceId) -> Option<u32> {
         let cell = self.inner[face.index()];
         (cell != NO_SOURCE).then_some(cell)
@@ -337,8 +347,8 @@ impl Diagram {
         self.border_face[face.index()]
     }
 
-    /// The parts into which cells divide the faces that several of them share. Along each arc there
-    /// are so many points between its ends.
+    /// The parts into which cells divide the faces that several of them share. A curved arc is
+    /// approximated by its ends and `points_per_arc` points between them.
     pub fn parts(&self, points_per_arc: usize) -> impl Iterator<Item = Part> {
         self.faces.iter().flat_map(move |border| {
             border.arrangement.regions.iter().map(move |region| {
@@ -360,7 +370,7 @@ impl Diagram {
                     outline.push(arc.ends[usize::from(is_forward)]);
                 }
                 if region.border.len() > 1 {
-                    // It ends where it began.
+                    // The outline ends at the point where it began.
                     outline.pop();
                 }
                 outline.dedup();
@@ -373,7 +383,7 @@ impl Diagram {
         })
     }
 
-    /// The barycentric coordinates of a place in the plane of `face`.
+    /// The barycentric coordinates of a position in the plane of `face`.
     pub fn barycentric(&self, face: FaceId, place: [f64; 2]) -> [f64; 3] {
         let corners = corners(&self.mesh, face);
         let twice = |a: Point, b: Point, c: Point| cross(sub(b, a), sub(c, a));
@@ -383,7 +393,8 @@ impl Diagram {
         [u, v, 1.0 - u - v]
     }
 
-    /// A place in the plane of `face` as a point of space; `None` if the mesh has no positions.
+    /// The position in space of a position in the plane of `face`; `None` if the mesh has no
+    /// positions.
     pub fn position(&self, face: FaceId, place: [f64; 2]) -> Option<[f64; 3]> {
         let weights = self.barycentric(face, place);
         let positions = self.mesh.positions();
@@ -398,16 +409,16 @@ impl Diagram {
     }
 }
 
-/// Parts of cells that hang together.
+/// A union-find structure of the connected parts of cells.
 #[derive(Clone, Debug, Default)]
 struct Unions {
     parents: Vec<u32>,
-    /// The cell of each.
+    /// The cell of each element.
     cells: Vec<u32>,
 }
 
 impl Unions {
-    /// The number of the next one.
+    /// The number of the next element.
     fn next(&self) -> u32 {
         self.parents.len() as u32
     }
@@ -434,15 +445,16 @@ impl Unions {
 
 const NO_LINE: u32 = u32::MAX;
 
-/// Makes a [`Diagram`].
+/// Builds a [`Diagram`].
 struct Builder<'a> {
     field: &'a Field<'a>,
-    /// For each half-edge that stands for an edge its line, if cells change along it.
+    /// For each edge, under the lesser of its half-edges, its line; [`NO_LINE`] if it has only one
+    /// cell.
     line_of: Vec<u32>,
     lines: Vec<Line>,
-    /// For each line the number of its first node.
+    /// For each line, the number of its first node.
     first_node: Vec<u32>,
-    /// For each line the numbers of its cells among the unions.
+    /// For each line, the number in `unions` of its first run.
     first_union: Vec<u32>,
     nodes: Vec<Node>,
     arcs: Vec<BorderArc>,
@@ -452,8 +464,9 @@ struct Builder<'a> {
     inner: Vec<u32>,
     border_face: Vec<bool>,
     vertices: Vec<Vertex>,
-    /// Parts of cells by what lies in them: first the vertices of the mesh, then the runs along
-    /// edges with several cells, then those along cuts inside faces.
+    /// The connected parts of cells. A *run* is a part of a segment in one cell. The elements are,
+    /// in this order: the vertices of the mesh, the runs along edges with several cells, the runs
+    /// along cuts inside faces.
     unions: Unions,
 }
 
@@ -477,7 +490,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Where cells change along the edges of the mesh.
+    /// Finds where cells change along the edges of the mesh, and adds a node for each change.
     fn find_lines(&mut self) {
         let mesh = self.field.mesh;
         for h in mesh.half_edges() {
@@ -506,7 +519,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The distances and cells at both ends of `h`.
+    /// The distances and cells of both ends of `h`.
     fn ends(&self, h: HalfEdgeId) -> [(f64, u32); 2] {
         let mesh = self.field.mesh;
         [mesh.tail(h), mesh.head(h)].map(|v| {
@@ -515,8 +528,8 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// The cells along an edge between two faces: those of the windows stored there, of both
-    /// directions, and of its ends. `None` if there is only one.
+    /// The cells along an edge between two faces, from the windows of both directions stored there
+    /// and from the ends of the edge. `None` if there is only one cell.
     fn line_inside(&self, h: HalfEdgeId, e: usize) -> Option<Line> {
         let ends = self.ends(h);
         let list = self.field.store.list(e);
@@ -538,8 +551,8 @@ impl<'a> Builder<'a> {
         }))
     }
 
-    /// The cells along an edge of the boundary, where no windows are stored: those of the sites of
-    /// its face.
+    /// The cells along a boundary edge, from the sites of its face, because no windows are stored
+    /// there. `None` if there is only one cell.
     fn line_of_boundary(&self, h: HalfEdgeId) -> Option<Line> {
         let ends = self.ends(h);
         let first = ends[0].1;
@@ -551,8 +564,8 @@ impl<'a> Builder<'a> {
         Some(sites.line(from, to, [first, ends[1].1]))
     }
 
-    /// The number of the line along `h`, and whether it runs the other way; `None` if there is but
-    /// one cell.
+    /// The index of the line along `h`, and whether the line runs the other way; `None` if there is
+    /// only one cell.
     fn line_along(&self, h: HalfEdgeId) -> Option<(usize, bool)> {
         let twin = self.field.mesh.twin(h);
         let (e, is_reversed) = twin.map_or((h.index(), false), |twin| edge_of(h, twin));
@@ -560,6 +573,7 @@ impl<'a> Builder<'a> {
         (line != NO_LINE).then_some((line as usize, is_reversed))
     }
 
+    /// Divides all faces among the cells.
     fn divide_faces(&mut self) {
         let field = self.field;
         let mesh = field.mesh;
@@ -583,7 +597,7 @@ impl<'a> Builder<'a> {
         self.count_edges_and_vertices();
     }
 
-    /// A face with one cell, or none.
+    /// Adds a face with one cell, or none.
     fn add_inner_face(&mut self, face: FaceId) {
         let mesh = self.field.mesh;
         let source = self.field.labels[mesh.face_vertices(face)[0].index()];
@@ -601,7 +615,7 @@ impl<'a> Builder<'a> {
         cell.euler += 1;
     }
 
-    /// A face that several cells share.
+    /// Adds a face that several cells share.
     fn add_border_face(&mut self, face: FaceId, along: [Option<(usize, bool)>; 3]) {
         self.inner.push(NO_SOURCE);
         self.border_face.push(true);
@@ -642,7 +656,9 @@ impl<'a> Builder<'a> {
             };
             self.add_arc(arc);
         }
-        // Seen from the first corner, only the opposite side has an area behind it: that of the face.
+        // The area of a cell is half the integral of x × dx along its border. The first corner is
+        // the origin, so only the opposite side of the face contributes. Arcs are added by
+        // `add_arc`.
         let [_, second, third] = sites.corners;
         let mut at = 0.0;
         let ends = lines[1].changes.iter().map(|change| change.at);
@@ -663,7 +679,8 @@ impl<'a> Builder<'a> {
         });
     }
 
-    /// The numbers of the runs along an edge. One with a single cell hangs together with its ends.
+    /// The numbers in `unions` of the runs along an edge. The first and last run are joined with
+    /// the ends of the edge. An edge with one cell has its tail as its run.
     fn runs_along(
         &mut self,
         tail: VertexId,
@@ -685,7 +702,8 @@ impl<'a> Builder<'a> {
         runs
     }
 
-    /// The numbers of the nodes of a face in the whole diagram.
+    /// Adds the nodes of a face, except those on edges, which exist already. Returns the numbers of
+    /// all its nodes in the diagram.
     fn add_nodes(
         &mut self,
         face: FaceId,
@@ -717,10 +735,11 @@ impl<'a> Builder<'a> {
         numbers
     }
 
+    /// Adds an arc, and its shares of the length and area of the cells on both sides.
     fn add_arc(&mut self, arc: BorderArc) {
         let (length, bulge) = arc.length_and_area();
         let [from, to] = arc.ends;
-        // Counter-clockwise around the cell on its left.
+        // Its share of the integral counter-clockwise around the cell on its left.
         let area = 0.5 * cross(from, to) - bulge;
         let [left, right] = arc.sources;
         for (source, other, area) in [(left, right, area), (right, left, -area)] {
@@ -732,8 +751,8 @@ impl<'a> Builder<'a> {
         self.arcs.push(arc);
     }
 
-    /// What edges and vertices count for the Euler characteristics of the cells, and the boundary
-    /// of the surface for their perimeters.
+    /// Adds edges and vertices to the Euler characteristics of the cells, and the boundary of the
+    /// surface to their perimeters.
     fn count_edges_and_vertices(&mut self) {
         let mesh = self.field.mesh;
         for h in mesh.half_edges() {
@@ -800,7 +819,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// The ends of an edge as windows along it.
+/// The ends of an edge as (pseudo-)sources: a window along the whole edge for each end.
 fn end_windows(ends: [(f64, u32); 2], l: f64) -> impl Iterator<Item = (Window, u32)> {
     let places = ends.into_iter().zip([0.0, l]);
     places
@@ -817,7 +836,7 @@ fn end_windows(ends: [(f64, u32); 2], l: f64) -> impl Iterator<Item = (Window, u
         })
 }
 
-/// The length of the shortest path through the interval of `window` to a point of its edge.
+/// The length of the shortest path through the interval of `window` to abscissa `x` of its edge.
 fn path_to(window: &Window, x: f64) -> f64 {
     let turn = x.clamp(window.b0, window.b1);
     window.distance(turn) + (x - turn).abs()

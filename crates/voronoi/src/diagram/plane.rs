@@ -1,4 +1,4 @@
-//! Points of the plane into which a face is laid.
+//! Points and vectors in the plane of a face.
 
 /// A point, or a vector.
 pub(crate) type Point = [f64; 2];
@@ -18,13 +18,14 @@ pub(crate) fn cross(a: Point, b: Point) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// Edges have lengths whose squares `f64` holds, and `hypot` takes several times as long.
+/// The length of `a`. The squares of lengths do not overflow in a valid mesh, and `hypot` is
+/// several times slower.
 #[inline]
 pub(crate) fn norm(a: Point) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// The direction of `a`; none of the null vector.
+/// The unit vector along `a`; zero if `a` is zero.
 #[inline]
 pub(crate) fn unit(a: Point) -> Point {
     let length = norm(a);

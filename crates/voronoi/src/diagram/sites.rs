@@ -1,4 +1,4 @@
-//! From where the points of a face are reached.
+//! Sites: the (pseudo-)sources from which the points of a face are reached.
 
 use geobench_mesh::{FaceId, Mesh};
 use geobench_window::Window;
@@ -8,16 +8,18 @@ use super::plane::{Point, along, between, cross, dot, norm, sub, unit};
 use crate::field::{Field, NO_SOURCE};
 use crate::store::{Stored, edge_of};
 
-/// A (pseudo-)source as the points of a face see it, unfolded into the plane of the face.
+/// A (pseudo-)source as seen from a face, unfolded into the plane of the face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Site {
     pub(crate) image: Point,
+    /// σ, the distance from the source of the run to the (pseudo-)source.
     pub(crate) sigma: f64,
     pub(crate) source: u32,
-    /// The ends of the interval through which its paths come, the left one first as seen from the
-    /// image; none for a vertex of the face.
+    /// The gate: the ends of the interval through which the paths enter the face, the left one
+    /// first as seen from the image. `None` for a vertex of the face, and for an image on the line
+    /// of its gate.
     pub(super) gate: Option<[Point; 2]>,
-    /// The lengths of the paths up to these ends.
+    /// The lengths of the paths to these ends; both σ without a gate.
     pub(super) to_gate: [f64; 2],
 }
 
@@ -25,25 +27,25 @@ pub(crate) struct Site {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SitePath {
     pub(crate) length: f64,
-    /// Where it last turns: at the image, or at an end of the gate.
+    /// Where it turns last: at the image, or at an end of the gate.
     turn: Point,
 }
 
 impl Site {
-    /// The length of the straight path to `x`, whether or not it comes through the gate.
+    /// The length of the straight path to `x`, even if it misses the gate.
     #[inline]
     pub(crate) fn straight(&self, x: Point) -> f64 {
         self.sigma + norm(sub(x, self.image))
     }
 
-    /// The same with the direction in which the path arrives.
+    /// As [`straight`](Self::straight), with the direction in which the path arrives.
     pub(crate) fn straight_path(&self, x: Point) -> (f64, Point) {
         (self.straight(x), unit(sub(x, self.image)))
     }
 
-    /// The shortest path to `x` through the gate: straight, or around the end of the gate that the
-    /// straight path misses. All of them are paths of the surface, and the length is a convex
-    /// function of `x`.
+    /// The shortest path to `x` through the gate: straight, or bent around the end of the gate that
+    /// the straight line misses. All these paths are paths on the surface, and their length is a
+    /// convex function of `x`.
     #[inline]
     pub(crate) fn path(&self, x: Point) -> SitePath {
         let mut turn = self.image;
@@ -62,8 +64,9 @@ impl Site {
         }
     }
 
-    /// Where the bisector with `other` leaves the part of the plane that is seen through the gate,
-    /// on either side, if it does. Each ray from the image meets it at most once.
+    /// The points at which the bisector with `other` leaves the part of the plane that is visible
+    /// through the gate, for each end of the gate; `None` where it does not. Each ray from the
+    /// image meets the bisector at most once.
     pub(crate) fn exits(&self, other: &Self) -> [Option<Point>; 2] {
         let Some(gate) = self.gate else {
             return [None; 2];
@@ -78,7 +81,8 @@ impl Site {
     }
 
     /// The straight paths to the points of the segment from `from` to `to`, of length `l`, as a
-    /// window in the frame of the segment; `None` if there are none.
+    /// window in the frame of the segment; `None` if no part of the segment is visible through the
+    /// gate.
     pub(crate) fn window(&self, from: Point, to: Point, l: f64) -> Option<Window> {
         let u = sub(to, from).map(|c| c / l);
         let frame = |p: Point| {
@@ -96,8 +100,9 @@ impl Site {
         let Some(gate) = self.gate else {
             return Some(window);
         };
-        // Where the segment is seen: on the right of the ray through the left end of the gate, and
-        // on the left of the other. Rounding must not part what two windows see of the segment.
+        // The visible part of the segment is on the right of the ray through the left end of the
+        // gate, and on the left of the other ray. The slack keeps rounding from opening a gap
+        // between the parts that two neighbouring windows see.
         for (end, side) in gate.into_iter().zip([1.0, -1.0]) {
             let ray = sub(end, self.image);
             let slack = VISIBLE * l * norm(ray);
@@ -116,7 +121,7 @@ impl Site {
     }
 }
 
-/// How far beyond its gate a site sees, as a fraction of the segment looked at.
+/// How far beyond the rays through the ends of its gate a site sees, as a fraction of the segment.
 const VISIBLE: f64 = 1e-9;
 
 /// A face in the plane, and all sites that reach it.
@@ -124,7 +129,7 @@ const VISIBLE: f64 = 1e-9;
 pub(crate) struct FaceSites {
     pub(crate) corners: [Point; 3],
     pub(crate) sites: Vec<Site>,
-    /// The longest side.
+    /// Length of the longest side.
     pub(crate) size: f64,
 }
 
@@ -159,7 +164,8 @@ impl FaceSites {
                 let to_gate = gate.map(|end| w.sigma + norm(sub(end, image)));
                 let source = stored.source();
                 let near = usize::from(to_gate[1] < to_gate[0]);
-                // Along the edge no path is straight but those through the nearer end.
+                // The image is on the line of the edge. Only the paths through the nearer end of
+                // the gate are straight, so this end replaces the image.
                 sites.push(if w.py.abs() <= GRAZING * (to_gate[near] - w.sigma) {
                     Site {
                         image: gate[near],
@@ -199,8 +205,9 @@ impl FaceSites {
         }
     }
 
-    /// The same face with paths of each source a little longer than those of the one before, by more
-    /// than what counts as rounding, so that no two are equally long all over a part of the face.
+    /// The same face, in which the paths of each source are a little longer than those of the
+    /// source before it, by more than rounding. Then no two sources tie throughout a part of the
+    /// face.
     pub(crate) fn ranked(&self) -> Self {
         let mut ranked = self.clone();
         let mut sources: Vec<u32> = self.sites.iter().map(|site| site.source).collect();
@@ -216,7 +223,8 @@ impl FaceSites {
         ranked
     }
 
-    /// The cells along a segment of the face, with those at its ends.
+    /// The cells along a segment of the face. `ends` are the cells at its ends, which are decided
+    /// already.
     pub(crate) fn line(&self, from: Point, to: Point, ends: [u32; 2]) -> Line {
         let l = norm(sub(to, from));
         let windows = self.sites.iter();
@@ -239,30 +247,31 @@ impl FaceSites {
         lengths.fold(f64::INFINITY, f64::min)
     }
 
-    /// By how much distances around `d` in this face may differ by rounding.
+    /// The rounding error of distances of about `d` in this face.
     pub(crate) fn rounding(&self, d: f64) -> f64 {
         ROUNDING * (d + self.size)
     }
 }
 
-/// Height of an image over the line of its gate, relative to its distance from the gate, below
-/// which it is taken to lie on that line.
+/// Height of an image over the line of its gate, relative to its distance from the gate, up to
+/// which the image counts as on that line.
 const GRAZING: f64 = 1e-14;
 
-/// By how much a path from a vertex of the face must be shorter than one through a gate to be taken
-/// for it, relative to its length.
+/// By how much a path from a vertex of the face must be shorter than a straight path through a gate
+/// to be preferred to it, relative to its length.
 pub(super) const FROM_VERTEX: f64 = 1e-15;
 
-/// By how much a bent path must be shorter than a straight one to be taken for it, relative to its
-/// length and the size of the face together. It is less than [`ROUNDING`], so that the straight one
-/// is as short up to rounding.
+/// By how much a bent path must be shorter than a straight one to be preferred to it, relative to
+/// the sum of its length and the size of the face. This is less than [`ROUNDING`], so that a
+/// straight path that is preferred is as short up to rounding.
 pub(super) const BENT: f64 = 1e-13;
 
 /// Relative error of distances at a point of a face.
 pub(crate) const ROUNDING: f64 = 2e-13;
 
-/// By how much paths differ from one source to the next in [ranked](FaceSites::ranked) sites,
-/// relative to their length: more than trimming and [`ROUNDING`] leave undecided.
+/// By how much paths differ from one source to the next in [ranked](FaceSites::ranked) sites, as a
+/// fraction of the distance and the size of the face. This is more than trimming and [`ROUNDING`]
+/// leave undecided.
 const RANK: f64 = 1e-12;
 
 /// A site and its shortest path to a point; see [`nearest`](super::table::MeasuredSites::nearest).
@@ -309,10 +318,11 @@ pub(crate) fn corners(mesh: &Mesh, face: FaceId) -> [Point; 3] {
     [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)]
 }
 
-/// The directions of the sides of `face` in the frame of its first half-edge.
+/// The unit vectors along the sides of `face` in the frame of its first half-edge.
 ///
-/// Images far away turn with the direction of a short side. The corners of a long face do not tell
-/// that: it follows from the angle to the first side, in the frame in which that is known best.
+/// The images behind a short side can be far away, and turn with its direction. So the direction
+/// must be more accurate than the difference of two corners of a long face. It follows from the
+/// angle to the first side, in the frame that gives this angle best.
 fn directions(mesh: &Mesh, face: FaceId) -> [Point; 3] {
     let [third, first, second] = mesh.apexes(face);
     let lengths = [0, 2].map(|k| mesh.length(face.half_edge(k)));

@@ -1,5 +1,5 @@
-//! The sites of a face as columns of a table, so that vector instructions measure several paths at
-//! once. Every instruction set rounds as [`Site::path`] does.
+//! The sites of a face as a table stored by columns, so that vector instructions compute several
+//! path lengths at once. Every instruction set rounds as [`Site::path`] does.
 
 // Generic code must be inlined into the functions that are compiled for an instruction set.
 #![allow(clippy::inline_always)]
@@ -9,22 +9,22 @@ use geobench_window::simd::{Block, Columns, Instructions, Lanes, Line, Simd, Sim
 use super::plane::{Point, between, sub};
 use super::sites::{BENT, FROM_VERTEX, FaceSites, Nearest, NearestSites, Site};
 
-/// Columns of a table: image, σ, left end of the gate and the length up to it, right end and the
-/// length up to it, number of the source, by how much of their length straight paths count as
-/// longer.
+/// Number of columns of a table: image (0, 1), σ (2), left end of the gate (3, 4) and length of the
+/// path to it (5), right end (6, 7) and length of the path to it (8), number of the source (9),
+/// handicap of straight paths as a fraction of their length (10).
 const WIDTH: usize = 11;
 
-/// Sites as rows of columns.
+/// Sites as rows of a table that is stored by columns.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SiteTable {
     lines: Vec<Line>,
-    /// Lines of each column.
+    /// Number of lines of each column.
     column: u32,
     len: usize,
 }
 
 impl SiteTable {
-    /// A table with room for so many rows.
+    /// An empty table with room for `len` rows.
     fn with_room(len: usize) -> Self {
         let column = len.div_ceil(Line::LANES);
         Self {
@@ -34,7 +34,7 @@ impl SiteTable {
         }
     }
 
-    /// All of `sites`.
+    /// The table of all `sites`.
     fn of(sites: &[Site]) -> Self {
         let mut table = Self::with_room(sites.len());
         let column = table.column as usize;
@@ -54,8 +54,8 @@ impl SiteTable {
     }
 }
 
-/// The row of a site. One without a gate has both ends of it at its image, which no point is
-/// beside.
+/// The row of a site. Without a gate, both ends of the gate are at the image. Then no path counts
+/// as bent.
 fn row_of(site: &Site) -> [f64; WIDTH] {
     let [left, right] = site.gate.unwrap_or([site.image; 2]);
     let [to_left, to_right] = site.to_gate;
@@ -79,7 +79,7 @@ fn row_of(site: &Site) -> [f64; WIDTH] {
     ]
 }
 
-/// The sites of a face with the vector instructions that measure them.
+/// The sites of a face as a table, with the vector instructions that compute path lengths.
 #[derive(Clone, Debug)]
 pub(crate) struct MeasuredSites<'a> {
     sites: &'a [Site],
@@ -105,7 +105,7 @@ impl<'a> MeasuredSites<'a> {
         self.least(&self.all, x)
     }
 
-    /// Room for [`near_chord`](Self::near_chord).
+    /// An empty table for [`near_chord`](Self::near_chord).
     pub(crate) fn room(&self) -> SiteTable {
         SiteTable::with_room(self.all.len)
     }
@@ -118,11 +118,12 @@ impl<'a> MeasuredSites<'a> {
         })
     }
 
-    /// The shortest of all paths to `x`, and the shortest of each of these sources.
+    /// The length of the shortest path to `x`, and the shortest path of each of `sources`.
     ///
-    /// Of equal ones of a source a straight path through a gate counts more than one from a vertex
-    /// of the face, and that more than a bent one: windows that end in a vertex have bent paths
-    /// through it, and only the vertex has the bisector on which these end.
+    /// Among equally long paths of a source, a straight path through a gate is preferred to one
+    /// from a vertex of the face, and that one to a bent path. A window that ends at a vertex has
+    /// bent paths through the vertex. The bisector of these paths is that of the vertex, not that
+    /// of the window.
     pub(crate) fn nearest<const N: usize>(&self, sources: [u32; N], x: Point) -> NearestSites<N> {
         let (least, numbers) = self.simd.run(NearestOf {
             columns: self.all.columns(),
@@ -137,12 +138,13 @@ impl<'a> MeasuredSites<'a> {
         NearestSites { least, each }
     }
 
-    /// Puts into `near` the sites that may have the shortest path to any point beside the chord
-    /// between `ends`, at most `beside` off it, where `rounding` is the error of lengths; one of
-    /// them is site number `of`.
+    /// Puts into `near` the sites that may have the shortest path to a point within `beside` of the
+    /// chord between `ends`; site number `of` is one of them. `rounding` gives the error of a
+    /// length.
     ///
-    /// Lengths are convex: on the chord that of `of` is at most what lies between its lengths at
-    /// both ends, and any other is at least what its length and its direction in the middle tell.
+    /// Lengths are convex functions of the point. On the chord, the length of `of` is at most the
+    /// linear interpolation of its lengths at both ends. Any other length is at least its tangent
+    /// at the midpoint.
     pub(crate) fn near_chord(
         &self,
         of: usize,
@@ -154,7 +156,7 @@ impl<'a> MeasuredSites<'a> {
         let middle = between(from, to, 0.5);
         let most = [from, to].map(|x| {
             let length = self.sites[of].path(x).length;
-            // On each side of the chord both lengths change by at most as much.
+            // Off the chord, each of the two lengths changes by at most `beside`.
             length + 2.0 * beside + 2.0 * rounding(length)
         });
         near.len = self.simd.run(NearChord {
@@ -167,10 +169,10 @@ impl<'a> MeasuredSites<'a> {
     }
 }
 
-/// Paths from the sites of a register to a point.
+/// The paths from the sites of a register to a point.
 struct Paths<L: Lanes> {
     lengths: L,
-    /// From where the paths last turn to the point, and how long that is.
+    /// The last straight pieces of the paths, as vectors, and their lengths.
     ways: [L; 2],
     last: L,
     is_bent: L::Mask,
@@ -266,7 +268,7 @@ impl<const N: usize> SimdProgram for NearestOf<'_, N> {
         let mut numbers = [usize::MAX; N];
         for k in 0..N {
             let shortest = L::splat(simd, best[k].least());
-            // The first one of several.
+            // The first of several sites with equal ranks.
             let first = L::select(best[k].le(shortest), places[k], infinite).least();
             if first < f64::INFINITY {
                 numbers[k] = first as usize;

@@ -5,24 +5,24 @@ use std::f64::consts::PI;
 
 use geobench_mesh::{HalfEdgeId, Mesh, PointError, SurfacePoint, VertexId};
 
-/// How far the angle at a corner of the boundary is from that of a straight one, at least.
+/// Least difference from π of the angle at a boundary vertex that is a corner.
 const CORNER: f64 = PI / 4.0;
 
-/// Fewest sites on a loop of the boundary.
+/// Least number of sites on a boundary loop.
 const FEWEST: usize = 3;
 
-/// By how much the spacing grows while there are too many sites.
+/// Factor by which the spacing grows while there are too many sites.
 const COARSER: f64 = 1.25;
 
-/// Most rounds of a coarser spacing, far beyond any model.
+/// Greatest number of times that the spacing grows, far beyond any model.
 const ROUNDS: usize = 200;
 
-/// Points along every loop of the boundary, at most `spacing` apart, with all corners: coarser if
-/// there are more than `most`, down to three on each loop.
+/// Points along every boundary loop, at most `spacing` apart, with all corners. If there are more
+/// than `most`, the spacing grows; at least three points remain on each loop.
 ///
 /// # Errors
 ///
-/// When a point is none of the mesh, which cannot be.
+/// If a point is not on the mesh, which is a defect of the program.
 pub(super) fn points(
     mesh: &Mesh,
     spacing: f64,
@@ -54,7 +54,7 @@ pub(super) fn points(
     Ok(points)
 }
 
-/// The loops of the boundary, each half-edge once.
+/// The boundary loops, each as its half-edges in order.
 fn loops(mesh: &Mesh) -> Vec<Vec<HalfEdgeId>> {
     let mut seen = HashSet::new();
     let mut loops = Vec::new();
@@ -63,7 +63,8 @@ fn loops(mesh: &Mesh) -> Vec<Vec<HalfEdgeId>> {
         let mut h = start;
         while seen.insert(h) {
             around.push(h);
-            // The next one turns around the head, across the faces of its fan.
+            // The next boundary half-edge is found by turning around the head, across the faces of
+            // its fan.
             h = h.next();
             while let Some(twin) = mesh.twin(h) {
                 h = twin.next();
@@ -76,13 +77,13 @@ fn loops(mesh: &Mesh) -> Vec<Vec<HalfEdgeId>> {
     loops
 }
 
-/// A part of the boundary from one corner to the next, or a whole loop without any.
+/// A part of the boundary from one corner to the next, or a whole loop without corners.
 struct Chain {
     edges: Vec<HalfEdgeId>,
     length: f64,
 }
 
-/// The parts of a loop.
+/// The chains of a loop.
 fn chains(mesh: &Mesh, mut around: Vec<HalfEdgeId>) -> Vec<Chain> {
     let is_corner = |v: VertexId| (mesh.total_angle(v) - PI).abs() > CORNER;
     if let Some(first) = around.iter().position(|&h| is_corner(mesh.tail(h))) {
@@ -106,7 +107,8 @@ fn chains(mesh: &Mesh, mut around: Vec<HalfEdgeId>) -> Vec<Chain> {
 }
 
 impl Chain {
-    /// The number of equal pieces, none longer than `spacing`, of a loop with so many chains.
+    /// The number of equal pieces into which the chain is divided. None is longer than `spacing`,
+    /// and a loop of `chains` chains has at least [`FEWEST`] pieces.
     fn pieces(&self, spacing: f64, chains: usize) -> usize {
         #[expect(clippy::cast_sign_loss, reason = "lengths are positive")]
         let needed = (self.length / spacing - 1e-9).ceil().max(1.0) as usize;

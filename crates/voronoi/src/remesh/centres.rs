@@ -11,7 +11,7 @@ use super::RemeshError;
 use super::tangent::{Tangents, Vector};
 use crate::diagram::Diagram;
 
-/// The sum of the logarithms in a cell, weighted by area.
+/// The integral of the logarithms over a cell, and the area of the cell; see [`centres`].
 #[derive(Clone, Copy, Debug, Default)]
 struct Moment {
     area: f64,
@@ -19,7 +19,8 @@ struct Moment {
 }
 
 impl Moment {
-    /// Adds an area at the mean of some logarithms; nothing without any.
+    /// Adds a part of the cell: its area, with the mean of the logarithms of its corners. Does
+    /// nothing without corners.
     fn add(&mut self, area: f64, logarithms: impl Iterator<Item = Vector>) {
         let (mut count, mut sum) = (0.0, [0.0; 2]);
         for [x, y] in logarithms {
@@ -33,13 +34,14 @@ impl Moment {
     }
 }
 
-/// The centres of all cells of `diagram`, whose sources are the vertices of `refined`, which was
-/// made of `mesh` with `sites`; and how far they are from the sites on average.
+/// The centres of all cells of `diagram`, and their mean distance from the sites. `refined` is
+/// `mesh` refined at `sites`. The vertices at the sites are the sources of the diagram.
 ///
-/// The centre lies at the mean of the logarithms of all points of the cell: the directions and
-/// lengths of the shortest paths to them, in the plane of directions at the site. It is the centre
-/// of mass of a cell in the plane. Inside faces logarithms are interpolated; a part of a face that
-/// several cells share counts with those corners that are in its cell. Sites on the boundary stay.
+/// The *logarithm* of a point at a site is a vector in the plane of directions at the site: the
+/// direction and the length of the shortest path to the point. The centre of a cell is the point
+/// whose logarithm is the mean of the logarithms of all points of the cell. In a plane, it is the
+/// centre of mass. Inside faces, logarithms are interpolated. Of a face that several cells share,
+/// each part uses only the corners that are in its cell. Sites on the boundary stay.
 pub(super) fn centres(
     mesh: &Mesh,
     sites: &[SurfacePoint],
@@ -86,14 +88,15 @@ pub(super) fn centres(
     Ok((centres, moved / sites.len().max(1) as f64))
 }
 
-/// The logarithm of each vertex at its nearest site; `None` where no path leads.
+/// The logarithm of each vertex at its nearest site; `None` if no path leads there or the path
+/// cannot be traced.
 fn logarithms(refined: &Refined) -> Result<Vec<Option<Vector>>, RemeshError> {
     let mesh = &refined.mesh;
     let mut solver = VtpFast::new(mesh);
     let paths = Paths::find(&mut solver, mesh, &refined.vertices, &Goal::everything())?;
     let mut tangents: HashMap<VertexId, Tangents<'_>> = HashMap::new();
     let logarithm = |v: VertexId| {
-        // A lost path is a vertex less of many.
+        // A path that cannot be traced leaves out one vertex of many.
         let path = paths.to(v).ok()??;
         let site = path.points.first()?.vertex()?;
         let tangents = tangents.entry(site);
@@ -103,11 +106,11 @@ fn logarithms(refined: &Refined) -> Result<Vec<Option<Vector>>, RemeshError> {
     Ok(mesh.vertices().map(logarithm).collect())
 }
 
-/// Points of a refined mesh as points of the original one.
+/// Maps points of a refined mesh to the original mesh.
 struct Originals<'a> {
     mesh: &'a Mesh,
     refined: &'a Refined,
-    /// The added vertices.
+    /// The site at each vertex of the refined mesh that has one.
     added: HashMap<VertexId, SurfacePoint>,
 }
 
@@ -121,7 +124,7 @@ impl<'a> Originals<'a> {
         }
     }
 
-    /// The point of a face of the refined mesh.
+    /// Maps a point of a face of the refined mesh, given by barycentric coordinates.
     fn point(&self, face: FaceId, weights: [f64; 3]) -> Option<SurfacePoint> {
         let parent = self.refined.parent(face);
         let mut sum = [0.0; 3];

@@ -1,10 +1,10 @@
-//! Where a dual is no triangulation of its surface.
+//! Flaws of a dual that is not a triangulation of its surface.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::diagram::{Diagram, Dual, Obstacle};
 
-/// Cells at which a dual is no triangulation, so that a site more is needed.
+/// Cells at which the dual is not a triangulation, so that another site is needed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Flaws {
     /// The cells.
@@ -15,8 +15,8 @@ pub(super) struct Flaws {
 
 impl Flaws {
     /// The flaws of `dual`: its obstacles, triangles with the same corners, sites whose triangles
-    /// are no ring or fan, and cells that share a border from boundary to boundary, of which no
-    /// triangle tells.
+    /// do not form a ring or a fan, and pairs of cells whose border runs from boundary to boundary.
+    /// Such a border has no Voronoi vertex, so no triangle connects the sites.
     pub(super) fn of(diagram: &Diagram, dual: &Dual) -> Self {
         let mut flaws = Self::default();
         for obstacle in &dual.obstacles {
@@ -70,7 +70,7 @@ impl Flaws {
     }
 }
 
-/// Whether these edges, each from one vertex to the next, are one closed or open line.
+/// Whether these directed edges form one closed or open line.
 fn is_ring_or_fan(link: &[[u32; 2]]) -> bool {
     let next: HashMap<u32, u32> = link.iter().map(|&[a, b]| (a, b)).collect();
     let ends: BTreeSet<u32> = link.iter().map(|&[_, b]| b).collect();

@@ -21,20 +21,20 @@ use flaws::Flaws;
 pub use quality::{Deviation, Quality};
 use sampling::Sampler;
 
-/// Most rounds of sites added where the dual is no triangulation.
+/// Greatest number of rounds that add sites where the dual is not a triangulation.
 const ROUNDS: usize = 32;
 
-/// Most sites in the end: so many times those asked for, and so many more.
+/// Limit of the number of sites: a factor of the number asked for, plus a constant.
 const MOST_SITES: [usize; 2] = [4, 256];
 
-/// What to make of a surface.
+/// Options of [`remesh()`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RemeshOptions {
     /// The number of sites, the vertices of the new mesh.
     pub sites: usize,
     /// Steps of Lloyd's algorithm, each of which moves the sites to the centres of their cells.
     pub lloyd: usize,
-    /// Draws the first site.
+    /// Seed that draws the first site of a surface without boundary.
     pub seed: u64,
 }
 
@@ -45,7 +45,7 @@ pub enum RemeshError {
     /// The mesh was built from lengths alone, or has no faces.
     #[error("a mesh without coordinates or without faces cannot be remeshed")]
     NoSurface,
-    /// Sites are drawn from the vertices of faces, and there are not so many.
+    /// Sites are drawn from the vertices in faces. The number asked for is 0 or exceeds theirs.
     #[error(
         "{sites} sites are asked for; from 1 to {vertices} are possible, the vertices in faces"
     )]
@@ -55,7 +55,7 @@ pub enum RemeshError {
         /// The number of vertices in faces.
         vertices: usize,
     },
-    /// The dual is no triangulation, and more sites do not make it one.
+    /// The dual is not a triangulation, and adding sites did not make it one.
     #[error(
         "the dual of {sites} sites is no triangulation of the surface: {reason}; \
          ask for more sites, or give the model more vertices there"
@@ -63,10 +63,10 @@ pub enum RemeshError {
     NoTriangulation {
         /// The number of sites, those that were added included.
         sites: usize,
-        /// A place where it is none.
+        /// The first flaw, in words.
         reason: String,
     },
-    /// The dual has another shape than the surface.
+    /// The dual has another topology than the surface.
     #[error(
         "the dual of {sites} sites has another topology than the surface: {found}, not {expected}; \
          ask for more sites"
@@ -76,16 +76,16 @@ pub enum RemeshError {
         sites: usize,
         /// The topology of the dual.
         found: String,
-        /// That of the surface.
+        /// The topology of the surface.
         expected: String,
     },
-    /// The dual is no mesh.
+    /// The dual is not a valid mesh.
     #[error("the dual is no mesh: {0}")]
     Invalid(#[from] Box<InvalidMesh>),
     /// A solver failed.
     #[error(transparent)]
     Solve(#[from] SolveError),
-    /// A site is no point of the mesh, which is a defect of this program.
+    /// A site is not a point of the mesh, which is a defect of the program.
     #[error(transparent)]
     Point(#[from] PointError),
 }
@@ -97,12 +97,14 @@ pub struct Remeshed {
     pub mesh: Mesh,
     /// The sites, as points of the original mesh.
     pub sites: Vec<SurfacePoint>,
-    /// How many there are more than asked for, because the dual was no triangulation or there are
-    /// more components.
+    /// Number of sites beyond those asked for. Sites are added if the dual is not a triangulation,
+    /// and for components and boundary loops that would have too few.
     pub added: usize,
-    /// Voronoi vertices in which more than three cells met; their polygons were cut into triangles.
+    /// Number of Voronoi vertices at which more than three cells met. Their polygons were cut into
+    /// triangles.
     pub split: usize,
-    /// How far the sites moved on average in each step of Lloyd's algorithm.
+    /// Mean distance by which the sites moved in each step of Lloyd's algorithm, in the units of
+    /// the mesh.
     pub moved: Vec<f64>,
     /// The diagram of the sites, on the original mesh refined so that they are vertices.
     pub diagram: Diagram,
@@ -178,7 +180,8 @@ pub fn remesh(mesh: &Mesh, options: &RemeshOptions) -> Result<Remeshed, RemeshEr
     triangulate(mesh, &measures, options.sites, sites, moved)
 }
 
-/// The mesh with a vertex at each site. Sites that coincide become one.
+/// The mesh with a vertex at each site. Of sites that coincide, only the first one stays in
+/// `sites`.
 fn refine(mesh: &Mesh, sites: &mut Vec<SurfacePoint>) -> Result<Refined, PointError> {
     let refined = mesh.with_points(sites)?;
     let mut seen = HashSet::new();
@@ -192,7 +195,7 @@ fn refine(mesh: &Mesh, sites: &mut Vec<SurfacePoint>) -> Result<Refined, PointEr
     }
 }
 
-/// The diagram of all sites, and what `look` makes of the field.
+/// The diagram of all sites, and the result of `look` for its field.
 fn diagram<T>(
     refined: &Refined,
     look: impl FnOnce(&Field<'_>) -> T,
@@ -265,8 +268,8 @@ fn topology(measures: &MeshMeasures) -> String {
     )
 }
 
-/// For each cell its vertex of the original mesh that is farthest from the site; `None` if it has
-/// none but the site.
+/// For each cell, its vertex of the original mesh that is farthest from the site; `None` if there
+/// is none but the site.
 fn farthest_of_cells(mesh: &Mesh, sites: usize, field: &Field<'_>) -> Vec<Option<VertexId>> {
     let mut farthest = vec![(0.0, None); sites];
     let reached = field.distances().iter().zip(field.labels());

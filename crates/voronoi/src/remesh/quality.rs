@@ -1,4 +1,4 @@
-//! How good the triangles of a mesh are, and how far two surfaces are apart.
+//! Quality of the triangles of a mesh, and deviation of two surfaces.
 
 use geobench_mesh::{Mesh, NearestPoint, PointError, SplitMix64, VertexId};
 
@@ -20,7 +20,7 @@ pub struct Quality {
     pub least_angle: f64,
     /// The mean over the triangles of their least angles, in degrees.
     pub mean_least_angle: f64,
-    /// The share of all angles that are below 30 degrees.
+    /// The share of all angles that are below 30 degrees, from 0 to 1.
     pub below_30: f64,
     /// The mean aspect of the triangles: longest edge times half the perimeter, over 2·√3 times the
     /// area; 1 if all are equilateral. Triangles without area are left out, as in
@@ -68,28 +68,30 @@ impl Quality {
     }
 }
 
-/// The aspect from which the area of a triangle cannot be told from 0.
+/// The aspect from which the area of a triangle is 0 up to rounding.
 const FLAT: f64 = 1e14;
 
-/// How far the points of a surface are from another one: an estimate from below by samples.
+/// Distances of the points of one surface from another, estimated by samples, in the units of the
+/// meshes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
-    /// The greatest distance.
+    /// The greatest distance of a sample: a lower bound of the greatest distance.
     pub greatest: f64,
     /// The mean distance over the area.
     pub mean: f64,
 }
 
 impl Deviation {
-    /// The distances in space of points of `from` to the nearest points of `to`: of every vertex,
-    /// for the greatest one only, and of `samples` points spread over the faces by area.
+    /// The distances in space from points of `from` to the nearest points of `to`. The points are
+    /// `samples` points spread over the faces by area and, for the greatest distance only, all
+    /// vertices in faces.
     ///
     /// The one-sided Hausdorff distance is at least [`greatest`](Self::greatest); the two-sided one
     /// is the greater of both directions.
     ///
     /// # Errors
     ///
-    /// When one of the meshes has no positions.
+    /// If one of the meshes has no positions.
     pub fn between(from: &Mesh, to: &Mesh, samples: usize) -> Result<Self, PointError> {
         let nearest = NearestPoint::new(to)?;
         let positions = from.positions();

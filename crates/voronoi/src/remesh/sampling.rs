@@ -24,7 +24,8 @@ impl<'a> Sampler<'a> {
 
     /// Adds site `v`.
     ///
-    /// A vertex that becomes nearer is within the greatest distance so far, so the run ends there.
+    /// `greatest` is the greatest distance of a vertex from the other sites. A vertex that becomes
+    /// nearer is within this distance of `v`, so the run ends there.
     fn add(&mut self, v: VertexId, greatest: f64) -> Result<(), SolveError> {
         let goal = Goal::everything().within(greatest);
         let found = self.solver.solve_until(&[v], &goal)?.distances;
@@ -52,8 +53,9 @@ impl<'a> Sampler<'a> {
         farthest
     }
 
-    /// Adds vertices to the sites `first` until there are `sites`: fewer if there are not so many,
-    /// more if there are more components. Without `first` one is drawn by `seed`.
+    /// Adds vertices to the sites `first` until there are `sites`. There are fewer if the mesh has
+    /// not enough vertices, more if a component would have no site. If `first` is empty, the first
+    /// site is drawn by `seed`.
     pub(super) fn sample(
         mut self,
         first: &[VertexId],

@@ -1,5 +1,5 @@
-//! The plane of directions at a vertex: where paths start, and straight lines back onto the
-//! surface.
+//! The plane of directions at a vertex: the logarithm of a path that starts there, and the
+//! exponential map, which follows a straight line on the surface.
 
 use std::f64::consts::TAU;
 
@@ -9,18 +9,18 @@ use geobench_paths::{Path, Place};
 /// A direction in the tangent plane, times a length.
 pub(super) type Vector = [f64; 2];
 
-/// The directions at a vertex, as angles from its first half-edge on.
+/// The directions at a vertex, as angles from its first half-edge.
 ///
-/// Where the faces around it make up another angle than 2π, all angles are scaled to it. Directions
-/// on the boundary are not.
+/// At an inner vertex, angles on the surface are scaled so that they add up to 2π in the plane. At
+/// a boundary vertex they are not scaled.
 pub(super) struct Tangents<'a> {
     mesh: &'a Mesh,
     vertex: VertexId,
-    /// For each half-edge that starts here its angle on the surface.
+    /// For each half-edge that starts at the vertex, its angle on the surface.
     angles: Vec<f64>,
-    /// The angle of all faces.
+    /// The sum of the angles of all faces at the vertex.
     total: f64,
-    /// How many times as large as on the surface an angle is in the plane.
+    /// Ratio of angles in the plane to angles on the surface.
     scale: f64,
 }
 
@@ -48,8 +48,8 @@ impl<'a> Tangents<'a> {
         }
     }
 
-    /// The direction in which `path` leaves the vertex, times its length; `None` if it is no path
-    /// from here.
+    /// The direction in which `path` leaves the vertex, times the length of the path; `None` if the
+    /// path does not start here.
     pub(super) fn logarithm(&self, path: &Path) -> Option<Vector> {
         let Some(next) = path.points.get(1) else {
             return Some([0.0, 0.0]);
@@ -58,8 +58,8 @@ impl<'a> Tangents<'a> {
         Some([libm::cos(angle), libm::sin(angle)].map(|x| path.length * x))
     }
 
-    /// The angle on the surface at which a point of a face around the vertex is seen, which lies on
-    /// an edge or a vertex.
+    /// The angle on the surface at which the vertex sees a point that is on an edge or a vertex of
+    /// one of its faces; `None` for any other point.
     fn angle_of(&self, place: Place) -> Option<f64> {
         let mesh = self.mesh;
         let along = |v: VertexId| {
@@ -90,8 +90,9 @@ impl<'a> Tangents<'a> {
         }
     }
 
-    /// The end of the straight line over the surface that starts along `vector` and has its length:
-    /// a face and barycentric coordinates. It ends early at the boundary.
+    /// The end of the straight line on the surface that starts along `vector` and has its length,
+    /// as a face and barycentric coordinates. The line ends early at the boundary. `None` if the
+    /// vertex is in no face.
     pub(super) fn exponential(&self, vector: Vector) -> Option<(FaceId, [f64; 3])> {
         let length = libm::hypot(vector[0], vector[1]);
         let angle = libm::atan2(vector[1], vector[0]).rem_euclid(TAU) / self.scale;
@@ -117,7 +118,7 @@ struct Ray {
 }
 
 impl Ray {
-    /// Goes from face to face until the length is used up.
+    /// Follows the ray from face to face until its length is used up or it meets the boundary.
     fn walk(mut self, mesh: &Mesh, mut h: HalfEdgeId) -> (FaceId, [f64; 3]) {
         // A straight line can cross a face more than once, but none that is shorter than a path
         // around the surface crosses all of them.
@@ -156,7 +157,7 @@ impl Ray {
     }
 }
 
-/// The barycentric coordinates of a place in the frame of `h`, moved into its face.
+/// The barycentric coordinates of a position in the frame of `h`, clamped to its face.
 fn weights(mesh: &Mesh, h: HalfEdgeId, [x, y]: Vector) -> [f64; 3] {
     let (l, [ax, ay]) = (mesh.length(h), mesh.apex(h));
     let apex = (y / ay).clamp(0.0, 1.0);

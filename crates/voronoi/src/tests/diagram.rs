@@ -1,4 +1,4 @@
-//! Diagrams against distances from single sources, formulas and an independent program.
+//! Diagrams compared with distances from single sources, formulas and an independent program.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -8,7 +8,7 @@ use geobench_vtp::VtpFast;
 use geobench_window::Solver;
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
-#[allow(dead_code)] // Distances are not looked at.
+#[allow(dead_code)] // Distances are not read here.
 #[path = "../../../oracle/examples/fuzz/slivers.rs"]
 mod slivers;
 
@@ -23,7 +23,7 @@ use crate::{
 /// Largest error of distances at points of arcs, relative to the distance.
 const ON_ARCS: f64 = 1e-9;
 
-/// No complaints.
+/// An empty list of complaints.
 const NOTHING: [String; 0] = [];
 
 fn diagram_of(mesh: &Mesh, sources: &[VertexId]) -> Diagram {
@@ -31,7 +31,7 @@ fn diagram_of(mesh: &Mesh, sources: &[VertexId]) -> Diagram {
     Diagram::new(&solver.field(sources).unwrap(), sources.len())
 }
 
-/// The distances from each of `sources` alone at any point of a face.
+/// Computes the distances from each of `sources` alone at any point of a face.
 struct Judge {
     solvers: Vec<WindowVtp>,
     sources: Vec<VertexId>,
@@ -49,7 +49,7 @@ impl Judge {
         }
     }
 
-    /// For each source a way to measure the distances in a face.
+    /// For each source, the sites of every face, from which distances in the face are computed.
     fn faces(&mut self, mesh: &Mesh) -> Vec<Vec<FaceSites>> {
         let each = self.solvers.iter_mut().zip(&self.sources);
         each.map(|(solver, &source)| {
@@ -62,7 +62,8 @@ impl Judge {
     }
 }
 
-/// All that is true of every diagram.
+/// Checks the properties of every diagram: areas, distances along arcs, the number of arcs at each
+/// node and Euler's formula. Returns a complaint for each violation.
 fn check(name: &str, mesh: &Mesh, sources: &[VertexId]) -> Vec<String> {
     let mut wrong = Vec::new();
     let diagram = diagram_of(mesh, sources);
@@ -126,7 +127,7 @@ fn check(name: &str, mesh: &Mesh, sources: &[VertexId]) -> Vec<String> {
         let count = ends.get(&i).copied().unwrap_or_default();
         let expected = match node.kind {
             NodeKind::Vertex { degree } => degree,
-            // The border of the surface has one face.
+            // An edge of the boundary has one face.
             NodeKind::OnEdge if count == 1 => 1,
             NodeKind::Breakpoint | NodeKind::OnEdge => 2,
         };
@@ -134,7 +135,7 @@ fn check(name: &str, mesh: &Mesh, sources: &[VertexId]) -> Vec<String> {
             complain(format!("node {i}, {node:?}, has {count} arcs"));
         }
     }
-    // Euler's formula: inside faces, edges and vertices of the diagram make up the surface.
+    // Euler's formula: the interior faces, edges and vertices of the diagram make up the surface.
     let inside = |v: &VertexId| !mesh.is_boundary(*v) && diagram.labels()[v.index()] != NO_SOURCE;
     let vertices = mesh.vertices().filter(|v| !mesh.outgoing(*v).is_empty());
     let faces: Vec<FaceId> = mesh.faces().filter(reached).collect();
@@ -158,11 +159,11 @@ fn check(name: &str, mesh: &Mesh, sources: &[VertexId]) -> Vec<String> {
     wrong
 }
 
-/// Distances at points of edges and inside faces against those of the vertices of the same surface
-/// in smaller triangles. Faces with one cell, whose windows may have been removed, are left out.
+/// Compares distances at points on edges and in faces with those of the vertices of a subdivided
+/// mesh. If windows are removed, faces with one cell are left out.
 fn check_points(model: &Model, options: Options, sources: &[VertexId]) -> Vec<String> {
     let mesh = mesh_of(model);
-    // The coordinates of some points coincide.
+    // There is no such mesh if the coordinates of some points coincide.
     let Some(fine) = try_mesh_of(&model.subdivided(4)) else {
         return Vec::new();
     };
@@ -247,7 +248,8 @@ fn diagrams_of_the_zoo_are_right() {
     );
 }
 
-/// What is wrong on random meshes; [`nasty`] has the sorts that break such programs.
+/// The complaints about random meshes, by seed. [`nasty`] has the kinds of meshes that break such
+/// programs.
 fn nasty_complaints(seeds: std::ops::Range<u64>) -> BTreeMap<u64, Vec<String>> {
     let mut wrong = BTreeMap::new();
     for seed in seeds {
@@ -270,7 +272,8 @@ fn diagrams_of_random_meshes_are_right() {
     assert!(wrong.is_empty(), "{:?}: {first:?}", wrong.keys());
 }
 
-/// The meshes that broke solvers, where they are at hand.
+/// The meshes with slivers on which solvers have failed. Does nothing if the file of these meshes
+/// is missing.
 #[test]
 fn diagrams_of_slivers_are_right() {
     let Ok(slivers) = slivers::read() else {
@@ -290,21 +293,22 @@ fn assert_right(seeds: &[u64]) {
     }
 }
 
-/// Beside a corner that its window ends in, a bent path seemed shorter than the straight one from
-/// the corner, by less than the rounding of a long face, and its bisector does not begin there.
+/// Beside the corner at which its window ends, a bent path seemed shorter than the straight one
+/// from the corner, by less than the rounding of a long face. The bisector of the window does not
+/// begin at the corner.
 #[test]
 fn bent_paths_took_the_place_of_those_from_corners() {
     assert_right(&[1294, 2069]);
 }
 
-/// Where a cell is a strip between two others, or sources are so close to each other that their
-/// paths are equally long, every half of a triangle was as difficult as the whole.
+/// If a cell is a strip between two others, or sources are so close that their paths are equally
+/// long, each half of a triangle is as difficult as the whole.
 #[test]
 fn narrow_cells_were_cut_without_an_end() {
     assert_right(&[1053, 1453, 1742, 1830, 1937, 2214, 2230]);
 }
 
-/// Windows crossed first in, first out for diagrams, and wound around these needles without an end.
+/// Windows crossed in first-in, first-out order, and wound around these needles without an end.
 #[test]
 fn windows_of_diagrams_wound_around_needles() {
     assert_right(&[14312, 22444, 80273, 94587]);
@@ -401,7 +405,7 @@ fn poles_have_the_equator_between_them() {
     let length: f64 = diagram.arcs().iter().map(BorderArc::length).sum();
     let equator = std::f64::consts::TAU;
     assert!(length < equator && length > 0.98 * equator, "{length}");
-    // A polyhedron is the same seen from the other pole, but turned.
+    // The polyhedron looks the same from both poles, except for a rotation.
     for arc in diagram.arcs() {
         let p = diagram.position(arc.face, arc.point(0.5)).unwrap();
         let height: f64 = p.iter().zip(top).map(|(a, b)| a * b).sum();
@@ -435,7 +439,7 @@ fn many_sources_on_a_sphere_have_a_dual_of_twice_as_many_triangles() {
     let dual = diagram.dual();
     assert_eq!(dual.obstacles, []);
     assert_eq!(dual.triangles.len(), 2 * 60 - 4);
-    // It is a closed surface, the right way round.
+    // It is a closed surface whose triangles face outwards.
     let positions = sources
         .iter()
         .map(|s| mesh.positions()[s.index()])
@@ -506,7 +510,7 @@ fn lct11_gives_the_same_diagram() {
     }
 }
 
-/// In how many border faces distances differ from those found without removal.
+/// The number of border faces in which distances differ from those without removal.
 fn wrong_border_faces(mesh: &Mesh, sources: &[VertexId], traps: Traps) -> usize {
     let all = Options {
         removal: Removal::Off,
@@ -560,7 +564,7 @@ fn removal_leaves_all_that_border_faces_need() {
         }
     }
     assert_eq!(wrong[0], 0);
-    // With the mistakes of the printed procedure some are wrong.
+    // With the defects of the published procedure, some are wrong.
     assert!(wrong[1] > 0 && wrong[2] > 0, "{wrong:?}");
 }
 
@@ -587,7 +591,8 @@ fn the_vertices_of_a_face_are_sites() {
 
 #[test]
 fn on_the_boundary_the_sites_inside_count() {
-    // The border of two cells meets the boundary between vertices that tell nothing of it.
+    // The border of both cells meets the boundary between two vertices whose distances do not show
+    // it.
     let mesh = Mesh::generate("grid,n=5").unwrap();
     let sources = [14, 15].map(VertexId::new);
     let diagram = diagram_of(&mesh, &sources);
@@ -657,7 +662,7 @@ fn four_cells_may_meet_in_a_point() {
 
 #[test]
 fn cells_touch_at_a_pinched_vertex_and_not_across_a_gap() {
-    // Two triangles that share a vertex, and a third apart from both.
+    // Two triangles that share a vertex, a third apart from both, and a fourth without a source.
     let soup = TriangleSoup::new(
         vec![
             [0.0, 0.0, 0.0],
@@ -727,7 +732,7 @@ fn without_closing_edges_late_windows_settle() {
 
 #[test]
 fn images_behind_a_short_side_keep_their_distance() {
-    // Seen from the first corner, the third is known to 1e-5 of the short side.
+    // In the frame of the first corner, the third corner is known to 1e-5 of the short side.
     let short = 1.2345e-11;
     let soup = TriangleSoup::new(
         vec![

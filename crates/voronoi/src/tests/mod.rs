@@ -9,10 +9,10 @@ use geobench_oracle::{Geometry, Model};
 use geobench_vtp::VtpFast;
 use geobench_window::Solver;
 
-/// A difference that rounding explains, relative to the distance.
+/// Relative difference of distances that rounding explains.
 pub(super) const ROUNDING: f64 = 1e-12;
 
-/// `None` if the mesh has a defect that no program accepts.
+/// The mesh of `model`; `None` if it has a defect that no program accepts.
 pub(super) fn try_mesh_of(model: &Model) -> Option<Mesh> {
     let triangles = model.triangles.clone();
     let built = match &model.geometry {
@@ -28,7 +28,7 @@ pub(super) fn mesh_of(model: &Model) -> Mesh {
     try_mesh_of(model).unwrap_or_else(|| panic!("{}", model.name))
 }
 
-/// So many different vertices, or all.
+/// `count` different random vertices, or all if there are fewer.
 pub(super) fn some_vertices(mesh: &Mesh, count: usize, seed: u64) -> Vec<VertexId> {
     let mut random = SplitMix64::new(seed);
     let mut all: Vec<u32> = (0..mesh.vertex_count() as u32).collect();

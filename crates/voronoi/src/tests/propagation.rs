@@ -1,4 +1,4 @@
-//! Distances and labels against one run for each source.
+//! Distances and labels compared with one run for each source.
 
 use geobench_fwp::{BucketOptions, Buckets};
 use geobench_mesh::{Mesh, VertexId};
@@ -8,7 +8,7 @@ use geobench_window::{Counter, Solver, VertexFilter};
 use super::{ROUNDING, mesh_of, one_by_one, some_vertices};
 use crate::{Field, FieldSolver, Lct11, NO_SOURCE, Options, Removal, WindowVtp};
 
-/// What is wrong about the vertices of a run, if anything is.
+/// A complaint about each vertex whose distance or label is wrong.
 fn wrong_vertices(field: &Field<'_>, each: &[Vec<f64>]) -> Vec<String> {
     let mut wrong = Vec::new();
     for v in 0..field.mesh().vertex_count() {
@@ -51,7 +51,7 @@ fn check(name: &str, mesh: &Mesh, sources: &[VertexId]) {
     let each = one_by_one(mesh, sources);
     for options in ALL_OPTIONS {
         let mut solver = WindowVtp::with_options(mesh, options);
-        // Twice, since nothing may be left of the first run.
+        // Twice: no state of the first run may affect the second.
         for _ in 0..2 {
             let field = solver.field(sources).unwrap();
             let wrong = wrong_vertices(&field, &each);
@@ -138,7 +138,7 @@ fn the_periodic_check_leaves_what_the_continuous_one_leaves() {
         often[1] < rare[1] && rare[1] < none[1],
         "{often:?} {rare:?} {none:?}"
     );
-    // A few late windows settle before the rare check closes their edge.
+    // A few late windows are stored before the rare check closes their edge.
     assert!(
         often[0] <= rare[0] && rare[0] < often[0] + often[0] / 20,
         "{often:?} {rare:?}"

@@ -1,4 +1,4 @@
-//! New meshes of whole surfaces.
+//! Remeshing of whole surfaces.
 
 use geobench_mesh::{Mesh, MeshMeasures, TriangleSoup, VertexId};
 use geobench_vtp::VtpFast;
@@ -40,7 +40,7 @@ fn the_new_mesh_has_the_topology_of_the_surface() {
             let (mesh, new) = remeshed(spec, sites, lloyd);
             assert_eq!(topology(&mesh), expected, "{spec}");
             assert_eq!(topology(&new.mesh), expected, "{spec}, {lloyd} steps");
-            // Symmetries make cells that share several borders.
+            // Symmetric surfaces have cells that share several borders.
             assert!(new.added <= 4, "{spec}: {} added", new.added);
             assert_eq!(new.moved.len(), lloyd);
         }
@@ -97,7 +97,8 @@ fn sites_on_the_boundary_reach_all_of_it_and_stay() {
     assert!((MeshMeasures::of(&new.mesh).area - 576.0).abs() < 6.0);
 }
 
-/// The sum over the vertices of the squares of their distances from the nearest site, by area.
+/// The sum over the vertices of the squares of their distances from the nearest site, weighted by
+/// area.
 fn energy(new: &Remeshed) -> f64 {
     let mesh = new.diagram.mesh();
     let sites: Vec<VertexId> = (0..new.sites.len())

@@ -59,7 +59,6 @@ pub struct ModelChoice {
 /// # Errors
 ///
 /// If a model is missing that is not optional, or the reference is not usable for the plan.
-/// When a model is missing that is not optional, or the reference does not fit the plan.
 pub fn plans(
     suite: Option<&Suite>,
     asked: &Settings,

@@ -3,8 +3,8 @@
 //!
 //! Slurm schedules the jobs; this module writes their scripts. A directory visible to all nodes
 //! holds the scripts, the journals, the files of the shards and a record of the submissions. A
-//! shard is complete once its file has its final name and is complete. The missing shards thus
-//! follow from the directory and the queue.
+//! shard is done once its file has its final name and holds the results of a completed run. The
+//! missing shards thus follow from the directory and the queue.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -540,8 +540,8 @@ impl<'p> UnitPlan<'p> {
         Ok(())
     }
 
-    /// The nearest sources of every vertex; `None` where nothing is checked, of a single source, and
-    /// of more than [`MOST_SOURCES`].
+    /// The nearest sources of every vertex. `None` if nothing is checked, for a single source, and
+    /// for more than [`MOST_SOURCES`].
     fn find_nearest(
         &self,
         context: &mut RunContext<'_, '_>,

@@ -1,10 +1,10 @@
-//! The library behind the `geobench` binary.
+//! The library of the `geobench` binary.
 //!
-//! [`cli`] turns the command line into a [`plan`] of cells, and [`run`] carries it out: [`exec`]
-//! loads the models and makes each run with a solver from the [`registry`], [`run`] compares every
-//! answer with a reference, and [`measure`] summarises the times. The result file is defined in
-//! [`schema`]; [`table`] and [`report`] show it, and [`history`] compares several of them.
-//! `ARCHITECTURE.md` has the whole map.
+//! [`cli`] turns the command line into a [`plan`] of cells, and [`run`] executes it. [`exec`] loads
+//! the models and makes each run with a solver from the [`registry`]. [`run`] compares every answer
+//! with a reference. [`measure`] summarises the times. [`schema`] defines the result file,
+//! [`table`] and [`report`] show it, and [`history`] compares several of them. `ARCHITECTURE.md`
+//! has an overview of all modules.
 
 #![cfg_attr(not(feature = "command-line"), allow(dead_code, unused_imports))]
 

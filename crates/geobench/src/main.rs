@@ -5,8 +5,7 @@ use std::process::ExitCode;
 
 use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAlloc};
 
-/// Counts the bytes on the heap, for the peak memory of algorithms; see
-/// `geobench::measure::memory`.
+/// Counts heap bytes, for the peak memory of algorithms; see `geobench::measure::memory`.
 #[global_allocator]
 static ALLOCATOR: &PeakMemAlloc<System> = &INSTRUMENTED_SYSTEM;
 

@@ -242,7 +242,7 @@ fn submitted(record: &ClusterRecord) -> Vec<String> {
         .collect()
 }
 
-/// Submits again what is neither done nor queued.
+/// Resubmits the shards that are neither done nor queued.
 fn resume(directory: &ClusterDirectory) -> anyhow::Result<Verdict> {
     let mut record = directory.record()?;
     let states = directory.states(&record)?;

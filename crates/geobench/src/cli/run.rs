@@ -222,7 +222,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     Ok(plans)
 }
 
-/// The plans, with notes on what is left out.
+/// The plans, with warnings about models that are left out.
 pub(super) fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let Plans {
         mut plans,

@@ -10,7 +10,7 @@ use crate::UsageError;
 pub struct CpuList(Vec<usize>);
 
 impl CpuList {
-    /// The numbers.
+    /// The processor numbers.
     pub fn numbers(&self) -> &[usize] {
         &self.0
     }
@@ -25,7 +25,7 @@ impl FromStr for CpuList {
                 "`{text}` is not a list of processors; give numbers and ranges such as 2 or 0,4-7"
             ))
         };
-        // The size of the system's processor sets.
+        // The capacity of the processor sets of the system.
         let number = |text: &str| {
             let number: usize = text.trim().parse().map_err(|_| syntax())?;
             (number < 1024).then_some(number).ok_or_else(syntax)
@@ -49,11 +49,11 @@ impl FromStr for CpuList {
     }
 }
 
-/// Refuses processors that this process may not use.
+/// Checks that this process may run on all of `cpus`.
 ///
 /// # Errors
 ///
-/// Names the first of them, or the error of the system.
+/// Names the first processor that it may not use, or the error of the system.
 pub fn check(cpus: &CpuList) -> Result<(), UsageError> {
     let allowed = system::allowed()
         .map_err(|error| UsageError(format!("this system does not pin processes: {error}")))?;
@@ -66,20 +66,20 @@ pub fn check(cpus: &CpuList) -> Result<(), UsageError> {
     }
 }
 
-/// Lets the calling thread, and the threads and processes that it starts, run on `cpus` only.
+/// Restricts the calling thread, and the threads and processes that it starts later, to `cpus`.
 ///
 /// # Errors
 ///
-/// When the system refuses.
+/// If the system refuses.
 pub(crate) fn pin(cpus: &[usize]) -> io::Result<()> {
     system::pin(cpus)
 }
 
-/// Carries out `start`; processes that it starts run on `cpus` only, if any are given.
+/// Calls `start`. Processes that it starts are restricted to `cpus`, unless the list is empty.
 ///
 /// # Errors
 ///
-/// When the system refuses, and the error of `start`.
+/// If the system refuses, and the error of `start`.
 pub(crate) fn inherited<T>(cpus: &[usize], start: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     if cpus.is_empty() {
         return start();
@@ -91,7 +91,7 @@ pub(crate) fn inherited<T>(cpus: &[usize], start: impl FnOnce() -> io::Result<T>
     started
 }
 
-/// Numbers in order, with ranges where they follow each other.
+/// Formats sorted numbers, with ranges for consecutive ones.
 fn show(cpus: &[usize]) -> String {
     let mut ranges: Vec<(usize, usize)> = Vec::new();
     for &cpu in cpus {

@@ -1,4 +1,4 @@
-//! Stored distances, as references for checks.
+//! Stored distances, used as references of checks.
 
 use std::path::{Path, PathBuf};
 use std::{fmt, fs};
@@ -6,15 +6,15 @@ use std::{fmt, fs};
 use crate::UsageError;
 use crate::schema::SourceLabel;
 
-/// Where stored distances are looked for.
+/// Where stored distances are looked up.
 ///
-/// A file `MODEL.sSOURCE.csv`, with MODEL the model's file name without its endings and SOURCE
-/// the number of the source vertex, holds `vertex,distance` for all vertices or some of them.
+/// A file `MODEL.sSOURCE.csv` holds lines `vertex,distance` for all or some vertices. MODEL is the
+/// file name of the model without extensions, SOURCE the number of the source vertex.
 #[derive(Clone, Debug)]
 pub enum Expected {
-    /// Beside the model, or in the folder `expected` beside the model's folder or in it.
+    /// Beside the model, or in the folder `expected` in or beside the folder of the model.
     BesideModels,
-    /// In this file, with any name.
+    /// This file, whatever its name.
     File(PathBuf),
 }
 
@@ -28,7 +28,7 @@ pub struct Field {
 }
 
 impl fmt::Display for Expected {
-    /// As on the command line.
+    /// In the notation of the command line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::BesideModels => f.write_str("file"),
@@ -38,12 +38,11 @@ impl fmt::Display for Expected {
 }
 
 impl Expected {
-    /// The distances stored for a model of `vertices` vertices that was read from `model`, and a
-    /// source.
+    /// Reads the distances stored for `model`, which has `vertices` vertices, and a source.
     ///
     /// # Errors
     ///
-    /// When there is no such file or it cannot be used.
+    /// If there is no such file, or it is invalid.
     pub fn find(
         &self,
         model: &Path,
@@ -66,7 +65,7 @@ impl Expected {
     }
 }
 
-/// The source in the name of a file: `17`, `face-12_0.2_0.3_0.5`.
+/// The source as it appears in file names: `17`, `face-12_0.2_0.3_0.5`.
 pub(crate) fn file_word(source: &SourceLabel) -> String {
     let word = |c: char| match c {
         ':' | '-' => '-',
@@ -76,7 +75,7 @@ pub(crate) fn file_word(source: &SourceLabel) -> String {
     source.to_string().chars().map(word).collect()
 }
 
-/// The vertices for which distances are stored for `model`, in order.
+/// The source vertices for which distances of `model` are stored, in ascending order.
 pub fn stored_sources(model: &Path) -> Vec<u32> {
     let prefix = format!("{}.s", stem(model));
     let mut sources: Vec<u32> = folders(model)
@@ -107,7 +106,7 @@ fn folders(model: &Path) -> [PathBuf; 3] {
     [folder, expected, beside]
 }
 
-/// The file name without `.gz` and the ending before it.
+/// The file name without `.gz` and without the extension before it.
 pub(crate) fn stem(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let name = match name.len().checked_sub(3) {
@@ -128,11 +127,11 @@ fn read(path: &Path, vertices: usize) -> Result<Field, UsageError> {
     parse(path, &text, vertices)
 }
 
-/// Reads the text of the file `path`.
+/// Parses the text of the file `path`.
 ///
 /// # Errors
 ///
-/// Names the line.
+/// Names the first invalid line.
 pub(crate) fn parse(path: &Path, text: &str, vertices: usize) -> Result<Field, UsageError> {
     let error = |line: usize, problem: &str| {
         UsageError(format!("{}, line {line}: {problem}", path.display()))
@@ -155,7 +154,7 @@ pub(crate) fn parse(path: &Path, text: &str, vertices: usize) -> Result<Field, U
     })
 }
 
-/// Reads `vertex,distance`, the distance being `inf` where no path leads.
+/// Parses `vertex,distance`. The distance is `inf` if the vertex is unreachable.
 fn parse_line(line: &str, vertices: usize) -> Result<(usize, f64), String> {
     let (vertex, distance) = line
         .split_once(',')

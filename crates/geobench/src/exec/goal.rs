@@ -1,4 +1,4 @@
-//! What a run is to find, as a user gives it.
+//! Goals: the distances that a run computes, as specified by the user.
 
 use std::fmt;
 use std::path::Path;
@@ -11,11 +11,12 @@ use sha2::{Digest, Sha256};
 use crate::UsageError;
 use crate::exec::source::{PointSpec, TargetSpec};
 
-/// Longest list of targets in the name of a goal; a longer one is named by its number of bytes and
-/// a hash.
+/// Maximum length of a list of targets in the name of a goal. A longer list is named by its length
+/// in bytes and a hash.
 const LONGEST_NAME: usize = 60;
 
-/// What a run is to find: the distances of some points, those up to a radius, or all.
+/// The goal of a run: the distances of some points, of everything within a radius, or of all
+/// vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GoalSpec {
     /// The points; `None` for all vertices.
@@ -25,16 +26,16 @@ pub struct GoalSpec {
 }
 
 impl GoalSpec {
-    /// Whether a run finds the distances of all vertices.
+    /// Whether the goal is the distances of all vertices.
     pub const fn is_everything(&self) -> bool {
         self.targets.is_none() && self.radius.is_none()
     }
 
-    /// The different targets in a mesh of `vertices` vertices; `None` for all vertices.
+    /// The targets in a mesh of `vertices` vertices, without duplicates; `None` for all vertices.
     ///
     /// # Errors
     ///
-    /// When the mesh lacks one of the vertices, or has fewer than `random:N`.
+    /// If a vertex does not exist, or the mesh has fewer vertices than `random:N` asks for.
     pub fn points(&self, vertices: usize) -> Result<Option<Vec<PointSpec>>, UsageError> {
         let targets = self.targets.as_ref();
         targets
@@ -42,7 +43,7 @@ impl GoalSpec {
             .transpose()
     }
 
-    /// This for a solver; `targets` are the vertices of its points.
+    /// The goal in the form of a solver; `targets` are the vertices of the target points.
     pub(crate) fn of_solver(&self, targets: Option<&[VertexId]>) -> Goal {
         let goal = match targets {
             Some(targets) => Goal::targets(targets.iter().copied()),
@@ -54,7 +55,7 @@ impl GoalSpec {
         }
     }
 
-    /// The options of a command line that ask for it.
+    /// The command-line options that specify this goal.
     pub fn options(&self) -> Vec<String> {
         let targets = self.targets.iter();
         let targets = targets.map(|targets| format!("--target={targets}"));
@@ -62,7 +63,8 @@ impl GoalSpec {
         targets.chain(radius).collect()
     }
 
-    /// Its name in cells; `None` if it is everything. Cells of other goals have other names.
+    /// The name of the goal in cells; `None` for all vertices. Different goals have different
+    /// names.
     pub fn label(&self) -> Option<String> {
         (!self.is_everything()).then(|| self.to_string())
     }
@@ -90,12 +92,12 @@ impl fmt::Display for GoalSpec {
     }
 }
 
-/// The targets in the text of the file `path`, one in a line, each with its line. Empty lines and
-/// lines from `#` on do not count.
+/// Parses the targets in `text`, the content of the file `path`; returns each with its line. A line
+/// has one target. Empty lines and text from `#` to the end of the line are ignored.
 ///
 /// # Errors
 ///
-/// Names the line that is not a target, or the file if there is none in it.
+/// Names the first line that is not a target, or the file if it has no target.
 pub fn targets_in(path: &Path, text: &str) -> anyhow::Result<Vec<(TargetSpec, String)>> {
     let shown = path.display();
     let mut all = Vec::new();

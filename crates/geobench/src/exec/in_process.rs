@@ -1,4 +1,4 @@
-//! Runs cells in this process.
+//! Runs cells in the current process.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,15 +18,14 @@ use crate::measure::memory::PeakMemory;
 use crate::registry;
 use crate::schema::{ModelRecord, Phases, SourceLabel, Status};
 
-/// Samples of phases after which a profiled run is not repeated: a share is then within 0.02 of
-/// the true one in 95 % of all cases.
+/// A profiled run is repeated until it has this many samples of phases. The share of a phase is
+/// then within 0.02 of the true share with a probability of 95 %.
 const ENOUGH_SAMPLES: u64 = 2400;
 
-/// Time after which it is not repeated in any case.
+/// A profiled run is not repeated after this time, even with fewer samples.
 const LONGEST_PROFILE: Duration = Duration::from_secs(1);
 
-/// Backend that runs every cell in this process, one after the other. Nothing can end a run that
-/// takes too long.
+/// Backend that runs every cell in the current process, sequentially. It cannot enforce limits.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ThisProcess;
 
@@ -37,9 +36,10 @@ impl Backend for ThisProcess {
     }
 }
 
-/// A mesh and its solvers, by label. They are set up once and used for all later runs and sources.
+/// A mesh and its solvers, by label. Each solver is set up once and reused for later runs and
+/// sources.
 ///
-/// A panic costs its cell; an endless loop or a memory leak ends the program.
+/// A panic fails only its cell. An endless loop or a memory leak takes the whole program down.
 pub(crate) struct InProcess {
     mesh: Mesh,
     record: ModelRecord,
@@ -48,11 +48,11 @@ pub(crate) struct InProcess {
     solvers: Vec<ReadySolver>,
 }
 
-/// A solver that is set up.
+/// A solver after set-up.
 struct ReadySolver {
     label: String,
     solver: Box<dyn Solver>,
-    /// Its last answer.
+    /// The distances of its last run.
     answer: Vec<f64>,
 }
 
@@ -60,11 +60,11 @@ struct ReadySolver {
 #[derive(Clone)]
 struct PreparedSource {
     label: SourceLabel,
-    /// The mesh, refined where sources are no vertices.
+    /// The mesh, refined if a source or target is not a vertex.
     mesh: Mesh,
     is_refined: bool,
     vertices: Vec<VertexId>,
-    /// What is asked for, and the vertices of its targets.
+    /// The goal, and the vertices of its targets.
     goal: GoalSpec,
     targets: Option<Vec<VertexId>>,
     note: Option<String>,
@@ -94,7 +94,7 @@ impl PreparedSource {
         })
     }
 
-    /// Solves for what is asked for.
+    /// Solves for the goal.
     fn solve(&self, solver: &mut dyn Solver) -> Result<Solution, SolveError> {
         if self.goal.is_everything() {
             return solver.solve(&self.vertices);
@@ -103,7 +103,7 @@ impl PreparedSource {
         solver.solve_until(&self.vertices, &goal)
     }
 
-    /// An answer for the targets, or for the vertices of the model alone.
+    /// The distances of the targets, or of the vertices of the unrefined model.
     fn observation(&self, mut distances: Vec<f64>, model: &Mesh) -> Observation {
         match &self.targets {
             Some(targets) => distances = targets.iter().map(|v| distances[v.index()]).collect(),
@@ -118,11 +118,11 @@ impl PreparedSource {
 }
 
 impl InProcess {
-    /// Loads `model`, which may decompress to `limit` if it is compressed.
+    /// Loads `model`. `limit` bounds the decompressed size of a compressed file.
     ///
     /// # Errors
     ///
-    /// When the model cannot be used.
+    /// If the model is unusable.
     pub(crate) fn open(model: &ModelRef, limit: DecompressionLimit) -> Result<Self, Refusal> {
         let loaded = model.load(limit).map_err(|error| Refusal {
             message: error.to_string(),
@@ -142,7 +142,7 @@ impl Session for InProcess {
     }
 
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
-        // A panic may leave the solver in any state, so it is dropped below.
+        // A panic may leave the solver in any state, so the solver is dropped below.
         let result = catch_unwind(AssertUnwindSafe(|| match step.pass {
             Pass::Warmup | Pass::Time => self.solve(step),
             Pass::Profile => self.profile(step),
@@ -161,7 +161,8 @@ impl Session for InProcess {
 }
 
 impl InProcess {
-    /// The source of a run. Solvers are dropped where the mesh is another one for it.
+    /// Prepares the source of a run. If its mesh differs from the last one, all solvers are
+    /// dropped.
     fn source(&mut self, step: &Step<'_>) -> anyhow::Result<PreparedSource> {
         let label = step.source.label();
         let is_known = |known: &&PreparedSource| known.label == label && known.goal == *step.goal;
@@ -176,9 +177,9 @@ impl InProcess {
         Ok(self.source.insert(found).clone())
     }
 
-    /// A run with the solver of the algorithm, set up on first use. Each solve of a batch is clocked
-    /// alone. The batch ends at an answer that differs from the last one, so that every answer
-    /// reaches the check.
+    /// A timed run or a warm-up. The solver is set up on first use. Each solve of a batch is timed
+    /// separately. The batch stops at an answer that differs from the previous one, so every
+    /// distinct answer reaches the check.
     fn solve(&mut self, step: &Step<'_>) -> anyhow::Result<Observation> {
         let source = self.source(step)?;
         let label = step.algorithm.label();
@@ -222,12 +223,12 @@ impl InProcess {
         self.solvers.retain(|known| known.label != algorithm);
     }
 
-    /// A run with a new solver, so that its heap is measured from zero. Memory is not measured in
-    /// the counted run, which would include the storage of the counters. Short runs are repeated
-    /// until there are enough samples of their phases.
+    /// A profiled run, which measures memory as well. It uses a new solver, so its heap is measured
+    /// from zero. The counting run does not measure memory, since the storage of counters would be
+    /// included. Short runs are repeated until there are enough samples of their phases.
     fn profile(&mut self, step: &Step<'_>) -> anyhow::Result<Observation> {
         let source = self.source(step)?;
-        // Memory of the solver of the timed runs does not count, nor does that of the sampler.
+        // The heap must not include the solver of the timed runs, nor the sampler.
         self.dismiss(step.algorithm.label());
         let goal = step.goal.of_solver(source.targets.as_deref());
         let mut sampler = PhaseSampler::start().context("no thread for sampling phases")?;
@@ -253,7 +254,7 @@ impl InProcess {
         })
     }
 
-    /// A run with a new solver, which is dropped.
+    /// A counting run. It uses a new solver, which is dropped afterwards.
     fn count(&mut self, step: &Step<'_>) -> anyhow::Result<Observation> {
         let source = self.source(step)?;
         self.dismiss(step.algorithm.label());
@@ -282,8 +283,8 @@ impl InProcess {
     }
 }
 
-/// Most by which the distances of the ends of an edge differ beyond its length, beyond rounding: no
-/// shortest path does that.
+/// Largest violation of the triangle inequality along an edge, beyond rounding: the difference of
+/// the distances of its ends minus its length. Exact distances have none.
 fn edge_excess(mesh: &Mesh, distances: &[f64]) -> f64 {
     let excesses = mesh.half_edges().filter_map(|h| {
         let [from, to] = [mesh.tail(h), mesh.head(h)].map(|v| distances[v.index()]);
@@ -293,11 +294,11 @@ fn edge_excess(mesh: &Mesh, distances: &[f64]) -> f64 {
     excesses.fold(0.0, f64::max)
 }
 
-/// Extractions of which the median is taken.
+/// Number of extractions whose median is reported.
 const EXTRACTIONS: usize = 3;
 
-/// The time of making the Voronoi diagram after a solve, and the labels of the vertices of the model;
-/// `None` for an algorithm that keeps no windows for it.
+/// The time to extract the Voronoi diagram after a solve, and the labels of the vertices of the
+/// model. `None` for an algorithm that does not keep the windows for it.
 fn extract(
     step: &Step<'_>,
     source: &PreparedSource,

@@ -1,8 +1,8 @@
-//! Ctrl-C and `SIGTERM`: the first signal stops a run and keeps the results so far, the second ends
-//! the program at once.
+//! Ctrl-C and `SIGTERM`. The first signal stops a run and keeps its results so far. The second one
+//! terminates the program at once.
 //!
-//! A terminal sends Ctrl-C to the foreground process group. Child processes are in groups of their
-//! own ([`crate::exec::isolate`]), so only the parent, which keeps the results, receives it.
+//! A terminal sends Ctrl-C to the foreground process group. Child processes have process groups of
+//! their own ([`crate::exec::isolate`]), so only the parent, which holds the results, receives it.
 
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd};
@@ -13,8 +13,7 @@ use std::sync::{Arc, LazyLock, OnceLock};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::{flag, low_level};
 
-/// Exit status of a command that was interrupted: 128 and the number of `SIGINT`, as shells have
-/// it.
+/// Exit status of an interrupted command: 128 plus the number of `SIGINT`, as in shells.
 pub const EXIT_STATUS: u8 = 130;
 
 static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
@@ -22,18 +21,18 @@ static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 /// Becomes readable with the first signal.
 static WAKE: OnceLock<UnixStream> = OnceLock::new();
 
-/// Handles both signals from now on.
+/// Installs handlers for both signals.
 ///
 /// # Errors
 ///
-/// When no handler or socket can be created.
+/// If a handler or socket cannot be created.
 pub fn listen() -> io::Result<()> {
     let (wake, signalled) = UnixStream::pair()?;
     if WAKE.set(wake).is_err() {
         return Ok(());
     }
     for signal in [SIGINT, SIGTERM] {
-        // In this order: the flag set by the first signal makes the second end the program.
+        // The order matters: the first signal sets the flag, with which the second one terminates.
         let status = i32::from(EXIT_STATUS);
         flag::register_conditional_shutdown(signal, status, Arc::clone(&REQUESTED))?;
         flag::register(signal, Arc::clone(&REQUESTED))?;
@@ -47,7 +46,7 @@ pub fn requested() -> bool {
     REQUESTED.load(Ordering::SeqCst)
 }
 
-/// Readable after a signal; `None` before [`listen`].
+/// A descriptor that is readable after a signal; `None` before [`listen`].
 pub(crate) fn wake() -> Option<BorrowedFd<'static>> {
     WAKE.get().map(AsFd::as_fd)
 }

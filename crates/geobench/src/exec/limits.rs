@@ -12,12 +12,12 @@ use crate::UsageError;
 /// Limits of the process of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Limits {
-    /// Time of each run (warm-up, timed, counted or profiled), with its set-up. Loading the model
-    /// has the same limit.
+    /// Limit of the time of each run (warm-up, timed, counting or profiled), set-up included. The
+    /// same limit applies to loading the model.
     pub timeout: Timeout,
-    /// Resident memory of the process and its descendants.
+    /// Limit of the resident memory of the process and its descendants.
     pub memory: MemoryLimit,
-    /// Bytes that a compressed model may decompress to.
+    /// Limit of the decompressed size of a compressed model.
     pub decompressed: DecompressionLimit,
 }
 
@@ -30,16 +30,16 @@ impl Limits {
     };
 }
 
-/// A limit of time; none by default.
+/// A time limit; none by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Timeout(pub Option<Duration>);
 
-/// A limit of memory in bytes; none by default.
+/// A memory limit in bytes; none by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MemoryLimit(pub Option<u64>);
 
-/// A limit of the decompressed size of a model, in bytes; by default the usual one
-/// ([`usual_decompression_limit`](geobench_mesh::io::usual_decompression_limit)).
+/// A limit of the decompressed size of a model, in bytes. `None` is
+/// [`usual_decompression_limit`](geobench_mesh::io::usual_decompression_limit).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DecompressionLimit(pub Option<u64>);
 
@@ -53,7 +53,7 @@ impl From<DecompressionLimit> for ReadOptions {
 }
 
 impl Timeout {
-    /// The usual limit of a run.
+    /// The default limit of a run.
     pub const USUAL: Self = Self(Some(Duration::from_secs(10 * 60)));
 }
 
@@ -102,10 +102,10 @@ impl FromStr for DecompressionLimit {
     }
 }
 
-/// The bytes of a number with a unit.
+/// Parses a number of bytes with a unit.
 fn size(text: &str) -> Option<u64> {
     let text = text.trim();
-    // Bare letters are binary, as `ulimit`, `dd` and systemd have them; `bytesize` takes them for
+    // Single letters are binary units, as in `ulimit`, `dd` and systemd. `bytesize` takes them as
     // decimal.
     let unit = match text.chars().last()?.to_ascii_lowercase() {
         'k' | 'm' | 'g' | 't' => "ib",
@@ -113,7 +113,7 @@ fn size(text: &str) -> Option<u64> {
         _ => "",
     };
     let bytes = format!("{text}{unit}").parse::<ByteSize>().ok()?.as_u64();
-    // Beyond 2^53 no machine has it.
+    // No machine has more than about 2^53 bytes.
     (1..=9_000_000_000_000_000)
         .contains(&bytes)
         .then_some(bytes)
@@ -129,7 +129,7 @@ impl fmt::Display for Timeout {
 }
 
 impl fmt::Display for MemoryLimit {
-    /// In the greatest binary unit that leaves a number of 1 or more, with one decimal.
+    /// In the largest binary unit in which the number is at least 1, with one decimal.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(bytes) = self.0 else {
             return f.write_str("none");

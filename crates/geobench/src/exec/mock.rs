@@ -1,4 +1,4 @@
-//! A backend that computes nothing, for tests: results are made up.
+//! A backend for tests that returns made-up results.
 
 use std::sync::Mutex;
 
@@ -15,26 +15,26 @@ pub(crate) type Alter = fn(&Step<'_>, &mut Observation) -> Option<Failure>;
 /// Returns made-up results and logs the steps.
 #[derive(Default)]
 pub(crate) struct MockBackend {
-    /// Every run in order, such as `time mmp 0`.
+    /// All runs in order, such as `time mmp 0`.
     pub(crate) log: Mutex<Vec<String>>,
     /// Models that are refused.
     pub(crate) refuse: Vec<&'static str>,
     /// Changes the result of a run.
     pub(crate) alter: Option<Alter>,
-    /// Seconds of a solve of an algorithm, by the number of the run in the log; 0 for warm-ups.
+    /// Seconds of a solve, from the algorithm and the index of the run in the log; 0 for warm-ups.
     pub(crate) time: Option<fn(&str, usize) -> f64>,
 }
 
-/// Vertices of every made-up model.
+/// Number of vertices of every made-up model.
 pub(crate) const VERTICES: usize = 4;
 
 impl MockBackend {
-    /// Every run so far in order, such as `time mmp 0`.
+    /// All runs so far in order, such as `time mmp 0`.
     pub(crate) fn log(&self) -> Vec<String> {
         lock(&self.log).clone()
     }
 
-    /// Notes a run and returns how many there have been.
+    /// Logs a run and returns the number of runs so far.
     fn note(&self, run: String) -> usize {
         let mut log = lock(&self.log);
         log.push(run);
@@ -102,7 +102,7 @@ impl Session for MockSession<'_> {
                 observation.seconds = self.backend.time.map(|time| time(name, 0));
             }
             Pass::Time => {
-                // Different for every run, so that tests detect lost and repeated samples.
+                // Every run has a different time, so that tests detect lost and repeated samples.
                 let base = if name == "vtp" { 0.329 } else { 1.204 };
                 let time = self.backend.time.map(|time| time(name, nth));
                 observation.seconds = Some(time.unwrap_or(base + nth as f64 / 1024.0));
@@ -137,7 +137,7 @@ impl Session for MockSession<'_> {
     }
 }
 
-/// Makes an answer of `vtp` wrong at vertex 2, from the timed runs on.
+/// Makes the answers of the timed runs of `vtp` wrong at vertex 2.
 pub(crate) fn spoil_vtp(step: &Step<'_>, observation: &mut Observation) -> Option<Failure> {
     if step.algorithm.label() == "vtp" && step.pass == Pass::Time {
         observation.distances[2] = 1.75;
@@ -145,7 +145,7 @@ pub(crate) fn spoil_vtp(step: &Step<'_>, observation: &mut Observation) -> Optio
     None
 }
 
-/// Lets `ich` crash when it is timed.
+/// Makes the timed runs of `ich` crash.
 pub(crate) fn crash_ich(step: &Step<'_>, _: &mut Observation) -> Option<Failure> {
     if step.algorithm.label() == "ich" && step.pass == Pass::Time {
         let message = "the algorithm panicked: index out of bounds";

@@ -1,8 +1,8 @@
-//! Where runs happen: in this process, in child processes, in outside programs or, for tests, not
-//! at all.
+//! Execution of runs: in this process, in child processes, in external programs, or by a mock in
+//! tests.
 //!
-//! A benchmark knows no algorithm and no clock. It asks a [`Backend`] for a [`Session`] per model,
-//! and the session carries out single runs. A [`Listener`] receives the progress.
+//! The benchmark code knows no algorithm and no clock. It asks a [`Backend`] for a [`Session`] per
+//! model, and the session executes single runs. A [`Listener`] receives progress.
 
 pub mod affinity;
 pub mod expected;
@@ -32,16 +32,16 @@ use crate::measure::memory::Peaks;
 use crate::registry::Selection;
 use crate::schema::{Cell, InstructionCount, ModelRecord, Phases, Status, WavefrontRecord};
 
-/// The value in `mutex`. A panic while it was held has ended its run only.
+/// Locks `mutex`, ignoring poison: a panic while it was held has already failed its run.
 pub(crate) fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The purpose of a run. Journals hold the names in snake case.
+/// The purpose of a run. Journals store the names in snake case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Pass {
-    /// Warms caches and memory up; not timed.
+    /// An untimed run that warms up caches and memory.
     #[serde(rename = "warm_up")]
     Warmup,
     /// Times the solve.
@@ -60,54 +60,56 @@ pub struct Step<'a> {
     pub model: &'a str,
     /// The algorithm.
     pub algorithm: &'a Selection,
-    /// The source, or several together.
+    /// The source, or several sources together.
     pub source: &'a SourceSpec,
-    /// What it is to find. The answer holds the distances of its targets in their order, or of all
-    /// vertices, infinite beyond its radius.
+    /// The goal. The answer holds the distances of its targets in their order, or of all vertices;
+    /// those beyond its radius are infinite.
     pub goal: &'a GoalSpec,
-    /// Its purpose.
+    /// Purpose of the run.
     pub pass: Pass,
-    /// Solves of a timed run, whose mean is its time; 1 in other runs. Outside programs solve once.
+    /// Number of solves of a timed run, whose mean is its time; 1 in other runs. External programs
+    /// solve once.
     pub solves: usize,
 }
 
-/// Result of one run. Which figures are set depends on the [`Pass`].
+/// Result of one run. The [`Pass`] determines which figures are set.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
-    /// The answer; journals do not hold it.
+    /// The distances; not stored in journals.
     #[serde(skip)]
     pub distances: Vec<f64>,
-    /// Seconds that the solve took; of several the mean.
+    /// Seconds of the solve; of several solves the mean.
     pub seconds: Option<f64>,
-    /// Number of solves; `None` is one.
+    /// Number of solves; `None` means one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub solves: Option<usize>,
-    /// Seconds between request and answer of an outside program, measured from outside.
+    /// For an external program: seconds from request to answer by the clock of the harness.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outside_seconds: Option<f64>,
-    /// Seconds that the set-up took, if this run needed one.
+    /// Seconds of the set-up, if the run included one.
     pub setup_seconds: Option<f64>,
-    /// Seconds that the Voronoi diagram took after the solve, for algorithms that keep windows for it.
+    /// Seconds to extract the Voronoi diagram after the solve. `None` if the algorithm does not
+    /// keep the windows for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extraction_seconds: Option<f64>,
-    /// The nearest source of each vertex, by its place among the sources; journals do not hold it.
+    /// For each vertex, the index of its nearest source among the sources; not stored in journals.
     #[serde(skip)]
     pub labels: Option<Vec<u32>>,
     /// The counters.
     #[serde(with = "protocol::counters")]
     pub counters: Option<Counters>,
-    /// The wavefront at even intervals of the run that counted.
+    /// Samples of the wavefront at even intervals of the counting run.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub wavefront: Vec<WavefrontRecord>,
-    /// Most by which the distances of the ends of an edge differ beyond its length; of the counted
-    /// run of an approximate algorithm.
+    /// Largest violation of the triangle inequality along an edge, from the counting run of an
+    /// approximate algorithm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge_excess: Option<f64>,
     /// Peak memory.
     pub peaks: Peaks,
     /// Seconds in each phase.
     pub phases: Option<Phases>,
-    /// Where the source is, if that is not as it was asked for.
+    /// Actual position of the source, if it differs from the requested one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
@@ -117,7 +119,7 @@ pub struct Observation {
 pub struct Failure {
     /// Status of the cell.
     pub status: Status,
-    /// The cause, in one line.
+    /// The cause, as a single line.
     pub message: String,
 }
 
@@ -135,11 +137,11 @@ pub trait Session: Send {
     /// Record of the model.
     fn model(&self) -> &ModelRecord;
 
-    /// Carries out one run.
+    /// Executes one run.
     ///
     /// # Errors
     ///
-    /// When the run fails, with the status of its cell.
+    /// If the run fails, with the status of its cell.
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure>;
 }
 
@@ -152,12 +154,12 @@ pub trait Backend: Sync {
     /// When the model cannot be used.
     fn open<'b>(&'b self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal>;
 
-    /// Opens a further session for a model whose first session has this record. The runs of both
-    /// may happen at the same time.
+    /// Opens another session for a model whose first session returned this record. Both sessions
+    /// may run concurrently.
     ///
     /// # Errors
     ///
-    /// When the model cannot be used.
+    /// If the model is unusable.
     fn open_further<'b>(
         &'b self,
         model: &'b ModelRef,
@@ -171,7 +173,7 @@ pub trait Backend: Sync {
 /// A model that cannot be used.
 #[derive(Clone, Debug)]
 pub struct Refusal {
-    /// The cause, in one line that names the file and the element.
+    /// The cause, as a single line that names the file and the element.
     pub message: String,
 }
 
@@ -179,8 +181,8 @@ pub struct Refusal {
 pub type InstructionCounter =
     Box<dyn FnOnce(&ModelRecord, &Cell) -> anyhow::Result<InstructionCount>>;
 
-/// Receives progress. No method is called while a run is timed, unless several cells run at the
-/// same time.
+/// Receives progress. No method is called during a timed run, unless several cells run
+/// concurrently.
 pub trait Listener: Send {
     /// A model is about to be loaded.
     fn loading(&mut self, model: &str) {
@@ -192,20 +194,20 @@ pub trait Listener: Send {
         let _ = step;
     }
 
-    /// A run has ended, now or in an earlier process that wrote the journal: the status of a
-    /// failure, or the seconds of a timed run.
+    /// A run has ended. The outcome is the status of a failure, or the seconds of a timed run. Runs
+    /// that an earlier process recorded in the journal are reported, too.
     fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
         let _ = (step, outcome);
     }
 
-    /// Whether to stop. Then no run starts, finished runs are kept, and a run that the interruption
-    /// ended does not count as failed.
+    /// Whether to stop. If true, no further run starts and the completed runs are kept. A run that
+    /// the interruption ends does not count as failed.
     fn interrupted(&self) -> bool {
         false
     }
 
-    /// The instructions of the solve of a cell that ended well are about to be counted: by what is
-    /// returned, or not at all.
+    /// The instructions of a cell that ended well are about to be counted. Returns the function
+    /// that counts them; `None` to skip it.
     fn instruction_counter(
         &mut self,
         model: &ModelRecord,
@@ -220,22 +222,22 @@ pub trait Listener: Send {
         let _ = (cell, error);
     }
 
-    /// Runs that were not planned: of the vertices of a model that has become known, or beyond the
-    /// fewest timed runs of a cell.
+    /// The number of planned runs grows: the vertices of a model have become known, or a cell needs
+    /// more than the minimum of timed runs.
     fn more(&mut self, runs: usize) {
         let _ = runs;
     }
 
-    /// Planned runs that will not happen.
+    /// Planned runs were dropped.
     fn skipped(&mut self, runs: usize) {
         let _ = runs;
     }
 
-    /// All cells of a model are done; `cells` are the last of them.
+    /// All cells of a model are complete; `cells` are the last of them.
     ///
     /// # Errors
     ///
-    /// Ends the benchmark with the results so far.
+    /// An error ends the benchmark with the results so far.
     fn model_done(&mut self, model: &ModelRecord, cells: &[Cell]) -> anyhow::Result<()> {
         let _ = (model, cells);
         Ok(())

@@ -1,8 +1,9 @@
-//! Disturbances during a benchmark: other programs, frequency, swapping, throttling.
+//! Disturbances during a benchmark: other processes, frequency changes, swapping, throttling.
 //!
-//! Read from `/proc` and `/sys` before the first run and after the last one, never during a timed
-//! run. Values that the system does not report are absent; Linux reports most, virtual machines
-//! fewer. Disturbed times stay in the result file, with a warning there and at the end of the run.
+//! Values come from `/proc` and `/sys`, read before the first run and after the last one, never
+//! during a timed run. Values that the system does not report are absent. Linux reports most,
+//! virtual machines fewer. Disturbed times stay in the result file. A warning is recorded there and
+//! printed at the end of the run.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,19 +12,20 @@ use std::str::FromStr;
 use crate::measure::host::{kibibytes, load, text};
 use crate::schema::Conditions;
 
-/// Mean number of processors busy with other programs above which a run counts as disturbed.
+/// A run counts as disturbed if other processes keep more processors busy than this, on average.
 const OTHER_LOAD_LIMIT: f64 = 0.1;
 
-/// Share of time stolen from a virtual machine above which a run counts as disturbed.
+/// A run counts as disturbed if more than this share of time was stolen from a virtual machine.
 const STOLEN_LIMIT: f64 = 0.01;
 
-/// Ratio of the frequencies at end and start below which a run counts as disturbed.
+/// A run counts as disturbed if the frequency at the end is below this fraction of that at the
+/// start.
 const FREQUENCY_LIMIT: f64 = 0.9;
 
-/// The governor that keeps the frequency fixed.
+/// The frequency governor that keeps the frequency fixed.
 const FIXED: &str = "performance";
 
-/// The conditions between two snapshots.
+/// The conditions between two snapshots, with warnings about disturbances.
 pub fn between(start: &Snapshot, end: &Snapshot) -> Conditions {
     let times = end.times_since(start);
     let grown = |of: fn(&Snapshot) -> Option<u64>| Some(of(end)?.saturating_sub(of(start)?));
@@ -49,7 +51,9 @@ pub fn between(start: &Snapshot, end: &Snapshot) -> Conditions {
     conditions
 }
 
-/// The worst conditions of several runs.
+/// Combines the conditions of several runs, in order: the worst of each figure, and all warnings
+/// without repetition. Frequency and load keep the first value of the start and the last of the
+/// end. `None` without runs.
 pub fn worst(runs: impl IntoIterator<Item = Conditions>) -> Option<Conditions> {
     runs.into_iter().reduce(|a, b| {
         let mut warnings = a.warnings;
@@ -77,7 +81,7 @@ pub fn worst(runs: impl IntoIterator<Item = Conditions>) -> Option<Conditions> {
     })
 }
 
-/// Warnings on disturbances.
+/// The warnings about disturbances.
 fn doubts(conditions: &Conditions) -> Vec<String> {
     let mut doubts = Vec::new();
     if let Some(busy) = conditions
@@ -129,14 +133,14 @@ fn doubts(conditions: &Conditions) -> Vec<String> {
     doubts
 }
 
-/// Ticks per second in `/proc`, the same on every Linux.
+/// Unit of times in `/proc` (`USER_HZ`), the same on every Linux.
 const TICKS_PER_SECOND: u64 = 100;
 
-/// The state of the system at one moment; values that it does not report are absent.
+/// The state of the system at one moment. Values that the system does not report are absent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
     ticks: Option<Ticks>,
-    /// Ticks of this process, and of its children that have ended.
+    /// Ticks of this process and of its children that have been waited for.
     own: Option<u64>,
     governors: Option<Vec<String>>,
     frequency: Option<u64>,
@@ -149,7 +153,7 @@ pub struct Snapshot {
     cgroup_throttled_seconds: Option<f64>,
 }
 
-/// Ticks of all processors since the system started.
+/// Ticks of all processors since boot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Ticks {
     all: u64,
@@ -158,17 +162,17 @@ struct Ticks {
     processors: u64,
 }
 
-/// Use of the processors between two snapshots.
+/// Processor use between two snapshots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Times {
-    /// Processors busy with other programs.
+    /// Mean number of processors busy with other processes.
     other: f64,
-    /// Share of time that the host gave to other machines.
+    /// Share of steal time: the hypervisor gave it to other machines.
     stolen: f64,
 }
 
 impl Snapshot {
-    /// Reads the system below `root`, `/` except in tests.
+    /// Reads the files below `root`, which is `/` except in tests.
     pub fn take(root: &Path) -> Self {
         let processors = processors(root);
         let of_each = |file: &str| -> Vec<PathBuf> {
@@ -193,7 +197,7 @@ impl Snapshot {
         }
     }
 
-    /// Use of the processors since `start`; `None` for less than a second of processor time.
+    /// Processor use since `start`; `None` for less than a second of processor time.
     fn times_since(&self, start: &Self) -> Option<Times> {
         let (a, b) = (start.ticks?, self.ticks?);
         let all = b.all.checked_sub(a.all)?;
@@ -215,7 +219,7 @@ fn number<T: FromStr>(text: &str) -> Option<T> {
     text.trim().parse().ok()
 }
 
-/// The value in the line of `text` that starts with the word `key`.
+/// The second word of the first line of `text` whose first word is `key`.
 fn value<T: FromStr>(text: &str, key: &str) -> Option<T> {
     text.lines().find_map(|line| {
         let mut words = line.split_whitespace();
@@ -225,7 +229,7 @@ fn value<T: FromStr>(text: &str, key: &str) -> Option<T> {
     })
 }
 
-/// The directories of all processors, in their order by name.
+/// The directories of all processors, sorted by name.
 fn processors(root: &Path) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(root.join("sys/devices/system/cpu")) else {
         return Vec::new();
@@ -248,14 +252,14 @@ fn governors(files: &[PathBuf]) -> Option<Vec<String>> {
     (!names.is_empty()).then_some(names)
 }
 
-/// The largest value of the files, converted from kilohertz to hertz.
+/// The largest value in the files, converted from kHz to Hz.
 fn most_kilohertz(files: &[PathBuf]) -> Option<u64> {
     let all = files.iter().filter_map(|path| number::<u64>(&text(path)?));
     all.max()?.checked_mul(1000)
 }
 
-/// The first line of `/proc/stat`: user, nice, system, idle, iowait, irq, softirq, steal; what
-/// follows is counted in user and nice already.
+/// Parses the first line of `/proc/stat`: user, nice, system, idle, iowait, irq, softirq, steal.
+/// The fields after these are already included in user and nice.
 fn ticks(root: &Path) -> Option<Ticks> {
     let text = text(root.join("proc/stat"))?;
     let mut lines = text.lines().filter(|line| line.starts_with("cpu"));
@@ -274,8 +278,8 @@ fn ticks(root: &Path) -> Option<Ticks> {
     })
 }
 
-/// The fields utime, stime, cutime and cstime of `/proc/self/stat`. The name of the program, which
-/// may hold anything, ends at the last parenthesis.
+/// Sum of the fields utime, stime, cutime and cstime of `/proc/self/stat`. The name of the program
+/// may contain any character, so the fields start after the last parenthesis.
 fn own_ticks(root: &Path) -> Option<u64> {
     let text = text(root.join("proc/self/stat"))?;
     let (_, fields) = text.rsplit_once(')')?;
@@ -297,8 +301,9 @@ fn swapped(root: &Path) -> Option<u64> {
     Some(value::<u64>(&text, "pswpin")? + value::<u64>(&text, "pswpout")?)
 }
 
-/// Number and seconds of throttles of the control group of this process. In a container the path in
-/// `/proc/self/cgroup` may be that of the host; the group is then the root of the mount.
+/// Number and total seconds of throttling of the cgroup of this process, from `cpu.stat` of cgroup
+/// v2 or v1. In a container the path in `/proc/self/cgroup` may be that of the host. The cgroup is
+/// then at the root of the mount.
 fn cgroup(root: &Path) -> (Option<u64>, Option<f64>) {
     let mounted = root.join("sys/fs/cgroup");
     let mut places = Vec::new();
@@ -339,7 +344,7 @@ mod tests {
 
     use super::*;
 
-    /// A directory with these files in it.
+    /// Creates a directory with these files.
     fn system(files: &[(&str, &str)]) -> TempDir {
         let root = tempfile::tempdir().unwrap();
         for (path, contents) in files {
@@ -355,7 +360,7 @@ mod tests {
         super::between(&start, &end)
     }
 
-    /// The ticks of this process: utime and stime, and those of its children.
+    /// utime, stime, cutime and cstime of this process.
     fn own(ticks: [u64; 4]) -> String {
         let [u, s, cu, cs] = ticks;
         format!("77 (a ) (b) R 1 1 1 0 -1 4194304 95 0 0 0 {u} {s} {cu} {cs} 20 0 1 0 71833")
@@ -416,7 +421,7 @@ mod tests {
         ]);
         let mut end = frequencies.to_vec();
         end.extend([
-            // 2,000 ticks, of which this process had 900 and others 40.
+            // 2,000 ticks, 900 of this process and 40 of others.
             (
                 "proc/stat",
                 "cpu  940 0 150 2040 30 0 0 0 0 0\ncpu0 1\ncpu1 1\nintr 7\n",
@@ -460,7 +465,7 @@ mod tests {
                 "4",
             ),
             ("proc/vmstat", "pswpin 5\npswpout 6\n"),
-            // The first version of control groups, in a container: the path is not there.
+            // cgroup v1 in a container: the path does not exist there.
             (
                 "proc/self/cgroup",
                 "3:cpuset:/\n2:cpu,cpuacct:/elsewhere\n1:name=systemd:/\n",

@@ -18,12 +18,13 @@ pub fn tool() -> Tool {
     }
 }
 
-/// Whether this is a release build; times of others mean little.
+/// Whether this is a release build. Times of other builds are meaningless.
 pub fn is_release_build() -> bool {
     env!("GEOBENCH_PROFILE") == "release"
 }
 
-/// This machine, now. Values that the system does not report are absent; Linux reports most.
+/// Describes this machine in its present state. Values that the system does not report are absent;
+/// Linux reports most.
 pub fn host() -> Host {
     Host {
         cpu: field("/proc/cpuinfo", "model name", ':'),
@@ -40,18 +41,18 @@ pub fn host() -> Host {
     }
 }
 
-/// The text of a file without spaces around it.
+/// The trimmed text of a file; `None` if it cannot be read.
 pub(super) fn text(path: impl AsRef<Path>) -> Option<String> {
     Some(fs::read_to_string(path).ok()?.trim().to_owned())
 }
 
-/// Load average over one minute of the system below `root`.
+/// One-minute load average of the system below `root`.
 pub(super) fn load(root: &Path) -> Option<f64> {
     let text = text(root.join("proc/loadavg"))?;
     text.split_whitespace().next()?.parse().ok()
 }
 
-/// The value after `key` and `separator` in a file of such lines.
+/// The value of the first line `key separator value` of a file.
 fn field(path: impl AsRef<Path>, key: &str, separator: char) -> Option<String> {
     text(path)?.lines().find_map(|line| {
         let (name, value) = line.split_once(separator)?;
@@ -59,7 +60,7 @@ fn field(path: impl AsRef<Path>, key: &str, separator: char) -> Option<String> {
     })
 }
 
-/// The value after `key:` in a file of such lines, in bytes; the file has it in KiB.
+/// The value of the first line `key: number kB` of a file, in bytes.
 pub(crate) fn kibibytes(path: impl AsRef<Path>, key: &str) -> Option<u64> {
     let value = field(path, key, ':')?;
     let number: u64 = value.strip_suffix("kB")?.trim().parse().ok()?;
@@ -82,7 +83,7 @@ mod tests {
         assert!(["debug", "release"].contains(&tool.profile.as_str()));
     }
 
-    /// Those of `.cargo/config.toml`, unless the environment has others.
+    /// The expected flags are those of `.cargo/config.toml`, unless the environment overrides them.
     #[cfg(target_arch = "x86_64")]
     #[test]
     fn the_tool_knows_the_flags_of_the_compiler() {

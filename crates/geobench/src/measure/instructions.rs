@@ -1,13 +1,13 @@
-//! Instructions of a solve, counted by Valgrind.
+//! Instruction counts of a solve, by Valgrind.
 //!
-//! Times on a shared machine vary by 10 % and more; instruction counts vary so little that a gate
-//! can hold them to one or two percent. Instruction counts ignore caches, branch misses and SIMD
-//! width. The program starts itself under callgrind, which counts inside `counted_solve` only:
-//! loading and set-up are excluded.
+//! Times on a shared machine vary by 10 % and more. Instruction counts vary so little that a gate
+//! can limit them to one or two percent. They ignore caches, branch misses and SIMD width. The
+//! program runs itself under callgrind, which counts only inside `counted_solve`: loading and
+//! set-up are excluded.
 //!
-//! Valgrind emulates a processor. Version 3.19 has AVX2 without some encodings (`vmovq` between two
-//! registers in its store form, `c5 79 d6 e9`, ends in SIGILL), and no AVX-512. Such a solve is
-//! counted again with narrower instructions; the count names them.
+//! Valgrind emulates a processor. Version 3.19 lacks AVX-512 and some encodings of AVX2 (the store
+//! form of `vmovq` between two registers, `c5 79 d6 e9`, ends in SIGILL). A solve that fails so is
+//! counted again with narrower instructions. The result names the instructions that it used.
 
 use std::fs;
 use std::process::{Command, ExitStatus, Stdio};
@@ -20,26 +20,26 @@ use geobench_window::{Goal, Solution, SolveError, Solver};
 use crate::registry::{self, Selection};
 use crate::schema::InstructionCount;
 
-/// The hidden command that does one solve under callgrind.
+/// The hidden subcommand that solves once under callgrind.
 pub const COMMAND: &str = "count-one-solve";
 
-/// Callgrind's pattern of the function in which instructions are counted; mangled names match too.
+/// Callgrind's pattern for the function whose instructions are counted. It matches mangled names.
 const COUNTED: &str = "*instructions*counted_solve*";
 
 /// Prefix of the line in which [`COMMAND`] prints the vector instructions that it uses.
 const SIMD: &str = "simd: ";
 
-/// Context of an error that Valgrind cannot be started.
+/// Error context: Valgrind does not start.
 const NO_VALGRIND: &str = "counting instructions needs valgrind on the path";
 
-/// Context of an error of the call.
+/// Error context: Valgrind started, but counting failed.
 const FAILED: &str = "callgrind failed";
 
 /// Checks that Valgrind is installed.
 ///
 /// # Errors
 ///
-/// When it cannot be started.
+/// If Valgrind cannot be started.
 pub fn check_valgrind() -> anyhow::Result<()> {
     let status = Command::new("valgrind")
         .arg("--version")
@@ -48,13 +48,14 @@ pub fn check_valgrind() -> anyhow::Result<()> {
     status.map(drop).context(NO_VALGRIND)
 }
 
-/// Counts the instructions of the first solve after set-up, in a process of its own. Takes about
-/// fifty times as long as the solve. Uses instructions no wider than `simd`, and falls back to
-/// narrower vector instructions if Valgrind does not support one.
+/// Counts the instructions of the first solve after set-up, in a child process. This takes about
+/// fifty times as long as the solve. Uses instructions no wider than `simd`, and narrower ones if
+/// Valgrind does not support those.
 ///
 /// # Errors
 ///
-/// When Valgrind is missing or the process does not end well.
+/// If Valgrind is missing, the child process fails, or Valgrind does not support even the narrowest
+/// instructions.
 pub fn count(
     model: &str,
     algorithm: &str,
@@ -79,14 +80,14 @@ pub fn count(
     }
 }
 
-/// The result of counting with one set of vector instructions.
+/// The result of one attempt to count.
 enum Attempt {
     Counted(InstructionCount),
-    /// Valgrind does not support one of these.
+    /// Valgrind does not support an instruction of this set.
     Illegal(Instructions),
 }
 
-/// Counts with instructions no wider than `widest`.
+/// Counts once, with instructions no wider than `widest`.
 fn count_with(
     model: &str,
     algorithm: &str,
@@ -131,14 +132,14 @@ fn count_with(
     }))
 }
 
-/// Whether a process ended by an illegal instruction.
+/// Whether a process was killed by SIGILL.
 #[cfg(unix)]
 fn is_illegal(status: ExitStatus) -> bool {
     use std::os::unix::process::ExitStatusExt;
     status.signal() == Some(rustix::process::Signal::ILL.as_raw())
 }
 
-/// Whether a process ended by an illegal instruction.
+/// Whether a process was killed by SIGILL.
 #[cfg(not(unix))]
 fn is_illegal(_: ExitStatus) -> bool {
     false
@@ -151,12 +152,12 @@ fn total(text: &str) -> Option<u64> {
     totals.split_whitespace().next()?.parse().ok()
 }
 
-/// Selects the algorithm of [`COMMAND`] with no wider instructions than `widest`, and prints the
-/// instructions that it uses.
+/// Selects the algorithm of [`COMMAND`] with instructions no wider than `widest`, and prints the
+/// instruction set that it uses.
 ///
 /// # Errors
 ///
-/// When the algorithm or the instructions are unknown.
+/// If the algorithm or the instruction set is unknown.
 pub fn announce(algorithm: &str, widest: Option<&str>) -> anyhow::Result<Selection> {
     let mut selection = registry::select_one(algorithm)?;
     if let Some(name) = widest {
@@ -169,11 +170,11 @@ pub fn announce(algorithm: &str, widest: Option<&str>) -> anyhow::Result<Selecti
     Ok(selection)
 }
 
-/// Sets an algorithm up for `mesh` and solves once.
+/// Sets up an algorithm for `mesh` and solves once.
 ///
 /// # Errors
 ///
-/// When the source does not exist.
+/// If a source does not exist, or the solver fails.
 pub fn solve_once(
     selection: &Selection,
     mesh: &Mesh,
@@ -186,7 +187,7 @@ pub fn solve_once(
     Ok(())
 }
 
-/// The solve that callgrind counts, found by the name of this function: it must not be inlined or
+/// The solve that callgrind counts. Callgrind finds it by its name, so it must not be inlined or
 /// recursive.
 #[inline(never)]
 fn counted_solve(

@@ -1,11 +1,11 @@
 //! Peak memory of a run.
 //!
-//! Two figures: heap bytes, counted by the allocator that the binary installs, and the peak RSS of
-//! the process, read from Linux. Peak RSS covers the pages touched during the run: mesh, solver and
-//! code. Code pages of loading and of earlier runs are given back before.
+//! There are two figures. Heap bytes are counted by the allocator that the binary installs. Peak
+//! RSS of the process is read from Linux. It covers the pages touched during the run: mesh, solver
+//! and code. Code pages of loading and of earlier runs are released before the run.
 //!
-//! The allocator counts during timed runs, too. It costs at most 0.3 % of the instructions of a
-//! solve and no measurable time: solvers keep their buffers from run to run and allocate rarely.
+//! The allocator also counts during timed runs. It costs at most 0.3 % of the instructions of a
+//! solve and no measurable time, since solvers keep their buffers between runs and allocate rarely.
 
 #![allow(unsafe_code)]
 
@@ -16,17 +16,17 @@ use serde::{Deserialize, Serialize};
 
 use crate::measure::host::kibibytes;
 
-/// Measures from [`start`](PeakMemory::start) to [`stop`](PeakMemory::stop), one at a time: the
-/// counters are global.
+/// Measures from [`start`](PeakMemory::start) to [`stop`](PeakMemory::stop). The counters are
+/// global, so at most one measurement can be active.
 #[derive(Debug)]
 pub struct PeakMemory {
     rss_was_reset: bool,
 }
 
-/// The peaks; a figure that this system or build does not have is absent.
+/// The peaks in bytes. A figure that this system or build does not provide is absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Peaks {
-    /// Peak heap bytes beyond those at the start.
+    /// Peak heap bytes in addition to those at the start.
     pub heap: Option<u64>,
     /// Peak RSS of the process.
     pub rss: Option<u64>,
@@ -35,8 +35,8 @@ pub struct Peaks {
 impl PeakMemory {
     /// Starts measuring.
     pub fn start() -> Self {
-        // 5 resets `VmHWM`. The maximum RSS that the parent gets for its child cannot be used: it
-        // includes memory of the parent from before exec.
+        // 5 resets `VmHWM`. `ru_maxrss` of a child cannot be used: it includes memory of the parent
+        // from before exec.
         let rss_was_reset = std::fs::write("/proc/self/clear_refs", "5").is_ok();
         INSTRUMENTED_SYSTEM.reset_peak_memory();
         Self { rss_was_reset }
@@ -46,7 +46,7 @@ impl PeakMemory {
     pub fn stop(self) -> Peaks {
         let heap = INSTRUMENTED_SYSTEM.get_peak_memory() as u64;
         Peaks {
-            // Nothing allocated at all means that the allocator is not installed.
+            // Zero means that the allocator is not installed.
             heap: (heap > 0).then_some(heap),
             rss: self
                 .rss_was_reset
@@ -56,23 +56,23 @@ impl PeakMemory {
     }
 }
 
-/// Gives back all unchanged pages of mapped files, most of them code.
+/// Releases all unmodified pages of mapped files, most of them code.
 ///
-/// Loading touches some megabytes of code (Linux maps 64 KB around each page), more than a model of
-/// 6,000 faces and its solver. Pages that the run needs come back on the next access, within
-/// microseconds, and count.
+/// Loading touches some megabytes of code (Linux maps 64 KB around each page), more than the memory
+/// of a model of 6,000 faces and its solver. Pages that the run needs are mapped again on the next
+/// access, within microseconds, and count towards its peak.
 ///
-/// Only for a process in which no other thread maps or unmaps files, such as a cell. Does nothing
-/// where the system does not list mappings.
+/// Only for a process in which no other thread maps or unmaps files, such as the process of a cell.
+/// Does nothing if the system does not list mappings.
 #[cfg(target_os = "linux")]
 pub(crate) fn give_back_clean_pages() {
     let Ok(smaps) = std::fs::read_to_string("/proc/self/smaps") else {
         return;
     };
     for Range { start, end } in unchanged(&smaps) {
-        // SAFETY: the kernel lists the range as a private mapping of a file, not writable, without
-        // modified pages, so pages are read from the file again on access. Only cells call this, in
-        // which nothing maps files meanwhile, so the range is still that mapping.
+        // SAFETY: the kernel lists the range as a private, read-only mapping of a file without
+        // modified pages, so its pages are read from the file again on access. Only processes of
+        // cells call this. No other thread of them maps files, so the range is still that mapping.
         let _ = unsafe {
             rustix::mm::madvise(
                 std::ptr::without_provenance_mut(start),
@@ -87,9 +87,8 @@ pub(crate) fn give_back_clean_pages() {
 #[cfg(not(target_os = "linux"))]
 pub(crate) fn give_back_clean_pages() {}
 
-/// The address ranges in a text like `/proc/self/smaps` that are private mappings of files, not
-/// writable and without modified pages. Relocated pages that the dynamic linker made read-only are
-/// modified.
+/// The address ranges of private, read-only mappings of files without modified pages, from the text
+/// of `/proc/self/smaps`. Relocated pages that the dynamic linker made read-only count as modified.
 #[cfg_attr(not(target_os = "linux"), allow(dead_code))]
 fn unchanged(smaps: &str) -> Vec<Range<usize>> {
     let mut ranges = Vec::new();
@@ -107,8 +106,8 @@ fn unchanged(smaps: &str) -> Vec<Range<usize>> {
     ranges
 }
 
-/// The range of a mapping and whether it is private, of a file and not writable; `None` if `line`
-/// does not start a mapping.
+/// Parses the first line of a mapping: its range, and whether it is a private, read-only mapping of
+/// a file. `None` for other lines.
 fn mapping(line: &str) -> Option<(Range<usize>, bool)> {
     let mut fields = line.split_ascii_whitespace();
     let (start, end) = fields.next()?.split_once('-')?;
@@ -170,8 +169,8 @@ Anonymous:             0 kB
         assert_eq!(unchanged(cut_short), []);
     }
 
-    /// Other tests of this process may run code at the same time that was not there: hence more
-    /// than one trial.
+    /// Other tests of this process may map code again meanwhile. Hence the test tries more than
+    /// once.
     #[test]
     #[cfg(target_os = "linux")]
     fn code_is_given_back_and_comes_again() {

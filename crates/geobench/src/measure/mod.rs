@@ -1,5 +1,4 @@
-//! Measurements beside the answer: memory, instructions, the machine and its conditions, statistics
-//! of times.
+//! Measurements of runs: memory, instructions, the machine and its state, statistics of times.
 
 pub mod conditions;
 pub mod host;

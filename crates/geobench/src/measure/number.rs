@@ -1,7 +1,7 @@
-//! Numbers for people.
+//! Formats numbers for tables and messages.
 
-/// Decimals with which to show a row of values: enough that the smallest shows three significant
-/// digits, within `most`.
+/// Number of decimals for a row of values: enough for three significant digits of the smallest
+/// positive one, and at most `most`.
 pub(crate) fn decimals(values: impl IntoIterator<Item = f64>, most: u8) -> usize {
     let smallest = values
         .into_iter()
@@ -11,12 +11,12 @@ pub(crate) fn decimals(values: impl IntoIterator<Item = f64>, most: u8) -> usize
     usize::from((0..most).find(shows_three).unwrap_or(most))
 }
 
-/// A count with its thousands apart.
+/// A count with thousands separators.
 pub(crate) fn grouped(count: u64) -> String {
     group(&count.to_string())
 }
 
-/// A number written with `digits` alone, with its thousands apart.
+/// Inserts thousands separators into a string of `digits`.
 pub(crate) fn group(digits: &str) -> String {
     let mut text = String::with_capacity(digits.len() + digits.len() / 3);
     for (i, digit) in digits.chars().enumerate() {
@@ -28,7 +28,7 @@ pub(crate) fn group(digits: &str) -> String {
     text
 }
 
-/// A ratio with two decimals, or none from 100 on.
+/// A ratio with two decimals; without decimals from 100.
 pub(crate) fn ratio(ratio: f64) -> String {
     if ratio < 99.5 {
         format!("{ratio:.2}")
@@ -37,7 +37,7 @@ pub(crate) fn ratio(ratio: f64) -> String {
     }
 }
 
-/// A small number by its size alone.
+/// A number in scientific notation with one decimal; 0 as `0`.
 pub(crate) fn scientific(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()

@@ -1,12 +1,11 @@
-//! Statistics of repeated times: robust figures, never the mean alone.
+//! Statistics of repeated times. All figures are robust; a mean never stands alone.
 //!
-//! * One set of samples: [`summarise`], median, deviation, interval and outliers.
-//! * Two sets that were taken in turns: [`paired_ratio`], which a drifting machine does not
-//!   disturb.
-//! * Two sets that were not: [`unpaired_ratio`] for the size of the difference, [`mann_whitney()`]
-//!   for whether there is one.
+//! * One set of samples: [`summarise`] gives median, deviation, interval and outliers.
+//! * Two sets taken alternately: [`paired_ratio`] is unaffected by slow drift of the machine.
+//! * Two independent sets: [`unpaired_ratio`] estimates the size of the difference,
+//!   [`mann_whitney()`] tests whether there is one.
 //!
-//! Intervals come from the percentile bootstrap of Efron (1979) with a fixed seed, so that the same
+//! Intervals come from the percentile bootstrap of Efron (1979). Its seed is fixed, so the same
 //! samples always give the same interval.
 
 use std::f64::consts::SQRT_2;
@@ -15,27 +14,27 @@ use geobench_mesh::SplitMix64;
 
 use crate::schema::Time;
 
-/// Fewest samples from which a confidence interval is given.
+/// Minimum number of samples for a confidence interval.
 pub const FEWEST_FOR_INTERVAL: usize = 5;
 
 /// Robust figures of a set of samples, in the unit of the samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
-    /// Median; of an even number of samples the mean of the middle two.
+    /// Median; for an even number of samples the mean of the middle two.
     pub median: f64,
     /// Smallest sample.
     pub min: f64,
     /// Median absolute deviation from the median, unscaled.
     pub mad: f64,
-    /// 95 % confidence interval of the median by the percentile bootstrap; none from fewer than
+    /// 95 % confidence interval of the median by the percentile bootstrap; `None` for fewer than
     /// [`FEWEST_FOR_INTERVAL`] samples.
     pub ci95: Option<[f64; 2]>,
-    /// How many of the samples are [`outliers()`]; they count in all other figures. None from fewer
-    /// than [`FEWEST_FOR_INTERVAL`] samples.
+    /// Number of [`outliers()`]. All other figures include them. `None` for fewer than
+    /// [`FEWEST_FOR_INTERVAL`] samples.
     pub outliers: Option<usize>,
 }
 
-/// Summarises `samples`, or nothing if there are none.
+/// Summarises `samples`; `None` if there are none.
 pub fn summarise(samples: &[f64]) -> Option<Summary> {
     let median = median(samples)?;
     let enough = samples.len() >= FEWEST_FOR_INTERVAL;
@@ -48,7 +47,8 @@ pub fn summarise(samples: &[f64]) -> Option<Summary> {
     })
 }
 
-/// The samples of a cell and what result files say of them; their places are left empty.
+/// The record of a cell's times: `samples` with their summary. Places and the fields of external
+/// programs stay empty.
 pub fn time(samples: Vec<f64>, setup: Option<f64>) -> Time {
     let summary = summarise(&samples);
     Time {
@@ -64,19 +64,19 @@ pub fn time(samples: Vec<f64>, setup: Option<f64>) -> Time {
     }
 }
 
-/// Why `samples` samples have no interval, if they have none.
+/// The note that explains why there is no interval; `None` if there are enough `samples` for one.
 pub fn too_few(samples: usize) -> Option<String> {
     (samples < FEWEST_FOR_INTERVAL)
         .then(|| format!("no confidence interval from fewer than {FEWEST_FOR_INTERVAL} samples"))
 }
 
-/// The least and the greatest of `values`; none if there are none.
+/// The minimum and the maximum of `values`; `None` if there are none.
 pub(crate) fn range_of(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
     let ends = values.into_iter().map(|value| [value; 2]);
     ends.reduce(|[least, most], [value, _]| [least.min(value), most.max(value)])
 }
 
-/// The median of `values`, in any order; none if there are none.
+/// The median of unsorted `values`; `None` if there are none.
 pub fn median(values: &[f64]) -> Option<f64> {
     let mut values = values.to_vec();
     median_in_place(&mut values)
@@ -98,16 +98,17 @@ fn deviation(values: &[f64], center: f64) -> Option<f64> {
     median_in_place(&mut deviations)
 }
 
-/// Fewest points of a fit.
+/// Minimum number of points of a fit.
 pub const FEWEST_FOR_FIT: usize = 3;
 
-/// The e for which y = c x^e fits `points` best, in least squares on logarithms; none of fewer
-/// than [`FEWEST_FOR_FIT`] points, of points in one place or of numbers that are not positive.
+/// The exponent e of the power law y = c x^e that fits `points` best, by least squares on
+/// logarithms. `None` for fewer than [`FEWEST_FOR_FIT`] points, if all x are equal, or if a
+/// coordinate is not positive.
 pub fn exponent_of_growth(points: impl Iterator<Item = [f64; 2]>) -> Option<f64> {
     power_law(points).map(|[_, exponent]| exponent)
 }
 
-/// The c and the e of the same fit.
+/// The factor c and the exponent e of the fit of [`exponent_of_growth`].
 pub fn power_law(points: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 2]> {
     let points: Vec<[f64; 2]> = points.map(|point| point.map(libm::log)).collect();
     let count = points.len();
@@ -120,20 +121,20 @@ pub fn power_law(points: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 2]> {
     (count >= FEWEST_FOR_FIT && exponent.is_finite()).then_some([factor, exponent])
 }
 
-/// Resamples of the bootstrap.
+/// Number of resamples of the bootstrap.
 const RESAMPLES: usize = 10_000;
 
-/// Seed of the bootstrap, fixed so that the same samples always give the same interval.
+/// Seed of the bootstrap. It is fixed so that the same samples always give the same interval.
 const SEED: u64 = 0x6765_6f62_656e_6368;
 
-/// A number of which a figure is computed.
+/// An input of a computed figure, with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Variable<'s> {
-    /// A number that does not vary.
+    /// An exact number.
     Exact(f64),
     /// The median of samples.
     Samples(&'s [f64]),
-    /// An estimate with its standard error, as of a share that was sampled.
+    /// An estimate with a normal error, such as a share found by sampling.
     Estimate {
         /// The estimate.
         value: f64,
@@ -143,7 +144,7 @@ pub enum Variable<'s> {
 }
 
 impl Variable<'_> {
-    /// Its value; none without samples.
+    /// Its value; `None` without samples.
     pub fn value(&self) -> Option<f64> {
         match *self {
             Self::Exact(value) | Self::Estimate { value, .. } => Some(value),
@@ -151,7 +152,7 @@ impl Variable<'_> {
         }
     }
 
-    /// Its value in another draw.
+    /// A random draw of its value: the median of a resample, or a normal deviate.
     fn draw(&self, random: &mut SplitMix64, resample: &mut Vec<f64>) -> f64 {
         match *self {
             Self::Exact(value) => value,
@@ -161,7 +162,7 @@ impl Variable<'_> {
                 median_in_place(resample).unwrap_or(f64::NAN)
             }
             Self::Estimate { value, error } => {
-                // Box and Muller 1958. The logarithm is of a number above 0.
+                // Box-Muller transform (1958). The argument of the logarithm is positive.
                 let radius = (-2.0 * libm::log(1.0 - random.unit())).sqrt();
                 value + error * radius * libm::cos(std::f64::consts::TAU * random.unit())
             }
@@ -169,8 +170,8 @@ impl Variable<'_> {
     }
 }
 
-/// The 2.5th and 97.5th percentiles of `figure`, a function of `variables`. Samples, of which there
-/// are some, are drawn with replacement. O(10,000 n log n).
+/// The 2.5th and 97.5th percentiles of `figure`, a function of the values of `variables`. Samples
+/// are drawn with replacement; no set of samples is empty. O(10,000 n log n).
 fn bootstrap_interval(variables: &[Variable<'_>], figure: impl Fn(&[f64]) -> f64) -> [f64; 2] {
     let mut random = SplitMix64::new(SEED);
     let (mut resample, mut values) = (Vec::new(), Vec::new());
@@ -187,12 +188,11 @@ fn bootstrap_interval(variables: &[Variable<'_>], figure: impl Fn(&[f64]) -> f64
     [figures[tail], figures[RESAMPLES - 1 - tail]]
 }
 
-/// The modified z-score from which a sample counts as an outlier: ten times the distance that one
-/// standard deviation of a normal distribution has.
+/// The modified z-score above which a sample is an outlier. It is ten times that of one standard
+/// deviation of a normal distribution.
 ///
-/// The 3.5 that is often taken would call one of the usual five samples an outlier in every fifth
-/// cell of a machine that is perfectly quiet, because the deviation of so few is often small by
-/// chance.
+/// The usual threshold of 3.5 is too low for five samples. Their MAD is often small by chance. On a
+/// quiet machine every fifth cell would have an outlier.
 pub const OUTLIER_SCORE: f64 = 10.0;
 
 /// Mean absolute deviation of the standard normal distribution, sqrt(2/π).
@@ -201,9 +201,9 @@ const NORMAL_MEAN_DEVIATION: f64 = 0.797_884_560_802_865_4;
 /// Median absolute deviation of the standard normal distribution, its 75th percentile.
 const NORMAL_MEDIAN_DEVIATION: f64 = 0.674_489_750_196_081_7;
 
-/// The places of the samples whose modified z-score (Iglewicz and Hoaglin 1993), 0.6745 |x -
-/// median| / MAD, is above [`OUTLIER_SCORE`]. If more than half of the samples are equal, so that
-/// their median absolute deviation is 0, the mean absolute deviation takes its place.
+/// The indices of the samples whose modified z-score (Iglewicz and Hoaglin 1993), 0.6745 |x -
+/// median| / MAD, is above [`OUTLIER_SCORE`]. If more than half of the samples are equal, the MAD
+/// is 0, and the mean absolute deviation replaces it.
 pub fn outliers(samples: &[f64]) -> Vec<usize> {
     let Some(median) = median(samples) else {
         return Vec::new();
@@ -224,15 +224,15 @@ pub fn outliers(samples: &[f64]) -> Vec<usize> {
 pub struct Ratio {
     /// The estimate.
     pub ratio: f64,
-    /// Its 95 % interval by the percentile bootstrap; none from fewer than
-    /// [`FEWEST_FOR_INTERVAL`] samples on a side.
+    /// 95 % interval by the percentile bootstrap; `None` for fewer than [`FEWEST_FOR_INTERVAL`]
+    /// samples on a side.
     pub ci95: Option<[f64; 2]>,
 }
 
-/// The median of `over[i] / under[i]`, where the samples at the same place were taken next to each
-/// other. Whatever changes slowly on the machine changes both, and leaves their ratio alone.
+/// The median of `over[i] / under[i]`, where the two samples with index i were taken next to each
+/// other. Slow changes of the machine affect both and cancel out.
 ///
-/// None unless there are as many of both, at least one, and all are finite and above 0.
+/// `None` if the lengths differ, there are no samples, or a sample is not finite and positive.
 pub fn paired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
     if over.len() != under.len() || !usable(over) || !usable(under) {
         return None;
@@ -245,10 +245,10 @@ pub fn paired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
     })
 }
 
-/// The ratio of the medians of two sets of samples that have nothing to do with each other; for
-/// the interval each is resampled by itself.
+/// The ratio of the medians of two independent sets of samples. The bootstrap resamples each set
+/// separately.
 ///
-/// None unless there is at least one of each and all are finite and above 0.
+/// `None` if a set is empty, or a sample is not finite and positive.
 pub fn unpaired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
     if !usable(over) || !usable(under) {
         return None;
@@ -263,9 +263,9 @@ pub fn unpaired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
     })
 }
 
-/// The 95 % interval of `figure`, a function of several variables, each of which varies by itself.
+/// The 95 % interval of `figure`, a function of independent variables.
 ///
-/// None if one of them has fewer than [`FEWEST_FOR_INTERVAL`] samples.
+/// `None` if one of them has fewer than [`FEWEST_FOR_INTERVAL`] samples.
 pub fn interval_of(variables: &[Variable<'_>], figure: impl Fn(&[f64]) -> f64) -> Option<[f64; 2]> {
     let is_enough = |variable: &Variable<'_>| match variable {
         Variable::Samples(samples) => samples.len() >= FEWEST_FOR_INTERVAL,
@@ -279,30 +279,30 @@ fn usable(samples: &[f64]) -> bool {
     !samples.is_empty() && samples.iter().all(|&x| x.is_finite() && x > 0.0)
 }
 
-/// Most samples of both sets together for which the probability is exact. Up to here every count
-/// of arrangements, at most 50 choose 25, is a whole number that a float holds.
+/// Maximum number of samples of both sets together for the exact probability. Up to it every number
+/// of arrangements, at most 50 choose 25, is an integer that `f64` represents.
 const MOST_FOR_EXACT: usize = 50;
 
-/// The outcome of a test.
+/// The outcome of a Mann-Whitney test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MannWhitney {
-    /// Pairs of a sample of the first set and one of the second in which the first is the larger;
-    /// equal ones count one half.
+    /// Number of pairs (x, y), x from the first set and y from the second, with x > y. A tie counts
+    /// one half.
     pub u: f64,
-    /// How likely so uneven a `u` or a more uneven one is if nothing distinguishes the sets,
-    /// two-sided.
+    /// Two-sided p-value: the probability of a `u` at least as far from its mean, if both sets have
+    /// the same distribution.
     pub p: f64,
 }
 
-/// The test of Mann and Whitney (1947), two-sided: whether samples of one set tend to be larger
-/// than those of the other. None if a set is empty or has a sample that is no number.
+/// The two-sided test of Mann and Whitney (1947): whether samples of one set tend to be larger than
+/// those of the other. `None` if a set is empty or has a NaN.
 ///
-/// The probability is exact from up to fifty samples without ties, else that of the normal
+/// The p-value is exact for up to fifty samples without ties. Otherwise it is that of the normal
 /// distribution, corrected for ties (Lehmann 1975, section 1.4) and for continuity. O(n³ log n) for
-/// the exact one, of at most fifty; else O(n log n).
+/// the exact p-value, with n ≤ 50; otherwise O(n log n).
 ///
-/// Written out because the exact test of `statrs` 0.19 takes the wrong tail unless the first set is
-/// the larger one, and goes through every arrangement, of which 8 and 100 samples have 10^11.
+/// `statrs` 0.19 is not used. Its exact test takes the wrong tail unless the first set is the
+/// larger one, and enumerates all arrangements, 10^11 for 8 and 100 samples.
 pub fn mann_whitney(first: &[f64], second: &[f64]) -> Option<MannWhitney> {
     let (m, n) = (first.len(), second.len());
     if m == 0 || n == 0 {
@@ -316,10 +316,10 @@ pub fn mann_whitney(first: &[f64], second: &[f64]) -> Option<MannWhitney> {
     }
     all.sort_unstable_by(|(x, _), (y, _)| x.total_cmp(y));
 
-    // Twice the sum of the ranks of the first set, which ties may make odd; and the tie term, the
-    // sum of t³ - t over the ties.
+    // `twice_ranks` is twice the sum of the ranks of the first set, since ties have half-integer
+    // ranks. `ties` is the tie term, the sum of t³ - t over the groups of t equal samples.
     let (mut twice_ranks, mut ties, mut start) = (0, 0.0, 0);
-    // `chunk_by` compares with ==, under which -0 and 0 are a tie.
+    // `chunk_by` compares with ==, so -0 and 0 are a tie.
     for tie in all.chunk_by(|(x, _), (y, _)| x == y) {
         let twice_rank = 2 * start + tie.len() + 1;
         twice_ranks += twice_rank * tie.iter().filter(|(_, is_first)| *is_first).count();
@@ -339,7 +339,7 @@ pub fn mann_whitney(first: &[f64], second: &[f64]) -> Option<MannWhitney> {
     })
 }
 
-/// The probability from the counts of all arrangements of `m` and `n` samples.
+/// The exact p-value, from the counts of all arrangements of `m` and `n` samples.
 fn exact(m: usize, n: usize, u: usize) -> f64 {
     let counts = arrangements(m, n);
     let total: f64 = counts.iter().sum();
@@ -347,9 +347,9 @@ fn exact(m: usize, n: usize, u: usize) -> f64 {
     (2.0 * tail / total).min(1.0)
 }
 
-/// How many arrangements of `m` and `n` different samples have each value of U, from 0 to `m n`:
+/// The number of arrangements of `m` and `n` distinct samples for each value of U from 0 to `m n`:
 /// the coefficients of the Gaussian binomial, the product of (1 - q^(n+i)) / (1 - q^i) for i from 1
-/// to m. All of them on the way are whole and at most the largest binomial.
+/// to m. All intermediate values are integers and at most the largest binomial.
 fn arrangements(m: usize, n: usize) -> Vec<f64> {
     let mut counts = vec![0.0; m * n + 1];
     counts[0] = 1.0;
@@ -364,7 +364,7 @@ fn arrangements(m: usize, n: usize) -> Vec<f64> {
     counts
 }
 
-/// The probability by the normal distribution.
+/// The p-value by the normal approximation.
 fn normal(m: f64, n: f64, u: f64, ties: f64) -> f64 {
     let all = m + n;
     let variance = m * n / 12.0 * (all + 1.0 - ties / (all * (all - 1.0)));
@@ -420,7 +420,7 @@ mod tests {
             error: 0.01,
         };
         let [low, high] = interval_of(&[share], |x| x[0]).unwrap();
-        // 1.96 standard errors to either side.
+        // ±1.96 standard errors.
         assert!(
             (low - 0.3804).abs() < 1e-3 && (high - 0.4196).abs() < 1e-3,
             "{low} {high}"
@@ -473,11 +473,11 @@ mod tests {
         let mut samples = [2.0; 99];
         samples[17] = 2.5;
         assert_eq!(outliers(&samples), [17]);
-        // Of nine, one is no less than a ninth of all deviation there is.
+        // Of nine samples, one has at least a ninth of the total deviation, so its score stays low.
         assert!(outliers(&samples[..9]).is_empty());
     }
 
-    /// The figure that the choice of [`OUTLIER_SCORE`] rests on.
+    /// Verifies the claim in the documentation of [`OUTLIER_SCORE`].
     #[test]
     fn a_quiet_machine_has_few_outliers() {
         let mut random = geobench_mesh::SplitMix64::new(3);
@@ -555,8 +555,8 @@ mod tests {
         close(normal(5.0, 4.0, 17.0, 0.0), 0.111_346_886_533_140_41);
     }
 
-    /// Critical values of the two-sided test at 5 %, from the tables that textbooks reproduce: the
-    /// largest U whose probability is not above it.
+    /// Critical values of the two-sided test at 5 %, from textbook tables: the largest U whose
+    /// p-value is at most 0.05.
     #[test]
     fn the_critical_values_of_the_tables() {
         let table = [
@@ -590,7 +590,7 @@ mod tests {
 
     #[test]
     fn the_counts_are_those_of_all_arrangements() {
-        // Every choice of 3 of 7 ranks, one by one.
+        // Enumerates all choices of 3 of 7 ranks.
         let mut counted = vec![0.0; 13];
         for a in 1..=7_usize {
             for b in a + 1..=7 {
@@ -612,7 +612,7 @@ mod tests {
         let test = mann_whitney(&[1.0, 1.0, 2.0], &[2.0, 3.0, 4.0]).unwrap();
         assert_eq!(test.u, 0.5);
         close(test.p, libm::erfc(3.5 / (2.0 * 4.95_f64).sqrt()));
-        // On its border the approximation is near the exact value.
+        // At the limit of the exact test the approximation is close to the exact value.
         for u in [180, 220, 250, 312] {
             let (exact, normal) = (exact(25, 25, u), normal(25.0, 25.0, u as f64, 0.0));
             assert!((exact - normal).abs() < 0.003, "{u}: {exact} {normal}");

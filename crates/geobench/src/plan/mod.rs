@@ -1,4 +1,4 @@
-//! Plans: the cells of a benchmark, decided before any model is loaded.
+//! Plans: the cells of a benchmark, determined before any model is loaded.
 
 use std::fs::File;
 use std::path::Path;
@@ -30,48 +30,48 @@ pub struct Plan {
     pub group: GroupRecord,
     /// The models, with unique names.
     pub models: Vec<ModelRef>,
-    /// The algorithms, each once.
+    /// The algorithms, without duplicates.
     pub algorithms: Vec<Selection>,
     /// The sources in each model.
     pub sources: SourceSpec,
     /// Whether each run starts from all sources together.
     pub sources_together: bool,
-    /// What each run is to find.
+    /// The goal of each run.
     pub goal: GoalSpec,
-    /// The timed runs of each cell.
+    /// Number of timed runs of each cell.
     pub sampling: Sampling,
-    /// Untimed runs of each cell before those.
+    /// Number of untimed runs of each cell before the timed ones.
     pub warmup: usize,
-    /// The expected answers.
+    /// The reference of the checks.
     pub reference: Reference,
-    /// Largest relative difference that passes.
+    /// Largest relative difference from the reference that passes.
     pub tolerance: f64,
     /// Seed of the order of the runs.
     pub seed: u64,
-    /// Instructions of all algorithms; each of them knows.
+    /// Vector instructions of all algorithms. For the record only: each algorithm has its own copy.
     pub simd: SimdChoice,
-    /// The part of the plan that this process runs; `None` for the whole.
+    /// The shard that this process runs; `None` for the whole plan.
     pub shard_range: Option<ShardRange>,
     /// Limits of each run.
     pub limits: Limits,
 }
 
-/// The answers that others are compared with.
+/// The answers with which others are compared.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "there is one in a plan")]
 pub enum Reference {
-    /// Nothing.
+    /// No comparison.
     None,
-    /// The answer of an algorithm, which may be one that is not measured.
+    /// The answers of an algorithm, which need not be one that is measured.
     Algorithm(Selection),
     /// Stored distances.
     Files(Expected),
 }
 
 impl Reference {
-    /// The default: `mmp-fast` if it runs, else the first algorithm that is exact, else `mmp-fast`,
-    /// which then runs for the check alone. An approximation is never a reference: it would make
-    /// right answers wrong.
+    /// The default: `mmp-fast` if it is measured; otherwise the first exact algorithm; otherwise
+    /// `mmp-fast`, which then runs for the check only. Never an approximate algorithm, which would
+    /// make correct answers count as wrong.
     pub fn usual(algorithms: &[Selection]) -> Self {
         const USUAL: &str = "mmp-fast";
         let usual = algorithms.iter().find(|a| a.label() == USUAL);
@@ -83,11 +83,11 @@ impl Reference {
         }
     }
 
-    /// Makes the path of a file relative to `directory`.
+    /// Resolves the path of a file relative to `directory`.
     ///
     /// # Errors
     ///
-    /// When the file cannot be opened.
+    /// If the file cannot be opened.
     pub fn resolve(&mut self, directory: &Path) -> Result<(), UsageError> {
         if let Self::Files(Expected::File(path)) = self {
             *path = directory.join(&path);
@@ -130,11 +130,11 @@ impl<'de> Deserialize<'de> for Reference {
 }
 
 impl Plan {
-    /// Refuses a reference that cannot judge the answers of the plan.
+    /// Checks that the reference is usable for this plan.
     ///
     /// # Errors
     ///
-    /// When the reference is approximate, or a single file of distances and the plan has more than
+    /// If the reference is approximate, or is a single file of distances and the plan has more than
     /// one model or source.
     pub fn check_reference(&self) -> Result<(), UsageError> {
         match &self.reference {
@@ -158,11 +158,11 @@ impl Plan {
         }
     }
 
-    /// Refuses algorithms that cannot end early.
+    /// Checks that all algorithms can end early, if the plan has targets or a radius.
     ///
     /// # Errors
     ///
-    /// Names them, if targets or a radius are asked for.
+    /// Names the algorithms that cannot.
     pub fn check_goal(&self) -> Result<(), UsageError> {
         match &self.goal {
             goal if goal.is_everything() => Ok(()),
@@ -170,7 +170,7 @@ impl Plan {
         }
     }
 
-    /// Looks up the outside programs among the algorithms.
+    /// Looks up the external programs among the algorithms.
     ///
     /// # Errors
     ///
@@ -180,7 +180,7 @@ impl Plan {
         let found = found.collect::<Result<Vec<_>, UsageError>>()?;
         self.algorithms = found.into_iter().flatten().collect();
         if let Reference::Algorithm(reference) = &self.reference {
-            // A program with several values was chosen because it is the first algorithm.
+            // A program with several parameter values is the reference only as the first algorithm.
             let found = reference.find_programs(programs)?.into_iter().next();
             self.reference = match found {
                 Some(found) if found.is_exact() => Reference::Algorithm(found),
@@ -191,8 +191,8 @@ impl Plan {
         Ok(())
     }
 
-    /// Number of sources or sets of sources in each model. All vertices count as one source until
-    /// the model is known: units of different models then share numbers, but each still belongs to
+    /// Number of sources or sets of sources in each model. `all` counts as one source until the
+    /// model is known. Units of different models then share indices, but each unit still belongs to
     /// one shard.
     fn sources_of_model(&self) -> usize {
         if self.sources_together {
@@ -202,7 +202,7 @@ impl Plan {
         }
     }
 
-    /// Whether the number of units is known only with the models.
+    /// Whether the number of units depends on the models.
     fn is_open(&self) -> bool {
         self.sources.has_all() && !self.sources_together
     }
@@ -211,7 +211,7 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// When the model lacks one of the vertices, or has fewer than `random:N`.
+    /// If a vertex does not exist, or the model has fewer vertices than `random:N` asks for.
     pub fn units_in(&self, vertices: usize) -> Result<Vec<SourceSpec>, UsageError> {
         let points = self.sources.points(vertices)?;
         Ok(if self.sources_together {
@@ -221,12 +221,12 @@ impl Plan {
         })
     }
 
-    /// Number of units, model x source, of the whole plan.
+    /// Number of units, model x source, in the whole plan.
     pub fn units(&self) -> u128 {
         self.models.len() as u128 * self.sources_of_model() as u128
     }
 
-    /// Whether this process runs a unit, given by the indices of its model and source in the plan.
+    /// Whether this process runs the unit with these indices of model and source.
     pub fn has_unit(&self, model: usize, source: usize) -> bool {
         self.shard_range.is_none_or(|shard_range| {
             let before = model as u128 * self.sources_of_model() as u128;
@@ -236,18 +236,18 @@ impl Plan {
         })
     }
 
-    /// Number of units of a model that this process runs.
+    /// Number of units of a model in this process.
     pub fn units_of_model(&self, model: usize) -> u128 {
         let sources = self.sources_of_model() as u128;
         let held = self.shard_range.map_or(sources, |shard_range| {
             let first = shard_range.first_unit + model as u128 * sources;
             shard_range.shard.held(first..first + sources)
         });
-        // Every part may hold some of all vertices.
+        // With `all` sources, every shard may have units of every model.
         held.max(u128::from(self.is_open()))
     }
 
-    /// Number of runs of all cells, saturating.
+    /// Total number of runs of all cells, saturating.
     pub fn runs(&self) -> usize {
         (0..self.models.len())
             .map(|model| self.runs_of_model(model))
@@ -260,22 +260,23 @@ impl Plan {
         units.saturating_mul(self.runs_of_unit())
     }
 
-    /// Number of runs of the cells of one unit.
+    /// Number of runs of all cells of one unit, saturating.
     pub const fn runs_of_unit(&self) -> usize {
         self.algorithms.len().saturating_mul(self.runs_per_cell())
     }
 
-    /// Fewest runs of a cell that ends well: warm-ups, timed runs, one counted and one profiled run.
+    /// Minimum number of runs of a cell that succeeds: warm-ups, timed runs, one counting and one
+    /// profiled run.
     pub const fn runs_per_cell(&self) -> usize {
         self.warmup + self.sampling.fewest() + 2
     }
 }
 
-/// Refuses algorithms that cannot end early.
+/// Checks that all algorithms can end early.
 ///
 /// # Errors
 ///
-/// Names them.
+/// Names the algorithms that cannot.
 pub(crate) fn check_ends_early(algorithms: &[Selection]) -> Result<(), UsageError> {
     let others = algorithms.iter().filter(|one| !one.ends_early());
     let others: Vec<&str> = others.map(Selection::label).collect();
@@ -294,7 +295,7 @@ pub(crate) fn check_ends_early(algorithms: &[Selection]) -> Result<(), UsageErro
     )))
 }
 
-/// The record of `plans`, one for each group. Reads the files of all models to hash them.
+/// The record of `plans`, one per group. Reads the files of all models to hash them.
 pub fn record(plans: &[Plan], isolation: IsolationRecord) -> PlanRecord {
     PlanRecord {
         isolation,
@@ -364,16 +365,16 @@ pub(crate) fn planned(selection: &Selection) -> PlannedAlgorithm {
 
 /// The units of one plan that a shard runs.
 ///
-/// A *unit* is one model with one source of one group: the cells that are compared with each other
-/// and whose runs are interleaved. Units are numbered from 0 by group, model and source, in the
-/// order of the plan; unit `u` belongs to shard `u mod N + 1` of `N`. So every machine computes the
-/// same split without loading a model, and neighbours, often of similar size, go to different
+/// A *unit* is one model with one source in one group. Its cells are compared with each other, and
+/// their runs are interleaved. Units are numbered from 0 by group, model and source, in the order
+/// of the plan. Unit `u` belongs to shard `u mod N + 1` of `N`. Every machine thus computes the
+/// same split without loading a model. Neighbouring units, often of similar size, go to different
 /// shards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShardRange {
     /// The shard.
     pub shard: Shard,
-    /// Number of the first unit of the plan.
+    /// Index of the first unit of this plan among the units of all plans.
     pub first_unit: u128,
 }
 
@@ -436,8 +437,8 @@ mod tests {
             prop_assert_eq!(held, length);
         }
 
-        /// The cells of all parts together are those of the whole, each once; cells that are
-        /// compared are never apart.
+        /// Together, all shards have every cell once. Cells that are compared are in the same
+        /// shard.
         #[test]
         fn parts_are_disjoint_and_complete(
             models in 1_usize..5,

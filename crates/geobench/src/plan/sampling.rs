@@ -1,4 +1,4 @@
-//! How many timed runs a cell has, and how many solves a run has.
+//! Number of timed runs of a cell, and of solves in a run.
 
 use std::str::FromStr;
 
@@ -6,26 +6,26 @@ use crate::UsageError;
 use crate::measure::statistics;
 use crate::schema::Precision;
 
-/// The timed runs of each cell.
+/// Determines the number of timed runs of each cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sampling {
     /// This many runs, each of one solve.
     Fixed(usize),
-    /// As many as the precision takes, from [`FEWEST`] to [`MOST`]. Short solves are timed in
+    /// As many runs as the precision needs, from [`FEWEST`] to [`MOST`]. Short solves are timed in
     /// batches.
     UntilPrecise(Precision),
 }
 
-/// Fewest runs of a cell whose number is not fixed: the fewest that have an interval.
+/// Minimum number of timed runs if the number is not fixed: the minimum for a confidence interval.
 pub const FEWEST: usize = statistics::FEWEST_FOR_INTERVAL;
 
-/// Most runs of a cell whose number is not fixed.
+/// Maximum number of timed runs if the number is not fixed.
 pub const MOST: usize = 100;
 
-/// Number of samples in the least time of a cell: a batch is at least this part of it.
+/// A batch takes at least this fraction (1/20) of the minimum time of a cell.
 const SAMPLES_IN_LEAST_TIME: f64 = 20.0;
 
-/// Most solves of a batch.
+/// Maximum number of solves in a batch.
 const MOST_SOLVES: f64 = 10_000.0;
 
 impl Precision {
@@ -38,7 +38,7 @@ impl Precision {
 }
 
 impl Sampling {
-    /// Fewest timed runs of a cell that ends well.
+    /// Minimum number of timed runs of a cell that succeeds.
     pub const fn fewest(&self) -> usize {
         match self {
             Self::Fixed(runs) => *runs,
@@ -46,7 +46,7 @@ impl Sampling {
         }
     }
 
-    /// Most timed runs of a cell.
+    /// Maximum number of timed runs of a cell.
     pub const fn most(&self) -> usize {
         match self {
             Self::Fixed(runs) => *runs,
@@ -54,7 +54,7 @@ impl Sampling {
         }
     }
 
-    /// The precision that is wanted, if the number of runs is not fixed.
+    /// The requested precision; `None` if the number of runs is fixed.
     pub const fn precision(&self) -> Option<Precision> {
         match self {
             Self::Fixed(_) => None,
@@ -62,7 +62,7 @@ impl Sampling {
         }
     }
 
-    /// Solves of a timed run of an algorithm whose warm-up took `seconds`; 1 if that is not known.
+    /// Number of solves in a timed run of an algorithm whose warm-up took `seconds`; 1 if unknown.
     pub fn solves(&self, seconds: Option<f64>) -> usize {
         let (Self::UntilPrecise(precision), Some(seconds)) = (self, seconds) else {
             return 1;
@@ -71,7 +71,7 @@ impl Sampling {
         if seconds >= batch {
             return 1;
         }
-        // A solve of no measurable time gives infinity, which the limit takes.
+        // A time of 0 gives infinity, which the maximum bounds.
         let solves = (batch / seconds).ceil().min(MOST_SOLVES);
         #[expect(clippy::cast_sign_loss, reason = "it is from 1 to the limit")]
         {
@@ -79,7 +79,7 @@ impl Sampling {
         }
     }
 
-    /// Whether a cell with these samples, which took `spent` seconds in all, needs no more.
+    /// Whether a cell with these samples, which took `spent` seconds in total, needs no more.
     pub fn is_enough(&self, samples: &[f64], spent: f64) -> bool {
         let Self::UntilPrecise(precision) = self else {
             return samples.len() >= self.fewest();
@@ -98,8 +98,8 @@ impl Sampling {
     }
 }
 
-/// Whether the interval is computed at this number of samples: at each up to 20, then at each tenth
-/// more, because the bootstrap takes milliseconds.
+/// Whether the interval is computed at this number of samples. The bootstrap takes milliseconds, so
+/// it is computed at each number up to 20 and then at ever larger steps of about a tenth.
 fn is_checkpoint(samples: usize) -> bool {
     samples <= 20 || samples.is_multiple_of(samples / 10)
 }
@@ -142,7 +142,7 @@ impl FromStr for Seconds {
             .ok()
             .or_else(|| Some(humantime::parse_duration(trimmed).ok()?.as_secs_f64()));
         match seconds {
-            // A year, which no cell takes.
+            // The limit is one year.
             Some(seconds) if (0.0..=31_557_600.0).contains(&seconds) => Ok(Self(seconds)),
             _ => Err(UsageError(format!(
                 "`{text}` is not a time; give one such as 0.2s, 200ms or 1m 30s"
@@ -182,7 +182,7 @@ mod tests {
         assert!(USUAL.is_enough(&wide[..7], 20.0));
         assert!(!USUAL.is_enough(&wide[..99], 1.0));
         assert!(USUAL.is_enough(&wide, 1.0));
-        // The fewest runs are made however long they take.
+        // The minimum number of runs is made even if it exceeds the maximum time.
         assert!(!USUAL.is_enough(&wide[..4], 1000.0));
     }
 
@@ -195,8 +195,8 @@ mod tests {
         assert_eq!(USUAL.solves(Some(0.0)), 10_000);
     }
 
-    /// Stopping at the first narrow interval chooses intervals that are narrow by chance. The
-    /// share that holds the true median stays near that of a fixed number of samples.
+    /// Stopping at the first narrow interval prefers intervals that are narrow by chance. The
+    /// coverage of the true median nevertheless stays close to that of a fixed number of samples.
     #[test]
     fn the_interval_still_holds_the_median_after_stopping() {
         let mut random = SplitMix64::new(11);

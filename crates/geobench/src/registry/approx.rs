@@ -1,4 +1,4 @@
-//! Approximate algorithms, to set beside exact ones.
+//! Approximate algorithms, for comparison with exact ones.
 
 use geobench_approx::{Boundary, Dijkstra, Fmm, FmmUntidy, Heat, HeatOptions};
 

@@ -1,5 +1,5 @@
-//! Distances that are proven, as a reference of checks. Selected by name only: it is no algorithm of
-//! its own.
+//! Certified distances, as a reference of checks. Selected by name only, since it is not an
+//! algorithm of its own.
 
 use geobench_mesh::{Mesh, VertexId};
 use geobench_mmp::mmp;
@@ -35,7 +35,7 @@ pub(super) const CERTIFIED: &[Algorithm] = &[Algorithm {
     ..Algorithm::EXACT
 }];
 
-/// Solves by MMP, and fails where the distances cannot be proven.
+/// Solves by MMP, and fails if the distances cannot be certified.
 struct Certified {
     mesh: Mesh,
     tolerance: f64,

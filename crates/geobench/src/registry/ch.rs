@@ -1,4 +1,4 @@
-//! Algorithms that split and filter windows and keep none.
+//! Algorithms that split and filter windows and store none.
 
 use geobench_ich::{Pch, ch, ich, ich1};
 

@@ -1,5 +1,5 @@
-//! Algorithms that fail, for tests of how runs report failures. They are built with the feature
-//! `failing-algorithms` only, which no release has, and are selected by name only.
+//! Algorithms that fail, for tests of how runs report failures. They exist only with the feature
+//! `failing-algorithms`, which no release has, and are selected by name only.
 
 use std::hint::black_box;
 use std::process::{Command, Stdio};
@@ -133,12 +133,12 @@ const fn algorithm(
         choose: "never",
         parameters,
         build,
-        // Held to the tolerance.
+        // Exact, so that the tolerance applies.
         ..Algorithm::EXACT
     }
 }
 
-/// Sends a signal to this process until it has its effect: the runtime looks at the first
+/// Sends a signal to this process until it takes effect: the Rust runtime handles the first
 /// `SIGSEGV` itself.
 fn kill(signal: Signal) {
     loop {
@@ -151,7 +151,7 @@ fn is_under_valgrind() -> bool {
     std::env::var("LD_PRELOAD").is_ok_and(|libraries| libraries.contains("vgpreload"))
 }
 
-/// Uses more of the stack than there is.
+/// Overflows the stack.
 #[expect(unconditional_recursion, reason = "that is what it is for")]
 fn descend(depth: u64) -> u64 {
     let frame = black_box([depth; 64]);
@@ -167,12 +167,13 @@ fn misbehave(mesh: &Mesh, values: &Values, deed: impl FnMut() + Send + 'static) 
     })
 }
 
-/// Does as the solver inside, after a number of runs not without a deed.
+/// Solves by `inner`; after a number of successful runs it calls `deed` before each run.
 struct Misbehaving<D> {
     inner: Box<dyn Solver>,
-    /// Runs that still go well.
+    /// Number of further runs that succeed.
     well: u64,
-    /// Whether it has been profiled: that takes as many runs as it takes, which count as one.
+    /// Whether a profiled run has started. It consists of a varying number of solves, which count
+    /// as one run.
     profiled: bool,
     deed: D,
 }
@@ -209,10 +210,10 @@ impl<D: FnMut() + Send> Solver for Misbehaving<D> {
     }
 }
 
-/// Answers as the solver inside but for one distance, after a number of right answers.
+/// Solves by `inner`; after a number of correct answers it makes one distance wrong.
 struct Wrong {
     inner: Box<dyn Solver>,
-    /// Runs that still go well.
+    /// Number of further correct answers.
     well: u64,
     factor: f64,
     vertex: usize,

@@ -1,5 +1,4 @@
-//! Algorithms that take windows, or lists of them, in an order that costs less than a priority
-//! queue.
+//! Algorithms that take windows, or lists of them, in an order cheaper than a priority queue.
 
 use geobench_fwp::{
     BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_batched, lc_ch,

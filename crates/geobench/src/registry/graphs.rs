@@ -1,5 +1,5 @@
-//! Approximate algorithms over windows: graphs of direct geodesics, and windows replaced by
-//! vertices within a bound.
+//! Approximate algorithms based on windows: graphs of direct geodesics, and windows replaced by
+//! vertices within an error bound.
 
 use geobench_approx::{SaddleVertexGraph, SvgBuilder, SvgOptions, avtp, mmp_approx};
 
@@ -38,7 +38,8 @@ fn svg_options(values: &Values) -> SvgOptions {
     }
 }
 
-/// The greatest relative error of an algorithm with these values, if it has a proven bound.
+/// Upper bound on the relative error of an algorithm with these values; `None` without a proven
+/// bound.
 pub(super) fn error_bound(algorithm: &str, values: &Values) -> Option<f64> {
     match algorithm {
         "mmp-approx" | "avtp" => Some(values.real(&EPS)),

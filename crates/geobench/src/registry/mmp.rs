@@ -49,11 +49,12 @@ const QUEUE: Parameter = Parameter::word(
 )
 .only_with(TURN.name, "window");
 
-/// [`LISTS`] of `mmp`. First in, first out, no distance tells that the wavefront has passed an
-/// edge: evicted lists would be reopened again and again, which winds around needles.
+/// [`LISTS`] of `mmp`. In first-in, first-out order no distance tells that the wavefront has passed
+/// an edge. Evicted lists would be reopened again and again, which makes windows wind around
+/// needles.
 const LISTS_BY_DISTANCE: Parameter = LISTS.only_with(QUEUE.name, "priority");
 
-/// Whether windows are taken by lists.
+/// Whether windows are taken in lists.
 pub(super) fn is_batched(values: &Values) -> bool {
     values.word(&TURN) == Some("list")
 }
@@ -65,7 +66,7 @@ fn retention(values: &Values) -> Retention {
     }
 }
 
-/// A single form with [`LISTS`] and [`THRESHOLD`].
+/// A solver that takes single windows, with [`LISTS`] and [`THRESHOLD`].
 pub(super) fn stored<Q>(
     solver: Continuous<Trimming, Q>,
     mesh: &Mesh,
@@ -79,7 +80,8 @@ where
     single(solver, mesh, values)
 }
 
-/// A batched form with [`FILTER`], [`LISTS`] and [`THRESHOLD`]. It has scalar code only.
+/// A solver that takes lists of windows, with [`FILTER`], [`LISTS`] and [`THRESHOLD`]. It has
+/// scalar code only.
 pub(super) fn batched<Q>(solver: Batched<Q>, mesh: &Mesh, values: &Values) -> Box<dyn Solver>
 where
     Q: Discipline,
@@ -147,7 +149,7 @@ pub(super) const FAST: &[Algorithm] = &[Algorithm {
     ..Algorithm::EXACT
 }];
 
-/// MMP in the order of VTP, which papers count among the variants of VTP.
+/// MMP in the order of VTP, which the papers count as a variant of VTP.
 pub(super) const VERTEX_ORDER: Algorithm = Algorithm {
     name: "vtp-mmp",
     family: "vtp-family",

@@ -1,9 +1,8 @@
-//! Every algorithm in one table, by name and parameter.
+//! The table of all algorithms and their parameters.
 //!
-//! This is the only place that knows which algorithms exist. The rest of the program reaches a
-//! solver through [`Selection::build`] and the [`Solver`] trait. The
-//! table has a file for each family; adding an algorithm is one entry in one of these files, and
-//! adding a family is a file and a line in [`algorithms`].
+//! Only this module knows which algorithms exist. The rest of the program reaches a solver through
+//! [`Selection::build`] and the [`Solver`] trait. The table has one file per family. A new
+//! algorithm is one entry in such a file. A new family is a file and a line in [`algorithms`].
 
 use std::sync::LazyLock;
 
@@ -33,7 +32,7 @@ pub use program::{ProcessLifetime, Program, Programs};
 pub use select::{Selection, select, select_one};
 pub(crate) use voronoi::field_solver;
 
-/// Every algorithm, in the order in which tables show them.
+/// All algorithms, in the order of tables.
 pub fn algorithms() -> &'static [Algorithm] {
     static ALL: LazyLock<Vec<Algorithm>> = LazyLock::new(|| {
         [
@@ -52,7 +51,8 @@ pub fn algorithms() -> &'static [Algorithm] {
     &ALL
 }
 
-/// Algorithms that are selected by name only: proven distances and, for tests, those that fail.
+/// Algorithms that are selected by name only: certified distances and, for tests, failing
+/// algorithms.
 fn by_name_only() -> impl Iterator<Item = &'static Algorithm> {
     #[cfg(feature = "failing-algorithms")]
     let failing = failing::FAMILY;
@@ -61,7 +61,7 @@ fn by_name_only() -> impl Iterator<Item = &'static Algorithm> {
     certificate::CERTIFIED.iter().chain(failing)
 }
 
-/// An algorithm that takes one window at a time, with its threshold and instructions.
+/// A solver that takes one window at a time, with its threshold and vector instructions.
 fn single<W: Policy, Q: Discipline>(
     solver: Continuous<W, Q>,
     mesh: &Mesh,
@@ -74,46 +74,47 @@ where
     Box::new(solver.with_instructions(values.instructions()))
 }
 
-/// A registered algorithm. In JSON it is what `geobench algos` tells.
+/// A registered algorithm. Its JSON form is the output of `geobench algos`.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Algorithm {
     /// Its name, in lower case.
     pub name: &'static str,
-    /// The group that `--algo` can ask for as a whole, such as `vtp-family`.
+    /// The family, such as `vtp-family`, which `--algo` can select as a whole.
     pub family: &'static str,
-    /// Whether its distances are exact up to rounding (as long as its parameters are the defaults).
-    /// Approximate ones are compared with the reference, but not held to the tolerance.
+    /// Whether its distances are exact up to rounding, at the default parameters. Approximate
+    /// algorithms are compared with the reference, but the tolerance does not apply.
     pub exact: bool,
-    /// Where it is described: authors, year, section.
+    /// The paper that describes it: authors, year, section.
     pub paper: &'static str,
     /// What it does, in one line.
     pub summary: &'static str,
     /// Worst-case time and space; n is the number of faces.
     pub complexity: &'static str,
-    /// Data that it keeps in memory during the run and at the end.
+    /// Data that it keeps in memory during the run and at its end.
     pub keeps: &'static str,
     /// When to choose it.
     pub choose: &'static str,
-    /// Where it departs from its paper at the default parameters; `docs/algorithms` says why.
+    /// How it differs from its paper at the default parameters; `docs/algorithms` gives the
+    /// reasons.
     pub departs: &'static str,
-    /// The counter of windows that the papers charge to its memory: those stored at the end for
-    /// algorithms that keep every window, those alive at the peak for the others.
+    /// The counter of windows from which its memory is computed as in the papers: windows stored at
+    /// the end for algorithms that keep every window, windows alive at the peak for the others.
     #[serde(skip)]
     pub memory_counter: Counter,
     /// For an algorithm that is slower by orders of magnitude: the number of faces that it solves
-    /// in about a minute. `verify` skips it on larger models unless it is named.
+    /// in about a minute. `verify` skips it on larger models unless it is selected by name.
     #[serde(skip)]
     pub comfortable_faces: Option<u64>,
     /// Its parameters, in the order of labels, `name{key=value}`.
     pub parameters: &'static [Parameter],
-    /// Sets it up for a mesh with these values of its parameters. Set-up is not part of the time of
-    /// a solve.
+    /// Sets up a solver for a mesh with these parameter values. Set-up is not part of the time of a
+    /// solve.
     #[serde(skip)]
     pub build: fn(&Mesh, &Values) -> Box<dyn Solver>,
 }
 
 impl Algorithm {
-    /// Defaults of an exact algorithm that keeps the windows of the wavefront only; for the tables
+    /// Defaults of an exact algorithm that keeps only the windows of the wavefront. For the tables
     /// of this module.
     const EXACT: Self = Self {
         name: "",

@@ -11,7 +11,7 @@ use serde::{Serialize, Serializer};
 
 use crate::UsageError;
 
-/// The parameter of every parallel algorithm, and of no other.
+/// The parameter that all parallel algorithms have, and no others.
 pub(crate) const THREADS: Parameter = Parameter::integer(
     "threads",
     1,
@@ -21,7 +21,7 @@ pub(crate) const THREADS: Parameter = Parameter::integer(
 .or_words(&["default"])
 .with_default(Value::Word("default"));
 
-/// Greatest number of threads.
+/// Maximum number of threads.
 pub const MOST_THREADS: u32 = 1024;
 
 /// A parameter of an algorithm: a number, one of a few words, or either.
@@ -47,7 +47,7 @@ pub struct Parameter {
     pub allowed: Allowed,
     /// Its meaning, in one line.
     pub meaning: &'static str,
-    /// The parameter on which this one depends, and the value that it must have.
+    /// The parameter on which this one depends, and the value which that one must have.
     #[serde(skip)]
     pub only_with: Option<(&'static str, &'static str)>,
 }
@@ -69,11 +69,11 @@ pub enum Value {
 pub struct Allowed {
     /// The numbers.
     pub numbers: Numbers,
-    /// The words, which can be given in any letter case.
+    /// The words; case is ignored.
     pub words: &'static [&'static str],
 }
 
-/// The numbers that a parameter can take; both ends of a range are in it.
+/// The numbers that a parameter can take. Ranges include both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Numbers {
     /// None: it takes words only.
@@ -85,7 +85,7 @@ pub enum Numbers {
 }
 
 impl Serialize for Allowed {
-    /// The ends of the range are null for words only.
+    /// The ends of the range are null if only words are allowed.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let ends = match self.numbers {
             Numbers::None => [None; 2],
@@ -129,7 +129,7 @@ impl Parameter {
         Self::new(name, Value::Integer(default), numbers, &[], meaning)
     }
 
-    /// A parameter that is a number in `range`.
+    /// A parameter that is a real number in `range`.
     pub const fn real(
         name: &'static str,
         default: f64,
@@ -149,21 +149,21 @@ impl Parameter {
         Self::new(name, Value::Word(words[0]), Numbers::None, words, meaning)
     }
 
-    /// The same, but one of `words` can stand instead of a number.
+    /// The parameter, with `words` allowed in place of a number.
     #[must_use]
     pub const fn or_words(mut self, words: &'static [&'static str]) -> Self {
         self.allowed.words = words;
         self
     }
 
-    /// The same with another default.
+    /// The parameter with another default.
     #[must_use]
     pub const fn with_default(mut self, default: Value) -> Self {
         self.default = default;
         self
     }
 
-    /// The same, but it has no effect unless the parameter of this name has this word as value.
+    /// The parameter, which now has an effect only if the parameter `name` is set to `word`.
     #[must_use]
     pub const fn only_with(mut self, name: &'static str, word: &'static str) -> Self {
         self.only_with = Some((name, word));
@@ -191,7 +191,7 @@ impl Parameter {
 }
 
 impl fmt::Display for Value {
-    /// The form of labels: the shortest that parses to the same value.
+    /// The form of labels: the shortest text that parses to the same value.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Integer(n) => write!(f, "{n}"),
@@ -230,17 +230,18 @@ impl fmt::Display for Allowed {
     }
 }
 
-/// Values of the parameters of an algorithm. Parameters without one have their default.
+/// Values of the parameters of an algorithm. Unset parameters have their defaults.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Values {
-    /// Values that differ from the defaults, in the order of the table.
+    /// Values that differ from the defaults, in the order of the parameter table.
     given: Vec<(&'static str, Value)>,
-    /// The widest instructions that the solver may use; `None` for those of the processor.
+    /// The widest vector instructions that the solver may use; `None` for the widest of the
+    /// processor.
     pub(super) widest: Option<Instructions>,
 }
 
 impl Values {
-    /// Those of `given` that are not the defaults, in the order of `parameters`.
+    /// The values in `given` that differ from the defaults, in the order of `parameters`.
     pub(super) fn new(parameters: &[Parameter], given: &[(&Parameter, Value)]) -> Self {
         let find = |p: &Parameter| {
             let (_, value) = given.iter().find(|(g, _)| g.name == p.name)?;
@@ -252,7 +253,7 @@ impl Values {
         }
     }
 
-    /// The same with another value of `parameter`, which is one of `parameters`.
+    /// A copy with another value of `parameter`, which is one of `parameters`.
     pub(super) fn with(
         &self,
         parameters: &[Parameter],
@@ -281,8 +282,8 @@ impl Values {
             .map_or(parameter.default, |(_, value)| *value)
     }
 
-    /// The value that `parameter` [depends on](Parameter::only_with), as `key=value`, if it is not
-    /// set.
+    /// If the condition of `parameter` ([`only_with`](Parameter::only_with)) does not hold, the
+    /// missing setting as `key=value`.
     pub(super) fn missing_for(
         &self,
         parameters: &[Parameter],
@@ -294,12 +295,12 @@ impl Values {
         (!fits).then(|| format!("{name}={word}"))
     }
 
-    /// The value of [`THREADS`], 1 without any.
+    /// The value of [`THREADS`]; 1 if it is unset.
     pub(super) fn threads(&self) -> usize {
         self.integer_or_word(&THREADS).unwrap_or(1) as usize
     }
 
-    /// The value of a parameter that is a whole number; `None` if a word stands instead.
+    /// The value of an integer parameter; `None` if it is a word.
     pub fn integer_or_word(&self, parameter: &Parameter) -> Option<u64> {
         match self.get(parameter) {
             Value::Integer(n) => Some(n),
@@ -307,7 +308,7 @@ impl Values {
         }
     }
 
-    /// The value of a parameter that is a number; `None` if a word stands instead.
+    /// The value of a real parameter; `None` if it is a word.
     pub fn real_or_word(&self, parameter: &Parameter) -> Option<f64> {
         match self.get(parameter) {
             Value::Real(x) => Some(x),
@@ -315,21 +316,21 @@ impl Values {
         }
     }
 
-    /// The value of a parameter that is always a whole number.
+    /// The value of an integer parameter that allows no words.
     ///
     /// # Panics
     ///
-    /// If the parameter is of another kind, an error in the tables of the registry.
+    /// If the parameter is of another kind, which is an error in the tables of the registry.
     pub fn integer(&self, parameter: &Parameter) -> u64 {
         self.integer_or_word(parameter)
             .unwrap_or_else(|| panic!("`{}` is not always a whole number", parameter.name))
     }
 
-    /// The value of a parameter that is always a number.
+    /// The value of a real parameter that allows no words.
     ///
     /// # Panics
     ///
-    /// If the parameter is of another kind, an error in the tables of the registry.
+    /// If the parameter is of another kind, which is an error in the tables of the registry.
     pub fn real(&self, parameter: &Parameter) -> f64 {
         self.real_or_word(parameter)
             .unwrap_or_else(|| panic!("`{}` is not always a number", parameter.name))
@@ -345,7 +346,7 @@ impl Values {
 }
 
 impl fmt::Display for Values {
-    /// The form of labels, `{key=value,...}`; empty if all have their defaults.
+    /// The form of labels, `{key=value,...}`; empty if all values are defaults.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, (name, value)) in self.given.iter().enumerate() {
             write!(f, "{}{name}={value}", if i == 0 { '{' } else { ',' })?;
@@ -380,20 +381,20 @@ pub(super) fn threshold_width(mesh: &Mesh, values: &Values) -> f64 {
     share * [0, 1, 2].map(side).into_iter().fold(0.0, f64::max)
 }
 
-/// Vector instructions.
+/// The parameter for vector instructions.
 pub(super) const SIMD: Parameter = Parameter::word(
     "simd",
     &["auto", "avx512", "avx2", "scalar"],
     "instructions to use, the widest that there are by default; narrower ones where these are missing",
 );
 
-/// The instructions of a run, the value of `--simd`.
+/// The vector instructions of a run, the value of `--simd`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SimdChoice {
     /// The widest of the processor.
     #[default]
     Auto,
-    /// These, or narrower ones where the processor lacks them.
+    /// These, or narrower ones if the processor lacks them.
     AtMost(Instructions),
 }
 
@@ -424,14 +425,14 @@ impl FromStr for SimdChoice {
 }
 
 impl Values {
-    /// The same with no wider instructions than `widest`. Labels do not show it.
+    /// A copy with instructions no wider than `widest`. Labels do not show it.
     pub(super) fn at_most(mut self, widest: Instructions) -> Self {
         self.widest = Some(widest);
         self
     }
 
-    /// The widest instructions that the solver may use: those of this processor, unless `simd` or a
-    /// limit asks for narrower ones.
+    /// The widest instructions that the solver may use: the widest of this processor, unless the
+    /// parameter `simd` or a limit is narrower.
     pub(super) fn instructions(&self) -> Instructions {
         let there = Instructions::detect();
         let asked = self.word(&SIMD).and_then(|name| name.parse().ok());

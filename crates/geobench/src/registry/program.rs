@@ -1,4 +1,4 @@
-//! Outside programs.
+//! External programs.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -11,37 +11,38 @@ use geobench_window::Counter;
 use super::Algorithm;
 use crate::UsageError;
 
-/// An outside program, as a TOML file describes it.
+/// An external program, as described by a TOML file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Program {
-    /// Its name, in lower case, with the values of its parameters as in `heat{width=0.5}`.
+    /// Its name in lower case, with its parameter values as in `heat{width=0.5}`.
     pub name: String,
-    /// The values of its parameters by name, in the order of their names.
+    /// Its parameter values by name.
     pub parameters: BTreeMap<String, String>,
-    /// A command before each run, which is not timed; empty for none.
+    /// An untimed command before each run; empty for none.
     pub prepare: Vec<String>,
-    /// A command after each run, which is not timed; empty for none.
+    /// An untimed command after each run; empty for none.
     pub cleanup: Vec<String>,
     /// The program and its arguments, with placeholders.
     pub command: Vec<String>,
-    /// Working directory: that of the file that describes it.
+    /// Working directory: the directory of the TOML file.
     pub directory: PathBuf,
-    /// How long its process lives.
+    /// Lifetime of its process.
     pub lifetime: ProcessLifetime,
-    /// Whether its distances are approximate, so that they are compared but not held to the
-    /// tolerance.
+    /// Whether its distances are approximate. They are compared with the reference, but the
+    /// tolerance does not apply.
     pub approximate: bool,
 }
 
-/// How long the process of an outside program lives.
+/// Lifetime of the process of an external program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProcessLifetime {
-    /// For all runs of a cell; each run is requested on standard input.
+    /// All runs of a cell. Each run is requested on standard input.
     #[default]
     Session,
-    /// For one run, which starts without a request.
+    /// One run, which starts without a request.
     Once,
-    /// For one run, from the start of a command to its end; it writes the distances and no answer.
+    /// One run, from the start of a command to its exit. The program writes the distances and no
+    /// reply.
     Command,
 }
 
@@ -49,7 +50,7 @@ impl ProcessLifetime {
     /// All of them.
     pub(crate) const ALL: [Self; 3] = [Self::Session, Self::Once, Self::Command];
 
-    /// The word for it in files.
+    /// The name in TOML files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Session => "session",
@@ -59,7 +60,7 @@ impl ProcessLifetime {
     }
 }
 
-/// The words that a command may hold in braces.
+/// The placeholders of commands.
 pub(crate) const PLACEHOLDERS: [&str; 4] = ["{model}", "{source}", "{threads}", "{output}"];
 
 /// The values of the placeholders of a command.
@@ -69,19 +70,19 @@ pub(crate) struct Call<'c> {
     pub(crate) model: &'c Path,
     /// The source vertex, counted from 0.
     pub(crate) source: u32,
-    /// Threads that it may use.
+    /// Number of threads that the program may use.
     pub(crate) threads: usize,
-    /// The file to which distances go.
+    /// The file to which the program writes distances.
     pub(crate) output: PathBuf,
 }
 
 impl Program {
-    /// Whether its command takes the number of threads.
+    /// Whether its command has the placeholder of the number of threads.
     pub(crate) fn takes_threads(&self) -> bool {
         self.command.iter().any(|word| word.contains("{threads}"))
     }
 
-    /// One of its commands with the placeholders filled in.
+    /// A process command from `words`, with the placeholders filled in.
     pub(crate) fn command(&self, words: &[String], call: &Call<'_>) -> Command {
         let fill = |word: &String| {
             let values = [
@@ -100,7 +101,7 @@ impl Program {
         };
         let mut words = words.iter().map(fill);
         let program = words.next().unwrap_or_default();
-        // A name without a slash is looked up in `PATH`; else it is relative to the file.
+        // A name without a slash is looked up in `PATH`. Otherwise it is relative to the TOML file.
         let program = if program.contains('/') {
             self.directory.join(program)
         } else {
@@ -112,7 +113,7 @@ impl Program {
     }
 }
 
-/// Outside programs with different names, in the order of their files.
+/// External programs with different names, in the order of their files.
 #[derive(Clone, Debug, Default)]
 pub struct Programs(Vec<Arc<Program>>);
 
@@ -128,7 +129,7 @@ impl Programs {
         is_free
     }
 
-    /// These, and those of `others` whose names are not among them.
+    /// These programs, and those of `others` with other names.
     #[must_use]
     pub fn or(mut self, others: &Self) -> Self {
         for program in &others.0 {
@@ -137,8 +138,8 @@ impl Programs {
         self
     }
 
-    /// The names of the programs that `name` stands for: its own, or, if its parameters have several
-    /// values, that of each combination, in the order of the file.
+    /// The full names that `name` selects: itself, or, if its parameters have several values, the
+    /// name of each combination, in the order of the file.
     pub(crate) fn meant_by(&self, name: &str) -> Vec<String> {
         if self.called(name).is_some() {
             return vec![name.to_owned()];
@@ -152,7 +153,7 @@ impl Programs {
     ///
     /// # Errors
     ///
-    /// When there is none of this name.
+    /// If there is no program of this name.
     pub fn find(&self, name: &str) -> Result<Arc<Program>, UsageError> {
         self.called(name).cloned().ok_or_else(|| {
             let mut known: Vec<&str> = self.0.iter().map(|p| p.name.as_str()).collect();
@@ -174,10 +175,10 @@ impl Programs {
     }
 }
 
-/// Prefix of the names of outside programs.
+/// Prefix of the names of external programs.
 pub(super) const PREFIX: &str = "ext:";
 
-/// The registry entry of all outside programs.
+/// The registry entry of all external programs.
 pub(super) static OUTSIDE: Algorithm = Algorithm {
     name: "ext",
     family: "ext",

@@ -13,15 +13,15 @@ use super::program::{Program, Programs};
 use super::{Algorithm, Parameter, SimdChoice, Value, Values, algorithms, by_name_only};
 use crate::UsageError;
 
-/// An algorithm with the values of its parameters.
+/// An algorithm with its parameter values.
 #[derive(Clone, Debug)]
 pub struct Selection {
     algorithm: Algorithm,
     values: Values,
     label: String,
-    /// Threads, unless its parameters give them.
+    /// Number of threads, unless the parameters set it.
     threads: usize,
-    /// The outside program, once it has been looked up.
+    /// The external program, once it has been looked up.
     program: Option<Arc<Program>>,
 }
 
@@ -37,7 +37,7 @@ impl Selection {
         }
     }
 
-    /// The outside program of this name, not yet looked up.
+    /// The external program of this name, not yet looked up.
     fn outside(name: &str) -> Self {
         Self {
             label: format!("{PREFIX}{name}"),
@@ -45,21 +45,22 @@ impl Selection {
         }
     }
 
-    /// Name of the outside program; `None` for an algorithm of the registry.
+    /// Name of the external program; `None` for an algorithm of the registry.
     pub fn outside_name(&self) -> Option<&str> {
         self.label.strip_prefix(PREFIX)
     }
 
-    /// The outside program, once it has been [looked up](Self::find_programs).
+    /// The external program, once it has been [looked up](Self::find_programs).
     pub const fn program(&self) -> Option<&Arc<Program>> {
         self.program.as_ref()
     }
 
-    /// This, or the outside programs that its name stands for, looked up.
+    /// Looks up the external programs that this selects; an algorithm of the registry selects
+    /// itself.
     ///
     /// # Errors
     ///
-    /// When there is none of its name.
+    /// If there is no program of this name.
     pub fn find_programs(&self, programs: &Programs) -> Result<Vec<Self>, UsageError> {
         let Some(name) = self.outside_name() else {
             return Ok(vec![self.clone()]);
@@ -79,8 +80,8 @@ impl Selection {
         found.collect()
     }
 
-    /// Whether its distances are not held to the tolerance: it is an approximate algorithm, or its
-    /// program is declared approximate.
+    /// Whether the tolerance does not apply: the algorithm is approximate, or the external program
+    /// is declared approximate.
     pub fn is_approximate(&self) -> bool {
         match &self.program {
             Some(program) => program.approximate,
@@ -88,9 +89,9 @@ impl Selection {
         }
     }
 
-    /// Whether its distances are exact up to rounding, so that others can be compared with them: it
-    /// is not approximate and drops no narrow windows. An outside program counts as exact until it
-    /// is found.
+    /// Whether its distances are exact up to rounding and thus usable as a reference: it is not
+    /// approximate and drops no narrow windows. An external program counts as exact until it is
+    /// looked up.
     pub fn is_exact(&self) -> bool {
         let drops_windows = (self.algorithm.parameters.iter())
             .filter(|parameter| parameter.name == THRESHOLD.name)
@@ -98,8 +99,8 @@ impl Selection {
         !self.is_approximate() && !drops_windows
     }
 
-    /// Whether a run ends once the distances that are asked for are final. Others go to their end,
-    /// and outside programs are asked for all distances.
+    /// Whether a run ends once the distances of its goal are final. Other algorithms run to
+    /// completion. External programs always compute all distances.
     pub fn ends_early(&self) -> bool {
         const TO_THE_END: [&str; 7] = [
             "certificate",
@@ -113,7 +114,7 @@ impl Selection {
         self.outside_name().is_none() && !TO_THE_END.contains(&self.algorithm.name)
     }
 
-    /// The greatest relative error of its distances, if that is proven and not that of rounding.
+    /// Proven bound on the relative error of its distances, rounding aside; `None` without one.
     pub fn error_bound(&self) -> Option<f64> {
         super::graphs::error_bound(self.algorithm.name, &self.values)
     }
@@ -128,15 +129,15 @@ impl Selection {
         &self.values
     }
 
-    /// The name under which its results are shown and stored: that of the algorithm, followed by
-    /// the parameters that do not have their defaults, as in `fwp-mmp{kmax=5000}`. The same
-    /// algorithm with the same values has the same label however it was asked for.
+    /// The name of its results in files and tables: the algorithm, followed by the parameters that
+    /// differ from their defaults, as in `fwp-mmp{kmax=5000}`. The notation of the user does not
+    /// affect it.
     pub fn label(&self) -> &str {
         &self.label
     }
 
-    /// The same on `threads` threads, if it is parallel and its parameters do not give a number.
-    /// The label stays the same.
+    /// Sets the number of threads of a parallel algorithm, unless its parameters set one. The label
+    /// does not change.
     #[must_use]
     pub fn with_threads(mut self, threads: usize) -> Self {
         self.threads = threads;
@@ -149,7 +150,7 @@ impl Selection {
         self
     }
 
-    /// The same with the instructions of a run. The label stays the same.
+    /// Sets the vector instructions of the run. The label does not change.
     #[must_use]
     pub fn with_simd(self, simd: SimdChoice) -> Self {
         match simd {
@@ -158,7 +159,7 @@ impl Selection {
         }
     }
 
-    /// The same with no wider instructions than `widest`. The label stays the same.
+    /// Limits the vector instructions to `widest`. The label does not change.
     #[must_use]
     pub fn at_most(mut self, widest: Instructions) -> Self {
         self.values = self.values.at_most(widest);
@@ -170,7 +171,7 @@ impl Selection {
         self.values.instructions()
     }
 
-    /// The name of these instructions; `None` for an outside program.
+    /// The name of these instructions; `None` for an external program.
     pub fn simd(&self) -> Option<String> {
         self.outside_name()
             .is_none()
@@ -192,8 +193,8 @@ impl Selection {
         }
     }
 
-    /// The text from which [`select_one`] makes it again: its [label](Self::label) and its
-    /// [threads](Self::with_threads).
+    /// The text from which [`select_one`] restores this selection: its [label](Self::label) with
+    /// its [threads](Self::with_threads).
     pub fn spelled(&self) -> String {
         if self.outside_name().is_some() {
             return self.label.clone();
@@ -206,19 +207,18 @@ impl Selection {
         self.values.get(parameter)
     }
 
-    /// Sets the algorithm up for `mesh`.
+    /// Sets up a solver for `mesh`.
     ///
     /// # Panics
     ///
-    /// For an outside program, which has no solver in this process.
+    /// For an external program, which has no solver in this process.
     pub fn build(&self, mesh: &Mesh) -> Box<dyn Solver> {
         (self.algorithm.build)(mesh, &self.values)
     }
 }
 
-/// Parses a comma-separated list of names, families, `exact` and `all`, in any letter case. The
-/// algorithms come in the order in which they are first named; each once for each set of values of
-/// its parameters.
+/// Parses a comma-separated list of names, families, `exact` and `all`; case is ignored. The result
+/// has the order of the list, without duplicates of an algorithm with the same parameter values.
 ///
 /// # Errors
 ///
@@ -239,7 +239,7 @@ pub fn select(list: &str) -> Result<Vec<Selection>, UsageError> {
 ///
 /// # Errors
 ///
-/// As [`select`], and when there are several.
+/// As [`select`], and if there are several algorithms.
 pub fn select_one(name: &str) -> Result<Selection, UsageError> {
     let mut selected = select(name)?;
     match (selected.len(), selected.pop()) {
@@ -268,7 +268,7 @@ fn matches(item: &str, list: &str) -> Result<Vec<Selection>, UsageError> {
         )));
     }
     if let Some(program) = program {
-        // Its parameters are known when it is looked up.
+        // Its parameters are validated when it is looked up.
         let values: Vec<String> = settings.iter().map(|(k, v)| format!("{k}={v}")).collect();
         return Ok(vec![Selection::outside(&if values.is_empty() {
             program.to_owned()
@@ -291,7 +291,7 @@ fn matches(item: &str, list: &str) -> Result<Vec<Selection>, UsageError> {
     found.iter().map(|a| with_settings(a, &settings)).collect()
 }
 
-/// `algorithm` with these values of its parameters.
+/// `algorithm` with these parameter values.
 fn with_settings(
     algorithm: &Algorithm,
     settings: &[(String, &str)],
@@ -326,7 +326,7 @@ fn with_settings(
     Ok(Selection::new(algorithm, values))
 }
 
-/// Splits at the commas that are not inside `{}`.
+/// Splits at commas outside of `{}`.
 fn split_outside_braces(list: &str) -> impl Iterator<Item = &str> {
     let mut depth = 0_i32;
     list.split(move |c| {
@@ -340,10 +340,10 @@ fn split_outside_braces(list: &str) -> impl Iterator<Item = &str> {
     .map(str::trim)
 }
 
-/// Keys in lower case with their values as written.
+/// Keys in lower case, with their values unchanged.
 type GivenValues<'i> = Vec<(String, &'i str)>;
 
-/// The name of one item in lower case, and its parameters.
+/// Splits an item into its name in lower case and its parameters.
 fn split_parameters(item: &str) -> Result<(String, GivenValues<'_>), UsageError> {
     let malformed = || {
         UsageError(format!(

@@ -1,4 +1,4 @@
-//! Algorithms that keep the windows from which geodesic Voronoi diagrams are made.
+//! Algorithms that keep the windows from which geodesic Voronoi diagrams are extracted.
 
 use geobench_fwp::{BucketOptions, Buckets};
 use geobench_mesh::Mesh;
@@ -69,7 +69,7 @@ fn takes_buckets(values: &Values) -> bool {
     values.word(&QUEUE) == Some("buckets")
 }
 
-/// The algorithm of `selection` as one that makes diagrams; `None` if it is not of this family.
+/// The solver of `selection` for Voronoi diagrams; `None` if it is not of this family.
 pub(crate) fn field_solver(selection: &Selection, mesh: &Mesh) -> Option<Box<dyn FieldSolver>> {
     let values = selection.values();
     match selection.algorithm().name {

@@ -1,4 +1,4 @@
-//! Algorithms that take whole lists of windows across the faces around a vertex or a face.
+//! Algorithms that propagate whole lists of windows across the faces around a vertex, or one face.
 
 use geobench_vtp::{
     EdgeBased, FastOptions, Ftp, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpNoRule1,

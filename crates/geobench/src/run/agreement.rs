@@ -1,7 +1,7 @@
-//! Which algorithms agree with each other, so that a wrong reference is found.
+//! Clusters of agreeing algorithms. They reveal a wrong reference.
 //!
 //! The answers for one model and source fall into clusters. An answer belongs to the first cluster
-//! whose first answer it agrees with. Cluster 0 is that of the reference.
+//! with whose first answer it agrees. Cluster 0 is the cluster of the reference.
 
 use std::collections::BTreeMap;
 
@@ -97,7 +97,7 @@ struct Ballot<'v> {
     clusters: BTreeMap<u32, Vec<&'v Vote>>,
 }
 
-/// Which answers agree, in one line; `None` if all do.
+/// Describes the clusters, as a single line; `None` if all answers agree.
 pub(crate) fn summary(votes: &[Vote]) -> Option<String> {
     Ballot::of(votes).map(|ballot| ballot.summary())
 }
@@ -130,7 +130,7 @@ impl<'v> Ballot<'v> {
         self.clusters.get(&cluster).map_or(0, Vec::len)
     }
 
-    /// The cluster that more than half of the answers belong to.
+    /// The cluster that has more than half of the answers.
     fn majority(&self) -> Option<u32> {
         let mut clusters = self.clusters.keys().copied();
         clusters.find(|&cluster| 2 * self.size(cluster) > self.votes.len())

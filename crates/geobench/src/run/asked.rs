@@ -1,4 +1,4 @@
-//! What the answers of a goal hold, for comparing them.
+//! The layout of the answers of a goal, for comparing them.
 
 use std::collections::HashMap;
 
@@ -7,7 +7,7 @@ use crate::exec::source::PointSpec;
 use crate::run::check::{self, Deviation, Disagreement};
 use crate::schema::SourceLabel;
 
-/// What answers of a goal hold, for comparing them.
+/// The layout of the answers of a goal: which vertex or point each distance belongs to.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Asked {
     /// The targets; `None` for all vertices.

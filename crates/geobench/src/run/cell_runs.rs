@@ -1,4 +1,4 @@
-//! The runs of one cell, and the record that they become.
+//! The runs of one cell, and its record.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -126,7 +126,7 @@ impl<'p> CellRuns<'p> {
     /// Adds the outcome of a run.
     pub(super) fn add(&mut self, pass: Pass, round: usize, outcome: RunOutcome) {
         self.failure = self.failure.take().or_else(|| outcome.failure.clone());
-        // Of repeated warm-ups the first set the algorithm up.
+        // If warm-ups were repeated, the first one included the set-up.
         self.outcomes.entry((pass, round)).or_insert(outcome);
     }
 
@@ -173,7 +173,7 @@ impl<'p> CellRuns<'p> {
             if let Some(why) = outcome.unchecked {
                 cell.message = Some(format!("{NOT_CHECKED}{why}"));
             }
-            // The set-up of the counted run is not that of the timed runs.
+            // The set-up of the counting run differs from that of the timed runs.
             setup = setup.or(observation.setup_seconds);
             extraction = extraction.or(observation.extraction_seconds);
             match pass {
@@ -266,14 +266,15 @@ impl<'p> CellRuns<'p> {
     }
 }
 
-/// Least share of the time from outside that the own time of an outside program can be.
+/// Minimum plausible ratio of the time that an external program reports to the time by the clock of
+/// the harness.
 const LEAST_CLAIM: f64 = 0.1;
 
-/// Share by which the clock of a program may run faster than ours.
+/// Tolerated relative difference between the clocks of a program and of the harness.
 const CLOCKS: f64 = 0.01;
 
-/// Whether one of the times that an outside program claims is more than that from outside, or a
-/// small part of it.
+/// Whether a time that an external program reports exceeds the time by the clock of the harness, or
+/// is a small part of it.
 fn is_doubtful(claimed: &[f64], outside: &[f64]) -> bool {
     let mut pairs = claimed.iter().zip(outside);
     pairs.any(|(&claimed, &outside)| {
@@ -289,5 +290,5 @@ pub(super) fn summary(outcome: &RunOutcome) -> Result<Option<f64>, Status> {
     }
 }
 
-/// Bytes that the papers charge for each window.
+/// Bytes of a window in the memory figures of the papers.
 const PAPERS_WINDOW_BYTES: u64 = 80;

@@ -1,9 +1,10 @@
-//! A benchmark as a job array: every part of the plan is a job, and one more joins their files.
+//! A benchmark as a job array: every shard of the plan is a job, and one more job merges their
+//! files.
 //!
-//! Slurm schedules; this module describes. A directory that all nodes see holds the scripts, the
-//! journals and the files of the parts, and a record of the submissions. A part is done once its
-//! file has its final name and is complete, so the missing parts follow from the directory and the
-//! queue.
+//! Slurm schedules the jobs; this module writes their scripts. A directory visible to all nodes
+//! holds the scripts, the journals, the files of the shards and a record of the submissions. A
+//! shard is done once its file has its final name and holds the results of a completed run. The
+//! missing shards thus follow from the directory and the queue.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

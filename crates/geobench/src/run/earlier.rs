@@ -1,4 +1,4 @@
-//! The cells of an earlier result file, to which a run adds: as if its runs were in a journal.
+//! An earlier result file to which a run adds cells. Its runs count as if they were in a journal.
 
 use std::collections::HashMap;
 

@@ -8,8 +8,9 @@
 //! or a run. An incomplete last line is cut off. Any other malformed
 //! line is an error, because the rest of the file cannot be trusted then.
 //!
-//! A run has one line, except warm-ups: a later process repeats them before its timed runs, and so
-//! the run of the reference, whose answer is needed for checks and too large to store.
+//! A run has one line. Warm-ups are the exception: a later process repeats them before its timed
+//! runs. It also repeats the run of the reference, whose answer is needed for checks and is too
+//! large to store.
 
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -88,8 +89,8 @@ const PAUSE: Duration = Duration::from_millis(10);
 
 /// Locks a journal, waiting up to [`LOCK_TIMEOUT`].
 ///
-/// If a process is killed while it starts a child, the child holds the lock until it has called
-/// exec. A resumed run must not be refused for that.
+/// If a process is killed while it starts a child, the child holds the lock until exec. Waiting
+/// prevents that a resumed run is refused for that reason.
 fn lock(file: &File) -> Result<(), TryLockError> {
     let deadline = Instant::now() + LOCK_TIMEOUT;
     loop {
@@ -362,8 +363,8 @@ impl JournalHeader {
         line
     }
 
-    /// The first difference from `now` that makes runs of the one no runs of the other, with both
-    /// values.
+    /// The first difference from `now` for which the runs of one benchmark cannot be used in the
+    /// other, with both values.
     fn difference(&self, now: &Self) -> Option<String> {
         let value = |header: &Self, other: &Self| {
             let plan = conditions(&header.plan, &other.plan);

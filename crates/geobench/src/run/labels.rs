@@ -1,4 +1,4 @@
-//! Which sources are the nearest to each vertex, by one run from each.
+//! The nearest sources of each vertex, from one run per source.
 
 use geobench_voronoi::NO_SOURCE;
 

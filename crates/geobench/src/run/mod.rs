@@ -1,4 +1,4 @@
-//! Carries out a [`Plan`], model by model. `unit` runs the cells of one model and source.
+//! Executes a [`Plan`], model by model. `unit` runs the cells of one model and source.
 
 pub mod agreement;
 pub(crate) mod asked;

@@ -6,11 +6,12 @@ use crate::schema::SourceLabel;
 
 /// The order of the algorithms in each round of timed runs.
 ///
-/// A round has one run of every algorithm. The previous run matters through caches, memory and
-/// clock frequency, so the order follows the rows of a balanced Latin square (E. J. Williams,
-/// Experimental designs balanced for the estimation of residual effects of treatments, 1949): over
-/// all rows every algorithm has every place equally often and follows every other equally often.
-/// Seed, model and source determine the columns and the first row, so that a run can be repeated.
+/// A round has one run of every algorithm. The previous run affects the next one through caches,
+/// memory and clock frequency. The orders are therefore the rows of a balanced Latin square (E. J.
+/// Williams, Experimental designs balanced for the estimation of residual effects of treatments,
+/// 1949). Over all rows, every algorithm has every position equally often and follows every other
+/// one equally often. Seed, model and source determine the columns and the first row, so a run can
+/// be repeated.
 #[derive(Clone, Debug)]
 pub(crate) struct RunOrder {
     /// The algorithm of each part of the square.

@@ -73,7 +73,7 @@ impl ReferenceCheck {
                 let expected = answer.distances.iter().copied();
                 (self.asked).compare(distances, expected, tolerance, is_approximate)
             }
-            // No reference; NaN is wrong all the same.
+            // Without a reference, NaN still counts as wrong.
             None => check::compare_some(
                 distances,
                 distances

@@ -23,7 +23,7 @@ use crate::run::order::RunOrder;
 use crate::run::reference_check::{Answer, ReferenceCheck};
 use crate::schema::{Cell, ModelRecord, Status};
 
-/// The cells of one model and source. Unless several run at the same time, their runs are
+/// The cells of one model and source. Unless several cells run concurrently, their runs are
 /// interleaved, so that drift of the machine affects all algorithms alike.
 pub(crate) struct Unit<'p> {
     plan: UnitPlan<'p>,
@@ -31,7 +31,7 @@ pub(crate) struct Unit<'p> {
     cells: Vec<CellRuns<'p>>,
 }
 
-/// What the cells of a unit have in common.
+/// The data shared by the cells of a unit.
 struct UnitPlan<'p> {
     plan: &'p Plan,
     model: &'p ModelRecord,
@@ -338,8 +338,8 @@ impl<'p> UnitPlan<'p> {
                 }
             }
         }
-        // Profile before Count: the storage of the counters fragments the heap, and the memory of
-        // later runs could not be measured.
+        // Profile precedes Count: the storage of the counters fragments the heap, after which
+        // memory of later runs could not be measured.
         for pass in [Pass::Profile, Pass::Count] {
             for cell in &mut *cells {
                 self.step(cell, pass, 0, context)?;
@@ -395,7 +395,7 @@ impl<'p> UnitPlan<'p> {
         let failure = |journal: &Journal| journal.outcome(&run)?.failure.clone();
         let known = context.log.journal().as_deref().and_then(failure);
         if let Some(failure) = known {
-            // Not tried again.
+            // The reference is not tried again.
             context.check().unchecked = failed(&failure);
             return Ok(None);
         }
@@ -540,8 +540,8 @@ impl<'p> UnitPlan<'p> {
         Ok(())
     }
 
-    /// The nearest sources of every vertex; `None` where nothing is checked, of a single source, and
-    /// of more than [`MOST_SOURCES`].
+    /// The nearest sources of every vertex. `None` if nothing is checked, for a single source, and
+    /// for more than [`MOST_SOURCES`].
     fn find_nearest(
         &self,
         context: &mut RunContext<'_, '_>,
@@ -589,7 +589,8 @@ impl<'p> UnitPlan<'p> {
                     reference_check.judge(&distances, tolerance, is_approximate);
                 check.doubt = (self.model.longest_edge)
                     .and_then(|longest| precision::doubtful_by(longest, &distances));
-                // An approximation may differ, but by a finite amount, or by its proven bound.
+                // An approximate answer may differ by a finite amount, or by its proven bound if it
+                // has one.
                 let may_differ = is_approximate && bound.is_none();
                 let failure = failure.filter(|_| !may_differ || check.max_rel.is_none());
                 RunOutcome {
@@ -630,7 +631,7 @@ impl<'p> UnitPlan<'p> {
     }
 }
 
-/// The most sources whose labels are checked, each by a run of its own.
+/// Maximum number of sources whose labels are checked. Each costs one run.
 const MOST_SOURCES: usize = 100;
 
 /// The environment of the runs.

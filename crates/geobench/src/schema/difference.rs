@@ -1,20 +1,21 @@
-//! The first difference between two records, to name it in an error.
+//! Finds the first difference between two JSON records, for error messages.
 
 use serde_json::{Map, Value};
 
-/// Most characters of a value that are shown.
+/// Maximum number of characters of a value in a message.
 const SHOWN: usize = 60;
 
-/// A place and the values on both sides, as text.
+/// The path of a field, and its value on each side as text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Difference {
-    /// Such as `plan.groups[0].repeat`.
+    /// Path of the field, such as `plan.groups[0].repeat`.
     pub(crate) place: String,
     pub(crate) left: String,
     pub(crate) right: String,
 }
 
-/// The first difference between two values.
+/// The first difference between two values in depth-first order; `None` if they are equal. A
+/// missing key counts as null.
 pub(crate) fn first_difference(left: &Value, right: &Value) -> Option<Difference> {
     let mut found = search("", left, right)?;
     if let Some(place) = found.place.strip_prefix('.') {

@@ -1,6 +1,7 @@
-//! The result file: every field, defined once. Times are seconds, sizes bytes, distances the
-//! model's own units, and numbers are stored unrounded. A figure that does not exist is `null`,
-//! never 0.
+//! The result file. Every field is defined once, here.
+//!
+//! Times are in seconds, sizes in bytes, distances in the units of the model. Numbers are stored
+//! unrounded. A missing figure is `null`, never 0.
 
 pub(crate) mod difference;
 mod plan_record;
@@ -28,22 +29,22 @@ pub struct ResultFile {
     pub schema: String,
     /// The program that measured.
     pub tool: Tool,
-    /// The machine it measured on.
+    /// The machine that ran it.
     pub host: Host,
-    /// The command, word by word.
+    /// The command line, one word per element.
     pub command: Vec<String>,
-    /// When it started, RFC 3339 in UTC.
+    /// Start of the run, RFC 3339 in UTC.
     pub started: String,
-    /// When it finished, RFC 3339 in UTC; in an intermediate file, when that was written.
+    /// End of the run, RFC 3339 in UTC. In an intermediate file: the time of writing.
     pub finished: String,
-    /// Where the cells ran; null in files of older programs.
+    /// Process isolation and pinning of the cells; null in files of older versions.
     #[serde(default)]
     pub isolation: Option<IsolationRecord>,
-    /// The groups of cells, in the order of the run; a single one without a name unless a suite
-    /// file defines groups.
+    /// The groups of cells, in the order of the run. Without a suite file there is one unnamed
+    /// group.
     #[serde(default)]
     pub groups: Vec<GroupRecord>,
-    /// The models, in the order of the run, each once.
+    /// The models, in the order of the run, without repetition.
     pub models: Vec<ModelRecord>,
     /// The cells, in the order of the run.
     pub cells: Vec<Cell>,
@@ -54,21 +55,22 @@ pub struct ResultFile {
     /// Disturbances during the run; null in intermediate files.
     #[serde(default)]
     pub conditions: Option<Conditions>,
-    /// The plan, with all parameters.
+    /// The plan, with all parameters; null in files of older versions.
     #[serde(default)]
     pub plan: Option<PlanRecord>,
-    /// The processes that measured, in order; several if a run was resumed or shards were merged.
+    /// The processes that measured, in order. Several if a run was resumed or shards were merged.
     #[serde(default)]
     pub sessions: Vec<SessionRecord>,
 }
 
 impl ResultFile {
-    /// How many cells ran at the same time, if more than one.
+    /// Number of cells that ran concurrently; `None` for one.
     pub fn jobs(&self) -> Option<usize> {
         self.isolation.as_ref()?.jobs
     }
 
-    /// The suite: the name of the suite file in the command, without its ending.
+    /// Name of the suite: the file name after `--config` in the command, without its extension.
+    /// `None` without a suite file.
     pub fn suite(&self) -> Option<String> {
         let mut words = self.command.iter();
         let given = words.find_map(|word| {
@@ -83,7 +85,8 @@ impl ResultFile {
         Some(stem.to_string_lossy().into_owned())
     }
 
-    /// The machine that measured `cell`: that of its part of the plan, if that was split.
+    /// The machine that measured `cell`: the machine of its shard, or of the whole file if the plan
+    /// was not split.
     pub fn host_of(&self, cell: &Cell) -> &Host {
         let of_shard = |session: &&SessionRecord| {
             let shard = session.shard.map(|shard| shard.index);
@@ -94,20 +97,21 @@ impl ResultFile {
     }
 }
 
-/// A process that measured.
+/// A process that measured all or part of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SessionRecord {
-    /// Its part of the plan; null for the whole plan.
+    /// Its shard of the plan; null for the whole plan.
     pub shard: Option<Shard>,
     /// The machine.
     pub host: Host,
-    /// The command, word by word.
+    /// The command line, one word per element.
     pub command: Vec<String>,
-    /// When it started, RFC 3339 in UTC.
+    /// Start, RFC 3339 in UTC.
     pub started: String,
-    /// When it finished, RFC 3339 in UTC; null if it was stopped and a later one resumed.
+    /// End, RFC 3339 in UTC; null if the process was stopped and another one resumed its run.
     pub finished: Option<String>,
-    /// The program, in files that were joined of several; else absent, and that of the file.
+    /// The program of this session, in files merged from several programs. If absent, that of the
+    /// file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tool: Option<Tool>,
 }
@@ -117,12 +121,11 @@ pub struct SessionRecord {
 pub struct Tool {
     /// Version of the program.
     pub version: String,
-    /// Commit it was built from, if it was built in a checkout.
+    /// Git commit of the build; null if it was not built in a checkout.
     pub commit: Option<String>,
-    /// Compiler it was built with.
+    /// Version of the compiler that built it.
     pub rustc: Option<String>,
-    /// Compiler flags from outside, as by `RUSTFLAGS`; empty if none, absent in files of older
-    /// programs.
+    /// Extra compiler flags, as from `RUSTFLAGS`; empty if none, absent in files of older versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rustflags: Option<String>,
     /// `release` or `debug`.
@@ -134,36 +137,37 @@ pub struct Tool {
 /// The machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Host {
-    /// Name of the processor.
+    /// Model name of the processor.
     pub cpu: Option<String>,
-    /// Processors that this process may use.
+    /// Number of processors available to this process.
     pub cores: usize,
-    /// Main memory.
+    /// Size of main memory in bytes.
     pub memory_bytes: Option<u64>,
     /// Operating system.
     pub os: String,
-    /// Version of its kernel.
+    /// Version of the kernel.
     pub kernel: Option<String>,
-    /// Load average over one minute when the run started.
+    /// One-minute load average when the run started.
     pub load_start: Option<f64>,
-    /// The widest vector instructions that it has and the program uses, `avx512`, `avx2` or
-    /// `scalar`. Those of a cell are narrower if `--simd` or a parameter `simd` asks for it.
+    /// The widest vector instructions that the machine has and the program uses: `avx512`, `avx2`
+    /// or `scalar`. A cell uses narrower ones if `--simd` or its parameter `simd` says so.
     #[serde(default)]
     pub simd: Option<String>,
-    /// Its name in the cluster; absent outside of one.
+    /// Name of the cluster node; absent outside of a cluster.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub node: Option<String>,
 }
 
 impl Host {
-    /// The class of the machine in words: processor, number of processors and operating system.
+    /// The class of the machine as text: processor, number of processors, operating system.
     pub fn in_words(&self) -> String {
         let cpu = self.cpu.as_deref().unwrap_or("unknown processor");
         format!("{cpu}, {} cores, {}", self.cores, self.os)
     }
 
-    /// Whether `other` is the same machine, as far as can be told: node of the cluster, processor,
-    /// cores and main memory, of which kernels report a little more or less.
+    /// Whether `other` appears to be the same machine: same processor, number of processors, memory
+    /// size within 1 % (kernels differ a little in what they report) and cluster node, if both name
+    /// one.
     pub fn is_same_machine(&self, other: &Self) -> bool {
         let same_memory = match (self.memory_bytes, other.memory_bytes) {
             (Some(a), Some(b)) => a.abs_diff(b) <= a.max(b) / 100,
@@ -177,14 +181,14 @@ impl Host {
     }
 }
 
-/// Where cells ran.
+/// Process isolation of the cells.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct IsolationRecord {
-    /// Whether each cell had a process of its own.
+    /// Whether each cell ran in a process of its own.
     pub process: bool,
-    /// Processors to which the cells were pinned; null if to none.
+    /// Processors to which the cells were pinned; null if not pinned.
     pub cpus: Option<Vec<usize>>,
-    /// How many cells ran at the same time, which disturbs their times; absent for one.
+    /// Number of cells that ran concurrently, which disturbs their times; absent for one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub jobs: Option<usize>,
 }
@@ -194,19 +198,19 @@ pub struct IsolationRecord {
 pub struct GroupRecord {
     /// Its name, unique within the file; null for the only group of a run without a suite.
     pub name: Option<String>,
-    /// What its table shows.
+    /// What the table of the group shows, as text for the reader.
     pub shows: Option<String>,
-    /// The rows of its tables, by name; the default rows if empty.
+    /// Names of the rows of its tables; the default rows if empty.
     pub rows: Vec<String>,
-    /// The base of its table of ratios; null for no such table.
+    /// The algorithm that is the base of the table of ratios; null for no such table.
     pub ratios_to: Option<String>,
     /// Time limit of each run in seconds; null for none.
     #[serde(default)]
     pub timeout: Option<f64>,
-    /// Memory limit of the process of each cell in bytes; null for none.
+    /// Memory limit of the process of a cell in bytes; null for none.
     #[serde(default)]
     pub memory_limit: Option<u64>,
-    /// Whether its cells hold samples of the wavefront.
+    /// Whether its cells record samples of the wavefront.
     #[serde(default)]
     pub wavefront: bool,
 }
@@ -226,32 +230,33 @@ impl GroupRecord {
     }
 }
 
-/// A model. A refused one has its name and path, and little else.
+/// A model. One that was refused has its name and path, and few other fields.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ModelRecord {
     /// Name in tables and cells, unique within the file.
     pub name: String,
-    /// The file, or the generator's spec.
+    /// Path of the file, or specification of the generator.
     pub path: String,
-    /// Hash of the file's bytes as they lie on the disk; of a generated model, of its positions
-    /// (little-endian f64) followed by its triangles (little-endian u32).
+    /// SHA-256 of the bytes of the file on disk, before decompression. Of a generated model: of its
+    /// positions (little-endian f64) followed by its triangles (little-endian u32).
     pub sha256: Option<String>,
-    /// Vertices, isolated ones included.
+    /// Number of vertices, isolated ones included.
     pub vertices: Option<u64>,
-    /// Triangles.
+    /// Number of triangles.
     pub faces: Option<u64>,
-    /// Edges.
+    /// Number of edges.
     pub edges: Option<u64>,
-    /// Edges with one face only.
+    /// Number of edges with one face only.
     pub boundary_edges: Option<u64>,
-    /// Parts of the surface that have no vertex in common; isolated vertices do not count.
+    /// Number of connected components, that is, parts without a common vertex. Isolated vertices do
+    /// not count.
     pub components: Option<u64>,
-    /// Handles of all components together.
+    /// Sum of the genera of all components.
     pub genus: Option<u64>,
-    /// Vertices at which a shortest path may bend.
+    /// Number of saddle vertices, at which a shortest path may bend.
     pub saddles: Option<u64>,
-    /// Mean over the faces of P H / (2 sqrt(3) S): half perimeter, longest edge, area; 1 for
-    /// equilateral faces. Faces without area are left out.
+    /// Mean over the faces of P H / (2 sqrt(3) S), with half perimeter P, longest edge H and area
+    /// S; 1 for equilateral faces. Faces without area are left out.
     pub anisotropy: Option<f64>,
     /// Length of the longest edge, in the units of the model.
     #[serde(default)]
@@ -269,19 +274,19 @@ impl ModelRecord {
     }
 }
 
-/// The name of a source, or of several that a run has together. It is a number in files if it is
-/// one vertex, else a text.
+/// The name of a source, or of several sources that a run starts from together. In files it is a
+/// number if it is one vertex, else a string.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum SourceLabel {
-    /// A vertex, counted from 0 in the file's order.
+    /// A vertex, numbered from 0 in the order of the file.
     Vertex(u32),
-    /// Another point or several sources, as on the command line.
+    /// A point that is not a vertex, or several sources, in the notation of the command line.
     Other(String),
 }
 
 impl SourceLabel {
-    /// The vertex, if it is one.
+    /// The vertex, if the source is one vertex.
     pub const fn vertex(&self) -> Option<u32> {
         match self {
             Self::Vertex(vertex) => Some(*vertex),
@@ -289,7 +294,7 @@ impl SourceLabel {
         }
     }
 
-    /// In words.
+    /// The source as text for messages.
     pub(crate) fn in_words(&self) -> String {
         match self {
             Self::Vertex(vertex) => format!("vertex {vertex}"),
@@ -313,63 +318,62 @@ impl fmt::Display for SourceLabel {
     }
 }
 
-/// One algorithm on one model from one source.
+/// The results of one algorithm on one model from one source.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
     /// Name of the model.
     pub model: String,
     /// Name of the algorithm.
     pub algorithm: String,
-    /// Source vertex, counted from 0 in the file's order, or a text for another point of the
-    /// surface and for several sources together; null where the model was refused before its
-    /// vertices were known.
+    /// The source; null if the model was refused before its vertices were known.
     pub source: Option<SourceLabel>,
-    /// What its runs were to find, such as `to 17,3` or `within 2.5`: the run ends early, and only
-    /// this is compared with the reference. `None` for the distances of all vertices.
+    /// The goal of its runs, such as `to 17,3` or `within 2.5`. The runs end early, and only the
+    /// distances of the goal are compared with the reference. Null for the distances of all
+    /// vertices.
     #[serde(default)]
     pub goal: Option<String>,
-    /// Threads that the algorithm used.
+    /// Number of threads of the algorithm.
     pub threads: usize,
-    /// The widest vector instructions that its timed runs could use, `avx512`, `avx2` or `scalar`;
-    /// null for an outside program, and in files of older programs.
+    /// The widest vector instructions that its timed runs could use: `avx512`, `avx2` or `scalar`.
+    /// Null for an external program, and in files of older versions.
     #[serde(default)]
     pub simd: Option<String>,
-    /// Whether the algorithm is approximate: compared with the reference, but not held to the
-    /// tolerance.
+    /// Whether the algorithm is approximate. Its answers are compared with the reference, but the
+    /// tolerance does not apply.
     #[serde(default)]
     pub approximate: bool,
     /// Outcome.
     pub status: Status,
-    /// Reason of a failure, or a note; one line.
+    /// Reason of a failure, or a note; a single line.
     pub message: Option<String>,
-    /// Times of the solve alone.
+    /// Times of the solve, without loading and set-up.
     pub time: Time,
-    /// Counters, of a run apart from the timed ones.
+    /// Counters, from a separate untimed run.
     #[serde(with = "counters_as_map")]
     pub counters: Counters,
-    /// Memory, of the run that counted.
+    /// Memory, from the run that counts.
     pub memory: Memory,
-    /// Where the time goes, by sampling a run of its own.
+    /// Time in each phase, from a separate run that is sampled.
     pub phases: Phases,
-    /// How the answer compares with the reference.
+    /// Comparison with the reference.
     pub check: Check,
-    /// Name of the group; null if that has none.
+    /// Name of the group; null if the group has none.
     #[serde(default)]
     pub group: Option<String>,
     /// Instructions of the first solve after set-up, counted by callgrind; null without
     /// `--instructions`.
     #[serde(default)]
     pub instructions: Option<u64>,
-    /// The widest vector instructions of the solve whose instructions were counted, `avx512`,
-    /// `avx2` or `scalar`: narrower than in the timed runs where Valgrind does not support those.
-    /// Null if nothing was counted, and in files of older programs.
+    /// The widest vector instructions of the solve whose instructions were counted: `avx512`,
+    /// `avx2` or `scalar`. Narrower than in the timed runs if Valgrind does not support those. Null
+    /// if nothing was counted, and in files of older versions.
     #[serde(default)]
     pub instructions_simd: Option<String>,
-    /// Index of its shard; null if the plan was not split.
+    /// Index of its shard, from 1; null if the plan was not split.
     #[serde(default)]
     pub shard: Option<u32>,
-    /// Samples of the wavefront at even intervals of the counted run; absent without `--wavefront`
-    /// and for algorithms without one.
+    /// Samples of the wavefront at even intervals of the run that counts. Absent without
+    /// `--wavefront`, and for algorithms without a wavefront.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub wavefront: Vec<WavefrontRecord>,
 }
@@ -385,7 +389,7 @@ impl Cell {
         }
     }
 
-    /// Its place in its file.
+    /// The key of this cell within its file.
     pub(crate) fn place(&self) -> CellPlace {
         let (group, model) = (self.group.clone(), self.model.clone());
         let (source, algorithm) = (self.source.clone(), self.algorithm.clone());
@@ -393,29 +397,29 @@ impl Cell {
     }
 }
 
-/// A cell within a file: group, model, source, algorithm and threads.
+/// Identifies a cell within a file: group, model, source, algorithm and number of threads.
 pub(crate) type CellPlace = (Option<String>, String, Option<SourceLabel>, String, usize);
 
-/// Instruction count of a solve.
+/// Number of instructions of a solve.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InstructionCount {
     /// The count.
     pub count: u64,
-    /// The widest vector instructions among them; null if that is not known.
+    /// The widest vector instructions among them; null if unknown.
     #[serde(default)]
     pub simd: Option<String>,
 }
 
-/// A sample of the wavefront; the distance of a window is its least one.
+/// A sample of the wavefront. The distance of a window is its smallest distance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WavefrontRecord {
-    /// Windows propagated until then.
+    /// Number of windows propagated before the sample.
     pub parents: u64,
-    /// Windows in the queue.
+    /// Number of windows in the queue.
     pub windows: u64,
-    /// Mean of their distances.
+    /// Mean distance of those windows.
     pub distance: f64,
-    /// Standard deviation of their distances.
+    /// Standard deviation of those distances.
     pub deviation: f64,
     /// Batch size of the current round; null for a queue without rounds.
     pub k: Option<u64>,
@@ -437,23 +441,23 @@ impl From<geobench_window::WavefrontRecord> for WavefrontRecord {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// Done; the check, if any, passed.
+    /// Completed. The check passed, if there was one.
     #[default]
     Ok,
     /// Time limit exceeded.
     Timeout,
     /// Memory limit exceeded.
     OutOfMemory,
-    /// The process ended early, or the solver panicked.
+    /// The process ended unexpectedly, or the solver panicked.
     Crashed,
-    /// The answer differs from the reference.
+    /// The answer differs from the reference by more than the tolerance.
     Wrong,
-    /// The model or the source cannot be used.
+    /// The model or the source is unusable.
     Refused,
 }
 
 impl Status {
-    /// The word for it in files and tables.
+    /// The status as it stands in files and tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Ok => "ok",
@@ -465,68 +469,70 @@ impl Status {
         }
     }
 
-    /// The same without underscores.
+    /// The status without underscores.
     pub fn in_words(self) -> String {
         self.name().replace('_', " ")
     }
 }
 
-/// Times in seconds; empty and null unless the status is `ok`.
+/// Times in seconds. Empty and null unless the status is `ok`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Time {
-    /// Every repetition, in the order taken.
+    /// The time of every timed run, in the order of the runs.
     pub samples: Vec<f64>,
-    /// Their median.
+    /// Median of the samples.
     pub median: Option<f64>,
-    /// Their minimum.
+    /// Minimum of the samples.
     pub min: Option<f64>,
-    /// Their median absolute deviation.
+    /// Median absolute deviation of the samples, unscaled.
     pub mad: Option<f64>,
-    /// 95 % bootstrap interval of the median; null from fewer than five samples.
+    /// 95 % bootstrap interval of the median; null for fewer than five samples.
     pub ci95: Option<[f64; 2]>,
-    /// Reason for a missing interval.
+    /// Why there is no interval.
     pub note: Option<String>,
     /// Set-up time of the solver, not included in the samples.
     pub setup: Option<f64>,
-    /// Time of making the Voronoi diagram after a solve (stage 2), not included in the samples; the
-    /// median of three. Null for algorithms that keep no windows for it.
+    /// Time to extract the Voronoi diagram after a solve (stage 2), not included in the samples;
+    /// median of three. Null for algorithms that do not keep the windows for it.
     #[serde(default)]
     pub extraction: Option<f64>,
-    /// Number of outliers: samples more than ten standard deviations, estimated from the MAD, from
-    /// the median. All figures include them. Null from fewer than five samples.
+    /// Number of outliers: samples that lie more than ten standard deviations (estimated from the
+    /// MAD) from the median. All figures include them. Null for fewer than five samples.
     #[serde(default)]
     pub outliers: Option<usize>,
     /// For each sample, its position in the order of its round, failed algorithms included.
     #[serde(default)]
     pub places: Vec<usize>,
-    /// For each sample, the number of solves that it is the mean of; empty if each is of one solve.
+    /// For each sample, the number of solves that it is the mean of; empty if every sample is one
+    /// solve.
     #[serde(default)]
     pub solves: Vec<usize>,
-    /// The share of the median within which its interval was to lie; null if the number of samples
-    /// was fixed. The interval may be wider, if the time or the number of runs ended.
+    /// The requested precision: the interval should lie within this share of the median. The
+    /// interval is wider if the limit of time or of runs came first. Null if the number of samples
+    /// was fixed.
     #[serde(default)]
     pub precision: Option<f64>,
-    /// For an outside program, for each run the seconds between request and answer, measured from
-    /// outside; of a process that solves once, from its start.
+    /// Of an external program, for each run: seconds from request to answer by the clock of the
+    /// harness. If the process solves once, from its start.
     #[serde(default)]
     pub outside: Vec<f64>,
-    /// For an outside program, for each run the seconds that it claims.
+    /// Of an external program, for each run: seconds that the program reports.
     #[serde(default)]
     pub claimed: Vec<f64>,
-    /// Whether the claims exceed the time from outside, or are a small part of that time. The
-    /// samples are then those from outside.
+    /// Whether a reported time exceeds the time by the clock of the harness, or is a small part of
+    /// it. The samples are then the times by the clock of the harness.
     #[serde(default)]
     pub doubted: bool,
 }
 
 impl Time {
-    /// Half of the 95 % interval, the longer side, relative to the median.
+    /// Distance from the median to the farther end of the 95 % interval, relative to the median.
     pub fn half_width(&self) -> Option<f64> {
         let ([low, high], median) = (self.ci95?, self.median?);
         (median > 0.0).then(|| (high - median).max(median - low) / median)
     }
 
-    /// Whether a precision was wanted and the interval is wider.
+    /// Whether a precision was requested and the interval is wider.
     pub fn is_imprecise(&self) -> bool {
         let width = self.half_width();
         self.precision
@@ -534,113 +540,114 @@ impl Time {
     }
 }
 
-/// Conditions of the machine between the start and the end of a run.
+/// State of the machine between the start and the end of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Conditions {
-    /// The governors of the processors' frequencies at the end, each once.
+    /// Frequency governors of the processors at the end, without repetition.
     pub governors: Option<Vec<String>>,
     /// Frequency of the fastest processor at the start, in hertz.
     pub frequency_start: Option<u64>,
-    /// The same at the end.
+    /// The same at the end, in hertz.
     pub frequency_end: Option<u64>,
-    /// The highest frequency that a processor has, in hertz.
+    /// Highest frequency of any processor, in hertz.
     pub frequency_max: Option<u64>,
-    /// Load average over one minute at the end; that of the start is in `host`.
+    /// One-minute load average at the end; that at the start is in `host`.
     pub load_end: Option<f64>,
     /// Mean number of processors busy with other processes; null for runs of less than a second.
     pub other_load: Option<f64>,
-    /// Share of processor time that the host of a virtual machine gave to others; null for runs of
-    /// less than a second.
+    /// Share of processor time that the hypervisor gave to other virtual machines (steal time);
+    /// null for runs of less than a second.
     pub stolen: Option<f64>,
     /// Swap space in use at the end, in bytes.
     pub swap_used_bytes: Option<u64>,
-    /// Pages that the system moved to and from swap space.
+    /// Number of pages moved to and from swap space.
     pub swapped_pages: Option<u64>,
-    /// Number of thermal throttles.
+    /// Number of thermal throttling events.
     pub thermal_throttles: Option<u64>,
-    /// Number of times that the control group exceeded its share of the processors.
+    /// Number of periods in which the cgroup was throttled, for it had used up its CPU quota.
     pub cgroup_throttles: Option<u64>,
-    /// Seconds that its tasks were throttled.
+    /// Seconds for which the cgroup was throttled.
     pub cgroup_throttled_seconds: Option<f64>,
-    /// Warnings on disturbances that make the times doubtful.
+    /// Warnings about disturbances that make the times unreliable.
     pub warnings: Vec<String>,
 }
 
 /// Memory in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Memory {
-    /// The papers' figure: 80 bytes for each window stored at the end (algorithms that keep every
-    /// window) or alive at the peak (the others).
+    /// Memory as the papers count it: 80 bytes for each window stored at the end (algorithms that
+    /// keep every window) or alive at the peak (the others).
     pub papers_bytes: Option<u64>,
-    /// Peak bytes of the windows as stored here.
+    /// Peak bytes of the windows in the representation of this program.
     pub windows_peak_bytes: Option<u64>,
     /// Peak heap bytes of the algorithm: set-up, run and answer, without the mesh.
     pub heap_peak_bytes: Option<u64>,
     /// Peak RSS of the process during the run: mesh, solver and code pages touched. Loading is
-    /// excluded. Of an outside program measured from outside, with its descendants. Linux only.
+    /// excluded. For an external program that the harness measures, descendants are included. Linux
+    /// only.
     pub rss_peak_bytes: Option<u64>,
 }
 
-/// Seconds of one run in each phase: its time, divided in proportion to samples.
+/// Seconds of one run in each phase: the time of the run, divided in proportion to the samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Phases {
     /// Computing child windows and distances.
     pub propagation: Option<f64>,
-    /// Filters, trims and checks between windows.
+    /// Filtering, trimming and comparing windows.
     pub pruning: Option<f64>,
-    /// Queues, lists, storage and all else.
+    /// Queues, lists, storage and everything else.
     pub management: Option<f64>,
-    /// Number of samples. `None` in records whose phases were clocked, which makes short phases
-    /// look several times as long as they are.
+    /// Number of samples. Null in files of older versions, which timed each phase with a clock.
+    /// That overstates short phases several times.
     #[serde(default)]
     pub samples: Option<u64>,
 }
 
-/// How an answer compares with the reference; the largest of all runs of the cell.
+/// Comparison of the answers with the reference. Figures are the largest over all runs of the cell.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Check {
-    /// The algorithm, or the file, whose answer it is; null if nothing was compared.
+    /// The algorithm or file that the answers were compared with; null if nothing was compared.
     pub reference: Option<String>,
     /// Largest absolute difference; null if not finite (the message names the vertex).
     pub max_abs: Option<f64>,
     /// Largest relative difference; null if not finite.
     pub max_rel: Option<f64>,
-    /// Unreachable vertices.
+    /// Number of unreachable vertices.
     pub unreachable: Option<u64>,
-    /// Vertices that were compared, fewer than all if the reference is a file of some; null if
-    /// nothing was compared.
+    /// Number of vertices compared. Fewer than all if the reference is a file of some vertices.
+    /// Null if nothing was compared.
     #[serde(default)]
     pub compared: Option<u64>,
-    /// The vertex with the largest relative difference; null if the answer agrees with the
-    /// reference.
+    /// The vertex with the largest relative difference; null if there is no difference.
     #[serde(default)]
     pub worst_vertex: Option<u64>,
-    /// Mean error, relative to the reference, over all compared vertices that it reaches, without
-    /// the sources; null if not finite.
+    /// Mean relative error over the compared vertices that the reference reaches, without the
+    /// sources; null if not finite.
     #[serde(default)]
     pub mean_rel: Option<f64>,
-    /// Root of the mean square of the same errors; null if not finite.
+    /// Root mean square of the same errors; null if not finite.
     #[serde(default)]
     pub rms_rel: Option<f64>,
-    /// Most by which the distances of the ends of an edge differ beyond its length, in the units of
-    /// the model, which breaks the triangle inequality; null unless the algorithm is approximate.
+    /// Largest violation of the triangle inequality along an edge, in the units of the model: the
+    /// difference of the distances of its ends minus its length. Null unless the algorithm is
+    /// approximate.
     #[serde(default)]
     pub edge_excess: Option<f64>,
-    /// Bound on the error of a distance next to edges too long for `f64` to place a path on them,
-    /// in the units of the model; null without such edges, as on nearly all models.
+    /// Bound on the error of the distances near edges so long that `f64` cannot place a path on
+    /// them, in the units of the model. Null without such edges, as on nearly all models.
     #[serde(default)]
     pub doubt: Option<f64>,
-    /// Number of the cluster of answers that agree, for this model and source; 0 is that of the
+    /// Index of the cluster of agreeing answers for this model and source; 0 is the cluster of the
     /// reference. Null without an answer, and for approximate algorithms.
     #[serde(default)]
     pub cluster: Option<u32>,
-    /// Vertices whose label is not that of a nearest source, by one run of the reference from each
-    /// source; null if labels were not checked.
+    /// Number of vertices whose label is not a nearest source. Checked with one run of the
+    /// reference from each source. Null if labels were not checked.
     #[serde(default)]
     pub wrong_labels: Option<u64>,
 }
 
-/// Counters as a map from name to count or `null`, in the order of their table.
+/// Serializes counters as a map from name to count or `null`, in the order of [`Counter::ALL`].
 pub(crate) mod counters_as_map {
     use serde::de::Error;
 

@@ -1,5 +1,6 @@
-//! The record of a plan: in result files, to repeat a run, and at the top of journals, to refuse
-//! another plan. It holds everything that may change a result, and nothing else.
+//! The record of a plan. Result files hold it so that a run can be repeated, and journals so that a
+//! run is not resumed with another plan. It holds everything that may change a result, and nothing
+//! else.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -12,9 +13,9 @@ use super::IsolationRecord;
 /// A plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlanRecord {
-    /// The part of the plan; null for the whole.
+    /// The shard of the plan; null for the whole plan.
     pub shard: Option<Shard>,
-    /// Where cells run.
+    /// Process isolation of the cells.
     pub isolation: IsolationRecord,
     /// The groups, in order.
     pub groups: Vec<PlannedGroup>,
@@ -23,46 +24,46 @@ pub struct PlanRecord {
 /// A group: every algorithm on every model from every source.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlannedGroup {
-    /// Its name; null if it has none.
+    /// Name of the group; null if it has none.
     pub name: Option<String>,
     /// The models, in order.
     pub models: Vec<PlannedModel>,
     /// The algorithms, in order.
     pub algorithms: Vec<PlannedAlgorithm>,
-    /// The sources, as on the command line.
+    /// The sources, in the notation of the command line.
     pub sources: String,
     /// Whether each run starts from all sources together.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub sources_together: bool,
-    /// The targets, as on the command line; null for all vertices.
+    /// The targets, in the notation of the command line; null for all vertices.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub targets: Option<String>,
-    /// The largest distance asked for, in the units of the models; null for no limit.
+    /// The radius of the search, in the units of the models; null for no limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius: Option<f64>,
-    /// Timed runs of each cell; with a precision the most.
+    /// Number of timed runs of each cell; the maximum if `precision` is set.
     pub repeat: usize,
     /// When a cell has enough timed runs; null if their number is fixed, and in files of older
-    /// programs.
+    /// versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub precision: Option<Precision>,
-    /// Untimed runs of each cell before those.
+    /// Number of untimed runs of each cell before the timed ones.
     pub warmup: usize,
-    /// The reference of the checks, as on the command line.
+    /// The reference of the checks, in the notation of the command line.
     pub reference: String,
-    /// Largest relative difference that passes.
+    /// Largest relative difference from the reference that passes.
     pub tolerance: f64,
     /// Seed of the order of the runs.
     pub seed: u64,
-    /// Instructions of all algorithms, as on the command line; null in files of older programs,
-    /// where they were the widest of the processor.
+    /// Vector instructions of all algorithms, in the notation of the command line. Null in files of
+    /// older versions, which used the widest of the processor.
     #[serde(default)]
     pub simd: Option<String>,
     /// Time limit of each run in seconds; null for none.
     pub timeout: Option<f64>,
-    /// Memory limit of the process of each cell in bytes; null for none.
+    /// Memory limit of the process of a cell in bytes; null for none.
     pub memory_limit: Option<u64>,
-    /// Limit of decompressed bytes of a model; null for the default.
+    /// Maximum number of decompressed bytes of a model; null for the default.
     #[serde(default)]
     pub max_decompressed: Option<u64>,
 }
@@ -70,40 +71,40 @@ pub struct PlannedGroup {
 /// When a cell has enough timed runs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Precision {
-    /// The 95 % interval of the median lies within this share of the median.
+    /// Enough if the 95 % interval of the median lies within this share of the median.
     pub relative: f64,
-    /// Seconds that the timed runs take at least.
+    /// The timed runs take at least this many seconds.
     pub min_time: f64,
-    /// Seconds after which no timed run starts, whatever the interval.
+    /// No timed run starts after this many seconds, even if the interval is too wide.
     pub max_time: f64,
 }
 
-/// A model.
+/// A model of a plan.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PlannedModel {
-    /// Its name, unique in the plan.
+    /// Name of the model, unique in the plan.
     pub name: String,
-    /// The generator's spec with all defaults; null for a file.
+    /// Specification of the generator with all defaults; null for a file.
     pub spec: Option<String>,
-    /// SHA-256 of the file; null without a file, and if it cannot be read.
+    /// SHA-256 of the file; null for a generated model, and if the file cannot be read.
     pub file_sha256: Option<String>,
 }
 
-/// An algorithm.
+/// An algorithm of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlannedAlgorithm {
-    /// Its name in cells.
+    /// Name of the algorithm in cells.
     pub label: String,
-    /// All its parameters, defaults included; of an outside program, its description.
+    /// All parameters, defaults included. For an external program, its description.
     pub parameters: BTreeMap<String, serde_json::Value>,
 }
 
-/// Part `index` of `count`.
+/// Shard `index` of `count`. Shards take the units of a plan in turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
-    /// Index of the part, from 1.
+    /// Index of the shard, from 1.
     pub index: u32,
-    /// Number of parts.
+    /// Number of shards.
     pub count: u32,
 }
 
@@ -114,15 +115,15 @@ impl fmt::Display for Shard {
 }
 
 impl Shard {
-    /// Whether this part holds a unit.
+    /// Whether this shard contains the unit of this index.
     pub const fn holds(self, unit: u128) -> bool {
         unit % self.count as u128 == self.index as u128 - 1
     }
 
-    /// How many of these units this part holds.
+    /// Number of units in the range that this shard contains.
     pub const fn held(self, units: Range<u128>) -> u128 {
         let (count, index) = (self.count as u128, self.index as u128);
-        // Units below x that are held: those congruent to index - 1.
+        // Units below x in this shard: those congruent to index - 1 modulo count.
         let below_start = (units.start + count - index) / count;
         let below_end = (units.end + count - index) / count;
         below_end - below_start

@@ -1,4 +1,4 @@
-//! Reading result files back.
+//! Reads result files.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,8 @@ use crate::usage::check_schema;
 ///
 /// # Errors
 ///
-/// Names the file and the field.
+/// If the file cannot be read or is not a valid result file of this version. The message names the
+/// file and the field.
 pub fn read(path: &Path) -> anyhow::Result<ResultFile> {
     let text = if path == Path::new("-") {
         std::io::read_to_string(std::io::stdin())
@@ -23,7 +24,7 @@ pub fn read(path: &Path) -> anyhow::Result<ResultFile> {
     parse(path, &text)
 }
 
-/// Reads several files, each with its name.
+/// Reads several files; returns each with its path as text.
 ///
 /// # Errors
 ///
@@ -35,13 +36,13 @@ pub(crate) fn read_all(paths: &[PathBuf]) -> anyhow::Result<Vec<(String, ResultF
         .collect()
 }
 
-/// Reads the text of the result file `path`.
+/// Parses `text`, the content of the result file `path`.
 ///
 /// # Errors
 ///
-/// As [`read`], apart from those of the system.
+/// If `text` is not a valid result file of this version. The message names the file and the field.
 pub fn parse(path: &Path, text: &str) -> anyhow::Result<ResultFile> {
-    /// The one field that every version has.
+    /// The one field that all versions of the schema have.
     #[derive(Deserialize)]
     struct Head {
         schema: Option<serde_json::Value>,
@@ -67,7 +68,7 @@ pub fn parse(path: &Path, text: &str) -> anyhow::Result<ResultFile> {
     }
 }
 
-/// The first sample that is no time, and why.
+/// The field of the first negative sample, and the error message.
 fn negative_time(file: &ResultFile) -> Option<(String, String)> {
     let cells = file.cells.iter().enumerate();
     let mut samples = cells.flat_map(|(cell, of)| {

@@ -1,4 +1,4 @@
-//! Reads TOML into types of serde; errors name the file, the line and the key.
+//! Reads TOML files with serde. Errors name the file, the line and the key.
 
 use std::fmt;
 use std::ops::Range;
@@ -12,15 +12,15 @@ use serde_path_to_error::Segment;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// An error in a TOML file of a user.
+/// An error in a TOML file that a user wrote.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{}: {problem}", path.display(), at(*line))]
 pub struct DocumentError {
     /// The file.
     pub path: PathBuf,
-    /// The line, counted from 1, if there is one.
+    /// The line, counted from 1; `None` if the error has no place in the file.
     pub line: Option<usize>,
-    /// The error, and the values that are allowed.
+    /// Description of the error, with the allowed values.
     pub problem: String,
 }
 
@@ -50,7 +50,7 @@ impl<'p> Document<'p> {
         Ok(Self { path, text })
     }
 
-    /// The directory that paths in the file are relative to.
+    /// The directory to which paths in the file are relative.
     pub(crate) fn directory(&self) -> &'p Path {
         self.path.parent().unwrap_or(Path::new(""))
     }
@@ -60,7 +60,8 @@ impl<'p> Document<'p> {
         DeTable::parse(&self.text).map_err(|error| self.error(error.span(), error.message()))
     }
 
-    /// Takes the array of tables of `key` out of `table`.
+    /// Removes the array of tables at `key` from `table` and returns it; empty if the key is
+    /// absent.
     pub(crate) fn take_tables<'t>(
         &self,
         table: &mut Spanned<DeTable<'t>>,
@@ -83,8 +84,8 @@ impl<'p> Document<'p> {
         tables.collect()
     }
 
-    /// Deserializes a table. `more` are keys that `T` does not know and that are allowed beside its
-    /// own, for the suggestion in the error for another one.
+    /// Deserializes a table. `more` lists keys that are allowed in addition to those of `T`. The
+    /// error for an unknown key suggests them as well.
     pub(crate) fn read<T: DeserializeOwned>(
         &self,
         table: Spanned<DeTable<'_>>,
@@ -93,7 +94,7 @@ impl<'p> Document<'p> {
         let toml = toml::Deserializer::from(table);
         serde_path_to_error::deserialize(toml).map_err(|error| {
             let last_key = error.path().iter().rev().find_map(|segment| match segment {
-                // `Spanned` adds keys of its own.
+                // The internal keys of `Spanned` are not keys of the file.
                 Segment::Map { key } if !key.starts_with("$__serde_spanned") => Some(key.clone()),
                 _ => None,
             });
@@ -126,15 +127,15 @@ impl<'p> Document<'p> {
         }
     }
 
-    /// The line on which `span` starts.
+    /// The line on which `span` starts, counted from 1.
     pub(crate) fn line(&self, span: &Range<usize>) -> usize {
         let before = self.text.as_bytes().iter().take(span.start);
         1 + before.filter(|byte| **byte == b'\n').count()
     }
 }
 
-/// The message for a key that serde does not know. Serde names it, and then those that it knows,
-/// between backticks.
+/// The message for an unknown key; `None` if `message` of serde is another error. Serde puts the
+/// unknown key and then the known keys between backticks.
 fn unknown_key(message: &str, more: &[&str]) -> Option<String> {
     let mut names = message.strip_prefix("unknown field")?.split('`').skip(1);
     let name = names.next()?;
@@ -147,8 +148,8 @@ fn unknown_key(message: &str, more: &[&str]) -> Option<String> {
     ))
 }
 
-/// A message of serde on a value of the wrong type in the words of TOML. Other messages are ours
-/// and stay.
+/// Translates serde's message for a value of the wrong type into the terms of TOML. Other messages
+/// come from this crate and stay as they are.
 fn plain(message: &str) -> String {
     let wrong_type = message.strip_prefix("invalid type: ");
     let Some((_, expected)) = wrong_type.and_then(|rest| rest.rsplit_once(", expected ")) else {
@@ -164,8 +165,8 @@ fn plain(message: &str) -> String {
     format!("{expected} is expected")
 }
 
-/// Deserializes a text with `text`, or a table of type `T` with `table`. Errors of a visitor get
-/// the line of the value; those of `#[serde(try_from)]` in a list get that of the list.
+/// Deserializes a string by `text`, or a table of type `T` by `table`. Errors of the visitor carry
+/// the line of the value. Errors of `#[serde(try_from)]` in a list carry the line of the list.
 pub(crate) fn text_or_table<'de, D: Deserializer<'de>, T: Deserialize<'de>, V>(
     deserializer: D,
     text: fn(&str) -> Result<V, String>,
@@ -194,7 +195,7 @@ pub(crate) fn text_or_table<'de, D: Deserializer<'de>, T: Deserialize<'de>, V>(
     deserializer.deserialize_any(TextOrTable { text, table })
 }
 
-/// Deserializes a text with `text`.
+/// Deserializes a string by `text`. Other types are an error.
 pub(crate) fn parsed<'de, D: Deserializer<'de>, V>(
     deserializer: D,
     text: fn(&str) -> Result<V, String>,

@@ -1,4 +1,4 @@
-//! What users write: errors in it, and TOML files.
+//! Input of users: errors in it, and TOML files.
 
 pub(crate) mod document;
 
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
-/// Refuses the file `path` if its schema is not that of this version.
+/// Returns an error if the schema of the file `path` is not the one of this version.
 pub(crate) fn check_schema(path: &Path, found: &str, expected: &str) -> anyhow::Result<()> {
     anyhow::ensure!(
         found == expected,
@@ -18,7 +18,7 @@ pub(crate) fn check_schema(path: &Path, found: &str, expected: &str) -> anyhow::
     Ok(())
 }
 
-/// The files with `ending` in `directory`, sorted by name; hidden ones do not count.
+/// The files in `directory` with the extension `ending`, sorted by name. Hidden files are skipped.
 pub(crate) fn files_in(directory: &Path, ending: &str) -> anyhow::Result<Vec<PathBuf>> {
     let failed = || format!("{}: cannot be read", directory.display());
     let mut paths = Vec::new();
@@ -36,8 +36,8 @@ pub(crate) fn files_in(directory: &Path, ending: &str) -> anyhow::Result<Vec<Pat
     Ok(paths)
 }
 
-/// A value from the command line or a file is invalid. The message quotes it and names the
-/// allowed values.
+/// An invalid value from the command line or a file. The message quotes the value and names the
+/// allowed ones.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct UsageError(pub(crate) String);

@@ -1,4 +1,4 @@
-//! The file with the distances of an outside program.
+//! The file of distances that an external program writes.
 
 use std::fs::{File, OpenOptions};
 use std::io::Read;
@@ -13,25 +13,25 @@ use crate::exec::limits::Timeout;
 use crate::exec::{Failure, expected};
 use crate::schema::Status;
 
-/// Longest line of a vertex.
+/// Maximum length of the line of a vertex.
 const LINE: u64 = 128;
 
-/// Most bytes beside the lines of the vertices.
+/// Maximum number of bytes in addition to the lines of the vertices.
 const REST: u64 = 1 << 16;
 
 /// Bytes read between two checks of the deadline.
 const BLOCK: u64 = 1 << 20;
 
-/// Reads the distances of all `vertices` from a file of lines `vertex,distance`, until `timeout`
-/// after `start` at most.
+/// Reads the distances of all `vertices` from a file of lines `vertex,distance`. Gives up when
+/// `timeout` has passed since `start`.
 ///
-/// An outside program made the file. Links, pipes and devices are refused, neither followed nor
-/// waited for, and the size is bounded.
+/// The file comes from an external program and is not trusted. Links, pipes and devices are refused
+/// without following or blocking on them, and the size is bounded.
 ///
 /// # Errors
 ///
-/// `crashed` if there is no such regular file, or it is too large or malformed, `timeout`
-/// after the deadline, `wrong` if a vertex has no distance or two.
+/// `crashed` if there is no such regular file, or it is too large or malformed; `timeout` after the
+/// deadline; `wrong` if a vertex has no distance or more than one.
 pub(super) fn read_distances(
     path: &Path,
     vertices: usize,
@@ -83,7 +83,7 @@ pub(super) fn read_distances(
     }
 }
 
-/// Opens a regular file without following a link and without waiting.
+/// Opens a regular file without following a link and without blocking.
 fn open(path: &Path) -> Result<File, String> {
     const OTHER: &str = "it is no regular file; write the distances to a file of this name";
     let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::NOCTTY).bits();

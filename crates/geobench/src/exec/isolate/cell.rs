@@ -1,4 +1,4 @@
-//! The child's side: answers requests until standard input ends.
+//! The side of the child process: answers requests until standard input ends.
 
 use std::ffi::OsStr;
 use std::io::{self, BufRead, Write};
@@ -21,12 +21,12 @@ use crate::schema::Status;
 /// Location of the last panic.
 static PANIC: Mutex<Option<String>> = Mutex::new(None);
 
-/// Serves requests over standard input and output; the arguments are the model and
+/// Answers requests from standard input on standard output. The arguments are the model and
 /// [`ChildSettings`].
 ///
 /// # Errors
 ///
-/// When a request is not understood or a reply cannot be written.
+/// If a request is malformed or a reply cannot be written.
 pub(crate) fn cell(model: &OsStr, settings: &str) -> io::Result<()> {
     std::panic::set_hook(Box::new(|panic| {
         let mut place = lock(&PANIC);
@@ -62,7 +62,7 @@ pub(crate) fn cell(model: &OsStr, settings: &str) -> io::Result<()> {
     serve(&model.name, session)
 }
 
-/// Carries out the requested runs until standard input ends.
+/// Executes the requested runs until standard input ends.
 fn serve(model: &str, mut session: InProcess) -> io::Result<()> {
     let mut sent = None;
     let mut requests = io::stdin().lock().lines();
@@ -89,7 +89,7 @@ fn serve(model: &str, mut session: InProcess) -> io::Result<()> {
             solves: request.solves,
         };
         if step.pass == Pass::Profile {
-            // Pages that the run needs are mapped again and count.
+            // Pages that the run needs are mapped again, and count towards its peak.
             memory::give_back_clean_pages();
         }
         answer(&match session.execute(&step) {
@@ -133,7 +133,8 @@ fn digest(distances: &[f64]) -> [u8; 32] {
     hasher.finalize().into()
 }
 
-/// A crash reported by this process itself is a panic.
+/// Adds the location of the last panic to the message. A crash that this process itself reports is
+/// always a panic.
 fn with_place_of_panic(message: String) -> String {
     let mut place = lock(&PANIC);
     match place.take() {

@@ -1,4 +1,4 @@
-//! The parent's end of a child process.
+//! The side of the parent: starts a child process, sends requests and enforces limits.
 
 use std::fmt;
 use std::io::{self, Read, Write};
@@ -19,10 +19,10 @@ use crate::exec::protocol::Reply;
 use crate::exec::{Failure, affinity, interrupt};
 use crate::schema::Status;
 
-/// Interval of memory checks. A data limit bounds what a child can allocate between two.
+/// Interval of memory checks. The data limit bounds what a child can allocate in between.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// Time to end after closing standard output.
+/// Time that a child has to exit after closing standard output.
 const GRACE: Duration = Duration::from_secs(1);
 
 /// A process that answers requests. It leads a process group, which is killed on drop.
@@ -34,19 +34,21 @@ pub(super) struct ChildProcess {
     requests: ChildStdin,
     replies: ChildStdout,
     errors: Option<ChildStderr>,
-    /// Received part of the next reply.
+    /// The part of the next reply received so far.
     received: Vec<u8>,
     stderr_tail: Tail,
-    /// Exit status, once known.
+    /// Exit status, if the process has been waited for.
     status: Option<ExitStatus>,
-    /// Whether the peak of its memory is watched while it works, because it ends with the answer.
+    /// Whether the memory peak is sampled while the process works. Needed if the process exits with
+    /// its answer.
     watched: bool,
-    /// Its peak, as far as it was seen.
+    /// The largest memory peak seen so far, in bytes.
     peak: Option<u64>,
 }
 
 impl ChildProcess {
-    /// Starts `command` with these limits on these processors; any if none are given.
+    /// Starts `command` with these limits, pinned to these processors; not pinned if there are
+    /// none.
     pub(super) fn start(
         mut command: Command,
         limits: Limits,
@@ -102,25 +104,24 @@ impl ChildProcess {
         Some(own + self.descendants.resident_orphans())
     }
 
-    /// Watches the peak of its memory from now on.
+    /// Samples the memory peak from now on.
     pub(super) const fn watch(&mut self) {
         self.watched = true;
     }
 
-    /// Lets the peak of its memory begin anew.
+    /// Resets the memory peak.
     pub(super) fn reset_peak(&mut self) {
         self.peak = None;
         system::reset_peak(self.process.id());
     }
 
-    /// The peak of the resident bytes of the process and its descendants.
+    /// Peak resident bytes of the process and its descendants.
     pub(super) fn peak(&mut self) -> Option<u64> {
         self.peak = self.peak.max(system::peak_resident(self.process.id()));
         self.peak
     }
 
-    /// Waits for the end of a process that answers nothing. What it writes to standard output is
-    /// dropped.
+    /// Waits for the exit of a process that does not reply. Its standard output is discarded.
     pub(super) fn finish(&mut self) -> Result<(), ChildError> {
         let kills = system::kernel_out_of_memory_kills();
         let deadline = self.deadline();
@@ -130,7 +131,7 @@ impl ChildProcess {
             }
             match self.receive() {
                 Ok(true) => self.received.clear(),
-                // Standard output is closed. The process goes on, or has ended.
+                // Standard output is closed. The process has exited or continues.
                 Ok(false) if self.has_ended() => match self.why_closed(kills) {
                     ChildError::Ended(report) if report.status.success() => return Ok(()),
                     error => break error,
@@ -165,12 +166,12 @@ impl ChildProcess {
         Err(error)
     }
 
-    /// The line that answers a request.
+    /// Sends a request and returns the line of the reply.
     fn converse(&mut self, request: &str, longest: usize) -> Result<Vec<u8>, ChildError> {
         let deadline = self.deadline();
         if !request.is_empty() {
             match self.requests.write_all(format!("{request}\n").as_bytes()) {
-                // The process has ended; the reason is found below.
+                // The process has exited. The reason is determined below.
                 Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {}
                 done => done?,
             }
@@ -192,13 +193,13 @@ impl ChildProcess {
         }
     }
 
-    /// The end of the time that starts now.
+    /// The deadline of a request that starts now; `None` without a time limit.
     fn deadline(&self) -> Option<Instant> {
         let timeout = self.limits.timeout.0;
         timeout.and_then(|time| Instant::now().checked_add(time))
     }
 
-    /// Sleeps until something happens, within the limits.
+    /// Sleeps until an event, and checks the limits.
     fn wait(&mut self, deadline: Option<Instant>) -> Result<(), ChildError> {
         let Limits {
             timeout, memory, ..
@@ -224,7 +225,7 @@ impl ChildProcess {
         Ok(())
     }
 
-    /// Sleeps until output of the child, a signal or the end of `time`.
+    /// Sleeps until the child writes output, a signal arrives, or `time` has passed.
     fn sleep(&self, time: Option<Duration>) -> io::Result<()> {
         let time = time.and_then(|time| Timespec::try_from(time).ok());
         let wake = interrupt::wake();
@@ -266,8 +267,8 @@ impl ChildProcess {
         }
     }
 
-    /// Why the output has ended: the process has ended too, or still runs after [`GRACE`].
-    /// Since its last request the kernel had killed `kills` processes.
+    /// Why standard output was closed: the process has exited, or still runs after [`GRACE`].
+    /// `kills` is the kernel's count of out-of-memory kills before the request.
     fn why_closed(&mut self, kills: Option<u64>) -> ChildError {
         let deadline = Instant::now() + GRACE;
         while !self.has_ended() {
@@ -288,7 +289,7 @@ impl ChildProcess {
         }
     }
 
-    /// Whether the process has ended. Its id stays reserved until [`kill`](Self::kill).
+    /// Whether the process has exited. Its id stays reserved until [`kill`](Self::kill).
     fn has_ended(&self) -> bool {
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
         self.group()
@@ -299,7 +300,7 @@ impl ChildProcess {
     fn kill(&mut self) -> Option<ExitStatus> {
         if self.status.is_none() {
             let present = self.descendants.present();
-            // The id cannot be reused before the leader is waited for.
+            // The id cannot be reused before the group leader is waited for.
             if let Some(group) = self.group() {
                 let _ = kill_process_group(group, Signal::KILL);
             }
@@ -329,16 +330,16 @@ fn is_temporary(error: &io::Error) -> bool {
     )
 }
 
-/// Bytes kept.
+/// Maximum number of bytes kept.
 const BYTES: usize = 2000;
 
-/// Lines shown.
+/// Maximum number of lines shown.
 const LINES: usize = 3;
 
-/// Characters shown.
+/// Maximum number of characters shown.
 const CHARACTERS: usize = 400;
 
-/// The end of a byte stream; displays its last lines as one.
+/// The end of a byte stream. Displays its last lines joined into one.
 #[derive(Debug, Default)]
 struct Tail(Vec<u8>);
 
@@ -365,7 +366,7 @@ impl fmt::Display for Tail {
     }
 }
 
-/// Why there is no reply. The child is gone in every case.
+/// Why there is no reply. The child has exited or been killed in every case.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum ChildError {
     /// Interrupted by a signal.
@@ -374,16 +375,16 @@ pub(super) enum ChildError {
     /// Over the time limit.
     #[error("took longer than the {0} allowed")]
     Timeout(Timeout),
-    /// The memory occupied and its limit.
+    /// Occupied memory exceeds the limit: the amount and the limit.
     #[error("occupied {0}, more than the {1} allowed")]
     Memory(MemoryLimit, MemoryLimit),
     /// Output that is not a reply.
     #[error("printed what is no answer: {0:?}")]
     Garbage(String),
-    /// Standard output closed, process still running.
+    /// Standard output is closed, but the process still runs.
     #[error("closed its standard output without an answer")]
     Closed,
-    /// The process ended.
+    /// The process exited.
     #[error("{}", .0.meaning().1)]
     Ended(ExitReport),
     /// A program cannot be started.
@@ -407,7 +408,7 @@ pub(super) struct ExitReport {
     pub(super) status: ExitStatus,
     /// End of its standard error.
     pub(super) stderr_tail: String,
-    /// Whether the kernel killed a process for lack of memory meanwhile.
+    /// Whether the kernel killed a process for lack of memory during the request.
     pub(super) kernel_out_of_memory: bool,
 }
 
@@ -423,7 +424,7 @@ impl ChildError {
         })
     }
 
-    /// Status and message of the row, for a failure while the child was `doing` something.
+    /// Status and message of the row. `doing` says in what phase the child failed.
     pub(super) fn failure(&self, doing: &str) -> Failure {
         let status = match self {
             Self::Timeout(_) => Status::Timeout,
@@ -465,7 +466,7 @@ impl ExitReport {
         (Status::Crashed, message)
     }
 
-    /// The message of the runtime about a failed allocation.
+    /// The message of the Rust runtime about a failed allocation.
     fn failed_allocation(&self) -> Option<&str> {
         let start = self.stderr_tail.rfind("memory allocation of ")?;
         let (words, _) = self.stderr_tail[start..].split_once(" failed")?;

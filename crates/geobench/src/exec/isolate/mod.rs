@@ -61,18 +61,19 @@ use child::{ChildError, ChildProcess};
 pub(crate) use cell::cell;
 pub(crate) use system::adopt_orphans;
 
-/// First argument of a child of this program, before the model and its settings.
+/// First argument of a child that runs this program; the model and its settings follow.
 const COMMAND: &str = "__cell";
 
-/// A setting of glibc: blocks of this size and more get pages of their own, which return to the
-/// system when freed. The value is the default, but unless it is set glibc raises it with every
-/// such block freed. Then memory freed by loading and by earlier solvers lies between the blocks of
-/// the next run and counts to its peak: 2 to 10 MB on the horse, 0.3 to 1 MB on models of 6,000
-/// faces. Times differ by less than 3 %.
+/// A setting of glibc: blocks of at least this size get pages of their own, which return to the
+/// system when freed. The value is the default. Unless it is set, glibc raises the threshold with
+/// every such block freed. Memory freed by loading and by earlier solvers then stays between the
+/// blocks of the next run and counts towards its peak: 2 to 10 MB on the horse, 0.3 to 1 MB on
+/// models of 6,000 faces. Times differ by less than 3 %.
 const OWN_PAGES: (&str, &str) = ("MALLOC_MMAP_THRESHOLD_", "131072");
 
-/// Model and settings of a child with these arguments, or `None` for other commands. The
-/// command-line parser is not used: its code and tables would count to the memory of every cell.
+/// Model and settings, if the arguments are those of a child process; `None` for other commands.
+/// The command-line parser is not used: its code and tables would count towards the memory of every
+/// cell.
 pub(crate) fn wanted(mut arguments: impl Iterator<Item = OsString>) -> Option<(OsString, String)> {
     let command = arguments.nth(1)?;
     let model = (command == COMMAND).then(|| arguments.next())??;
@@ -80,21 +81,22 @@ pub(crate) fn wanted(mut arguments: impl Iterator<Item = OsString>) -> Option<(O
     arguments.next().is_none().then_some((model, settings))
 }
 
-/// Backend with child processes.
+/// Backend that runs cells in child processes.
 #[derive(Clone, Debug, Default)]
 pub struct Isolated {
     /// Limits of every child.
     pub limits: Limits,
-    /// Processors to run children on; any if `None`.
+    /// Processors to which children are pinned; `None` for no pinning.
     pub cpus: Option<CpuList>,
-    /// Whether one child serves all algorithms of the suite, as long as no failure ends it.
+    /// Whether one child serves all algorithms of this program, until a failure ends it.
     pub shared: bool,
-    /// The `geobench` to start, if the caller is another program.
+    /// Path of the `geobench` executable, if the caller is another program.
     pub program: Option<PathBuf>,
-    /// Bytes that all children of a model may hold between runs; half of the available memory if
-    /// `None`.
+    /// Maximum number of bytes that all children of a model may hold between runs; `None` for half
+    /// of the available memory.
     pub budget: Option<u64>,
-    /// Whether this process runs the algorithms of the suite. Children then run outside programs.
+    /// Whether this process runs the algorithms of the registry itself. Children then run external
+    /// programs only.
     pub here: bool,
 }
 
@@ -126,7 +128,7 @@ impl Backend for Isolated {
         if self.here {
             return self.open(model);
         }
-        // Its children load the model.
+        // The children load the model.
         Ok(Box::new(ChildPool::new(self, model, record.clone())))
     }
 }
@@ -139,64 +141,64 @@ impl Isolated {
     }
 }
 
-/// Most bytes of a reply, without distances.
+/// Maximum number of bytes of a reply, without distances.
 const LONGEST: usize = 1 << 20;
 
 /// The child processes of one model.
 struct ChildPool<'b> {
     options: &'b Isolated,
     model: &'b ModelRef,
-    /// Bytes that all may hold between runs.
+    /// Maximum number of bytes that all children may hold between runs.
     budget: u64,
-    /// Record of the model from the first child. The others must find the same hash.
+    /// Record of the model, from the first child. The other children must report the same hash.
     record: ModelRecord,
-    /// Runs the algorithms of the suite if [`Isolated::here`].
+    /// Runs the algorithms of the registry in this process if [`Isolated::here`] is set.
     here: Option<InProcess>,
-    /// The source under way.
+    /// The source of the current runs.
     source: Option<SourceLabel>,
     children: Vec<Child>,
-    /// The first child, before it belongs to a cell.
+    /// The first child, until it is assigned to a cell.
     spare: Option<Child>,
-    /// Cells whose child ended because all together held too much memory.
+    /// Cells whose child was ended because all children together held too much memory.
     evicted: Vec<String>,
-    /// The files for outside programs.
+    /// The files that external programs read and write.
     handover: Option<Handover>,
-    /// Last result of each outside program from this source.
+    /// Last result of each external program for the current source.
     solved: BTreeMap<String, Observation>,
 }
 
-/// A child that has loaded the model, or does so in its only run.
+/// A child that has loaded the model, or loads it in its only run.
 struct Child {
     process: ChildProcess,
-    /// Label of the algorithm; empty if it serves all.
+    /// Label of the algorithm; empty if the child serves all algorithms.
     cell: String,
     /// The last distances received from it.
     distances: Vec<f64>,
-    /// Set if it is an outside program.
+    /// Set for an external program.
     outside: Option<Outside>,
-    /// When its process was started.
+    /// Start time of its process.
     started: Instant,
 }
 
 struct Outside {
     program: Arc<Program>,
-    /// The file for its distances.
+    /// The file to which it writes distances.
     output: PathBuf,
-    /// Vertices of the model that it reads: those of the mesh refined at the source.
+    /// Number of vertices of the model that it reads, which is refined at the source.
     vertices: usize,
-    /// Where the source is, if that is not as it was asked for.
+    /// Actual position of the source, if it differs from the requested one.
     note: Option<String>,
 }
 
-/// Temporary folder for the model and the distances.
+/// Temporary folder with the model and the distances.
 struct Handover {
     folder: TempDir,
-    /// The model as an OBJ file, with unchanged vertex numbers; with a vertex more if the source is
-    /// none.
+    /// The model as an OBJ file, with unchanged vertex numbers. If the source is not a vertex, the
+    /// model has an additional one.
     model: PathBuf,
     vertices: usize,
     source: VertexId,
-    /// Where the source is, if that is not as it was asked for.
+    /// Actual position of the source, if it differs from the requested one.
     note: Option<String>,
 }
 
@@ -257,9 +259,9 @@ impl Handover {
 }
 
 impl Handover {
-    /// The values of the placeholders of a program's commands.
+    /// The values of the placeholders in the commands of a program.
     fn call(&self, program: &Program, step: &Step<'_>) -> Call<'_> {
-        // Values of parameters may hold slashes.
+        // Parameter values may contain slashes.
         let plain = |c: char| if c.is_alphanumeric() { c } else { '_' };
         let name: String = program.name.chars().map(plain).collect();
         Call {
@@ -272,7 +274,7 @@ impl Handover {
 }
 
 impl<'b> ChildPool<'b> {
-    /// No child yet, for a model with this record.
+    /// A pool without children, for a model with this record.
     fn new(options: &'b Isolated, model: &'b ModelRef, record: ModelRecord) -> Self {
         let half_of_memory = || kibibytes("/proc/meminfo", "MemAvailable").map(|bytes| bytes / 2);
         Self {
@@ -290,7 +292,7 @@ impl<'b> ChildPool<'b> {
         }
     }
 
-    /// A child of this program that has loaded the model, and the record of the model.
+    /// Starts a child that runs this program and loads the model; returns it with the record.
     fn load(&self) -> Result<(Child, ModelRecord), Failure> {
         let settings = serde_json::json!(ChildSettings {
             name: self.model.name.clone(),
@@ -304,7 +306,7 @@ impl<'b> ChildPool<'b> {
             .arg0("geobench")
             .args([COMMAND.as_ref(), self.model.argument()])
             .arg(settings.to_string())
-            // The standard error of a crash shows the reason, not a backtrace.
+            // Standard error then ends with the reason of a crash instead of a backtrace.
             .env("RUST_BACKTRACE", "0")
             .env(OWN_PAGES.0, OWN_PAGES.1);
         let (child, record) = self.start(command, None)?;
@@ -314,7 +316,7 @@ impl<'b> ChildPool<'b> {
         ))
     }
 
-    /// Starts a child, and waits until it has loaded the model unless it has protocol `once`.
+    /// Starts a child. Unless its protocol is `once`, waits until it has loaded the model.
     fn start(
         &self,
         command: Command,
@@ -341,7 +343,7 @@ impl<'b> ChildPool<'b> {
         Ok((child, reply.model))
     }
 
-    /// A new child for an algorithm of the suite.
+    /// A new child for an algorithm of the registry; the spare one if there is one.
     fn own_child(&mut self) -> Result<Child, Failure> {
         if let Some(spare) = self.spare.take() {
             return Ok(spare);
@@ -354,7 +356,7 @@ impl<'b> ChildPool<'b> {
         Ok(child)
     }
 
-    /// The files for outside programs.
+    /// The files for external programs, written on first use.
     fn handover(&mut self, step: &Step<'_>) -> Result<&Handover, Failure> {
         Ok(match &mut self.handover {
             Some(handover) => handover,
@@ -366,7 +368,7 @@ impl<'b> ChildPool<'b> {
         })
     }
 
-    /// A new child for an outside program.
+    /// A new child for an external program.
     fn outside_child(&mut self, program: &Arc<Program>, step: &Step<'_>) -> Result<Child, Failure> {
         let handover = self.handover(step)?;
         let call = handover.call(program, step);
@@ -381,8 +383,7 @@ impl<'b> ChildPool<'b> {
         Ok(self.start(command, Some(outside))?.0)
     }
 
-    /// Carries out a command that an outside program has beside its runs, to its end. It is not
-    /// timed.
+    /// Runs an untimed command of an external program, such as its preparation, to its end.
     fn aside(
         &mut self,
         program: &Program,
@@ -400,7 +401,7 @@ impl<'b> ChildPool<'b> {
         done.map_err(|error| error.failure(doing))
     }
 
-    /// Carries out a run of an outside program, between its preparation and its clean-up.
+    /// Executes a run of an external program, with its preparation and clean-up.
     fn run_outside(
         &mut self,
         program: &Arc<Program>,
@@ -413,7 +414,7 @@ impl<'b> ChildPool<'b> {
         done
     }
 
-    /// Carries out a run in the child of `cell`, a new one if it has none.
+    /// Executes a run in the child of `cell`, which is started if needed.
     fn run(&mut self, cell: &str, step: &Step<'_>) -> Result<Observation, Failure> {
         let known = self.children.iter().position(|child| child.cell == cell);
         let mut child = match (known, step.algorithm.program()) {
@@ -443,7 +444,8 @@ impl<'b> ChildPool<'b> {
         Ok(observation)
     }
 
-    /// Keeps `child` for its next run, unless it solves once or all children hold too much memory.
+    /// Keeps `child` for its next run, unless it solves only once or all children hold too much
+    /// memory.
     fn keep(&mut self, child: Child) {
         if child.solves_once() {
             return;
@@ -466,7 +468,7 @@ impl Session for ChildPool<'_> {
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
         let source = Some(step.source.label());
         if self.source != source {
-            // The file of a vertex serves all vertices.
+            // The same file serves all sources that are vertices.
             let is_vertex = |label: &Option<SourceLabel>| {
                 label.as_ref().is_some_and(|label| label.vertex().is_some())
             };
@@ -492,7 +494,7 @@ impl Session for ChildPool<'_> {
                 None => self.run(label, step),
             };
         };
-        // Outside programs report counts with each run, and have no phases.
+        // External programs report counters with each run, and no phases.
         let counts = matches!(step.pass, Pass::Count | Pass::Profile);
         let solved = match self.solved.get(label) {
             Some(solved) if counts => solved.clone(),
@@ -516,13 +518,13 @@ impl Session for ChildPool<'_> {
 }
 
 impl Child {
-    /// Whether it is an outside program with protocol `once`.
+    /// Whether it is an external program that exits after one solve.
     fn solves_once(&self) -> bool {
         let outside = self.outside.as_ref();
         outside.is_some_and(|outside| outside.program.lifetime != ProcessLifetime::Session)
     }
 
-    /// A run of a command that knows no protocol: from its start to its end.
+    /// Runs a command that knows no protocol, from its start to its exit.
     fn finish(
         &mut self,
         timeout: Timeout,
@@ -576,7 +578,7 @@ impl Child {
             (None, Pass::Count) => "being counted",
             (None, Pass::Profile) => "being profiled",
         };
-        // 8 bytes take 11 characters of base64 at most.
+        // 8 bytes are at most 11 characters of base64.
         let targets = step.goal.targets.as_ref().map_or(0, TargetSpec::count);
         let longest = LONGEST + 11 * vertices.saturating_add(targets);
         let mut reply = self.ask(&self.request(step), longest, doing)?;
@@ -594,7 +596,7 @@ impl Child {
             return Err(ChildError::Garbage("no \"seconds\"".into()).failure(doing));
         }
         (reply.solves, reply.extraction_seconds, reply.labels) = (None, None, None);
-        // The program's own figure stands where the system tells none.
+        // The figure of the program itself is used only if the system provides none.
         let measured = self.process.peak();
         reply.rss_peak_bytes = measured.or(reply.rss_peak_bytes);
         reply.note.clone_from(&outside.note);
@@ -642,7 +644,7 @@ impl Child {
 }
 
 impl Outside {
-    /// Removes the distances of an earlier run.
+    /// Removes the file of distances of an earlier run.
     fn forget(&self) {
         let _ = std::fs::remove_file(&self.output);
     }

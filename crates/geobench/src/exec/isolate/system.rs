@@ -1,5 +1,4 @@
-//! Calls to the operating system. Functions without a counterpart outside Linux do nothing there,
-//! or return `None`.
+//! System calls. Functions that exist on Linux only do nothing elsewhere, or return `None`.
 
 use std::process::{self, Command};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -15,7 +14,7 @@ use rustix::process::{
 use crate::exec::lock;
 use crate::measure::host::kibibytes;
 
-/// A command that starts this program, even if its file has been replaced.
+/// A command that starts this program, even if its executable has been replaced.
 pub(super) fn this_program() -> Command {
     if cfg!(target_os = "linux") {
         Command::new("/proc/self/exe")
@@ -24,9 +23,9 @@ pub(super) fn this_program() -> Command {
     }
 }
 
-/// Makes this process a child of `parent`: it ends with it, has a name of its own and writes
-/// no core dumps, which take long. Allocations fail beyond `data_limit` bytes of private data,
-/// touched or not. False if the parent has gone.
+/// Turns this process into a child of `parent`: it exits with the parent, has its own name, and
+/// writes no core dumps, which take long. Allocations fail beyond `data_limit` bytes of private
+/// data, touched or not. Returns false if the parent has exited.
 pub(super) fn become_child(parent: u32, data_limit: Option<u64>) -> bool {
     #[cfg(target_os = "linux")]
     {
@@ -46,8 +45,8 @@ pub(super) fn become_child(parent: u32, data_limit: Option<u64>) -> bool {
     getppid().is_some_and(|pid| u32::try_from(pid.as_raw_pid()) == Ok(parent))
 }
 
-/// Sets which process the kernel kills first when out of memory: one at work, rather than a waiting
-/// one or the parent, which has all results.
+/// Sets the priority of this process for out-of-memory kills. The kernel should kill a working
+/// child rather than a waiting one or the parent, which holds all results.
 pub(super) fn raise_oom_score(at_work: bool) {
     let _ = fs::write(
         "/proc/self/oom_score_adj",
@@ -64,21 +63,21 @@ pub(super) fn resident(pid: u32) -> Option<u64> {
     Some(own + others)
 }
 
-/// Lets the peak of a process and its descendants begin anew.
+/// Resets the memory peak of a process and its descendants.
 pub(super) fn reset_peak(pid: u32) {
-    // Without the right to do so, the peak is that since the start.
+    // Without permission, the peak stays that since the start.
     let _ = fs::write(format!("/proc/{pid}/clear_refs"), "5");
     children(pid).into_iter().for_each(reset_peak);
 }
 
-/// The sum of the peaks of the resident bytes of a process and its present descendants.
+/// Sum of the peak resident bytes of a process and its current descendants.
 pub(super) fn peak_resident(pid: u32) -> Option<u64> {
     let own = kibibytes(format!("/proc/{pid}/status"), "VmHWM")?;
     let others: u64 = children(pid).into_iter().filter_map(peak_resident).sum();
     Some(own + others)
 }
 
-/// Processes whose parent is process `pid`.
+/// The child processes of process `pid`.
 pub(super) fn children(pid: u32) -> Vec<u32> {
     let Ok(threads) = fs::read_dir(format!("/proc/{pid}/task")) else {
         return Vec::new();
@@ -103,16 +102,16 @@ pub(super) fn kernel_out_of_memory_kills() -> Option<u64> {
         .and_then(|count| count.trim().parse().ok())
 }
 
-/// The environment variable that holds the mark.
+/// Name of the environment variable that marks a child and its descendants.
 const MARK: &str = "GEOBENCH_CHILD";
 
-/// Time that the orphans of a child have to end after they were killed.
+/// Time that the orphans of a child have to exit after being killed.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// Whether orphans become children of this process.
+/// Whether this process adopts orphans.
 static ADOPTS: AtomicBool = AtomicBool::new(false);
 
-/// The children that have been started and have not ended.
+/// Ids of the children that were started and have not been waited for.
 static STARTED: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 
 /// Makes this process the parent of orphaned descendants from now on.
@@ -123,42 +122,42 @@ pub(crate) fn adopt_orphans() {
     }
 }
 
-/// Identifies the descendants of a child, also those that outlive it.
+/// Identifies the descendants of a child, including those that outlive it.
 ///
-/// A process that calls `setsid` leaves the process group of its child, and one whose parent has
-/// ended is no longer a descendant of the child. The `geobench` command is therefore a child
+/// A process that calls `setsid` leaves the process group of the child. A process whose parent has
+/// exited is no longer a descendant of the child. The `geobench` command is therefore a child
 /// subreaper ([`adopt_orphans`]): Linux makes it the parent of such orphans. An orphan is killed
-/// with the child it belongs to. One of these identifies that child:
+/// with the child to which it belongs. That child is identified by one of:
 ///
-/// 1. the mark of the child in the environment, which descendants inherit;
+/// 1. the mark in the environment, which descendants inherit;
 /// 2. the descendants of the child and of its orphans, recorded before these were killed.
 ///
-/// An orphan without either ends when no child is left. Other children of this process are in its
-/// own process group and are left alone. Outside Linux, and in programs that use this library,
+/// An orphan with neither is killed when no child is left. Other children of this process are in
+/// its own process group and are left alone. Outside Linux, and in programs that use this library,
 /// nothing is adopted.
 #[derive(Debug)]
 pub(super) struct Descendants {
     child: u32,
-    /// The entry of the environment.
+    /// The mark, as `name=value`.
     mark: String,
 }
 
-/// A process, identified by id and start time because ids are reused.
+/// A process. Ids are reused, so the start time is part of its identity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Process {
     number: u32,
-    /// When it was started, in ticks of the system.
+    /// Start time in clock ticks since boot.
     start: u64,
 }
 
 impl Descendants {
-    /// Starts a child with a mark of its own.
+    /// Starts a child with a unique mark.
     pub(super) fn of(command: &mut Command) -> io::Result<(process::Child, Self)> {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let mark = format!("{}.{count}", process::id());
         command.env(MARK, &mark);
-        // Holds the lock so that the child is not taken for an orphan before its id is recorded.
+        // The lock is held so that the child is not taken for an orphan before its id is recorded.
         let mut started = started();
         let child = command.spawn()?;
         started.push(child.id());
@@ -169,7 +168,7 @@ impl Descendants {
         Ok((child, descendants))
     }
 
-    /// The descendants that currently exist below the child.
+    /// The current descendants of the child.
     pub(super) fn present(&self) -> Present {
         let mut present = Present(Vec::new());
         if ADOPTS.load(Ordering::Relaxed) {
@@ -178,7 +177,7 @@ impl Descendants {
         present
     }
 
-    /// Resident bytes of the orphans with the mark and their descendants.
+    /// Resident bytes of the orphans with the mark, and of their descendants.
     pub(super) fn resident_orphans(&self) -> u64 {
         if !ADOPTS.load(Ordering::Relaxed) {
             return 0;
@@ -188,8 +187,8 @@ impl Descendants {
         marked.filter_map(|orphan| resident(orphan.number)).sum()
     }
 
-    /// Kills all orphans of the child, which has ended and been waited for; `present` are the
-    /// descendants recorded before.
+    /// Kills all orphans of the child, which has been waited for. `present` lists the descendants
+    /// recorded before that.
     pub(super) fn end(&self, mut present: Present) {
         let mut started = started();
         started.retain(|child| *child != self.child);
@@ -205,7 +204,7 @@ impl Descendants {
                 if belongs {
                     left = true;
                     present.add_below(orphan.number);
-                    // The id of a child stays reserved until it is waited for.
+                    // The id of a child stays reserved until the child is waited for.
                     if let Some(pid) = pid(orphan.number) {
                         let _ = kill_process(pid, Signal::KILL);
                     }
@@ -226,7 +225,7 @@ impl Descendants {
     }
 }
 
-/// Processes that belong to a child.
+/// The processes that belong to a child.
 pub(super) struct Present(Vec<Process>);
 
 impl Present {
@@ -247,7 +246,7 @@ fn started() -> MutexGuard<'static, Vec<u32>> {
     lock(&STARTED)
 }
 
-/// The children of this process that others have started.
+/// The orphans that this process has adopted: its children that it has not started.
 fn orphans(started: &[u32]) -> Vec<Process> {
     let own_group = getpgrp().as_raw_pid();
     let children = children(process::id());
@@ -263,7 +262,7 @@ fn orphans(started: &[u32]) -> Vec<Process> {
 fn look(number: u32) -> Option<(Process, i32)> {
     let text = fs::read(format!("/proc/{number}/stat")).ok()?;
     let text = String::from_utf8_lossy(&text);
-    // The name of the program, in parentheses, may hold any character.
+    // The name of the program, in parentheses, may contain any character.
     let (_, facts) = text.rsplit_once(") ")?;
     let mut facts = facts.split(' ');
     let group = facts.nth(2)?.parse().ok()?;
@@ -271,7 +270,7 @@ fn look(number: u32) -> Option<(Process, i32)> {
     Some((Process { number, start }, group))
 }
 
-/// Waits for a child if it has ended.
+/// Reaps a child if it has exited.
 fn forget_if_ended(number: u32) {
     if let Some(pid) = pid(number) {
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG;

@@ -19,7 +19,7 @@ pub struct Suite {
     pub path: PathBuf,
     /// Its groups, in the order of the file; at least one.
     pub groups: Vec<SuiteGroup>,
-    /// The outside programs that it describes.
+    /// The external programs described in the file.
     pub programs: Programs,
 }
 
@@ -28,11 +28,11 @@ pub struct Suite {
 pub struct SuiteGroup {
     /// Its name, unique within the file.
     pub name: String,
-    /// What its table shows.
+    /// What its table shows, as text for the reader.
     pub shows: Option<String>,
-    /// Its settings, completed by those for all groups.
+    /// Its settings, completed by the settings for all groups.
     pub settings: Settings,
-    /// Settings that override these with `--full`, the sizes of the paper.
+    /// Settings that take precedence with `--full`, with the sizes of the paper.
     pub full: Settings,
 }
 
@@ -108,8 +108,8 @@ impl Suite {
     }
 }
 
-/// Deserializes a table of these keys and of settings. The `flatten` of serde would lose the
-/// lines of errors.
+/// Deserializes a table with the keys of `T` and settings. Serde's `flatten` would lose the lines
+/// of errors.
 fn read_with_settings<T: DeserializeOwned>(
     document: &Document<'_>,
     table: Spanned<DeTable<'_>>,

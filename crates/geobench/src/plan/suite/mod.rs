@@ -1,8 +1,8 @@
-//! Suites: settings from the command line, from a suite file and by default become plans.
+//! Suites: combines settings of the command line, of a suite file and defaults into plans.
 //!
 //! A suite file (`geobench run --config SUITE.toml`) has one or more groups, each with models,
-//! algorithms and a text on what it is to show; settings above the first group hold for all
-//! groups. `bench-configs/README.md` describes the format.
+//! algorithms and a text about what it shows. Settings above the first group apply to all groups.
+//! `bench-configs/README.md` describes the format.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub use file::{Suite, SuiteGroup};
 pub use programs::read_programs;
 pub use settings::{Settings, WantedModel, tolerance};
 
-/// Greatest number of timed runs or warm-ups of a cell.
+/// Maximum number of timed runs or warm-ups of a cell.
 pub const MOST_RUNS: u32 = 1_000_000;
 
 /// Default seed of the order of the runs.
@@ -38,27 +38,27 @@ pub const DEFAULT_SEED: u64 = 1;
 /// The plans of a benchmark.
 #[derive(Clone, Debug)]
 pub struct Plans {
-    /// One for each group, in order. A model has the same name in all of them.
+    /// One plan per group, in order. A model has the same name in all plans.
     pub plans: Vec<Plan>,
-    /// Warnings on what is left out, one line each.
+    /// Warnings about models that are left out, one line each.
     pub notes: Vec<String>,
 }
 
-/// Which of its models a suite runs on.
+/// Selects among the models of a suite.
 #[derive(Clone, Debug, Default)]
 pub struct ModelChoice {
-    /// Whether to use the sizes of the paper instead of those for a small machine.
+    /// Whether to use the sizes of the paper instead of sizes for a small machine.
     pub full: bool,
-    /// Real models, used instead of their substitutes.
+    /// Real models, which replace their substitutes.
     pub library: Option<Library>,
 }
 
-/// The plans of `suite`, or a single plan without one. The settings `asked` override those of the
-/// suite in all groups.
+/// The plans of `suite`, or a single plan without a suite. The settings `asked` take precedence
+/// over those of the suite in all groups.
 ///
 /// # Errors
 ///
-/// When a model is missing that is not optional, or the reference does not fit the plan.
+/// If a model is missing that is not optional, or the reference is not usable for the plan.
 pub fn plans(
     suite: Option<&Suite>,
     asked: &Settings,
@@ -75,7 +75,7 @@ pub fn plans(
             let arguments: Vec<&str> = arguments.map(String::as_str).collect();
             model::collect(&arguments)?
         } else {
-            // The built-in suite ends within a minute on a noisy machine, too.
+            // This bounds the built-in suite to about a minute, even on a noisy machine.
             asked.max_time.get_or_insert(MODELS_MAX_TIME);
             model::collect(MODELS)?
         };
@@ -162,7 +162,7 @@ pub fn plans(
     Ok(done)
 }
 
-/// Makes names unique over all plans; the same model has the same name in each.
+/// Makes names of models unique across all plans. The same model has the same name in each.
 fn name_alike(plans: &mut [Plan]) {
     let mut all: Vec<ModelRef> = Vec::new();
     for model in plans.iter().flat_map(|plan| &plan.models) {
@@ -179,7 +179,7 @@ fn name_alike(plans: &mut [Plan]) {
         for model in &mut plan.models {
             names[model.path.as_str()].clone_into(&mut model.name);
         }
-        // A model given twice in one group would have two cells of one name.
+        // A model given twice in one group would give two cells of the same name.
         let mut seen: Vec<String> = Vec::new();
         plan.models.retain(|model| {
             let new = !seen.contains(&model.name);
@@ -240,14 +240,14 @@ fn plan(
     Ok(plan)
 }
 
-/// The algorithms of a group that names none, and of `--simd` without `--algo`.
+/// The algorithms of a group without algorithms, and of `--simd` without `--algo`.
 fn usual() -> Vec<Selection> {
     let [(_, _, _, papers), _] = GROUPS;
     registry::select(papers).unwrap_or_default()
 }
 
-/// The built-in suite: closed and open surfaces, with and without handles, of even and of slender
-/// triangles, of about 3,000 to 20,000 faces. Its groups take less than a minute.
+/// The built-in suite: closed and open surfaces, with and without handles, of regular and of
+/// slender triangles, with about 3,000 to 20,000 faces. Its groups take less than a minute.
 pub const MODELS: &[&str] = &[
     "gen:sphere,subdiv=4",
     "gen:torus,faces=20000,bump=0.1,seed=7",
@@ -257,10 +257,10 @@ pub const MODELS: &[&str] = &[
     "gen:anisotropic,faces=10000,g=4",
 ];
 
-/// Default of the time after which a cell of the built-in suite has no more timed runs.
+/// Default of `max-time` for the built-in suite: no timed run of a cell starts after it.
 pub const MODELS_MAX_TIME: Seconds = Seconds(1.0);
 
-/// Smaller surfaces of the same kinds, for comparing answers: the slowest algorithm takes seconds.
+/// Smaller surfaces of the same kinds, for comparing answers. The slowest algorithm takes seconds.
 pub const SMALL_MODELS: &[&str] = &[
     "gen:sphere,subdiv=3",
     "gen:torus,faces=1200,bump=0.1,seed=7",
@@ -270,8 +270,8 @@ pub const SMALL_MODELS: &[&str] = &[
     "gen:anisotropic,faces=1200,g=4",
 ];
 
-/// The groups of the built-in suite: name, text, instructions and algorithms. Some of the other
-/// algorithms are slower by orders of magnitude.
+/// The groups of the built-in suite: name, text, instructions and algorithms. Not all algorithms
+/// are included: some are slower by orders of magnitude.
 const GROUPS: [(&str, &str, SimdChoice, &str); 2] = [
     (
         "papers",
@@ -295,11 +295,11 @@ pub struct Library {
 }
 
 impl Library {
-    /// Looks through a directory.
+    /// Finds the models in a directory.
     ///
     /// # Errors
     ///
-    /// When it is no directory that can be read, or holds no mesh file.
+    /// If the directory cannot be read, or contains no mesh file.
     pub fn open(directory: &Path) -> Result<Self, ModelError> {
         if directory.is_file() {
             return Err(ModelError::Missing {
@@ -318,8 +318,9 @@ impl Library {
         &self.directory
     }
 
-    /// The first model with one of these names, in order of preference. Names are compared with
-    /// file names without the ending, by letters and digits only, in any case.
+    /// The first model that has one of these names, which are in order of preference. Names are
+    /// compared with file names without extensions. Only letters and digits count, and case is
+    /// ignored.
     pub fn find(&self, names: &[String]) -> Option<&ModelRef> {
         names.iter().find_map(|name| {
             let wanted = letters_and_digits(name);

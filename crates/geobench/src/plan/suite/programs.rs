@@ -1,4 +1,4 @@
-//! Outside programs in TOML files: tables `[ext.NAME]`.
+//! External programs in TOML files: tables `[ext.NAME]`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -30,7 +30,7 @@ pub(super) struct ProgramTable {
     parameters: BTreeMap<String, Vec<toml::Value>>,
 }
 
-/// Reads the tables `[ext.NAME]` of a file that holds nothing else, or of a suite file.
+/// Reads the tables `[ext.NAME]` of a file: a suite file, or one that holds nothing else.
 ///
 /// # Errors
 ///
@@ -54,7 +54,7 @@ pub(super) fn programs(
     tables: ProgramTables,
     document: &Document<'_>,
 ) -> Result<Programs, DocumentError> {
-    // The parent of a bare name is empty, which the system does not take for a directory.
+    // The parent of a bare file name is empty, which is not a valid directory for the system.
     let folder = Some(document.directory()).filter(|folder| *folder != Path::new(""));
     let folder = folder.unwrap_or(Path::new("."));
     let directory = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
@@ -108,7 +108,8 @@ pub(super) fn programs(
     Ok(programs)
 }
 
-/// All combinations of the values of some parameters, by name; one without any if there are none.
+/// All combinations of parameter values, by parameter name; one empty combination if there are no
+/// parameters.
 fn combinations(
     parameters: &BTreeMap<String, Vec<toml::Value>>,
 ) -> Result<Vec<BTreeMap<String, String>>, String> {
@@ -147,7 +148,7 @@ fn combinations(
     Ok(all)
 }
 
-/// Checks the words of a command: the model, the source and the output are among them.
+/// Checks that a command contains the placeholders of the model, the source and the output.
 fn check_command(
     command: &[String],
     parameters: &BTreeMap<String, Vec<toml::Value>>,
@@ -163,7 +164,7 @@ fn check_command(
     Ok(())
 }
 
-/// Checks that the braces of a word are placeholders or parameters.
+/// Checks that all braces in a word are placeholders or parameters.
 fn check_word(word: &str, parameters: &BTreeMap<String, Vec<toml::Value>>) -> Result<(), String> {
     let names = parameters.keys().map(|name| format!("{{{name}}}"));
     let known = PLACEHOLDERS.iter().map(|&name| name.to_owned());

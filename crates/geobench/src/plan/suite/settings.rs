@@ -22,10 +22,10 @@ use crate::schema::Precision;
 use crate::table;
 use crate::usage::document::{Document, DocumentError, parsed, text_or_table};
 
-/// Greatest seed in a suite file.
+/// Maximum seed in a suite file.
 const MOST_SEED: u32 = u32::MAX - 1;
 
-/// Greatest number of subdivisions of a model.
+/// Maximum number of subdivisions of a model.
 const MOST_SUBDIVISIONS: u32 = 12;
 
 /// Settings from one source. `None` means unset.
@@ -44,52 +44,52 @@ pub struct Settings {
     /// Whether each run starts from all sources together.
     #[serde(rename = "sources-together")]
     pub sources_together: Option<bool>,
-    /// The points to which distances are asked for.
+    /// The points whose distances are computed.
     #[serde(deserialize_with = "target", rename = "target")]
     pub targets: Option<TargetSpec>,
-    /// A file of such points.
+    /// A file of target points.
     #[serde(rename = "targets")]
     pub targets_file: Option<Spanned<PathBuf>>,
-    /// The largest distance asked for.
+    /// The radius of the search.
     #[serde(deserialize_with = "radius")]
     pub radius: Option<f64>,
-    /// Timed runs of each cell; at least 1. Comes before a precision.
+    /// Number of timed runs of each cell, at least 1. Takes precedence over a precision.
     #[serde(deserialize_with = "whole::<_, _, 1, MOST_RUNS>")]
     pub repeat: Option<u32>,
-    /// The share of the median within which its interval is to lie.
+    /// Requested half-width of the interval of the median, as a share of the median.
     #[serde(deserialize_with = "text")]
     pub precision: Option<Share>,
-    /// Time that the timed runs of a cell take at least.
+    /// Minimum time of the timed runs of a cell.
     #[serde(deserialize_with = "text", rename = "min-time")]
     pub min_time: Option<Seconds>,
-    /// Time after which a cell has no more timed runs.
+    /// Time after which no timed run of a cell starts.
     #[serde(deserialize_with = "text", rename = "max-time")]
     pub max_time: Option<Seconds>,
-    /// Untimed runs of each cell before those.
+    /// Number of untimed runs of each cell before the timed ones.
     #[serde(deserialize_with = "whole::<_, _, 0, MOST_RUNS>")]
     pub warmup: Option<u32>,
-    /// Largest relative difference that passes.
+    /// Largest relative difference from the reference that passes.
     #[serde(deserialize_with = "number")]
     pub tolerance: Option<f64>,
     /// Seed of the order of the runs.
     #[serde(deserialize_with = "whole::<_, _, 0, MOST_SEED>")]
     pub seed: Option<u64>,
-    /// Threads of the parallel algorithms.
+    /// Number of threads of the parallel algorithms.
     #[serde(deserialize_with = "whole::<_, _, 1, MOST_THREADS>")]
     pub threads: Option<u32>,
-    /// Instructions of all algorithms.
+    /// Vector instructions of all algorithms.
     #[serde(deserialize_with = "text")]
     pub simd: Option<SimdChoice>,
-    /// Time that each run may take.
+    /// Time limit of each run.
     #[serde(deserialize_with = "text")]
     pub timeout: Option<Timeout>,
-    /// Memory that the process of each cell may occupy.
+    /// Memory limit of the process of a cell.
     #[serde(deserialize_with = "text", rename = "memory-limit")]
     pub memory_limit: Option<MemoryLimit>,
-    /// Bytes that a compressed model may decompress to.
+    /// Maximum decompressed size of a compressed model.
     #[serde(deserialize_with = "text", rename = "max-decompressed")]
     pub max_decompressed: Option<DecompressionLimit>,
-    /// The expected answers.
+    /// The reference of the checks.
     #[serde(rename = "check")]
     pub reference: Option<Spanned<Reference>>,
     /// Names of the rows of tables.
@@ -98,18 +98,19 @@ pub struct Settings {
     /// The base of a table of ratios.
     #[serde(deserialize_with = "text")]
     pub ratios_to: Option<Selection>,
-    /// Whether results hold the wavefronts of the runs.
+    /// Whether results include samples of the wavefront.
     pub wavefront: Option<bool>,
 }
 
-/// A model or a directory of models, as a user gives it.
+/// A model or a directory of models, as the user specifies it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct WantedModel {
-    /// A file, a directory or a generator's spec.
+    /// A file, a directory or a specification of a generator.
     pub path: String,
     /// Whether a missing file is skipped with a warning.
     pub optional: bool,
-    /// Names of the real model that this one substitutes; it is used if the library has it.
+    /// Names of the real model for which this one is a substitute. The real model is used if the
+    /// library has it.
     pub real: Vec<String>,
     /// How many times each face of the real model is split into four.
     pub subdivide: u32,
@@ -118,7 +119,7 @@ pub struct WantedModel {
 }
 
 impl WantedModel {
-    /// A model that is nothing but a path or a spec and must exist.
+    /// A mandatory model with only a path or a specification.
     pub fn new(path: &str) -> Self {
         Self {
             path: path.to_owned(),
@@ -167,7 +168,7 @@ impl<'de> Deserialize<'de> for WantedModel {
 }
 
 impl Settings {
-    /// These settings; those of `other` where they are unset.
+    /// These settings, completed by those of `other`.
     #[must_use]
     pub fn or(&self, other: &Self) -> Self {
         macro_rules! settings {
@@ -178,14 +179,14 @@ impl Settings {
         let mut all = settings!(models algorithms sources sources_together targets targets_file radius repeat precision min_time max_time warmup
             tolerance seed threads simd timeout memory_limit max_decompressed reference rows ratios_to
             wavefront);
-        // A precision replaces a number of runs that comes after it.
+        // A precision here takes precedence over a number of runs in `other`.
         if self.repeat.is_none() && self.asks_for_precision() {
             all.repeat = None;
         }
         all
     }
 
-    /// Whether they say when a cell has enough timed runs.
+    /// Whether they set any condition of a precision.
     const fn asks_for_precision(&self) -> bool {
         self.precision.is_some() || self.min_time.is_some() || self.max_time.is_some()
     }
@@ -236,18 +237,18 @@ impl Settings {
     }
 }
 
-/// Reads a tolerance.
+/// Validates a tolerance.
 ///
 /// # Errors
 ///
-/// When it is not a finite number that is 0 or more.
+/// If it is not a finite number of at least 0.
 pub fn tolerance(value: Option<f64>) -> Result<f64, String> {
     value
         .filter(|value| value.is_finite() && *value >= 0.0)
         .ok_or_else(|| "a tolerance is a number, 0 or more, such as 1e-9".to_owned())
 }
 
-/// A list that is not empty.
+/// Deserializes a non-empty list.
 fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer: D,
 ) -> Result<Option<Vec<T>>, D::Error> {
@@ -258,7 +259,7 @@ fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     Ok(Some(list))
 }
 
-/// A value written as text.
+/// Deserializes a value by parsing a string.
 fn text<'de, D: Deserializer<'de>, T: FromStr<Err: Display>>(
     deserializer: D,
 ) -> Result<Option<T>, D::Error> {
@@ -266,7 +267,7 @@ fn text<'de, D: Deserializer<'de>, T: FromStr<Err: Display>>(
     value.map(Some).map_err(D::Error::custom)
 }
 
-/// A whole number from `LEAST` to `MOST`.
+/// Deserializes an integer from `LEAST` to `MOST`.
 fn whole<'de, D: Deserializer<'de>, T: From<u32>, const LEAST: u32, const MOST: u32>(
     deserializer: D,
 ) -> Result<Option<T>, D::Error> {
@@ -279,20 +280,20 @@ fn whole<'de, D: Deserializer<'de>, T: From<u32>, const LEAST: u32, const MOST: 
     }
 }
 
-/// A number, whole or not.
+/// The value of an integer or a floating-point number.
 fn real(value: &Value) -> Option<f64> {
     let whole = value.as_integer().map(|number| number as f64);
     value.as_float().or(whole)
 }
 
-/// A tolerance.
+/// Deserializes a tolerance.
 fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
     let number = real(&Value::deserialize(deserializer)?);
     tolerance(number).map(Some).map_err(D::Error::custom)
 }
 
-/// A list of which each element is a list as on the command line, or a table of a name and
-/// parameters.
+/// Deserializes a list of algorithms. An element is a list in the notation of the command line, or
+/// a table of a name and parameters.
 fn algorithms<'de, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Option<Vec<Selection>>, D::Error> {
@@ -318,7 +319,7 @@ fn algorithms<'de, D: Deserializer<'de>>(
     Ok(Some(chosen))
 }
 
-/// Names of rows.
+/// Deserializes names of rows.
 fn rows<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
     struct Row(String);
     impl<'de> Deserialize<'de> for Row {
@@ -333,7 +334,8 @@ fn rows<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>
     Ok(rows.map(|rows| rows.into_iter().map(|row| row.0).collect()))
 }
 
-/// A vertex, a text as on the command line, or a list of these.
+/// Deserializes sources: a vertex, a string in the notation of the command line, or a list of
+/// these.
 fn source<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SourceSpec>, D::Error> {
     let words = words(deserializer)?;
     let sources = words.iter().map(|word| word.parse());
@@ -342,7 +344,7 @@ fn source<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SourceSpe
     source.map(Some).map_err(D::Error::custom)
 }
 
-/// Targets: a text or a number, or a list of these.
+/// Deserializes targets: a string, a number, or a list of these.
 fn target<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<TargetSpec>, D::Error> {
     let words = words(deserializer)?;
     let targets = words.iter().map(|word| word.parse());
@@ -351,7 +353,7 @@ fn target<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<TargetSpe
     Ok(Some(TargetSpec::of_all(targets)))
 }
 
-/// A distance that is not negative.
+/// Deserializes a non-negative distance.
 fn radius<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
     let radius = real(&Value::deserialize(deserializer)?);
     let radius = radius.filter(|radius| *radius >= 0.0 && radius.is_finite());
@@ -360,7 +362,7 @@ fn radius<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::
         .ok_or_else(|| D::Error::custom("a radius is a distance of 0 or more"))
 }
 
-/// A name, or a list of names.
+/// Deserializes a name or a list of names.
 fn names<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
     let names = words(deserializer)?;
     if names.iter().any(|name| name.trim().is_empty()) {
@@ -369,7 +371,7 @@ fn names<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::E
     Ok(names.iter().map(|name| name.trim().to_owned()).collect())
 }
 
-/// A text or a number, or a list of these.
+/// Deserializes a string or a number, or a list of these.
 fn words<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
     match Value::deserialize(deserializer)? {
         Value::Array(list) if list.is_empty() => Err("the list is empty".to_owned()),
@@ -379,7 +381,7 @@ fn words<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::E
     .map_err(D::Error::custom)
 }
 
-/// A table of a name and parameters in the form of the command line.
+/// Converts a table of a name and parameters to the notation of the command line.
 fn with_parameters(mut table: toml::Table) -> Result<String, String> {
     let name = match table.remove("name") {
         Some(name) => word(&name)?,
@@ -392,7 +394,7 @@ fn with_parameters(mut table: toml::Table) -> Result<String, String> {
     Ok(format!("{name}{{{}}}", parameters.join(",")))
 }
 
-/// A text, or a number as text.
+/// The text of a string or a number.
 fn word(value: &Value) -> Result<String, String> {
     match value {
         Value::String(text) => Ok(text.clone()),

@@ -42,7 +42,7 @@ fn names_are_unique_and_promised() {
     }
 }
 
-/// Every value that a parameter can be told to have at its bounds, as a user writes it.
+/// All words and bounds of a parameter, in the notation of users.
 fn extremes(parameter: &Parameter) -> Vec<String> {
     let words = parameter.allowed.words.iter().map(|w| (*w).to_owned());
     let numbers = match parameter.allowed.numbers {
@@ -168,7 +168,7 @@ const NO_ONE: Algorithm = Algorithm {
     build: |_, _| unreachable!("never built"),
 };
 
-/// What becomes of `no-one` with these settings.
+/// The label of `no-one` with these settings, or the error.
 fn set(item: &str) -> Result<String, String> {
     let (_, settings) = split_parameters(item).unwrap();
     let selection = with_settings(&NO_ONE, &settings).map_err(|e| e.to_string())?;
@@ -219,10 +219,10 @@ fn parameters_are_refused_with_what_would_be_right() {
     ] {
         assert_eq!(set(item).unwrap_err(), message);
     }
-    // Both rows would be of the same program, under two names.
+    // Otherwise two rows of different names would show the same algorithm.
     assert!(select("mmp{turn=window,slack=2}").is_err());
     assert!(select("mmp{slack=2,turn=list}").is_ok());
-    // Where several algorithms are meant, all must know the parameter.
+    // If an item selects several algorithms, all must have the parameter.
     assert_eq!(
         select("mmp{k=5},vtp").unwrap_err().to_string(),
         "algorithm `mmp` has no parameter `k`; it has turn, queue, slack, filter, lists, threshold"
@@ -237,7 +237,7 @@ fn parameters_are_refused_with_what_would_be_right() {
     assert!(select("mmp{turn=list,lists=forget}").is_ok());
 }
 
-/// Vector code carries out the same steps.
+/// Vector code executes the same steps as scalar code.
 #[test]
 fn answers_and_counts_do_not_depend_on_the_instructions() {
     for spec in [

@@ -174,7 +174,8 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, UsageError> 
     })
 }
 
-/// `result` with the base of ratios set in every group. `wanted` is used in groups that have it.
+/// `result` with the base of ratios set in every group of several algorithms. `wanted` is the base
+/// in groups that have it.
 fn with_base(result: &ResultFile, wanted: Option<&str>) -> ResultFile {
     let mut result = result.clone();
     if result.groups.is_empty() {

@@ -57,7 +57,7 @@ fn sources_may_be_points_of_edges_and_faces() {
     let said = sandbox.succeed(&format!("certify gen:torus,faces=500 {sources}"));
     assert!(said.starts_with("at:9,0,0 is "), "{said}");
     assert!(said.contains("certified to "), "{said}");
-    // A file has the vertices of the model only.
+    // A distance file holds only the vertices of the model.
     sandbox.succeed(&format!(
         "distance gen:torus,faces=500 {sources} --quiet -o d.csv"
     ));

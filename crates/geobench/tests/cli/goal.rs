@@ -1,5 +1,5 @@
-//! Targets and radius of `geobench run` and `verify`: runs end early, and only what is asked for is
-//! compared.
+//! `--target` and `--radius` of `geobench run` and `verify`: runs end early, and only the requested
+//! distances are compared.
 
 use geobench::registry;
 use serde_json::{Value, json};

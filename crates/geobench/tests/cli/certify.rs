@@ -74,7 +74,7 @@ fn runs_are_checked_with_proven_distances() {
     let cells = &sandbox.json("right.json")["cells"];
     assert_eq!(cells[1]["check"]["reference"], "certificate");
     assert!(cells[1]["check"]["max_rel"].as_f64().unwrap() < 1e-12);
-    // No proof is as good as this.
+    // No certificate reaches this tolerance.
     let outcome = sandbox.call(&format!(
         "{run} --check certificate{{tolerance=1e-30}} -o unproven.json"
     ));

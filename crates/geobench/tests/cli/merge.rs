@@ -175,7 +175,8 @@ fn a_file_grows_by_algorithms_models_and_runs() {
         refusal.starts_with("other.json: from another machine"),
         "{refusal}"
     );
-    // A run without times, such as counting instructions, may use another machine.
+    // A run that takes no new times, for example one that only counts instructions, is accepted
+    // from another machine.
     sandbox.succeed(&format!("{run} 3 --algo vtp --add-to other.json"));
     let kept = sandbox.json("other.json");
     assert_eq!(kept["cells"], longer["cells"]);

@@ -317,7 +317,7 @@ fn a_suite_describes_its_own_programs() {
     assert_eq!(call.code, 0, "{}", call.stderr);
     let cell = &sandbox.json("r.json")["cells"][1];
     assert_eq!(cell["time"]["claimed"], json!([0.25]));
-    // And stands for a file of programs.
+    // A suite is also accepted as a file of programs.
     let call = sandbox.call("verify square.off --algo ext:honest --ext suite.toml");
     assert_eq!(call.code, 0, "{}", call.stderr);
 }

@@ -31,8 +31,8 @@ check = "mmp"
 source = [4, 7]
 "#;
 
-/// Of every run in the suite: 9 sources with 3 algorithms, 4 with 2, a warm-up, 4 timed runs and 2
-/// others each; and the reference of the second group.
+/// The number of runs in the suite. There are 9 sources with 3 algorithms and 4 sources with 2,
+/// each with a warm-up, 4 timed runs and 2 other runs. The reference of the second group adds 4.
 const RUNS: usize = (9 * 3 + 4 * 2) * 7 + 4;
 
 fn start(sandbox: &Sandbox, arguments: &str) -> Child {

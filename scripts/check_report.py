@@ -11,7 +11,7 @@ import urllib.request
 
 SERVER, PAGE, WORK, BROWSER, PICTURES = sys.argv[1:6]
 
-# Elements that stick out of the page to the right, unless they scroll within a container of their own.
+# Elements that overflow the page to the right, unless they are in a scrolling container.
 OVERFLOWING = """
 const wide = document.documentElement.clientWidth;
 const scrolls = e => { for (; e; e = e.parentElement) if (e.classList.contains('scroll')) return true; return false; };
@@ -32,8 +32,8 @@ return {
 };
 """
 
-# Columns that cannot be brought into view as a whole, beside the first one, which stays. Tables of
-# up to six columns, on a desk of up to nine, must not scroll.
+# Columns that cannot be scrolled into view as a whole beside the first column, which is fixed.
+# Tables of up to six columns (nine on a desktop) must not scroll.
 CUT_OFF = """
 const problems = [];
 for (const table of document.querySelectorAll('main table')) {
@@ -59,7 +59,7 @@ for (const table of document.querySelectorAll('main table')) {
 return problems;
 """
 
-# Sorting, filters, hidden columns: what a click does to tables and charts.
+# Effects of clicks on tables and charts: sorting, filters, hidden columns.
 EXPLORED = """
 const problems = [];
 const expect = (what, ok) => { if (!ok) problems.push(what); };
@@ -124,7 +124,7 @@ if (columns) {
 return problems;
 """
 
-# Values on hover, markers inside of the axes, ticks; returns what to do next with a real pointer.
+# Values on hover, markers inside the axes, ticks. Returns the next steps for a real pointer.
 CHARTS = """
 const problems = [];
 for (const svg of document.querySelectorAll('figure svg.chart[role=application]')) {
@@ -160,7 +160,7 @@ const tip = document.querySelector('.tip'), b = tip.getBoundingClientRect();
 return { shown: !tip.hidden, text: tip.textContent, inside: b.left >= 0 && b.right <= innerWidth };
 """
 
-# The name that a screen reader says for each thing that can be reached or is an image.
+# The accessible name of each focusable element and each image.
 NAMES = """
 const problems = [];
 const name = e => {
@@ -187,7 +187,7 @@ for (const e of document.querySelectorAll('[aria-labelledby], [aria-describedby]
 return problems;
 """
 
-# What the keyboard reaches, by kind.
+# The elements that the keyboard reaches, by kind.
 FOCUS = """
 const e = document.activeElement;
 return e === document.body ? '' : e.className && e.localName === 'button' ? 'button.' + e.className
@@ -314,12 +314,12 @@ def check_layout(browser, scheme):
     browser.wrong(*(f"sticks out: {what}" for what in seen["out"]))
     browser.wrong(*(f"text outside of its chart: {what}" for what in seen["text"]))
     browser.wrong(*(f"the page loads {what}" for what in seen["loaded"]))
-    # What the scheme asks for: a light or a dark ground.
+    # The background must be light or dark as the colour scheme requires.
     red = int(seen["paper"].split("(")[1].split(",")[0])
     dark = scheme == "dark"
     browser.expect(f"the ground is {seen['paper']}", seen["dark"] == dark and (red < 128) == dark)
     browser.wrong(*browser.run(CUT_OFF))
-    # Menus stay in the window, too.
+    # Menus must also stay in the window.
     for number in range(browser.run("return document.querySelectorAll('details.menu').length;")):
         browser.run(f"document.querySelectorAll('details.menu')[{number}].open = true;")
         browser.wrong(*(f"a menu sticks out: {what}" for what in browser.run(OVERFLOWING)["out"]))
@@ -331,7 +331,7 @@ def check_values(browser):
     browser.wrong(*found["problems"])
     if "at" not in found:
         return
-    # Scrolling hides values.
+    # Scrolling hides the tooltip, so the pointer moves only after it has ended.
     time.sleep(0.3)
     browser.pointer("mouseMoved", found["at"])
     tip = browser.run(TIP)
@@ -347,7 +347,7 @@ def check_values(browser):
 
 def check_keyboard(browser):
     """Everything can be reached with Tab, and charts are read with arrows."""
-    # From the top of the page.
+    # Focus starts at the top of the page.
     call("POST", browser.base + "/url", {"url": PAGE})
     browser.wait("no model in 3D", "return !document.querySelector('figure svg image');")
     reached = {}
@@ -448,7 +448,7 @@ def main():
         "return [...document.querySelectorAll('nav, .filters, .menu, .tools')]"
         ".every(e => getComputedStyle(e).display === 'none');"))
     browser.picture()
-    # Without scripts the same is there.
+    # The content must also be there without scripts.
     browser.devtools("Emulation.setScriptExecutionDisabled", value=True)
     browser.open(360, "light", "")
     browser.where = "without scripts"

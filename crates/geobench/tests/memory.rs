@@ -1,4 +1,4 @@
-//! What a cell's process says about memory is its own.
+//! The peaks of memory that a child process reports for a cell belong to that cell only.
 
 #![cfg(target_os = "linux")]
 
@@ -23,7 +23,7 @@ fn isolated() -> Isolated {
     }
 }
 
-/// Carries out these runs and returns the peaks of each.
+/// Executes these runs and returns the memory peaks of each.
 fn runs(place: &Isolated, model: &str, list: &[(&str, Pass)]) -> Vec<Peaks> {
     let model = ModelRef::generated(model).unwrap();
     let mut session = place.open(&model).unwrap();
@@ -85,8 +85,7 @@ fn solvers_of_the_timed_runs_are_no_part_of_the_peak() {
     assert!(more < heap / 8, "{more} bytes more than {fresh:?}");
 }
 
-/// Levels are kept in counted runs, in maps, which once made lists of windows look half as large
-/// again.
+/// Counting runs store levels in maps. These once made lists of windows look 50 % larger.
 #[test]
 fn what_is_kept_for_the_counts_is_no_memory_of_the_algorithm() {
     let model = "gen:torus,faces=5000,bump=0.1,seed=7";
@@ -135,7 +134,7 @@ fn where_all_hold_too_much_a_child_ends_after_its_run_and_comes_back_warm() {
             let observation = session.execute(&step).unwrap();
             assert_eq!(observation.distances.len(), vertices);
             assert_eq!(Some(children()), alive.next(), "{algorithm} {pass:?}");
-            // Who is set up by a timed run has not been warmed up.
+            // A solver that is set up by a timed run has not been warmed up.
             let cold = observation.setup_seconds.is_some();
             assert_eq!(cold, pass == Pass::Warmup);
         }

@@ -1,5 +1,6 @@
-//! Damaged suites, result files, journals and files of distances: any answer will do, but there
-//! must be one, soon. What can still be read goes through everything that shows or joins it.
+//! Mutation tests: damaged suites, result files, journals and files of distances. Any error or
+//! result is accepted, but it must come within a short time. Files that can still be read are
+//! passed to all code that shows or joins them.
 
 #[path = "cli/support.rs"]
 #[allow(dead_code, reason = "the tests of the command line use all of it")]
@@ -28,14 +29,13 @@ use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use support::Sandbox;
 
-/// Longest time that a small file may take, on a machine that does other things as well and whose
-/// disk may be slow to write a journal.
+/// The longest time for a small file. It allows for a busy machine and a slow disk.
 const LONGEST: Duration = Duration::from_secs(20);
 
-/// Share of the cases that an ordinary run of the tests has.
+/// The share of the cases that an ordinary test run executes.
 const FEW: u32 = 300;
 
-/// Reads damaged forms of `texts` by `read`, each within a short time.
+/// Reads damaged variants of `texts` with `read`, and checks that each takes a short time.
 fn all_end(cases: u32, texts: &[String], read: impl Fn(usize, &[u8])) {
     let strategy = (0..texts.len(), prop::collection::vec(damages(), 1..5usize));
     let test = |(text, list): (usize, Vec<Damage>)| {
@@ -114,7 +114,7 @@ fn suites(cases: u32) {
     });
 }
 
-/// Result files and a journal of small runs: one of two models with a failure, and a part.
+/// Result files and a journal of small runs: one on two models with a failure, and a shard.
 fn results() -> (Vec<String>, String) {
     let sandbox = Sandbox::with_square();
     sandbox.write("bad.off", support::NON_MANIFOLD);
@@ -131,7 +131,7 @@ fn results() -> (Vec<String>, String) {
     (files.into(), sandbox.read("j.jsonl"))
 }
 
-/// Shows `file` in every form, and joins and compares it with `other`.
+/// Writes `file` in every format, and joins and compares it with `other`.
 fn use_all(file: &ResultFile, other: &ResultFile, thoroughly: bool) {
     use Format::{Csv, Json, Latex, Markdown, Table};
     for format in [Table, Markdown, Latex, Csv, Json] {
@@ -194,7 +194,7 @@ fn journals(cases: u32, result: &str, journal: &str) {
     let header = JournalHeader::new(result.tool, result.plan.unwrap());
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("j.jsonl");
-    // The first line tells journals apart; what follows it is read only where that is whole.
+    // The first line identifies a journal. The other lines are read only if it is intact.
     let (first, rest) = journal.split_once('\n').unwrap();
     let texts = [rest.to_owned(), journal.to_owned()];
     all_end(cases, &texts, |of, bytes| {

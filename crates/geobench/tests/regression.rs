@@ -1,4 +1,4 @@
-//! Fixed bugs, each with tests that are named after what went wrong.
+//! Fixed bugs, with tests named after them.
 
 #[path = "cli/support.rs"]
 #[allow(dead_code, reason = "the tests of the command line use the rest")]
@@ -12,7 +12,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use support::Sandbox;
 
-/// An OBJ file of spaces, many gzip members long, that decompresses to `mebibytes`.
+/// An OBJ file of spaces in many gzip members, which decompresses to `mebibytes`.
 fn bomb(sandbox: &Sandbox, name: &str, mebibytes: usize) {
     let mut member = GzEncoder::new(Vec::new(), Compression::best());
     member.write_all(&vec![b' '; 1 << 20]).unwrap();
@@ -35,7 +35,8 @@ fn a_small_gzip_file_took_gigabytes() {
         "run bomb.obj.gz --algo vtp --isolate none",
         "verify bomb.obj.gz --algo vtp",
     ] {
-        // The limits of the system end the command, and its children, where memory is not bounded.
+        // Without a bound on memory, the limits of the system would end the command and its
+        // children.
         let output = Command::new("sh")
             .current_dir(sandbox.path(""))
             .args(["-c", "ulimit -v 1500000; exec \"$@\"", "sh"])
@@ -69,7 +70,7 @@ fn a_raised_limit_of_decompression_reaches_child_processes() {
     let file = sandbox.json("r.json");
     assert_eq!(file["cells"][0]["status"], "ok");
     assert_eq!(file["plan"]["groups"][0]["max_decompressed"], 100_u64 << 20);
-    // The limit tells runs apart: a journal is not continued with another one.
+    // The limit is part of the identity of a run: a journal cannot be continued with another limit.
     let other = sandbox.call(&format!("{run} --max-decompressed 200MiB"));
     assert_eq!(other.code, 2, "{}", other.stderr);
     assert!(
@@ -82,7 +83,7 @@ fn a_raised_limit_of_decompression_reaches_child_processes() {
 /// Distances of the square from vertex 0, written by a script.
 const RIGHT: &str = r#"printf '0,0\n1,1\n2,1.4142135623730951\n3,1\n' > "$3""#;
 
-/// Describes outside programs in `peers.toml`, each a name, its protocol and the script that it is.
+/// Describes external programs in `peers.toml`, each by name, protocol and script.
 fn describe(sandbox: &Sandbox, programs: &[(&str, &str, String)]) {
     let tables = programs.iter().map(|(name, protocol, script)| {
         sandbox.write(&format!("{name}.sh"), script);
@@ -253,8 +254,8 @@ fn names_of_models_were_formulas_html_and_orders_to_the_terminal() {
     assert!(!call.stderr.contains('\x1b'), "{}", call.stderr);
 }
 
-/// The reference was trusted blindly: where it was wrong, all right answers were called wrong and
-/// nothing pointed at the reference.
+/// The reference was trusted without a check. If it was wrong, all correct answers were reported as
+/// wrong, and nothing pointed at the reference.
 mod trusted_reference {
     use crate::support::{Outcome, Sandbox};
 
@@ -263,7 +264,7 @@ mod trusted_reference {
         sandbox.call(&format!("verify square.off --quiet --algo {algorithms}"))
     }
 
-    /// The outcome of a run, and cluster and message of each cell.
+    /// The outcome of a run, and the cluster and message of each cell.
     fn run(arguments: &str) -> (Outcome, Vec<(Option<u64>, String)>) {
         let sandbox = Sandbox::with_square();
         let outcome = sandbox.call(&format!(
@@ -422,9 +423,9 @@ mod trusted_reference {
     }
 }
 
-/// A solve with an instruction that Valgrind does not know, as `vtp-fast` on `gen:holes`, ended
-/// with SIGILL. Its instructions were missing, and the gate passed by them. These tests need
-/// Valgrind.
+/// A solve with an instruction that Valgrind does not support, such as `vtp-fast` on `gen:holes`,
+/// ended with SIGILL. Its instruction count was missing, and the gate ignored that. These tests
+/// need Valgrind.
 mod missing_instructions {
     use serde_json::Value;
 

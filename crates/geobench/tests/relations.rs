@@ -1,10 +1,10 @@
-//! What the papers say about how many windows their algorithms take, on their own horse.
+//! Relations between the window counts of the papers' algorithms, on the papers' horse model.
 //!
-//! Each relation is a ratio of two counts with the paper's figure and a band around ours, in the
-//! papers' way of counting: a propagation is a child that was tried. Bands are asserted where the
-//! relation holds; `results/paper-relations.md` lists these and the others, with all counts and
-//! with reasons. Counts do not depend on the machine, so that a band that is left means that an
-//! algorithm has changed.
+//! Each relation is a ratio of two counts, with the paper's value and a band around ours. Counts
+//! follow the papers: a propagation is a child that was tried. Bands are asserted where the
+//! relation holds; `results/paper-relations.md` lists all relations, with counts and reasons.
+//! Counts do not depend on the machine, so a value outside its band means that an algorithm has
+//! changed.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -21,7 +21,7 @@ struct Relation {
     what: &'static str,
     count: Count,
     of: Count,
-    /// What the paper has.
+    /// The paper's value.
     paper: f64,
     band: RangeInclusive<f64>,
 }
@@ -187,7 +187,8 @@ const RELATIONS: &[Relation] = &[
     },
 ];
 
-/// Says on standard error what is not tested, past the capture of test output, which would hide it.
+/// Reports on standard error what is not tested. Bypasses the capture of test output, which would
+/// hide it.
 fn say(what: &str) {
     let _ = writeln!(io::stderr(), "SKIPPED: {what}");
 }

@@ -1,4 +1,4 @@
-//! The suites of `bench-configs`: every one can be planned, and a small one is run.
+//! The suites of `bench-configs`: each can be planned, and a small one is run.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -264,7 +264,7 @@ name = "without"
     }
 }
 
-/// Suites that are not understood, and what is said about them.
+/// Invalid suites, and their error messages.
 const WRONG: &[(&str, &str)] = &[
     (
         "",

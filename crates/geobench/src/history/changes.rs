@@ -1,30 +1,32 @@
-//! Change points: the commits from which on a figure has another level.
+//! Change-point detection: finds the commits at which the level of a figure changes.
 //!
 //! The method is optimal partitioning (Jackson et al. 2005) with the Gaussian cost of a change in
-//! mean: of all ways to cut a series into pieces of at least [`SHORTEST`] values, the one with the
-//! least sum of squared deviations from the means of the pieces, in units of the variance of the
-//! noise, plus a penalty for each cut. Three precautions make it robust:
+//! mean. It cuts a series into pieces of at least [`SHORTEST`] values. Of all such partitions, it
+//! chooses the one with the least cost: the sum of squared deviations from the means of the pieces,
+//! divided by the variance of the noise, plus a penalty for each cut. Three precautions make it
+//! robust:
 //!
-//! * Values are logarithms, so that levels are ratios.
-//! * Single values far from their neighbours are replaced by the median of the neighbourhood before
-//!   (Hampel 1974). A step is no such value: its neighbours on one side share its level.
-//! * The noise is estimated from the median of the absolute differences of successive values, which
-//!   a few steps do not move.
+//! * Values are logarithms, so that a change of level is a ratio.
+//! * Outliers are replaced by the median of their neighbourhood before the partition (Hampel 1974).
+//!   The first value after a step is not an outlier: its neighbours on one side share its level.
+//! * The noise is estimated from the median of the absolute differences of successive values. A few
+//!   steps hardly change this median.
 //!
-//! The penalty is `4 ln n + 6`, above the 2 ln n of the information criterion of Schwarz, because
-//! the noise is itself an estimate and times have heavier tails than the normal distribution. The
-//! tests measure how often 200 values of noise have a change point.
+//! The penalty is `4 ln n + 6`. The Bayesian information criterion (Schwarz) would give `2 ln n`.
+//! The penalty is larger because the noise is itself an estimate and times have heavier tails than
+//! the normal distribution. The tests measure the rate of false positives on 200 values of noise.
 
-/// Fewest values of a piece.
+/// The fewest values in a piece.
 pub const SHORTEST: usize = 3;
 
-/// Half of the neighbourhood of a value.
+/// The number of neighbours on each side of a value.
 const NEIGHBOURS: usize = 2;
 
-/// Deviations from the neighbourhood beyond which a value is replaced.
+/// A value is an outlier if it differs from the median of its neighbourhood by more than this many
+/// standard deviations of the noise.
 const FAR: f64 = 3.0;
 
-/// The median absolute deviation of the normal distribution with deviation 1.
+/// The median absolute deviation of the normal distribution with standard deviation 1.
 const NORMAL_MAD: f64 = 0.674_489_750_196_081_7;
 
 /// A change of the level of a series.
@@ -45,9 +47,10 @@ impl LevelChange {
     }
 }
 
-/// The changes of the level of `values`, all above 0, by at least `least`, a share. Noise of less
-/// than a fifth of that counts as so much.
+/// The changes of level in `values` by a factor of at least `1 + least`, up or down. The standard
+/// deviation of the noise is taken as at least `least / 5`.
 ///
+/// Empty if there are fewer than 2 × [`SHORTEST`] values, or if a value is not finite and above 0.
 /// O(n²).
 pub fn changes(values: &[f64], least: f64) -> Vec<LevelChange> {
     if values.len() < 2 * SHORTEST || values.iter().any(|v| !(v.is_finite() && *v > 0.0)) {
@@ -65,7 +68,7 @@ pub fn changes(values: &[f64], least: f64) -> Vec<LevelChange> {
     }
     let level = |&(start, end): &(usize, usize)| median(&values[start..end]);
     let mut found = Vec::new();
-    // A small step is part of the level before it.
+    // A step smaller than `least` does not end the earlier level.
     let mut before = level(&pieces[0]);
     for piece in &pieces[1..] {
         let after = level(piece);
@@ -81,13 +84,13 @@ pub fn changes(values: &[f64], least: f64) -> Vec<LevelChange> {
     found
 }
 
-/// The standard deviation of the noise, from successive differences.
+/// The standard deviation of the noise, from the differences of successive values.
 fn noise(values: &[f64]) -> f64 {
     let differences: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
     median(&differences) / NORMAL_MAD / std::f64::consts::SQRT_2
 }
 
-/// The values, those far from their neighbourhood replaced by its median.
+/// The values, with each outlier replaced by the median of its neighbourhood.
 fn without_outliers(values: &[f64], noise: f64) -> Vec<f64> {
     let clean = |place: usize| {
         let start = place.saturating_sub(NEIGHBOURS);
@@ -102,11 +105,12 @@ fn without_outliers(values: &[f64], noise: f64) -> Vec<f64> {
     (0..values.len()).map(clean).collect()
 }
 
-/// The first places of all pieces but the first, in order.
+/// The start index of every piece except the first, in ascending order.
 fn partition(values: &[f64], noise: f64) -> Vec<usize> {
     let n = values.len();
     let penalty = 4.0 * (n as f64).ln() + 6.0;
-    // Sums of the values before each place, from the first one, which keeps them small.
+    // Prefix sums of the values and of their squares. Values are taken relative to the first one,
+    // which keeps the sums small.
     let (mut sums, mut squares) = (vec![0.0; n + 1], vec![0.0; n + 1]);
     for (i, value) in values.iter().enumerate() {
         let value = (value - values[0]) / noise;
@@ -117,7 +121,7 @@ fn partition(values: &[f64], noise: f64) -> Vec<usize> {
         let sum: f64 = sums[end] - sums[start];
         squares[end] - squares[start] - sum * sum / (end - start) as f64
     };
-    // The least cost of the values before each place, and where the last piece starts.
+    // For each prefix of the values: its least cost, and the start of its last piece.
     let mut best = vec![(f64::INFINITY, 0); n + 1];
     best[0] = (-penalty, 0);
     for end in SHORTEST..=n {
@@ -138,8 +142,8 @@ fn partition(values: &[f64], noise: f64) -> Vec<usize> {
     cuts
 }
 
-/// The cuts, each moved to where it fits best between its neighbours. Those with fewer than
-/// [`SHORTEST`] values on a side there are left out: the level may be that of a few slow runs.
+/// The cuts, each moved to the position of least cost between its neighbours. A cut with fewer than
+/// [`SHORTEST`] values on one side of that position is dropped: a few slow runs are no level.
 fn confirmed(values: &[f64], cuts: &[usize]) -> Vec<usize> {
     let deviation = |values: &[f64]| {
         let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -180,13 +184,13 @@ mod tests {
         (-2.0 * r.ln()).sqrt() * (std::f64::consts::TAU * turn).cos()
     }
 
-    /// With tails as heavy as those of times on a busy machine.
+    /// Laplace noise: its tails are as heavy as those of times on a busy machine.
     fn laplace(random: &mut SplitMix64) -> f64 {
         let u = uniform(random) - 0.5;
         -u.signum() * (1.0 - 2.0 * u.abs()).ln() / std::f64::consts::SQRT_2
     }
 
-    /// Normal, with one commit in fifty slower by ten deviations.
+    /// Normal noise in which one commit in fifty is slower by ten standard deviations.
     fn spiky(random: &mut SplitMix64) -> f64 {
         let value = normal(random);
         value + if random.below(50) == 0 { 10.0 } else { 0.0 }
@@ -199,8 +203,8 @@ mod tests {
         (0..200).map(|_| (0.03 * noise(random)).exp()).collect()
     }
 
-    /// The figure that the penalty rests on: the share of series without a change in which one is
-    /// found.
+    /// The false-positive rate that justifies the penalty: the share of series without a change in
+    /// which a change is found.
     #[test]
     fn two_hundred_commits_of_noise_hardly_ever_have_a_change() {
         let mut random = SplitMix64::new(5);
@@ -244,11 +248,11 @@ mod tests {
         assert_eq!(found.len(), 1);
         assert_eq!((found[0].place, found[0].before), (17, 1e9));
         assert!((found[0].ratio() - 1.01).abs() < 1e-12);
-        // Two commits do not confirm a step, and it is not named after a commit before it.
+        // Two commits do not confirm a step. No earlier commit is reported in their place.
         values.fill(1e9);
         values[18..].fill(1.01e9);
         assert_eq!(changes(&values, 0.005), []);
-        // A step there and back is two, a single commit none.
+        // A step up and a step down are two changes. A single slow commit is none.
         values.fill(1e9);
         values[8..12].fill(1.01e9);
         let places: Vec<usize> = changes(&values, 0.005).iter().map(|c| c.place).collect();

@@ -1,5 +1,5 @@
-//! The newest record of a history against earlier ones: a gate on the noise from commit to commit
-//! instead of that of one run.
+//! A regression gate: compares the newest record of a history with earlier ones. The noise of times
+//! is estimated from the variation between commits, not within one run.
 
 use anyhow::bail;
 use serde::Serialize;
@@ -12,7 +12,7 @@ use crate::schema::Status;
 /// Fewest base commits from which the noise of times is estimated.
 pub const FEWEST: usize = 3;
 
-/// The newest record against a base.
+/// The comparison of the newest record with the records of base commits.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gate {
     /// The newest commit.
@@ -25,23 +25,24 @@ pub struct Gate {
     pub notes: Vec<String>,
 }
 
-/// A figure of a cell against the base.
+/// A figure of a cell, compared with the base.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GateLine {
     /// The cell.
     pub cell: CellKey,
     /// The figure.
     pub figure: &'static str,
-    /// The level of the base: of a time the median over its commits, else its last value.
+    /// The value of the base. For times, the geometric mean of the medians of the base commits. For
+    /// other figures, the value at the last base commit.
     pub base: f64,
     /// The new value.
     pub new: f64,
     /// New divided by base.
     pub ratio: f64,
-    /// 95 % interval of the ratio that the noise of the base leaves to one new commit; null for
+    /// 95 % prediction interval of the ratio, from the noise between the base commits; null for
     /// figures that are compared exactly.
     pub ci95: Option<[f64; 2]>,
-    /// The rule that is broken, if one is.
+    /// The broken rule, or the new status of a failed cell; null if the cell is not worse.
     pub broken: Option<String>,
 }
 
@@ -52,12 +53,12 @@ impl Gate {
     }
 }
 
-/// Compares the last of `records` with those of the commits `against`, all hashes in full. Only
-/// records of the same class of machine and suite count.
+/// Compares the last of `records` with the records of the commits `against`, which are full hashes.
+/// Only records of the same machine class and suite are used.
 ///
 /// # Errors
 ///
-/// When there are no such records.
+/// When `records` is empty or has no record of these commits apart from the last.
 pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Result<Gate> {
     let Some(newest) = records.last() else {
         bail!("the history has no records");
@@ -144,9 +145,9 @@ pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Re
     })
 }
 
-/// The time of a cell against the medians of the base commits. The interval is the prediction
-/// interval of one more value, from the mean and deviation of the logarithms, by Student's
-/// distribution.
+/// Compares the time of a cell with the medians of the base commits. The interval is the 95 %
+/// prediction interval for one more value, from the mean and the standard deviation of the
+/// logarithms and Student's t-distribution. `None` if fewer than [`FEWEST`] commits have times.
 fn time(cell: &CellRecord, earlier: &[&CellRecord], rules: &Rules) -> Option<GateLine> {
     let of = |cell: &CellRecord| median(&cell.samples).filter(|median| *median > 0.0);
     let medians: Vec<f64> = earlier.iter().filter_map(|cell| of(cell)).collect();
@@ -175,7 +176,7 @@ fn time(cell: &CellRecord, earlier: &[&CellRecord], rules: &Rules) -> Option<Gat
     })
 }
 
-/// The 97.5th percentile of Student's distribution.
+/// The 97.5th percentile of Student's t-distribution with `freedom` degrees of freedom.
 fn student(freedom: usize) -> f64 {
     const TABLE: [f64; 30] = [
         12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160,
@@ -225,7 +226,7 @@ mod tests {
             broken(&compared(&records[..8], "time=5%,propagated=0")),
             [""; 0]
         );
-        // The slow commit, and that of another count.
+        // First the slow commit, then the commit that changes a count.
         assert_eq!(
             broken(&compared(&records[..13], "time=5%,propagated=0")),
             ["vtp time"]

@@ -19,11 +19,13 @@ pub struct Joined {
     pub notes: Vec<String>,
 }
 
-/// Joins `files`, each with its name. A cell that several have is that of the first.
+/// Joins `files`, each given with its name. If several files have a cell, the cell of the first is
+/// kept.
 ///
 /// # Errors
 ///
-/// When they are from different machines or of different models of one name.
+/// When `files` is empty, when the machines differ, when models of one name differ, or when the
+/// goals of the runs of one group differ.
 pub fn join(files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
     let mut rest = files.into_iter();
     let (first, file) = rest.next().context("there are no files to join")?;
@@ -43,8 +45,9 @@ pub fn join(files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
     Ok(joined)
 }
 
-/// Adds the cells of `new` to `earlier`, each with the name of its file. A cell of both is the new
-/// one. `new` may be from another machine if it has no times of its own.
+/// Adds the cells of `new` to `earlier`, each given with the name of its file. If both files have a
+/// cell, the new one is kept. `new` may come from another machine if all its times are already in
+/// `earlier`.
 ///
 /// # Errors
 ///
@@ -68,12 +71,13 @@ pub fn extend(
     Ok(joined)
 }
 
-/// All cells of `files`, each with its name, for one table. The algorithms of cells that several
-/// have are followed by the name of the file. The machines may differ, which is noted.
+/// All cells of `files`, each given with its name, for one table. If several files have a cell, the
+/// name of the file is appended to its algorithm. Different machines cause a note.
 ///
 /// # Errors
 ///
-/// When files have different models of one name.
+/// When `files` is empty, when models of one name differ, or when the goals of the runs of one
+/// group differ.
 pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
     let mut names = Vec::new();
     for place in 1..files.len() {
@@ -140,7 +144,7 @@ fn check_machine(
     Ok(())
 }
 
-/// Refuses files whose runs of one group were to find different things: their times do not compare.
+/// Refuses files whose runs of one group have different goals: their times do not compare.
 fn check_goals(
     whole: &ResultFile,
     first: &str,
@@ -165,14 +169,14 @@ fn check_goals(
     Ok(())
 }
 
-/// Which file has a cell that is in both.
+/// The file whose cell is kept if both files have it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Winner {
     Joined,
     Added,
 }
 
-/// Adds `file`. Returns how many cells both have.
+/// Adds `file` to `joined`. Returns the number of cells that both have.
 fn add(
     joined: &mut Joined,
     first: &str,
@@ -205,7 +209,7 @@ fn add(
             .iter_mut()
             .find(|known| known.name == model.name)
         {
-            // It was refused there, as when the file was missing.
+            // A model without a hash was refused, for example because its file was missing.
             Some(known) if known.sha256.is_none() => *known = model,
             Some(_) => {}
             None => whole.models.push(model),
@@ -221,7 +225,7 @@ fn add(
                     whole.cells[place] = cell;
                 }
             }
-            // After the others of its model and source, else at the end.
+            // Behind the other cells of its group, model and source, or else at the end.
             None => match whole
                 .cells
                 .iter()
@@ -252,7 +256,8 @@ fn is_beside(a: &Cell, b: &Cell) -> bool {
     (&a.group, &a.model, &a.source) == (&b.group, &b.model, &b.source)
 }
 
-/// Gives the models of `file` the names that models with their hashes have in `whole`.
+/// Renames the models of `file`: if `whole` has a model with the same hash, its name is used.
+/// Refuses models of the same name with different hashes.
 fn rename_models(
     whole: &ResultFile,
     first: &str,
@@ -284,7 +289,7 @@ fn rename_models(
     Ok(())
 }
 
-/// What differs between the runs of two files.
+/// The differences between the program, the machine and the settings of two files, one line each.
 fn differences(whole: &ResultFile, first: &str, name: &str, file: &ResultFile) -> Vec<String> {
     let value = |file: &ResultFile| {
         let settings = |group: &GroupRecord| {
@@ -374,7 +379,7 @@ mod tests {
         let a = file(&["horse", "cow"], "mmp,ich");
         let mut b = file(&["cow"], "ich,vtp");
         b.models[0].sha256.clone_from(&a.models[1].sha256);
-        // All made-up models have one hash; these are told apart by it.
+        // The models of the mock all have the same hash; here they need different ones.
         let mut a = a;
         a.models[0].sha256 = Some("horse".into());
         let joined = join(vec![

@@ -1,4 +1,4 @@
-//! Several result files: compared, pooled, joined; and histories of many commits.
+//! Operations on several result files (compare, pool, join), and histories over commits.
 
 pub mod changes;
 pub mod compare;

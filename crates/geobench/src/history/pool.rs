@@ -1,8 +1,8 @@
 //! Joins the rounds of a benchmark that was started once for each round.
 //!
-//! Two versions of a program take turns if each is started for one round at a time: old, new, old,
-//! new. The rounds of one version become one result file with a sample of every round. The files
-//! of both versions carry the same `pairing`.
+//! To compare two versions of a program, each is started for one round at a time, in turns: old,
+//! new, old, new. This module joins the rounds of one version into one result file, with a sample
+//! from every round. The files of both versions have the same `pairing`.
 
 use anyhow::{Context, bail};
 
@@ -10,14 +10,15 @@ use crate::measure::conditions;
 use crate::measure::statistics::{self, median};
 use crate::schema::{Cell, ResultFile, Status, Time};
 
-/// Joins `rounds`, each with the name of its file, in the order in which they were run. Samples of
-/// the same cell follow each other. A cell that failed in one round has failed; counts are those of
-/// the first round, peaks of memory the largest, set-up and phases the medians, and the conditions
-/// of the machine the worst.
+/// Joins `rounds`, each given with the name of its file, in the order in which they were run.
+///
+/// The samples of a cell are concatenated. A cell that failed in one round is the failed one.
+/// Counts are those of the first round. Peaks of memory and errors are the largest, set-up and
+/// phases the medians, and the conditions of the machine the worst.
 ///
 /// # Errors
 ///
-/// When there are no rounds, or they are not of the same program, models and cells.
+/// When `rounds` is empty, or the programs, models or cells of the rounds differ.
 pub fn pool(
     rounds: Vec<(String, ResultFile)>,
     pairing: Option<String>,
@@ -80,7 +81,7 @@ fn difference(joined: &ResultFile, cells: &[Vec<Cell>], round: &ResultFile) -> O
     })
 }
 
-/// Joins the rounds of one cell, of which there is at least one.
+/// Joins the rounds of one cell. `rounds` is not empty.
 fn join(mut rounds: Vec<Cell>) -> Cell {
     if let Some(failed) = rounds.iter().position(|c| c.status != Status::Ok) {
         return rounds.swap_remove(failed);
@@ -105,7 +106,7 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
     cell.phases.propagation = over(|c| c.phases.propagation);
     cell.phases.pruning = over(|c| c.phases.pruning);
     cell.phases.management = over(|c| c.phases.management);
-    // Unknown if one of them was clocked.
+    // `None` if the phases of one round were measured by a clock instead of by sampling.
     cell.phases.samples = rounds.iter().map(|c| c.phases.samples).sum();
     cell.memory.heap_peak_bytes = most(|c| c.memory.heap_peak_bytes);
     cell.memory.rss_peak_bytes = most(|c| c.memory.rss_peak_bytes);
@@ -121,7 +122,7 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
     cell
 }
 
-/// The solves of the samples of all rounds; empty if each is of one solve.
+/// The number of solves in each sample of all rounds; empty if every sample is one solve.
 fn joined_solves(rounds: &[Cell]) -> Vec<usize> {
     if rounds.iter().all(|cell| cell.time.solves.is_empty()) {
         return Vec::new();
@@ -154,7 +155,7 @@ mod tests {
 
     #[test]
     fn samples_follow_each_other_and_are_summarised_anew() {
-        // All rounds share a backend, so that the made-up times keep increasing.
+        // All rounds share a backend, so that the mock times keep increasing.
         let backend = MockBackend::default();
         let rounds: Vec<ResultFile> = (0..5).map(|_| round(&backend)).collect();
         let samples: Vec<f64> = rounds.iter().map(|r| r.cells[1].time.samples[0]).collect();

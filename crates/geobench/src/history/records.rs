@@ -1,4 +1,4 @@
-//! A history: a directory with a small file for each commit, class of machine and suite.
+//! A history: a directory with a small file for each commit, machine class and suite.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -16,14 +16,14 @@ use crate::usage::{check_schema, files_in};
 /// The schema of a record.
 pub const SCHEMA: &str = "geobench-record/1";
 
-/// The figures of one commit on one class of machines.
+/// The figures of one commit on one machine class.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Always [`SCHEMA`].
     pub schema: String,
     /// The commit that was measured.
     pub commit: String,
-    /// When it was made, RFC 3339 in UTC; null if that is not known.
+    /// The time of the commit, RFC 3339 in UTC; null if unknown.
     pub committed: Option<String>,
     /// When the first run started, RFC 3339 in UTC.
     pub started: String,
@@ -44,16 +44,17 @@ pub struct CellRecord {
     pub status: Status,
     /// Every sample of its time.
     pub samples: Vec<f64>,
-    /// All other figures that it has, by the names of result files.
+    /// All other figures of the cell, by their names in result files.
     pub figures: BTreeMap<String, f64>,
 }
 
 impl Record {
-    /// The record of a result file, made by `suite`; `committed` is the time of its commit.
+    /// The record of a result file of `suite`. `commit` overrides the commit that the file names;
+    /// `committed` is the time of the commit.
     ///
     /// # Errors
     ///
-    /// When the file does not name its commit, which must be given then.
+    /// When neither `commit` nor the file names a commit, or when the name is not alphanumeric.
     pub fn new(
         file: &ResultFile,
         commit: Option<&str>,
@@ -77,22 +78,23 @@ impl Record {
         })
     }
 
-    /// The class of its machine: records of one class are compared with each other.
+    /// The machine class. Only records of the same class are compared with each other.
     pub fn machine(&self) -> String {
         self.host.in_words()
     }
 
-    /// The time by which records are ordered: that of the commit, else that of the run.
+    /// The time by which records are ordered: that of the commit if known, else that of the run.
     pub fn time(&self) -> &str {
         self.committed.as_deref().unwrap_or(&self.started)
     }
 
-    /// As many digits of its commit as git shows.
+    /// The first 12 digits of the commit.
     pub fn short(&self) -> &str {
         self.commit.get(..12).unwrap_or(&self.commit)
     }
 
-    /// The name of its file: date, commit, and the class of the machine with the suite.
+    /// The name of the record's file: date, commit, the first words of the machine class and suite,
+    /// and a hash of both.
     fn file_name(&self) -> String {
         let date = self.time().get(..10).unwrap_or("0000-00-00");
         let class = format!(
@@ -115,8 +117,9 @@ impl Record {
         )
     }
 
-    /// Adds the cells of another run of the same commit. A cell of both has the samples of both, and
-    /// its other figures from the later run.
+    /// Adds the cells of a later run of the same commit. If both runs solved a cell, its samples
+    /// are concatenated, and its other figures come from the later run. If one failed, the later
+    /// cell is kept.
     fn take_in(&mut self, later: Self) {
         for cell in later.cells {
             match self.cells.iter_mut().find(|known| known.cell == cell.cell) {
@@ -144,13 +147,13 @@ fn record(file: &ResultFile, cell: &Cell) -> CellRecord {
     }
 }
 
-/// Adds `record` to the history in `directory`, which is made if it does not exist, and returns the
-/// path of its file. Another process that adds at the same time waits; a killed one leaves the
-/// file as it was.
+/// Adds `record` to the history in `directory`, and returns the path of its file. Creates the
+/// directory if it does not exist. A lock file serialises concurrent processes. The file is
+/// replaced atomically, so a killed process leaves it unchanged.
 ///
 /// # Errors
 ///
-/// When the directory cannot be written, or holds a file of the same name that is no record.
+/// When the directory cannot be written to, or the file of that name is not a record.
 pub fn add(directory: &Path, record: Record) -> anyhow::Result<PathBuf> {
     let shown = directory.display();
     let failed = || format!("{shown}: cannot be written");
@@ -165,7 +168,7 @@ pub fn add(directory: &Path, record: Record) -> anyhow::Result<PathBuf> {
     } else {
         record
     };
-    // Written beside it and put in place whole.
+    // A temporary file in the same directory replaces the record atomically.
     let mut file = tempfile::NamedTempFile::new_in(directory).with_context(failed)?;
     let text = serde_json::to_string(&record)? + "\n";
     file.write_all(text.as_bytes()).with_context(failed)?;
@@ -188,7 +191,7 @@ fn read(path: &Path) -> anyhow::Result<Record> {
 ///
 /// # Errors
 ///
-/// When there are none, or a file is no record.
+/// When there are none, or a JSON file is not a record.
 pub fn read_all(directory: &Path) -> anyhow::Result<Vec<Record>> {
     let paths = files_in(directory, "json")?;
     let records = paths.iter().map(|path| read(path));

@@ -1,4 +1,4 @@
-//! Figures over the commits of a history, and the commits from which on they have changed.
+//! Figures over the commits of a history, and their change points.
 
 use serde::Serialize;
 
@@ -8,7 +8,7 @@ use crate::history::records::{CellRecord, Record};
 use crate::measure::statistics::{mann_whitney, summarise};
 use crate::schema::Status;
 
-/// A figure of a cell over the commits of one class of machines and one suite.
+/// A figure of a cell over the commits of one machine class and one suite.
 #[derive(Clone, Debug)]
 pub struct TrendSeries {
     /// The cell.
@@ -21,7 +21,7 @@ pub struct TrendSeries {
     pub figure: &'static str,
     /// Its values, the oldest first.
     pub points: Vec<TrendPoint>,
-    /// Changes of its level, each with the index of its first point.
+    /// Changes of level. The `place` of each is an index into `points`.
     pub changes: Vec<LevelChange>,
 }
 
@@ -32,7 +32,7 @@ pub struct TrendPoint {
     pub commit: String,
     /// The value.
     pub value: f64,
-    /// Its 95 % interval, of a time with enough samples.
+    /// 95 % interval of a time with enough samples; else `None`.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -55,14 +55,13 @@ pub struct ChangePoint {
     pub after: f64,
     /// The new level relative to the old one.
     pub ratio: f64,
-    /// The probability of the test of Mann and Whitney that values so different come from the same
-    /// distribution, of the commits of both levels.
+    /// The p-value of the Mann-Whitney test between the values of both levels.
     pub p: Option<f64>,
 }
 
-/// The figures whose trends are shown, with the least changes that are reported. Code that does not
-/// change takes up to 1.5 % more or fewer instructions from commit to commit, because of changes
-/// elsewhere in the program, so that less than 2 % is none.
+/// The figures whose trends are shown, with the least change that is reported, as a share. The
+/// instruction count of unchanged code varies by up to 1.5 % from commit to commit, because of
+/// changes elsewhere in the program. Its threshold is therefore 2 %.
 const FIGURES: [(&str, f64); 5] = [
     ("time", 0.03),
     ("instructions", 0.02),
@@ -71,7 +70,7 @@ const FIGURES: [(&str, f64); 5] = [
     ("kept", 1e-4),
 ];
 
-/// All series of `records`, which are in order.
+/// All series of `records`, which are sorted by time, with their change points.
 pub fn series(records: &[Record]) -> Vec<TrendSeries> {
     let mut all: Vec<TrendSeries> = Vec::new();
     for record in records {
@@ -163,8 +162,8 @@ pub(crate) mod tests {
     use crate::exec::mock::MockBackend;
     use crate::run::mock::{plan, result, run_mock};
 
-    /// Twenty commits with noise of some percent, the times of `vtp` longer from the 13th on, and
-    /// another count from the 9th on.
+    /// Twenty commits with noise of 2 % in the times. The times of `vtp` are longer from the 13th
+    /// commit on. A count changes at the 9th commit.
     pub(crate) fn history() -> Vec<Record> {
         let records = run_mock(&plan(&["horse"], "mmp,vtp", "0"), &MockBackend::default());
         let file = result(records);
@@ -220,7 +219,7 @@ pub(crate) mod tests {
         }
         records[19].suite = Some("other".into());
         let all = series(&records);
-        // Two cells with four figures on two machines, and those of the suite.
+        // Three combinations of machine and suite, two cells, three figures.
         assert_eq!(all.len(), 3 * 2 * 3);
         let found = change_points(&all);
         assert!(

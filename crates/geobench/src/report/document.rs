@@ -1,4 +1,4 @@
-//! The content of a report, independent of its form.
+//! The content of a report, independent of the output format.
 
 use super::chart::Chart;
 use crate::table::{Note, Table};
@@ -10,13 +10,13 @@ pub(crate) struct Document {
     pub(crate) sections: Vec<Section>,
 }
 
-/// A part of a report under a heading of its own.
+/// A section of a report, with its heading.
 #[derive(Clone, Debug)]
 pub(crate) struct Section {
     /// Unique in the report; letters, digits and hyphens.
     pub(crate) id: String,
     pub(crate) heading: String,
-    /// Whether it has an entry of its own in the table of contents, or belongs to the one before.
+    /// Whether it is a top-level section; else it is a subsection of the last top-level one.
     pub(crate) top: bool,
     pub(crate) blocks: Vec<Block>,
 }
@@ -24,9 +24,9 @@ pub(crate) struct Section {
 /// An item of a section.
 #[derive(Clone, Debug)]
 pub(crate) enum Block {
-    /// The outcome in a sentence for each group.
+    /// The outcome of each group, one sentence each.
     Headlines(Vec<String>),
-    /// What makes the times doubtful.
+    /// Reasons to doubt the times.
     Warnings(Vec<String>),
     /// A paragraph.
     Text(String),
@@ -36,7 +36,8 @@ pub(crate) enum Block {
     Heading(String),
     /// A table.
     Table(Table),
-    /// A table with a column for each algorithm, which pages show with a row for each.
+    /// A table with a column for each algorithm. HTML pages show it transposed, with a row for
+    /// each.
     Figures(Table),
     /// Plots, side by side if there is room.
     Plots(Vec<Plot>),
@@ -50,9 +51,9 @@ pub(crate) enum Block {
 #[derive(Clone, Debug)]
 pub(crate) struct Link {
     pub(crate) label: String,
-    /// Its address, relative to the page, or the data itself.
+    /// A relative URL, or a data URL that holds the file.
     pub(crate) address: String,
-    /// The name under which it is stored.
+    /// The name of the downloaded file.
     pub(crate) file: String,
 }
 
@@ -69,7 +70,7 @@ pub(crate) struct Plot {
 }
 
 impl Plot {
-    /// The drawing, in a page or `alone` in a file.
+    /// The drawing as SVG. If `alone`, it is a file of its own and includes its style sheet.
     pub(crate) fn draw(&self, alone: bool) -> String {
         self.chart.draw(&self.id, &self.title, &self.caption, alone)
     }

@@ -50,7 +50,7 @@ pub(crate) fn facts(result: &ResultFile) -> Vec<(String, String)> {
         facts.push(("Features".to_owned(), tool.features.join(", ")));
     }
     facts.extend(others(result));
-    // The run was interrupted, or several machines did parts.
+    // A result has several sessions if the run was resumed or its parts ran on several machines.
     if result.sessions.len() > 1 {
         for (i, session) in result.sessions.iter().enumerate() {
             let cpu = or_unknown(session.host.cpu.as_ref());
@@ -70,7 +70,7 @@ pub(crate) fn facts(result: &ResultFile) -> Vec<(String, String)> {
     facts
 }
 
-/// The conditions of the run. Files of older versions lack some.
+/// The isolation and the conditions of the run, except warnings. Files of older versions lack some.
 fn others(result: &ResultFile) -> Vec<(String, String)> {
     let mut facts = Vec::new();
     let Ok(Value::Object(fields)) = serde_json::to_value(result) else {
@@ -78,7 +78,7 @@ fn others(result: &ResultFile) -> Vec<(String, String)> {
     };
     for name in ["isolation", "conditions"] {
         if let Some(mut value) = fields.get(name).cloned() {
-            // They stand at the top of the report.
+            // The warnings are shown at the top of the report.
             if let Some(fields) = value.as_object_mut() {
                 fields.remove("warnings");
             }
@@ -117,7 +117,7 @@ fn plain(value: &Value) -> String {
     }
 }
 
-/// The compiler, with the flags that it was given from outside.
+/// The compiler, with the flags of `RUSTFLAGS`.
 fn compiler(tool: &Tool) -> String {
     let name = tool.rustc.as_deref().unwrap_or("unknown");
     match tool.rustflags.as_deref() {

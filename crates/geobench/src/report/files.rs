@@ -1,4 +1,4 @@
-//! A file for each table and plot, for papers.
+//! Writes each table and plot to a file of its own, for use in papers.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use super::{Report, html, tex};
 use crate::table::output::OutputFile;
 use crate::table::{Column, Entry, Table, csv};
 
-/// A form of the files of a report.
+/// An output format of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Form {
     /// The page.
@@ -24,12 +24,12 @@ pub enum Form {
     Tex,
 }
 
-/// Writes the files of `report` in one form into `directory`, which is created if missing.
-/// Returns their paths. Files of the same names are replaced, others left alone.
+/// Writes the files of `report` in one format into `directory`, which is created if missing.
+/// Returns their paths. Files of the same names are replaced; other files are kept.
 ///
 /// # Errors
 ///
-/// When the directory cannot be made or a file cannot be written.
+/// When the directory cannot be created or a file cannot be written.
 pub fn write_files(report: &Report, form: Form, directory: &Path) -> anyhow::Result<Vec<PathBuf>> {
     fs::create_dir_all(directory)
         .with_context(|| format!("{}: cannot be made", directory.display()))?;
@@ -74,7 +74,7 @@ fn csvs(document: &Document) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
     Ok(files)
 }
 
-/// The numbers behind a plot, one point in each line.
+/// The data of a plot, one row per point.
 fn numbers(plot: &Plot) -> Table {
     let heads = ["of", "series", "x", "value", "low", "high", "absent"];
     let row = |datum: Datum| {

@@ -1,4 +1,4 @@
-//! The outcome of a group in a sentence, and what makes its times doubtful.
+//! The outcome of a group in one sentence, and warnings about its times.
 
 use crate::measure::statistics::{Variable, interval_of, median};
 use crate::schema::{Cell, ResultFile, Status};
@@ -6,14 +6,15 @@ use crate::table::figures::time;
 use crate::table::group::{GroupCells, pairs};
 use crate::table::{capitalised, disturbance};
 
-/// Largest relative difference of an answer that counts as exact.
+/// The largest relative difference from the reference that counts as exact.
 pub(super) const EXACT: f64 = 1e-6;
 
-/// Which algorithm is fastest on most models, and how much faster than the base of ratios, or than
-/// the next fastest if it is the base itself. `None` if no two algorithms have times on a model.
+/// Names the algorithm that is fastest on most models, and its speed-up over the base of ratios. If
+/// it is the base itself, or the base is not exact, the speed-up is over the next fastest
+/// algorithm. `None` if no model has the times of two exact algorithms.
 ///
-/// Approximate answers do not count. The factor is the geometric mean over all models and sources
-/// that both solved; its interval is a bootstrap over the samples of each.
+/// Approximate algorithms are ignored. The speed-up is the geometric mean over all models and
+/// sources that both solved. Its interval is a bootstrap over the samples of each.
 pub(crate) fn headline(group: &GroupCells<'_>) -> Option<String> {
     let exact: Vec<&str> = group
         .algorithms
@@ -21,7 +22,7 @@ pub(crate) fn headline(group: &GroupCells<'_>) -> Option<String> {
         .copied()
         .filter(|name| is_exact(group, name))
         .collect();
-    // The exact algorithms of each model, the fastest first.
+    // For each model: its exact algorithms, the fastest first.
     let ranked: Vec<Vec<&str>> = group
         .models
         .iter()
@@ -42,7 +43,8 @@ pub(crate) fn headline(group: &GroupCells<'_>) -> Option<String> {
     };
     let most = |place: usize, but: Option<&str>| {
         let names = exact.iter().copied().filter(|name| Some(*name) != but);
-        // The first of several with as many.
+        // `max_by_key` returns the last of several maxima, which is the first in the original
+        // order.
         names
             .rev()
             .max_by_key(|name| wins(place, name))
@@ -75,7 +77,8 @@ pub(crate) fn headline(group: &GroupCells<'_>) -> Option<String> {
     Some(text + ".")
 }
 
-/// Whether no answer of an algorithm differs from the reference by more than rounding.
+/// Whether an algorithm is exact: not marked as approximate, and within [`EXACT`] of the reference
+/// in every cell.
 fn is_exact(group: &GroupCells<'_>, algorithm: &str) -> bool {
     let mut cells = group
         .cells
@@ -87,8 +90,8 @@ fn is_exact(group: &GroupCells<'_>, algorithm: &str) -> bool {
     })
 }
 
-/// The geometric mean of the ratios of the times of `over` to those of `under`, with its 95 %
-/// interval if each cell has enough samples.
+/// The geometric mean of the time ratios of `over` to `under`, with its 95 % interval if each cell
+/// has enough samples.
 fn factor(group: &GroupCells<'_>, over: &str, under: &str) -> Option<(f64, Option<[f64; 2]>)> {
     let solved = |name: &str| -> Vec<&Cell> {
         let cells = group.cells.iter().copied();
@@ -128,7 +131,7 @@ fn times(factor: f64) -> String {
     }
 }
 
-/// What makes the times of a result doubtful, each remark once.
+/// Reasons to doubt the times of a result, without repetitions.
 pub(crate) fn warnings(result: &ResultFile) -> Vec<String> {
     let mut warnings = Vec::new();
     if result.tool.profile != "release" {
@@ -170,8 +173,8 @@ mod tests {
     use super::*;
     use crate::schema::GroupRecord;
 
-    /// A result with these times, the same in all of six samples but the last, which is a tenth
-    /// more.
+    /// A result with these times. Each cell has six equal samples, except that the last is 10 %
+    /// longer.
     fn result(times: &[(&str, &str, f64)]) -> ResultFile {
         let mut result = crate::run::mock::result(crate::run::Records::default());
         result.models.clear();

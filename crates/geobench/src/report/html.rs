@@ -1,5 +1,6 @@
-//! A report as one self-contained page, without network. Without scripts it shows everything; the
-//! scripts in `assets` add filters, sorting, values on hover and the model in 3D.
+//! Writes a report as one self-contained HTML page that needs no network. The page shows everything
+//! without scripts. The scripts in `assets` add filters, sorting, values on hover and the model in
+//! 3D.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -21,8 +22,9 @@ const SCRIPTS: &str = concat!(
     include_str!("assets/explore.js"),
 );
 
-/// The content security policy: this one script, the page's own style, images in the page. Nothing
-/// is loaded, and no other script runs, even if a name were unescaped.
+/// The content security policy. It allows the page's own script (by its hash), inline styles and
+/// embedded images. Nothing is loaded, and no other script can run, even if a name were not
+/// escaped.
 fn policy() -> String {
     let hash = STANDARD.encode(Sha256::digest(SCRIPTS));
     format!(
@@ -30,10 +32,10 @@ fn policy() -> String {
     )
 }
 
-/// The start of a page: its head with `meta` and style sheets, and its heading.
+/// The start of a page: its head with `meta` and `styles`, and its heading.
 pub(super) fn head(title: &str, meta: &str, styles: [&str; 2]) -> String {
     let (title, styles) = (escape(title), styles.concat());
-    // Browsers request an icon unless the page has one.
+    // The empty icon keeps browsers from requesting one.
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -43,7 +45,7 @@ pub(super) fn head(title: &str, meta: &str, styles: [&str; 2]) -> String {
     )
 }
 
-/// The page.
+/// The report as an HTML page.
 pub fn page(report: &Report) -> String {
     let document = &report.document;
     let policy = format!(
@@ -157,13 +159,13 @@ fn write_plot(html: &mut String, plot: &Plot) {
     );
 }
 
-/// What the scripts draw a plot from.
+/// The data from which the scripts draw a plot, as a JSON script element.
 fn data(plot: &Plot) -> String {
     let json = match &plot.chart {
         Chart::Picture(picture) => picture.surface_json(),
         chart => serde_json::to_string(chart).ok(),
     };
-    // No text in it ends the element or starts a comment.
+    // A `<` in the text could end the element or start a comment.
     let json = json.map(|json| json.replace('<', "\\u003c"));
     json.map_or_else(String::new, |json| {
         format!("<script type=\"application/json\">{json}</script>\n")

@@ -1,15 +1,15 @@
 //! Reports of results: tables, plots and a picture.
 //!
 //! There are three independent steps. [`build`] turns results into a document: sections with
-//! tables, charts and remarks. A chart can be drawn as SVG or listed as numbers. `html`, `files`
+//! tables, charts and remarks. `chart` draws a chart as SVG or lists its numbers. `html`, `files`
 //! and `tex` write the document as one self-contained page, or as a file for each table and plot.
 //!
 //! `table::results` builds the tables, so that a report and the terminal show the same. The SVG is
-//! written here, because the crates that were considered lack something that the page needs: text
+//! written here, because no plotting crate that was considered has all that the page needs: text
 //! drawn as text, lines in the text colour of the page, descriptions for screen readers, and
 //! patterns in addition to colours.
 
-// Places, sizes and counts are never negative here, and writing a page is not a hot loop.
+// Positions, sizes and counts are never negative here, and writing a page is not a hot loop.
 #![allow(clippy::cast_sign_loss, clippy::format_push_string)]
 
 mod chart;
@@ -51,7 +51,7 @@ pub use picture::plot::Wanted;
 pub(crate) use picture::{Paint, Scene};
 pub use trend::page as trend_page;
 
-/// A result file that a report is made from.
+/// An input of a report: a result file with its path.
 #[derive(Clone, Debug)]
 pub struct Input {
     /// The file.
@@ -63,14 +63,15 @@ pub struct Input {
 /// Options of a report.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The base of ratios. If `None`, the algorithm that a group names, else `vtp`, else the
-    /// reference of the checks.
+    /// The base of ratios. If `None`, or if a group does not have this algorithm: the algorithm
+    /// that the group names, else `vtp`, else the reference of the checks, else the first
+    /// algorithm.
     pub ratio_to: Option<String>,
-    /// The picture.
+    /// The model that is drawn.
     pub picture: Wanted,
-    /// Bytes that the compressed model of the picture may decompress to.
+    /// Limit on the decompressed size of the model of the picture.
     pub decompressed: DecompressionLimit,
-    /// The papers' tables to compare with.
+    /// The papers' tables whose ratios are shown beside ours.
     pub tables: Tables,
 }
 
@@ -85,7 +86,8 @@ pub struct Report {
 struct Setting<'a> {
     /// The prefix of the ids of plots.
     prefix: &'a str,
-    /// The algorithms of the whole result. The index of an algorithm determines its marker.
+    /// The algorithms of the whole result. The index of an algorithm is its style: marker and
+    /// colour.
     styles: &'a [&'a str],
     /// The base of ratios.
     base: Option<&'a str>,
@@ -97,7 +99,7 @@ impl Setting<'_> {
         found.unwrap_or(0)
     }
 
-    /// The line of an algorithm.
+    /// The line of an algorithm in a chart.
     fn series(&self, algorithm: &str, points: Vec<LinePoint>) -> Series {
         Series {
             style: self.style(algorithm),
@@ -111,14 +113,15 @@ impl Setting<'_> {
     }
 }
 
-/// Largest result that is part of the page, in bytes; a larger one is linked.
+/// The largest result that is embedded in the page, in bytes. A larger JSON file is linked.
 const MOST_EMBEDDED: usize = 4 << 20;
 
-/// The report on `inputs`.
+/// Builds the report on `inputs`.
 ///
 /// # Errors
 ///
-/// When the results lack something that `options` ask for.
+/// When no result has the algorithm of `options.ratio_to`, or the model of `options.picture` cannot
+/// be drawn.
 pub fn build(inputs: &[Input], options: &Options) -> Result<Report, UsageError> {
     if let Some(name) = &options.ratio_to {
         let known = algorithms(inputs.iter().flat_map(|input| &input.result.cells));
@@ -149,7 +152,7 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, UsageError> 
                 &format!("{prefix}result"),
             ) {
                 Ok(picture) => picture,
-                // Another of the results may have that model.
+                // A later result may have the model.
                 Err(error) => {
                     missing = missing.or(Some(error));
                     None
@@ -171,7 +174,8 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, UsageError> 
     })
 }
 
-/// `result` with a base of ratios in every group.
+/// `result` with the base of ratios set in every group of several algorithms. `wanted` is the base
+/// in groups that have it.
 fn with_base(result: &ResultFile, wanted: Option<&str>) -> ResultFile {
     let mut result = result.clone();
     if result.groups.is_empty() {
@@ -268,7 +272,7 @@ fn of_result(
     all
 }
 
-/// The headline of a group, under its name if there are several.
+/// The headline of a group, after its name if there are several groups.
 fn named(group: &GroupCells<'_>, groups: usize) -> Option<String> {
     let text = headline::headline(group)?;
     Some(match &group.record.name {
@@ -307,7 +311,7 @@ fn of_group(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Block> {
     blocks
 }
 
-/// The meaning of the figures.
+/// An explanation of the figures.
 fn reading(result: &ResultFile) -> String {
     let mut text = crate::table::footnote(
         result,
@@ -326,7 +330,8 @@ fn reading(result: &ResultFile) -> String {
     text
 }
 
-/// The result as JSON and CSV, in the page if it is small enough.
+/// Downloads of the result as JSON and CSV. Files up to [`MOST_EMBEDDED`] are embedded as data
+/// URLs.
 fn raw_numbers(input: &Input) -> Vec<Link> {
     let stem = stem(&input.path);
     let mut links = Vec::new();

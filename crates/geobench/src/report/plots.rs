@@ -30,7 +30,7 @@ pub(crate) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
     plots
 }
 
-/// The lanes of all algorithms on all models.
+/// A band for each model, with the lanes of all algorithms. Empty bands are left out.
 fn bands(group: &GroupCells<'_>, lane: impl Fn(&str, &str) -> Option<Lane>) -> Vec<Band> {
     let band = |model: &&ModelRecord| {
         let lanes = group.algorithms.iter();
@@ -54,8 +54,8 @@ fn point(setting: Setting<'_>, model: &str, algorithm: &str, value: Estimate) ->
     }
 }
 
-/// A lane for each algorithm on each model, with its `value`. If the value needs a figure of `base`
-/// and `base` failed, the lane shows that failure.
+/// A lane for each algorithm on each model, with its `value` or its failure. `base` is the
+/// algorithm that a ratio needs; if it failed, the lane shows that failure.
 fn bands_of_values(
     group: &GroupCells<'_>,
     setting: Setting<'_>,
@@ -85,7 +85,7 @@ fn drawn(bands: &[Band]) -> impl Iterator<Item = f64> {
     lanes.flat_map(|lane| &lane.points).map(|p| p.value.value)
 }
 
-/// The points of one figure, if there are any.
+/// The dot plot of one figure. `None` if there is no value.
 fn values(group: &GroupCells<'_>, setting: Setting<'_>, figure: &'static Figure) -> Option<Plot> {
     let bands = bands_of_values(group, setting, None, |model, algorithm| {
         group.value(figure, model, algorithm)
@@ -106,7 +106,7 @@ fn values(group: &GroupCells<'_>, setting: Setting<'_>, figure: &'static Figure)
     })
 }
 
-/// The ratios of times to those of `base`.
+/// The dot plot of the ratios of times to those of `base`.
 fn ratios(group: &GroupCells<'_>, setting: Setting<'_>, base: &str) -> Option<Plot> {
     let mut bands = bands_of_values(group, setting, Some(base), |model, algorithm| {
         group.ratio(time(), model, algorithm, base)
@@ -129,13 +129,14 @@ fn ratios(group: &GroupCells<'_>, setting: Setting<'_>, base: &str) -> Option<Pl
     })
 }
 
-/// The time by phase.
+/// The bar chart of the times of the phases.
 fn phases(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
     let parts = |phases: &Phases| Some([phases.propagation?, phases.pruning?, phases.management?]);
     let mut groups = Vec::new();
     for model in &group.models {
         let of = |algorithm: &str| -> Option<[f64; 3]> {
-            // The first of several sources: medians of parts do not add up.
+            // Of several sources, only the first is used: medians of the phases would not add up to
+            // the median of the time.
             let cells = group.of(&model.name, algorithm);
             if group.failure(&model.name, algorithm).is_some() {
                 return None;
@@ -186,7 +187,7 @@ fn phases(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
     })
 }
 
-/// The samples of each cell relative to their median: how far single runs lie from the figure.
+/// The dot plot of the samples of each cell, relative to their median.
 fn spread(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
     let relative = |cell: &&Cell| -> Vec<f64> {
         let median = cell.time.median.filter(|median| *median > 0.0);
@@ -213,7 +214,7 @@ fn spread(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
             ..Lane::of(algorithm)
         })
     });
-    // With more, the lanes of a model would be merged, and its samples with them.
+    // A chart with more lanes merges the lanes of a model, which would mix their samples.
     let lanes: usize = bands.iter().map(|band| band.lanes.len()).sum();
     if bands.is_empty() || lanes > MOST_LANES {
         return None;
@@ -232,13 +233,14 @@ fn spread(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
     })
 }
 
-/// Fewest samples whose spread is drawn.
+/// The fewest samples for a lane of the spread plot.
 const FEWEST_FOR_SPREAD: usize = 3;
 
-/// Fewest cells of an algorithm that make a quantile plot.
+/// The fewest cells of an algorithm for a quantile plot.
 const FEWEST_FOR_QUANTILES: usize = 3;
 
-/// For each algorithm the times of its cells, sorted: how many it solves within a time.
+/// The quantile plot: for each algorithm, the sorted times of its cells, which shows how many cells
+/// it solves within a time.
 fn quantiles(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
     let series = |name: &&str| {
         let solved = group.cells.iter().filter(|cell| {
@@ -279,8 +281,9 @@ fn quantiles(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
     })
 }
 
-/// The wavefronts of a run, a plot for each model: windows that wait over their mean distance, with
-/// the deviation of the distances, and K where the queue has rounds.
+/// A plot of the wavefronts for each model: the number of waiting windows over their mean distance,
+/// with the standard deviation of the distances. For queues that work in rounds, also the size K of
+/// the rounds.
 fn wavefronts(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
     let models = group.models.iter().enumerate();
     models
@@ -296,7 +299,7 @@ fn wavefront(
 ) -> Option<Plot> {
     let mut series: Vec<Series> = Vec::new();
     for name in &group.algorithms {
-        // The first of several sources: curves of different sources are not comparable.
+        // Of several sources, only the first is used: their curves are not comparable.
         let cells = group.of(&model.name, name);
         let Some(cell) = cells.first().filter(|cell| cell.status == Status::Ok) else {
             continue;
@@ -347,7 +350,7 @@ fn wavefront_points(
         })
     });
     let mut points: Vec<LinePoint> = points.collect();
-    // The mean distance of a wavefront may decrease.
+    // Samples are in the order of the run, in which the mean distance may decrease.
     points.sort_by(|a, b| a.x.total_cmp(&b.x));
     points
 }

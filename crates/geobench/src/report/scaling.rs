@@ -1,4 +1,5 @@
-//! Plots against the property in which the models of a group differ, and how times grow with it.
+//! Plots of times and ratios against a property of the models (size or anisotropy), with power laws
+//! fitted to the times.
 
 use geobench_mesh::generate::Spec;
 
@@ -11,7 +12,7 @@ use crate::schema::ModelRecord;
 use crate::table::figures::time;
 use crate::table::group::{Estimate, GroupCells, distinct};
 
-/// The property in which models differ.
+/// The property on the x-axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Against {
     Faces,
@@ -35,7 +36,7 @@ impl Against {
         }
     }
 
-    /// The parameters of generators that change it.
+    /// The parameters of generators that determine the property.
     const fn keys(self) -> &'static [&'static str] {
         match self {
             Self::Faces => &[
@@ -55,8 +56,8 @@ impl Against {
         }
     }
 
-    /// The family of a model: its spec or file name without the parts that state this property.
-    /// Models of one family differ in this property alone.
+    /// The family of a model: its generator spec without the parameters of this property, or its
+    /// name without the number at the end. Models of one family differ in this property only.
     fn family(self, model: &ModelRecord) -> String {
         if !Spec::is_spec(&model.path) {
             let name = model.name.trim_end_matches(|c: char| {
@@ -74,10 +75,12 @@ impl Against {
     }
 }
 
-/// The name of models without a common family.
+/// The title for models without a common family.
 const ALL: &str = "all models";
 
-/// Time, and its ratio to the base, against the property in which the models of the group differ.
+/// Plots of the time, and of its ratio to the base, against each property. There is a plot for each
+/// family with enough models. If no family has enough, all models are plotted against their size,
+/// as points without lines.
 pub(super) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
     let mut plots = Vec::new();
     for against in Against::ALL {
@@ -90,7 +93,7 @@ pub(super) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
         );
         let families = distinct(models.iter().map(|(_, model)| against.family(model)));
         models.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Lines join only models that differ in nothing else.
+        // Lines join only models that differ in this property only, which are those of one family.
         let mut lines: Vec<(&str, Vec<(f64, &ModelRecord)>)> = Vec::new();
         for family in &families {
             let own = models.iter().filter(|(_, m)| against.family(m) == *family);
@@ -114,7 +117,7 @@ pub(super) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
     plots
 }
 
-/// The number of different values of the sorted `models`.
+/// The number of distinct property values of `models`, which are sorted by it.
 fn differ(models: &[(f64, &ModelRecord)]) -> usize {
     let mut places: Vec<f64> = models.iter().map(|(at, _)| *at).collect();
     places.dedup();
@@ -202,7 +205,7 @@ fn against_plots(
     plots
 }
 
-/// The power law of the growth of a series.
+/// The power law fitted to a series.
 fn fit(series: &Series) -> Option<Fit> {
     let points = series.points.iter().map(|p| [p.x, p.value.value]);
     let [factor, exponent] = power_law(points)?;
@@ -213,7 +216,7 @@ fn fit(series: &Series) -> Option<Fit> {
     })
 }
 
-/// The exponent of the growth of each series with the number of faces, in words.
+/// A sentence with the fitted exponent of each series; empty if no series has a fit.
 fn growth(series: &[Series]) -> String {
     let grows = |series: &Series| Some(format!("{} {:.2}", series.name, series.fit?.exponent));
     let grows: Vec<String> = series.iter().filter_map(grows).collect();

@@ -1,10 +1,10 @@
-//! Writing SVG, escaped.
+//! An SVG writer that escapes texts and attributes.
 
 use std::fmt::Write;
 
 use crate::table::escape::xml as escape;
 
-/// Writes an SVG document, or a part of one.
+/// An SVG document, or a fragment of one, under construction.
 #[derive(Debug, Default)]
 pub(crate) struct Svg {
     text: String,
@@ -35,7 +35,7 @@ impl Svg {
         self.text.push_str("/>\n");
     }
 
-    /// An element that holds `text` alone.
+    /// An element whose only content is `text`.
     pub(crate) fn holding(&mut self, name: &'static str, attributes: Attributes<'_>, text: &str) {
         self.open(name, attributes);
         self.text.push_str(&escape(text));
@@ -52,7 +52,7 @@ impl Svg {
         self.holding("text", &attributes, text);
     }
 
-    /// A line of a class.
+    /// A line with a CSS class.
     pub(crate) fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
         let attributes = [
             ("class", class.to_owned()),
@@ -85,7 +85,7 @@ impl Svg {
     }
 }
 
-/// A length in the units of the drawing, to a tenth.
+/// A length in units of the drawing, rounded to a tenth.
 pub(crate) fn px(length: f64) -> String {
     let text = format!("{length:.1}");
     match text.strip_suffix(".0") {
@@ -95,7 +95,8 @@ pub(crate) fn px(length: f64) -> String {
     }
 }
 
-/// Estimated width of `text`, for a wide font, since the reader's fonts are unknown.
+/// Estimated width of `text` in units of the drawing. A wide font is assumed, because the reader's
+/// fonts are unknown.
 pub(crate) fn width_of(text: &str) -> f64 {
     text.chars().map(letter).sum()
 }
@@ -111,7 +112,7 @@ fn letter(c: char) -> f64 {
     }
 }
 
-/// `text` cut to a width, with an ellipsis.
+/// `text`, cut to a width with an ellipsis if it is wider.
 pub(crate) fn fitted(text: &str, width: f64) -> String {
     if width_of(text) <= width {
         return text.to_owned();

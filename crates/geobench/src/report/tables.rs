@@ -1,11 +1,11 @@
-//! The tables of a group and of its models.
+//! The table of the figures of a group, its notes, and the table of models.
 
 use crate::measure::number::grouped;
 use crate::schema::{ModelRecord, ResultFile};
 use crate::table::group::{GroupCells, distinct};
 use crate::table::{Column, Entry, Mark, Note, Part, Table, results};
 
-/// The figures of a group: a part for each model, a column for each algorithm.
+/// The table of the figures of a group: a part for each model, a column for each algorithm.
 pub(crate) fn figures(id: &str, group: &GroupCells<'_>) -> Table {
     let mut table = Table {
         id: id.to_owned(),
@@ -24,8 +24,8 @@ pub(crate) fn figures(id: &str, group: &GroupCells<'_>) -> Table {
     table
 }
 
-/// `table` with a row for each algorithm and a column for each quantity: narrow enough for pages,
-/// and rows that can be sorted by a quantity.
+/// `table` transposed: a row for each algorithm and a column for each quantity. This is narrow
+/// enough for pages, and rows can be sorted by a quantity.
 pub(crate) fn by_algorithm(table: &Table) -> Table {
     let parts = || table.parts.iter();
     let labels = |part: &Part| -> Vec<String> {
@@ -46,7 +46,7 @@ pub(crate) fn by_algorithm(table: &Table) -> Table {
                 .collect()
         };
         let mut rows: Vec<Vec<Entry>> = table.columns.iter().enumerate().skip(1).map(row).collect();
-        // An algorithm that did not run on the model, or the base of ratios.
+        // Rows are empty for algorithms that did not run on the model and for the base of ratios.
         rows.retain(|row| row[1..].iter().any(|entry| !entry.text.is_empty()));
         if part.refused {
             let entry = |i: usize| match i {
@@ -69,8 +69,8 @@ pub(crate) fn by_algorithm(table: &Table) -> Table {
     }
 }
 
-/// The notes of `table`, failures first. Notes of several models that differ in numbers alone are
-/// one, with the range of each number.
+/// The notes of `table`, failures first. Notes of several models that differ only in numbers are
+/// merged into one, with the range of each number.
 pub(crate) fn notes(table: &Table) -> Vec<Note> {
     let notes = || {
         table
@@ -106,8 +106,8 @@ pub(crate) fn notes(table: &Table) -> Vec<Note> {
     texts
 }
 
-/// The numbers of a text, and what stands between them: one piece more than numbers. Digits within
-/// a word, as in `ich1`, are no number.
+/// Splits a text into its numbers and the pieces between them. Returns the pieces, which are one
+/// more, and the numbers. Digits within a word, as in `ich1`, are not a number.
 fn pieces(text: &str) -> (Vec<String>, Vec<&str>) {
     let (mut between, mut numbers) = (vec![String::new()], Vec::new());
     for word in text.split_inclusive(' ') {
@@ -122,18 +122,18 @@ fn pieces(text: &str) -> (Vec<String>, Vec<&str>) {
     (between, numbers)
 }
 
-/// The number that a word is, perhaps with its thousands apart.
+/// The value of a word that is a number, with or without thousands separators.
 fn number(word: &str) -> Option<f64> {
     let number: f64 = word.replace(',', "").parse().ok()?;
     number.is_finite().then_some(number)
 }
 
-/// A text without its numbers.
+/// A text with each number replaced by `#`.
 fn shape(text: &str) -> String {
     pieces(text).0.join("#")
 }
 
-/// Texts of one shape as one, with the range of each number.
+/// Merges texts of the same shape into one, with the range of each number.
 fn ranges(texts: &[&str]) -> String {
     let all: Vec<(Vec<String>, Vec<&str>)> = texts.iter().map(|text| pieces(text)).collect();
     let Some((between, first)) = all.first() else {
@@ -154,7 +154,7 @@ fn ranges(texts: &[&str]) -> String {
     text
 }
 
-/// The properties of the models.
+/// The table of the properties of the models.
 pub(crate) fn models(id: &str, result: &ResultFile) -> Table {
     type Field = fn(&ModelRecord) -> Option<String>;
     let columns: [(&str, Field); 11] = [

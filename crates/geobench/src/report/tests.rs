@@ -1,4 +1,4 @@
-//! Reports of made-up results.
+//! Tests of reports on mock results.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use crate::run::mock::{plan, result, run_mock};
 use crate::schema::{GroupRecord, ResultFile};
 use crate::table::tests::mixed_with;
 
-/// A model with this name and arbitrary figures.
+/// A name of a model that needs escaping.
 const NASTY: &str = "<b>&\"'";
 
 fn mixed() -> ResultFile {
@@ -68,7 +68,7 @@ fn plots_as_svg_and_pgfplots() {
     insta::assert_snapshot!("phases_tex", file(&report, Form::Tex, "g1-phases.tex"));
 }
 
-/// The elements of scripts and of the data that they read, without their tags.
+/// The contents of the script elements of a page, including those that hold data.
 fn scripts(page: &str) -> Vec<&str> {
     let starts = page.split("<script").skip(1);
     let inside = |rest: &str| {
@@ -78,7 +78,7 @@ fn scripts(page: &str) -> Vec<&str> {
     starts.map(|rest| &rest[inside(rest)]).collect()
 }
 
-/// The page without the contents of scripts and their data.
+/// The page without the contents of its script elements.
 fn markup(page: &str) -> String {
     scripts(page)
         .into_iter()
@@ -125,7 +125,7 @@ fn names_cannot_break_the_page() {
     }];
     result.command.push("</style><img src=x>".into());
     let html = page(&report_on(result, &options()));
-    // The script of the page is the last one; its hash alone may run.
+    // The last script is that of the page, the only one whose hash the policy allows.
     let mut scripts = scripts(&html);
     assert!(!scripts.pop().unwrap().contains("alert"));
     for data in scripts {
@@ -191,7 +191,7 @@ fn nothing_is_asked_of_the_network_and_one_script_runs() {
         "eval(",
         "innerHTML",
     ] {
-        // The name of SVG's namespace is an address that no browser requests.
+        // Browsers do not request the SVG namespace, although it is a URL.
         let text = html.replace("http://www.w3.org/2000/svg", "");
         assert!(!text.contains(word), "{word}");
     }
@@ -203,7 +203,7 @@ fn nothing_is_asked_of_the_network_and_one_script_runs() {
     assert!(html.len() < 200_000, "{} bytes", html.len());
 }
 
-/// Plots follow filters by the names that tables have.
+/// Filters select plots by the same names as tables.
 #[test]
 fn the_numbers_of_plots_are_in_the_page() {
     let html = page(&report_on(mixed(), &options()));
@@ -346,7 +346,7 @@ fn errors_beside_times_have_a_front() {
     let report = report_on(approximate(), &options());
     let csv = file(&report, Form::Csv, "g1-mean-error.csv");
     let front: Vec<&str> = csv.lines().filter(|l| l.contains("front")).collect();
-    // Heat is slower and worse than the graph; mmp slower than vtp and as exact.
+    // `heat` is slower and less accurate than the graph; `mmp` is slower than `vtp` and as exact.
     assert_eq!(
         front,
         [
@@ -358,7 +358,7 @@ fn errors_beside_times_have_a_front() {
     assert_eq!(svg.matches("class=\"front\"").count(), 1);
     let html = page(&report);
     assert!(html.contains("On the front: svg, vtp."), "{}", bare(&html));
-    // Without approximate algorithms it is about rounding.
+    // Without approximate algorithms, the plot shows rounding errors.
     let names: Vec<String> = files(&report_on(mixed(), &options()), Form::Svg)
         .unwrap()
         .into_iter()
@@ -375,7 +375,7 @@ fn set_up_is_paid_once() {
     let report = report_on(approximate(), &options());
     let csv = file(&report, Form::Csv, "g1-sources-table.csv");
     let rows: Vec<&str> = csv.lines().skip(1).collect();
-    // 3 + 0.75 k is less than 0.5 + k beyond 10; 100 + k / 8 beyond 113.7.
+    // 3 + 0.75 k is less than 0.5 + k for k > 10, and 100 + k / 8 for k > 113.7.
     assert_eq!(
         rows,
         [
@@ -423,7 +423,7 @@ fn the_papers_ratios_stand_beside_ours() {
     .map(str::to_owned)
     .to_vec();
     let report = report_on(result, &options());
-    // The made-up horse has as many faces as the paper's.
+    // The mock horse has as many faces as the paper's.
     insta::assert_snapshot!(
         "papers_csv",
         file(&report, Form::Csv, "g1-paper-1-table.csv")
@@ -475,7 +475,7 @@ fn a_picture_is_of_the_model_that_was_measured() {
         path: PathBuf::from("r.json"),
         result: result.clone(),
     };
-    // The hash is made up.
+    // The mock model has a hash that no file has.
     let error = build(&[input(&result)], &wanted).unwrap_err().to_string();
     assert_eq!(
         error,

@@ -1,5 +1,5 @@
-//! Tables and plots in LaTeX, with booktabs and pgfplots. The source holds the numbers, so that a
-//! paper can set them in its own font.
+//! Tables and plots in LaTeX, with booktabs and pgfplots. The files contain the numbers, so that a
+//! paper typesets them in its own font.
 
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -17,12 +17,12 @@ pub(super) fn table(table: &Table) -> String {
     format!("% {caption}\n{}{}", latex::NEEDS, latex::tabular(table))
 }
 
-/// Text for a comment.
+/// `text` in one line, for a comment.
 fn remark(text: &str) -> Cow<'_, str> {
     printable(text)
 }
 
-/// A `tikzpicture`, or the command that includes the picture.
+/// A `tikzpicture`, or the command that includes the PNG file of a picture.
 pub(super) fn plot(plot: &Plot) -> String {
     let head = format!("% {}. {}\n", remark(&plot.title), remark(&plot.caption));
     let body = match &plot.chart {
@@ -47,7 +47,7 @@ fn axis_of(name: char, axis: &Axis) -> String {
     )
 }
 
-/// A label for each place on the y-axis, from 0 downwards.
+/// Axis options that put a label at each integer of the y-axis, from 0 at the top.
 fn rows(labels: &[String]) -> String {
     let places: Vec<String> = (0..labels.len()).map(|i| i.to_string()).collect();
     let labels: Vec<String> = labels
@@ -116,7 +116,7 @@ fn dots(chart: &Dots) -> String {
     tex + "\\end{axis}\n\\end{tikzpicture}\n"
 }
 
-/// The lengths of an interval to both sides, for pgfplots.
+/// The error bars of an interval, in pgfplots syntax.
 fn errors(value: Estimate, at: impl Fn(f64) -> String) -> String {
     value.interval.map_or_else(String::new, |[low, high]| {
         let (up, down) = ((high - value.value).max(0.0), (value.value - low).max(0.0));

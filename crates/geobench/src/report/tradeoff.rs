@@ -1,4 +1,5 @@
-//! What an answer costs: error against time, and set-up against the number of sources.
+//! Trade-offs between algorithms: error against time, and set-up time against the number of
+//! sources.
 
 use super::Setting;
 use super::chart::{Axis, Chart, LinePoint, Lines, Series, front};
@@ -10,11 +11,12 @@ use crate::table::figures::{figure, time};
 use crate::table::group::{GroupCells, distinct};
 use crate::table::{Column, Entry, Part, Table};
 
-/// The least relative error that is drawn: half a unit in the last place of `f64`.
+/// The least relative error that is drawn: the unit roundoff of `f64`.
 const LEAST_ERROR: f64 = f64::EPSILON / 2.0;
 
-/// Errors against times. Of approximate algorithms the mean and the largest error, an exact one
-/// beside them counts as exact; else the differences of exact ones by rounding.
+/// Plots of errors against times. If a group has approximate algorithms: the mean and the largest
+/// error, where errors below [`EXACT`] are drawn as [`EXACT`]. Otherwise: the rounding errors of
+/// the exact algorithms.
 pub(super) fn errors(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
     if group.cells.iter().any(|cell| cell.approximate) {
         let mean = error_of_models(group, setting, "mean-error", "Mean", |c| c.mean_rel);
@@ -24,7 +26,8 @@ pub(super) fn errors(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> 
     rounding(group, setting).into_iter().collect()
 }
 
-/// One kind of error against time, a point for each algorithm on each model, with the Pareto front.
+/// The plot of one kind of error against time: a point for each algorithm on each model, and the
+/// Pareto front of each model.
 fn error_of_models(
     group: &GroupCells<'_>,
     setting: Setting<'_>,
@@ -38,7 +41,7 @@ fn error_of_models(
             error(&cell.check).or(is_reference.then_some(0.0))
         };
         let errors: Option<Vec<f64>> = group.of(model, algorithm).iter().map(of).collect();
-        // The worst of several sources.
+        // Of several sources, the worst.
         let error = errors?.into_iter().reduce(f64::max)?;
         let time = group.value(time(), model, algorithm)?.value;
         (time > 0.0).then(|| LinePoint::new(time, error.max(EXACT), model))
@@ -72,7 +75,7 @@ fn error_of_models(
     })
 }
 
-/// The algorithms on the fronts, in words: those that no other one beats in time and error.
+/// A sentence that names the algorithms on the Pareto fronts.
 fn on_fronts(group: &GroupCells<'_>, series: &[Series]) -> String {
     let points = |model: &str| -> Vec<(&str, [f64; 2])> {
         let of = |series: &Series| {
@@ -97,7 +100,8 @@ fn on_fronts(group: &GroupCells<'_>, series: &[Series]) -> String {
         .into_iter()
         .map(|name| (fronts.iter().filter(|f| f.contains(&name)).count(), name))
         .collect();
-    // As sorted by time on one model; on several the most frequent first.
+    // The most frequent first. The sort is stable, so the algorithms of a single model stay sorted
+    // by time.
     counted.sort_by_key(|(count, _)| std::cmp::Reverse(*count));
     let words = counted.iter().map(|(count, name)| match fronts.len() {
         1 => (*name).to_owned(),
@@ -107,7 +111,8 @@ fn on_fronts(group: &GroupCells<'_>, series: &[Series]) -> String {
     format!("On the front: {}.", words.join(", "))
 }
 
-/// The largest relative difference from the reference against the time, a point for each cell.
+/// The plot of the largest relative difference from the reference against the time: a point for
+/// each cell.
 fn rounding(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
     let point = |cell: &&Cell| {
         let check = &cell.check;
@@ -140,7 +145,7 @@ fn rounding(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
     })
 }
 
-/// Markers for each algorithm that has `points`.
+/// A series of markers without lines for each algorithm that has `points`.
 fn series(
     group: &GroupCells<'_>,
     setting: Setting<'_>,
@@ -157,27 +162,27 @@ fn series(
     series.filter(|series| !series.points.is_empty()).collect()
 }
 
-/// The seconds of an algorithm on a model.
+/// The times of an algorithm on a model, in seconds.
 #[derive(Clone, Copy, Debug)]
 struct Cost<'a> {
     algorithm: &'a str,
-    /// Paid once.
+    /// The set-up, once for all sources.
     setup: f64,
-    /// Paid for each source.
+    /// The solve of one source.
     solve: f64,
 }
 
-/// From how many sources on an algorithm is faster than another one, set-up included.
+/// The numbers of sources for which an algorithm is faster than another one, set-up included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum BreakEven {
-    /// From one source on.
+    /// For every number of sources.
     Always,
-    /// From this number on, at least two; the lines meet at `at` sources.
+    /// For at least `sources`, which is 2 or more. The total times are equal at `at` sources.
     From {
         sources: u64,
         at: f64,
     },
-    /// Up to this number.
+    /// For at most this number.
     Until(u64),
     Never,
 }
@@ -189,7 +194,7 @@ impl Cost<'_> {
 
     fn against(self, other: Self) -> BreakEven {
         let (more, less) = (self.setup - other.setup, other.solve - self.solve);
-        // Where the totals are equal.
+        // The number of sources at which the totals are equal.
         let at = more / less;
         if self.total(1.0) < other.total(1.0) {
             return if less < 0.0 {
@@ -206,8 +211,9 @@ impl Cost<'_> {
     }
 }
 
-/// The algorithms on a model with the times of their set-up and of a solve, and among them the
-/// fastest for one source: an exact one, if any is. `None` unless there are two.
+/// The costs of all algorithms on a model that have both times, and the base: the fastest exact
+/// algorithm for one source, or the fastest of all if none is exact. `None` if fewer than two
+/// algorithms have both times.
 fn costs<'a>(group: &GroupCells<'a>, model: &str) -> Option<(Vec<Cost<'a>>, Cost<'a>)> {
     let setup = figure("setup").ok()?;
     let cost = |algorithm: &&'a str| {
@@ -225,8 +231,8 @@ fn costs<'a>(group: &GroupCells<'a>, model: &str) -> Option<(Vec<Cost<'a>>, Cost
     (costs.len() > 1).then_some((costs, base))
 }
 
-/// The algorithms that set up for longer than the fastest for one source and win with more, and
-/// how many it takes.
+/// The algorithms that are slower than `base` for one source and faster for many. Each has the
+/// number of sources from which it is faster, and the number at which both take the same time.
 fn winners<'a>(costs: &[Cost<'a>], base: Cost<'a>) -> Vec<(Cost<'a>, u64, f64)> {
     let mut winners: Vec<(Cost<'a>, u64, f64)> = costs
         .iter()
@@ -239,10 +245,12 @@ fn winners<'a>(costs: &[Cost<'a>], base: Cost<'a>) -> Vec<(Cost<'a>, u64, f64)> 
     winners
 }
 
-/// Numbers of sources that are drawn, at least and at most.
+/// The x-axis ends at least at the first number of sources. The meeting points that lengthen it
+/// count up to the second.
 const DRAWN: [f64; 2] = [100.0, 1e6];
 
-/// The time for a number of sources on each model where the order of algorithms depends on it.
+/// A plot of the time against the number of sources for each model on which an algorithm overtakes
+/// the base.
 pub(super) fn sources(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
     let models = group.models.iter().enumerate();
     let plot = |(number, model): (usize, &&ModelRecord)| {
@@ -284,7 +292,7 @@ fn fastest(group: &GroupCells<'_>, base: Cost<'_>) -> &'static str {
     }
 }
 
-/// A line for each algorithm, and an outline where it meets that of the base.
+/// A line for each algorithm, and an outlined marker where it meets the line of the base.
 fn sources_series(
     setting: Setting<'_>,
     model: &str,
@@ -314,8 +322,8 @@ fn sources_series(
     costs.iter().map(line).chain(met.map(meeting)).collect()
 }
 
-/// From how many sources on each algorithm is faster than the fastest exact one for one source, on
-/// the models that [`sources`] draws.
+/// A table of the numbers of sources for which each algorithm is faster than the base, for the
+/// models that [`sources`] draws. `None` if there are none.
 pub(super) fn crossings(id: &str, group: &GroupCells<'_>) -> Option<Table> {
     let part = |model: &&ModelRecord| {
         let (costs, base) = costs(group, &model.name)?;
@@ -370,7 +378,7 @@ pub(super) fn crossings(id: &str, group: &GroupCells<'_>) -> Option<Table> {
     })
 }
 
-/// Seconds with three digits.
+/// Seconds with three significant digits, and at most nine decimals.
 fn significant(seconds: f64) -> String {
     if seconds <= 0.0 {
         return "0".to_owned();

@@ -1,4 +1,4 @@
-//! The page of a history: every cell over the commits, with the change points marked.
+//! The HTML page of a history: the figures of every cell over the commits, with change points.
 
 use super::html::{STYLE, head};
 use super::svg::Svg;
@@ -9,7 +9,7 @@ use crate::measure::statistics::range_of;
 use crate::table::escape::xml as escape;
 use crate::table::{self, Table, table_of_changes};
 
-/// Style of the charts, in the colours of the text.
+/// The style sheet of the charts. Lines have the colour of the text.
 const CHARTS: &str = "
 svg.trend { width: 100%; height: auto; max-width: 60rem; color: inherit; }
 svg.trend path { fill: none; stroke: currentColor; stroke-width: 1; }
@@ -26,7 +26,7 @@ const RIGHT: f64 = 12.0;
 const TOP: f64 = 14.0;
 const BOTTOM: f64 = 26.0;
 
-/// The page: the change points first, then a chart for each series.
+/// The page of a history: a table of the change points, then a chart for each series.
 pub fn page(records: &[Record], series: &[TrendSeries], found: &[ChangePoint]) -> String {
     let mut html = head("Trend of run times", "", [STYLE, CHARTS]) + "<main>\n";
     let ends = [records.first(), records.last()].map(|r| r.map_or("none", Record::short));
@@ -82,7 +82,8 @@ fn figure(name: &str, value: f64) -> String {
     }
 }
 
-/// The values of a series as a line, from 0 on unless they hardly differ.
+/// The SVG chart of a series. The y-axis covers the range of the values and intervals, with a
+/// margin of 10 %.
 fn chart(series: &TrendSeries) -> String {
     let points = &series.points;
     let ends = points
@@ -132,7 +133,7 @@ fn chart(series: &TrendSeries) -> String {
         );
     }
     for change in &series.changes {
-        // Between the last commit of the old level and the first of the new one.
+        // The line lies between the last commit of the old level and the first of the new one.
         let at = x(change.place as f64 - 0.5);
         svg.line("change", [at, TOP], [at, HEIGHT - BOTTOM]);
         svg.text([at + 3.0, TOP], "commit", &points[change.place].commit);
@@ -166,7 +167,7 @@ fn chart(series: &TrendSeries) -> String {
     svg.finish()
 }
 
-/// A number of four digits.
+/// A number in few characters, for labels.
 fn short(value: f64) -> String {
     match value.abs() {
         size if size == 0.0 || (1e-3..1e4).contains(&size) => {

@@ -1,4 +1,4 @@
-//! Times as bars in a terminal, which show ratios at a glance.
+//! Bar charts of times in a terminal.
 
 use super::escape::printable;
 use super::figures::time;
@@ -13,14 +13,14 @@ struct TimeBar {
     label: String,
     /// Its time in seconds, if known.
     seconds: Option<f64>,
-    /// How it failed, if it did.
+    /// The status in words, if it failed.
     failure: Option<String>,
 }
 
-/// Narrowest useful bar.
+/// The least width that is given to bars, in characters. With less, there are none.
 const SHORTEST: usize = 8;
 
-/// Longest label; longer ones lose their ends.
+/// The most characters of a label. Longer labels are cut.
 const LONGEST_LABEL: usize = 32;
 
 /// One line for each algorithm, no wider than `width`: its time, the ratio to the time of `base`
@@ -113,7 +113,7 @@ fn shortened(label: &str, width: usize) -> String {
     kept.chain(std::iter::once('\u{2026}')).collect()
 }
 
-/// A bar over a share of `room`, to an eighth of a letter.
+/// A bar over a share of `room` characters, rounded to an eighth of a character.
 fn blocks(share: f64, room: usize) -> String {
     const EIGHTHS: [&str; 8] = [
         "", "\u{258f}", "\u{258e}", "\u{258d}", "\u{258c}", "\u{258b}", "\u{258a}", "\u{2589}",

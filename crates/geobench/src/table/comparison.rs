@@ -12,7 +12,7 @@ use crate::history::compare::{
 use crate::measure::number::decimals;
 use crate::schema::Status;
 
-/// A form in which a comparison can be written.
+/// An output format of comparisons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum ComparisonFormat {
     /// A table for the terminal.
@@ -33,11 +33,11 @@ impl FileForm for ComparisonFormat {
 }
 
 impl ComparisonFormat {
-    /// A comparison in this form, ending in a line break; `look` is that of the terminal.
+    /// A comparison in this format, ending in a line break. `look` is the style of tables.
     ///
     /// # Errors
     ///
-    /// Only if a number cannot be represented, which comparisons exclude.
+    /// Only if a number cannot be represented, which does not occur in comparisons.
     pub fn render(self, comparison: &Comparison, look: Look) -> anyhow::Result<String> {
         Ok(match self {
             Self::Table => in_terminal(comparison, look),
@@ -46,7 +46,7 @@ impl ComparisonFormat {
         })
     }
 
-    /// Several comparisons with one baseline in this form, with a column for each file.
+    /// Several comparisons with one baseline in this format, with a column for each file.
     ///
     /// # Errors
     ///
@@ -97,8 +97,8 @@ impl ComparisonFormat {
     }
 }
 
-/// A row for each cell that is in the baseline and in another file: the time there, and the ratios
-/// of the times to it.
+/// A row for each cell that the baseline and another file have: the time in the baseline, and the
+/// ratio of the time in every other file to it.
 fn ratios(several: &Several) -> Table {
     let keys = several.comparisons.iter().flat_map(|c| &c.cells);
     let mut cells: Vec<&CellChange> = Vec::new();
@@ -332,7 +332,7 @@ fn is_broken(change: &CellChange, name: &str) -> bool {
         .any(|n| n == name)
 }
 
-/// A text, marked if its rule is broken.
+/// A text, marked with `!` if its rule is broken.
 fn marked(text: String, broken: bool) -> Entry {
     if broken {
         Entry::marked(text + " !", Mark::Failed)
@@ -378,7 +378,7 @@ fn entry(change: &CellChange, figure: &FigureChange) -> Entry {
     marked(text, is_broken(change, figure.name))
 }
 
-/// Old and new values: the times of all cells, and everything else that differs.
+/// Old and new values: the times of all cells, and all other figures that differ.
 fn figures(comparison: &Comparison) -> Table {
     let mut rows = Vec::new();
     for change in &comparison.cells {

@@ -1,5 +1,5 @@
-//! CSV: any table, and results with a row for each cell. A text that a spreadsheet would take for a
-//! formula has an apostrophe before it.
+//! CSV output: any table, and results with a row for each cell or each sample. Text that a
+//! spreadsheet would take for a formula gets an apostrophe in front.
 
 use csv::Writer;
 use geobench_window::{Counter, Counters};
@@ -9,7 +9,7 @@ use super::escape::csv_text;
 use super::model::{Column, Entry, Table};
 use crate::schema::{Cell, ResultFile};
 
-/// A table, the titles of its parts in a column of their own.
+/// A table as CSV. The titles of its parts are in a first column, `Of`.
 pub(crate) fn table(table: &Table) -> anyhow::Result<String> {
     let titled = table.parts.iter().any(|part| !part.title.is_empty());
     let mut writer = Writer::from_writer(Vec::new());
@@ -34,7 +34,7 @@ pub(crate) fn table(table: &Table) -> anyhow::Result<String> {
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-/// Where the columns of results are in a cell in JSON, before and after the counters.
+/// The columns of results before and after the counters, as JSON pointers into a cell.
 const BEFORE_COUNTERS: &str = "/model /algorithm /source /goal /threads /approximate /status /message \
     /time/samples /time/median /time/min /time/mad /time/ci95 /time/note /time/setup /time/extraction \
     /time/outliers /time/places /time/solves /time/precision /time/outside /time/claimed /time/doubted";
@@ -44,7 +44,7 @@ const AFTER_COUNTERS: &str = "/memory/papers_bytes /memory/windows_peak_bytes /m
     /check/worst_vertex /check/mean_rel /check/rms_rel /check/edge_excess /check/doubt /check/cluster \
     /check/wrong_labels /group /instructions /instructions_simd /shard /simd";
 
-/// The columns of the model and the machine of a cell.
+/// The columns on the model and the machine of a cell.
 const SURROUNDINGS: [&str; 4] = ["vertices", "faces", "edges", "machine"];
 
 fn places() -> impl Iterator<Item = String> {
@@ -56,14 +56,13 @@ fn places() -> impl Iterator<Item = String> {
         .chain(places(AFTER_COUNTERS))
 }
 
-/// The names of the columns of results: their places in the JSON file, joined by `_`, and those of
-/// the model and the machine.
+/// The names of the columns of results: the JSON paths joined by `_`, then [`SURROUNDINGS`].
 fn header() -> Vec<String> {
     let names = places().map(|place| place[1..].replace('/', "_"));
     names.chain(SURROUNDINGS.map(str::to_owned)).collect()
 }
 
-/// A row for each cell. `null` is an empty field, and a list is joined by `;`.
+/// A row for each cell. `null` becomes an empty field, and the items of a list are joined by `;`.
 pub(super) fn results(result: &ResultFile) -> anyhow::Result<Table> {
     let row = |cell: &Cell| {
         let values = places().map(values(cell)?);
@@ -74,7 +73,7 @@ pub(super) fn results(result: &ResultFile) -> anyhow::Result<Table> {
     Ok(Table::new(Column::of(header(), [""; 0]), rows?))
 }
 
-/// A row for each sample, with the cell, the model and the machine that it belongs to.
+/// A row for each sample, with its cell, model and machine.
 pub(super) fn samples(result: &ResultFile) -> anyhow::Result<Table> {
     const OF_CELL: [&str; 6] = ["model", "algorithm", "source", "goal", "threads", "group"];
     let of_sample = ["sample", "place", "solves", "seconds"];
@@ -98,8 +97,7 @@ pub(super) fn samples(result: &ResultFile) -> anyhow::Result<Table> {
     Ok(Table::new(Column::of(heads, [""; 0]), rows))
 }
 
-/// The values of the model and the machine of a cell: the class of the machine, and its name in a
-/// cluster.
+/// The values of [`SURROUNDINGS`] for a cell. The machine is its class, with the node in a cluster.
 fn surroundings(result: &ResultFile, cell: &Cell) -> [String; 4] {
     let model = result.models.iter().find(|model| model.name == cell.model);
     let counts = model.map(|model| [model.vertices, model.faces, model.edges]);
@@ -112,13 +110,13 @@ fn surroundings(result: &ResultFile, cell: &Cell) -> [String; 4] {
     [vertices, faces, edges, machine]
 }
 
-/// The values at places of a cell in JSON.
+/// A function that returns the value at a JSON pointer into `cell`, as text.
 fn values(cell: &Cell) -> anyhow::Result<impl Fn(String) -> String> {
     let cell = serde_json::to_value(cell)?;
     Ok(move |place: String| cell.pointer(&place).map_or_else(String::new, text))
 }
 
-/// The text, or the number with as many digits as reading it back exactly takes.
+/// A JSON value as text. Numbers have as many digits as needed to read them back exactly.
 fn text(value: &Value) -> String {
     match value {
         Value::Null => String::new(),

@@ -1,4 +1,4 @@
-//! A Voronoi diagram, as files for other programs.
+//! File formats for Voronoi diagrams.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -12,7 +12,7 @@ use super::polylines::{LineScalars, Polylines};
 use super::{FileForm, json_line, no_coordinates};
 use crate::schema::SourceLabel;
 
-/// A diagram and where it comes from.
+/// A diagram with its origin.
 #[derive(Clone, Copy, Debug)]
 pub struct DiagramFile<'a> {
     /// Name of the model.
@@ -23,26 +23,26 @@ pub struct DiagramFile<'a> {
     pub sources: &'a [SourceLabel],
     /// The mesh of the model.
     pub mesh: &'a Mesh,
-    /// The same with a vertex at each source.
+    /// The mesh of the model, refined so that there is a vertex at each source.
     pub refined: &'a Refined,
     /// The places of the sources on the mesh of the model.
     pub places: &'a [SurfacePoint],
-    /// Distance of each vertex of the refined mesh from the nearest one.
+    /// Distance of each vertex of the refined mesh from the nearest source.
     pub distances: &'a [f64],
     /// The diagram, on the refined mesh.
     pub diagram: &'a Diagram,
-    /// Seconds that the windows and the diagram took.
+    /// Seconds of the two stages: propagation of windows, and extraction of the diagram.
     pub stage_seconds: [f64; 2],
 }
 
 impl DiagramFile<'_> {
-    /// Whether the refined mesh has faces of its own.
+    /// Whether the refined mesh has more faces than the model.
     fn is_refined(&self) -> bool {
         self.refined.mesh.face_count() > self.mesh.face_count()
     }
 
-    /// A place in the plane of a face of the refined mesh as a face of the model and barycentric
-    /// coordinates there.
+    /// Converts a point in the plane of a face of the refined mesh to a face of the model and
+    /// barycentric coordinates in it.
     fn in_model(&self, face: FaceId, place: [f64; 2]) -> (FaceId, [f64; 3]) {
         let weights = self.diagram.barycentric(face, place);
         if !self.is_refined() {
@@ -54,7 +54,8 @@ impl DiagramFile<'_> {
         (self.refined.parent(face), weights)
     }
 
-    /// The motion from the plane of a face of the refined mesh to that of its face of the model.
+    /// The rigid motion from the plane of a face of the refined mesh to that of its parent face in
+    /// the model.
     fn motion(&self, face: FaceId) -> Motion {
         if !self.is_refined() {
             return Motion::default();
@@ -69,7 +70,7 @@ impl DiagramFile<'_> {
             [sum(0), sum(1)]
         };
         let length = |k: u32| self.refined.mesh.length(face.half_edge(k));
-        // The longest side tells the direction best.
+        // The longest side gives the most accurate direction.
         let mut k = 0;
         for other in [1, 2] {
             if length(other) > length(k) {
@@ -81,7 +82,7 @@ impl DiagramFile<'_> {
     }
 }
 
-/// A turn and a shift of the plane: where the origin and the first axis go.
+/// A rotation and a translation of the plane, by the images of the origin and of the first axis.
 #[derive(Clone, Copy, Debug)]
 struct Motion {
     origin: [f64; 2],
@@ -98,7 +99,7 @@ impl Default for Motion {
 }
 
 impl Motion {
-    /// The motion that takes the first two points to the others.
+    /// The motion that maps `a` to `p` and `b` to `q`.
     fn between([a, b]: [[f64; 2]; 2], [p, q]: [[f64; 2]; 2]) -> Self {
         let (u, v) = ([b[0] - a[0], b[1] - a[1]], [q[0] - p[0], q[1] - p[1]]);
         let turn = [u[0] * v[0] + u[1] * v[1], u[0] * v[1] - u[1] * v[0]];
@@ -124,7 +125,7 @@ fn corners_of(mesh: &Mesh, face: FaceId) -> [[f64; 2]; 3] {
     [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)]
 }
 
-/// A form in which a diagram can be written.
+/// A file format for diagrams.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DiagramFormat {
     /// Cells, vertices and arcs.
@@ -137,7 +138,7 @@ pub enum DiagramFormat {
     Vtk,
     /// A picture of the model coloured by cell, with borders and sources.
     Svg,
-    /// The same in pixels.
+    /// The same picture as pixels.
     Png,
 }
 
@@ -153,15 +154,16 @@ impl FileForm for DiagramFormat {
     ];
 }
 
-/// Points of a bent arc between its ends, in polylines and outlines.
+/// The number of points between the ends of a curved arc, in polylines and outlines.
 pub(crate) const POINTS_PER_ARC: usize = 7;
 
 impl DiagramFormat {
-    /// The contents of a file in this form; those of a picture are its lines.
+    /// The contents of a file in this format. For pictures, which `report` draws, it is the borders
+    /// as VTK.
     ///
     /// # Errors
     ///
-    /// When the form needs coordinates and the mesh has none.
+    /// When the format needs coordinates and the mesh has none.
     pub fn render(self, file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
         Ok(match self {
             Self::Json => json(file)?,
@@ -172,7 +174,7 @@ impl DiagramFormat {
     }
 }
 
-/// A form in which the borders between cells can be written, as polylines.
+/// A file format for the borders between cells, as polylines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BorderFormat {
     /// Wavefront OBJ: a line for each arc.
@@ -190,7 +192,7 @@ impl FileForm for BorderFormat {
 }
 
 impl BorderFormat {
-    /// The contents of a file in this form.
+    /// The contents of a file in this format.
     ///
     /// # Errors
     ///
@@ -262,7 +264,8 @@ struct ArcRecord {
     from: Option<[f64; 3]>,
     to: Option<[f64; 3]>,
     kind: &'static str,
-    /// The foci in the plane of the face, and the lengths of the paths up to them.
+    /// The foci of the arc in the plane of the face. `offsets` are the lengths of the paths to
+    /// them.
     foci: Option<[[f64; 2]; 2]>,
     offsets: Option<[f64; 2]>,
     nodes: [u32; 2],
@@ -331,8 +334,8 @@ fn polylines(diagram: &Diagram) -> Option<Vec<Vec<[f64; 3]>>> {
     diagram.arcs().iter().map(points).collect()
 }
 
-/// The borders as long lines, each from one Voronoi vertex or point of the boundary to the next or
-/// closed; `None` if the mesh has no coordinates.
+/// The borders, with the arcs joined into lines. A line runs from one Voronoi vertex or boundary
+/// point to the next, or is closed. `None` if the mesh has no coordinates.
 pub(crate) fn long_lines(diagram: &Diagram) -> Option<Vec<Vec<[f64; 3]>>> {
     let parts = polylines(diagram)?;
     let arcs = diagram.arcs();
@@ -373,7 +376,7 @@ pub(crate) fn long_lines(diagram: &Diagram) -> Option<Vec<Vec<[f64; 3]>>> {
 }
 
 impl DiagramFile<'_> {
-    /// A comment that says what a file holds.
+    /// A comment that describes the contents of a file.
     fn title(&self, what: &str) -> String {
         let count = self.sources.len();
         format!(
@@ -383,12 +386,12 @@ impl DiagramFile<'_> {
     }
 }
 
-/// A colour for a cell; those of successive cells are far apart.
+/// The colour of a cell. The colours of successive cells differ clearly.
 pub(crate) fn colour(cell: u32) -> [u8; 3] {
     if cell == NO_SOURCE {
         return [128; 3];
     }
-    // The golden ratio spreads hues evenly, however many there are.
+    // Multiples of the golden ratio modulo 1 spread the hues evenly for any number of cells.
     let hue = 6.0 * (f64::from(cell) * 0.618_033_988_749_895).fract();
     let light = [0.95, 0.75, 0.85][cell as usize % 3];
     let channel = |n: f64| {
@@ -432,7 +435,7 @@ fn ply(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A form in which the labels of the vertices of a mesh can be written.
+/// A file format for the labels of the vertices of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LabelFormat {
     /// `vertex,label,distance`; no label and `inf` where no path leads.
@@ -447,7 +450,7 @@ impl FileForm for LabelFormat {
 }
 
 impl LabelFormat {
-    /// The contents of a file in this form.
+    /// The contents of a file in this format.
     pub fn render(self, file: &DiagramFile<'_>) -> Vec<u8> {
         let labels = &file.diagram.labels()[..file.mesh.vertex_count()];
         match self {

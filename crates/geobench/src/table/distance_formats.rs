@@ -1,4 +1,4 @@
-//! One distance field, as files for other programs.
+//! File formats for distance fields and matrices of distances.
 
 use geobench_mesh::io::PlyWriter;
 use geobench_mesh::{Mesh, VertexId, threads};
@@ -8,7 +8,7 @@ use super::polylines::vtk_title;
 use super::{FileForm, json_line, no_coordinates};
 use crate::schema::SourceLabel;
 
-/// Distances and where they come from.
+/// Distances with their origin.
 #[derive(Clone, Copy, Debug)]
 pub struct DistanceField<'a> {
     /// Name of the model.
@@ -35,14 +35,15 @@ pub struct DistanceMatrix<'a> {
     pub sources: &'a [SourceLabel],
     /// The vertices or targets, one for each column.
     pub columns: &'a [SourceLabel],
-    /// The rows one after the other.
+    /// The distances in row-major order.
     pub distances: &'a [f64],
 }
 
-/// A form in which a matrix of distances can be written.
+/// A file format for matrices of distances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatrixFormat {
-    /// A line of the columns and one for each source, which comes first in it.
+    /// A line with the names of the columns, then a line for each source, which starts with its
+    /// name.
     Csv,
     /// A two-dimensional `NumPy` array of f64.
     Npy,
@@ -54,7 +55,7 @@ impl FileForm for MatrixFormat {
 }
 
 impl MatrixFormat {
-    /// The contents of a file in this form.
+    /// The contents of a file in this format.
     pub fn render(self, matrix: &DistanceMatrix<'_>) -> Vec<u8> {
         let columns = matrix.columns.len();
         if self == Self::Npy {
@@ -79,7 +80,7 @@ impl MatrixFormat {
     }
 }
 
-/// A source or target in a CSV file: in quotes if it has commas.
+/// A source or target in a CSV file, in quotes unless it is a vertex.
 pub(crate) fn csv_word(label: &SourceLabel) -> String {
     match label {
         SourceLabel::Vertex(vertex) => vertex.to_string(),
@@ -87,7 +88,7 @@ pub(crate) fn csv_word(label: &SourceLabel) -> String {
     }
 }
 
-/// A form in which a distance field can be written.
+/// A file format for distance fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldFormat {
     /// `vertex,distance`, one line for each vertex, or `target,distance`; `inf` where no path
@@ -117,16 +118,16 @@ impl FileForm for FieldFormat {
 }
 
 impl FieldFormat {
-    /// Whether it holds the mesh, so that it needs the distances of all vertices.
+    /// Whether the format holds the mesh and therefore needs the distances of all vertices.
     pub const fn is_mesh(self) -> bool {
         matches!(self, Self::Ply | Self::Vtk)
     }
 
-    /// The contents of a file in this form.
+    /// The contents of a file in this format.
     ///
     /// # Errors
     ///
-    /// When the form needs coordinates and the mesh has none.
+    /// When the format needs coordinates and the mesh has none.
     pub fn render(self, field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
         if self.is_mesh() && field.mesh.positions().len() != field.distances.len() {
             return Err(no_coordinates(field.model));
@@ -141,7 +142,8 @@ impl FieldFormat {
     }
 }
 
-/// Numbers with as many digits as reading them back exactly takes.
+/// CSV with as many digits as needed to read the numbers back exactly. Lines are formatted in
+/// parallel.
 fn csv(field: &DistanceField<'_>) -> Vec<u8> {
     use std::fmt::Write;
     let Some(targets) = field.targets else {
@@ -173,7 +175,8 @@ fn csv(field: &DistanceField<'_>) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// Appends `number` as it is displayed: the shortest digits that give it back, without an exponent.
+/// Appends `number` in the format of `Display`: the shortest digits that read back exactly, without
+/// an exponent.
 fn push_number(text: &mut String, buffer: &mut zmij::Buffer, number: f64) {
     use std::fmt::Write;
     let shortest = buffer.format(number);
@@ -184,7 +187,7 @@ fn push_number(text: &mut String, buffer: &mut zmij::Buffer, number: f64) {
     }
 }
 
-/// Appends each of `numbers` as `to_bytes` lays it out.
+/// Appends the bytes of each of `numbers`.
 fn append<T, const N: usize>(
     bytes: &mut Vec<u8>,
     numbers: impl IntoIterator<Item = T>,
@@ -207,7 +210,7 @@ struct DistanceDocument<'a> {
     /// The targets, in the order of the distances; absent if these are of all vertices.
     #[serde(skip_serializing_if = "Option::is_none")]
     targets: Option<&'a [SourceLabel]>,
-    /// How many of the distances are null because no path leads there.
+    /// The number of distances that are null: unreachable, or beyond the radius.
     unreachable: usize,
     distances: Vec<Option<f64>>,
 }
@@ -221,7 +224,7 @@ impl DistanceField<'_> {
     }
 }
 
-/// One object with a `null` for each vertex that no path reaches, since JSON has no infinity.
+/// One JSON object. Infinite distances are `null`, because JSON has no infinity.
 fn json(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
     let distances: Vec<Option<f64>> = field
         .distances
@@ -251,10 +254,10 @@ fn npy(shape: &str, distances: &[f64]) -> Vec<u8> {
     npy_of("<f8", shape, bytes)
 }
 
-/// An array of this shape of numbers of type `descr`.
+/// An array of type `descr` and this shape, from the bytes of its numbers.
 pub(super) fn npy_of(descr: &str, shape: &str, numbers: impl Iterator<Item = u8>) -> Vec<u8> {
     let mut header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}");
-    // With magic, version, length and the final line break, a multiple of 64.
+    // Magic, version, length, header and the final line break add up to a multiple of 64.
     let used = NPY_MAGIC.len() + 2 + header.len() + 1;
     header += &" ".repeat(used.next_multiple_of(64) - used);
     header.push('\n');
@@ -266,9 +269,9 @@ pub(super) fn npy_of(descr: &str, shape: &str, numbers: impl Iterator<Item = u8>
     bytes
 }
 
-/// The mesh with `quality`, the name under which mesh programs know a vertex scalar, and colours.
-/// VTK reads no scalars from PLY files, but texture coordinates, of which the distance is the
-/// first.
+/// The mesh with colours and distances. Mesh programs read the property `quality` as a vertex
+/// scalar. VTK reads no scalars from PLY files, but it reads texture coordinates, so the distance
+/// is also the first texture coordinate.
 fn ply(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
     let triangles: Vec<[u32; 3]> = field
         .mesh
@@ -288,7 +291,7 @@ fn ply(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The number of triangles among the kinds of VTK cells.
+/// The VTK cell type of triangles.
 const VTK_TRIANGLE: u32 = 5;
 
 /// Legacy VTK: the mesh with the fields `distance` and `reached`. Binary (big-endian), because the
@@ -329,8 +332,9 @@ fn vtk(field: &DistanceField<'_>) -> Vec<u8> {
     bytes
 }
 
-/// Nine colours evenly spaced along a ramp from dark blue over green to yellow that grows steadily
-/// lighter, so that it also reads in grey and to most colour-blind people (after "viridis").
+/// Nine evenly spaced colours of a ramp from dark blue over green to yellow (after "viridis"). Its
+/// lightness increases steadily, so it is readable in greyscale and with most kinds of colour
+/// blindness.
 pub(crate) const RAMP: [[u8; 3]; 9] = [
     [68, 1, 84],
     [71, 44, 122],
@@ -434,7 +438,7 @@ mod tests {
         for number in special.into_iter().chain(usual).chain(random.take(2000)) {
             let mut text = String::new();
             push_number(&mut text, &mut buffer, number);
-            // Of two shortest texts at the same distance from the number either may be written.
+            // If two shortest texts are equally close to the number, either may be written.
             assert_eq!(text.len(), number.to_string().len(), "{text}");
             let read: f64 = text.parse().unwrap();
             assert!(read.to_bits() == number.to_bits() || read.is_nan() && number.is_nan());

@@ -1,5 +1,5 @@
-//! Escapes text from outside, such as names of models and messages of programs, for each form of
-//! output. JSON holds it unchanged.
+//! Escapes untrusted text, such as names of models and messages of programs, for each output
+//! format. JSON output needs no escaping beyond its own.
 
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -21,7 +21,8 @@ pub(crate) fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// `text` with control characters as codes, except line breaks, tabs and, if `styled`, colours.
+/// `text` with control characters as codes, except line breaks, tabs and, if `styled`, colour
+/// sequences.
 pub(crate) fn for_terminal(text: &str, styled: bool) -> Cow<'_, str> {
     if !text.contains(|c| steers(c) && !matches!(c, '\n' | '\t')) {
         return Cow::Borrowed(text);
@@ -40,7 +41,7 @@ pub(crate) fn for_terminal(text: &str, styled: bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Length of the sequence that sets a colour at the start of `text`; 0 if there is none.
+/// Length in bytes of the colour sequence at the start of `text`; 0 if there is none.
 fn colour(text: &str) -> usize {
     let Some(parameters) = text.strip_prefix("\x1b[") else {
         return 0;
@@ -84,7 +85,7 @@ pub(crate) fn markdown(text: &str) -> String {
             '\\' | '|' | '`' | '*' | '~' => escaped.extend(['\\', c]),
             // Within a word an underscore is no markup.
             '_' if !(last.is_alphanumeric() && next.is_alphanumeric()) => escaped.push_str("\\_"),
-            // It ends the text of a link.
+            // Here a bracket ends the text of a link.
             ']' if matches!(next, '(' | '[' | ':') => escaped.push_str("\\]"),
             c => escaped.push(c),
         }

@@ -1,27 +1,27 @@
-//! Results in the forms of services that follow benchmarks over commits.
+//! Exports of results for services that track benchmarks over commits.
 
 use serde_json::{Map, Value, json};
 
 use crate::history::compare::{CellKey, Measure};
 use crate::schema::{Cell, ResultFile, Status};
 
-/// Figures that are exported beside the time, with the name and the unit that they have there.
+/// The figures that are exported in addition to the time, with their exported name and unit.
 const FIGURES: [(&str, &str, &str); 3] = [
     ("instructions", "instructions", "instructions"),
     ("heap_peak_bytes", "heap-peak", "bytes"),
     ("propagated", "propagations", "windows"),
 ];
 
-/// Nanoseconds of a second.
+/// Nanoseconds per second.
 const NANOSECONDS: f64 = 1e9;
 
-/// Cells that ended well, each with its name.
+/// The cells with status ok, each with its name.
 fn cells(result: &ResultFile) -> impl Iterator<Item = (String, &Cell)> {
     let well = result.cells.iter().filter(|c| c.status == Status::Ok);
     well.map(|cell| (CellKey::of(result, cell).to_string(), cell))
 }
 
-/// The figures of a cell: its name there, its unit and its value.
+/// The exported figures of a cell: name, unit and value.
 fn figures(cell: &Cell) -> impl Iterator<Item = (&'static str, &'static str, f64)> {
     Measure::all().filter_map(|measure| {
         let (_, name, unit) = FIGURES.iter().find(|(key, ..)| *key == measure.name())?;

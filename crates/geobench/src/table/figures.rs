@@ -1,4 +1,4 @@
-//! The figures that tables can show, one row each.
+//! The figures that tables can show, one row each. A figure is a number that describes a cell.
 
 use std::sync::LazyLock;
 
@@ -18,7 +18,7 @@ pub struct Figure {
     pub(crate) label: String,
     /// The number format.
     pub(crate) style: Style,
-    /// Whether less is better. The least value is then marked, and ratios are shown.
+    /// Whether less is better. If so, tables mark the least value and show ratios.
     pub(crate) less_is_better: bool,
     of: FigureSource,
 }
@@ -28,9 +28,9 @@ pub struct Figure {
 pub(crate) enum Style {
     /// A whole number.
     Count,
-    /// As many decimals as needed, at most these.
+    /// A number with as many decimals as needed, up to this number.
     Decimals(u8),
-    /// A power of ten with a factor.
+    /// Scientific notation.
     Scientific,
 }
 
@@ -39,7 +39,7 @@ pub(crate) enum Style {
 enum FigureSource {
     Counter(Counter),
     Computed(fn(&Cell) -> Option<f64>),
-    /// From the cell and the number of vertices of its model.
+    /// Computed from the cell and the number of vertices of its model.
     OnModel(fn(&Cell, f64) -> Option<f64>),
 }
 
@@ -52,7 +52,7 @@ pub(crate) const USUAL: [&str; 4] = ["time", "propagated", "papers_memory", "hea
 ///
 /// # Errors
 ///
-/// Names the nearest one if there is none.
+/// When there is no such figure. The message suggests the nearest name.
 pub fn figure(name: &str) -> Result<&'static Figure, UsageError> {
     let name = name.trim().to_lowercase();
     let found = all().iter().find(|figure| figure.key == name);
@@ -71,7 +71,7 @@ pub(crate) fn time() -> &'static Figure {
     &all()[0]
 }
 
-/// The figures of these names, without unknown ones; the default rows if `names` is empty.
+/// The figures with these names; the default rows if `names` is empty. Unknown names are ignored.
 pub(crate) fn figures<S: AsRef<str>>(names: &[S]) -> Vec<&'static Figure> {
     if names.is_empty() {
         return figures(&USUAL);
@@ -83,7 +83,7 @@ pub(crate) fn figures<S: AsRef<str>>(names: &[S]) -> Vec<&'static Figure> {
 }
 
 impl Figure {
-    /// A figure of which less is better.
+    /// A figure for which less is better.
     fn cost(key: &'static str, label: &str, style: Style, of: fn(&Cell) -> Option<f64>) -> Self {
         Self {
             key,
@@ -249,7 +249,7 @@ fn all() -> &'static [Figure] {
     &ALL
 }
 
-/// The share of the prime propagations.
+/// The share of prime propagations in prime and secondary ones.
 fn prime_share(cell: &Cell) -> Option<f64> {
     let (prime, secondary) = (
         count(cell, Counter::Prime)?,
@@ -258,15 +258,15 @@ fn prime_share(cell: &Cell) -> Option<f64> {
     (prime + secondary > 0.0).then(|| prime / (prime + secondary))
 }
 
-/// The share of management in the phases.
+/// The share of management in the time of all phases.
 fn management(cell: &Cell) -> Option<f64> {
     let phases = &cell.phases;
     let all = phases.propagation? + phases.pruning? + phases.management?;
     (all > 0.0).then_some(phases.management? / all)
 }
 
-/// The mean number of windows on the wavefront over the distance that it covers, by the
-/// trapezoidal rule on the samples.
+/// The mean number of windows on the wavefront over its distances, by the trapezoidal rule on the
+/// samples.
 fn mean_wavefront(cell: &Cell) -> Option<f64> {
     let mut samples = cell.wavefront.clone();
     samples.sort_by(|a, b| a.distance.total_cmp(&b.distance));
@@ -286,7 +286,8 @@ fn k_correlation(cell: &Cell) -> Option<f64> {
     correlation(&points.collect::<Vec<_>>())
 }
 
-/// Pearson's correlation of at least three points; none if a coordinate is the same in all.
+/// Pearson's correlation coefficient; `None` for fewer than three points, or if a coordinate is
+/// constant.
 fn correlation(points: &[[f64; 2]]) -> Option<f64> {
     let count = points.len() as f64;
     let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / count;
@@ -343,7 +344,8 @@ mod tests {
         let mut cell = Cell::new("m", "a");
         let of = |key: &str, cell: &Cell| figure(key).unwrap().of(cell, None);
         assert_eq!(of("mean_wavefront", &cell), None);
-        // Up to 4 over the first unit of the way, then 4 for three units, in any order.
+        // From 0 to 4 windows over the first unit of distance, then 4 for three units. The order of
+        // the samples does not matter.
         cell.wavefront = vec![sample(4.0, 4, 8), sample(0.0, 0, 2), sample(1.0, 4, 8)];
         assert_eq!(of("mean_wavefront", &cell), Some(3.5));
         assert!((of("k_correlation", &cell).unwrap() - 1.0).abs() < 1e-12);
@@ -370,7 +372,7 @@ mod tests {
         assert_eq!(of("valid", &cell), Some(7.0));
         assert_eq!(of("prime_share", &cell), Some(0.75));
         assert_eq!(of("iterations", &cell), None);
-        // Table 5.1 of the report of 2014: 374 levels on the horse make b 1.0293.
+        // Table 5.1 of the transfer report (2014): 374 levels on the horse give b = 1.0293.
         assert_eq!(of("b", &cell), None);
         cell.counters.set(Counter::Levels, 374);
         assert!((of("b", &cell).unwrap() - 1.0293).abs() < 1e-4);

@@ -31,7 +31,7 @@ impl From<f64> for Estimate {
     }
 }
 
-/// `items` without repetitions, in their order.
+/// `items` without duplicates, in the order of first appearance. O(items × distinct items).
 pub(crate) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
     items.into_iter().fold(Vec::new(), |mut all, item| {
         if !all.contains(&item) {
@@ -47,7 +47,7 @@ pub(crate) fn algorithms<'r>(cells: impl IntoIterator<Item = &'r Cell>) -> Vec<&
 }
 
 impl<'r> GroupCells<'r> {
-    /// The group of `record`, with its models and cells out of `models` and `cells`.
+    /// The group of `record`, with those of `models` and `cells` that belong to it.
     pub(crate) fn new(
         record: &'r GroupRecord,
         models: &'r [ModelRecord],
@@ -63,7 +63,7 @@ impl<'r> GroupCells<'r> {
         }
     }
 
-    /// Whether an algorithm is approximate.
+    /// Whether an algorithm is approximate in any cell.
     pub(crate) fn is_approximate(&self, algorithm: &str) -> bool {
         let mut cells = self.cells.iter();
         cells.any(|cell| cell.algorithm == algorithm && cell.approximate)
@@ -77,8 +77,8 @@ impl<'r> GroupCells<'r> {
             .collect()
     }
 
-    /// The figure of an algorithm on a model: the median over the sources. The time of a single
-    /// source has an interval.
+    /// The figure of an algorithm on a model: the median over the sources. Only the time from a
+    /// single source has an interval.
     pub(crate) fn value(&self, figure: &Figure, model: &str, algorithm: &str) -> Option<Estimate> {
         let cells = self.of(model, algorithm);
         let value = overall(figure, &cells, self.vertices(model))?;
@@ -89,9 +89,9 @@ impl<'r> GroupCells<'r> {
         Some(Estimate { value, interval })
     }
 
-    /// The ratio of a figure of an algorithm on a model to that of `base`. From one source, the
-    /// ratio of times is the median over pairs of samples from the same round, with an interval.
-    /// From several sources it is the median of their ratios.
+    /// The ratio of a figure of an algorithm on a model to that of `base`. For one source, the
+    /// ratio of times is the median over the pairs of samples from the same round, with an
+    /// interval. For several sources, it is the median of their ratios, without an interval.
     pub(crate) fn ratio(
         &self,
         figure: &Figure,
@@ -100,7 +100,7 @@ impl<'r> GroupCells<'r> {
         base: &str,
     ) -> Option<Estimate> {
         let (over, under) = (self.of(model, algorithm), self.of(model, base));
-        // An algorithm that failed from one source has no figure.
+        // There is no ratio if one of the algorithms failed from any source.
         overall(figure, &over, self.vertices(model))?;
         overall(figure, &under, self.vertices(model))?;
         let pairs = over.into_iter().filter_map(|over| {
@@ -122,7 +122,7 @@ impl<'r> GroupCells<'r> {
         models.find(|record| record.name == model)?.vertices
     }
 
-    /// Why an algorithm has no figure on a model, if it failed there: the status in words.
+    /// The status in words of an algorithm that failed on a model; `None` if it did not fail.
     pub(crate) fn failure(&self, model: &str, algorithm: &str) -> Option<String> {
         let cells = self.of(model, algorithm);
         let failed = cells.iter().find(|cell| cell.status != Status::Ok)?;
@@ -142,8 +142,8 @@ impl<'r> GroupCells<'r> {
     }
 }
 
-/// The median of a figure over the cells of all sources, in a model with this number of vertices.
-/// `None` if one of them failed.
+/// The median of a figure over the cells of all sources, on a model with this number of vertices.
+/// `None` if a cell failed or lacks the figure.
 pub(crate) fn overall(figure: &Figure, cells: &[&Cell], vertices: Option<u64>) -> Option<f64> {
     let of = |cell: &&Cell| {
         let value = figure.of(cell, vertices);
@@ -152,8 +152,8 @@ pub(crate) fn overall(figure: &Figure, cells: &[&Cell], vertices: Option<u64>) -
     median(&cells.iter().map(of).collect::<Option<Vec<f64>>>()?)
 }
 
-/// The samples of the rounds that both cells have: without a fixed number of runs, one of them may
-/// have fewer.
+/// The samples of the rounds that both cells have. The cells can have different numbers of samples
+/// if the number of runs was not fixed.
 pub(crate) fn pairs<'c>(over: &'c Cell, under: &'c Cell) -> (&'c [f64], &'c [f64]) {
     let [over, under] = [over, under].map(|cell| &cell.time.samples[..]);
     let rounds = over.len().min(under.len());

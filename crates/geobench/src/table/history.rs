@@ -1,4 +1,4 @@
-//! Tables of histories: change points, and the newest commit against earlier ones.
+//! Tables of histories: change points, and the comparison of the newest commit with earlier ones.
 
 use super::model::{Column, Entry, Mark, Table};
 use super::terminal::{self, Look};
@@ -15,7 +15,7 @@ fn shown(figure: &str, value: f64) -> String {
     }
 }
 
-/// The change points, with values as `shown`.
+/// The table of the change points. `shown` formats a value of a figure.
 pub(crate) fn table_of_changes(found: &[ChangePoint], shown: fn(&str, f64) -> String) -> Table {
     let row = |change: &ChangePoint| {
         let [before, after] = [change.before, change.after].map(|x| shown(change.figure, x));
@@ -28,7 +28,7 @@ pub(crate) fn table_of_changes(found: &[ChangePoint], shown: fn(&str, f64) -> St
     Table::new(columns, found.iter().map(row).collect())
 }
 
-/// The change points, in a sentence if there are none.
+/// The table of the change points for the terminal; a sentence if there are none.
 pub fn change_points(found: &[ChangePoint], look: Look) -> String {
     if found.is_empty() {
         return "no figure has changed its level\n".to_owned();
@@ -37,7 +37,7 @@ pub fn change_points(found: &[ChangePoint], look: Look) -> String {
     terminal::grid(&table, &table.parts[0].rows, look) + "\n"
 }
 
-/// The newest commit against the base.
+/// The comparison of the newest commit with the base, for the terminal.
 pub fn gate(gate: &Gate, look: Look) -> String {
     let rows = gate.lines.iter().map(|line| {
         let mark = match line.broken {

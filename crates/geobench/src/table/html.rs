@@ -7,8 +7,8 @@ use super::model::{Entry, Mark, Part, Table};
 
 /// A table under its caption.
 pub(crate) fn table(html: &mut String, table: &Table) {
-    // The caption is outside of the scrolling element, which has a tab index for keyboards. Writing
-    // to a string cannot fail.
+    // The caption is outside of the scrolling element, so it does not scroll. The element has a tab
+    // index, so that it can be scrolled by keyboard. Writing to a string cannot fail.
     let _ = writeln!(
         html,
         "<p class=\"caption\" id=\"{0}-caption\">{1}</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"{0}-caption\">\n<table id=\"{0}\" aria-labelledby=\"{0}-caption\"{2}>",
@@ -35,7 +35,7 @@ pub(crate) fn table(html: &mut String, table: &Table) {
     }
     let heads = table.columns.iter().map(|column| {
         let class = if column.numeric { " class=\"n\"" } else { "" };
-        // A unit stays on the line of its last word.
+        // Non-breaking spaces keep a unit on the line of the word before it.
         let head = column
             .head
             .replace(" (", "\u{a0}(")
@@ -85,7 +85,7 @@ fn entry(entry: &Entry, numeric: bool) -> String {
         (_, true) => " class=\"n\"",
         _ => "",
     };
-    // Lines break only before the interval of a value.
+    // Non-breaking spaces allow line breaks only before the interval of a value.
     let text = if numeric {
         let kept = entry.text.replace(", ", ",\u{a0}");
         kept.replace(" / ", "\u{a0}/\u{a0}")

@@ -1,4 +1,4 @@
-//! Isolines, as files for other programs.
+//! File formats for isolines.
 
 use geobench_isolines::{Isoline, Line};
 use geobench_mesh::Mesh;
@@ -8,7 +8,7 @@ use super::polylines::{LineScalars, Polylines};
 use super::{FileForm, json_line, no_coordinates};
 use crate::schema::SourceLabel;
 
-/// The isolines of a field.
+/// The isolines of a distance field.
 #[derive(Clone, Copy, Debug)]
 pub struct IsolineSet<'a> {
     /// Name of the model.
@@ -19,11 +19,11 @@ pub struct IsolineSet<'a> {
     pub mesh: &'a Mesh,
     /// The isolines.
     pub isolines: &'a [Isoline],
-    /// How far chords may be from their arcs, where arcs cannot be written.
+    /// The largest distance of chords from their arcs, in formats that cannot hold arcs.
     pub tolerance: f64,
 }
 
-/// A form in which isolines can be written.
+/// A file format for isolines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IsolineFormat {
     /// Arcs of circles, in the planes of their faces.
@@ -36,7 +36,7 @@ pub enum IsolineFormat {
     Vtk,
     /// A picture of the model with the isolines.
     Svg,
-    /// The same in pixels.
+    /// The same picture as pixels.
     Png,
 }
 
@@ -53,7 +53,8 @@ impl FileForm for IsolineFormat {
 }
 
 impl IsolineFormat {
-    /// The contents of a file in this form; those of a picture are its lines.
+    /// The contents of a file in this format. For pictures, which `report` draws, it is the lines
+    /// as VTK.
     ///
     /// # Errors
     ///
@@ -118,7 +119,7 @@ struct ArcRecord {
     face: u32,
     from: Option<[f64; 3]>,
     to: Option<[f64; 3]>,
-    /// In the plane of the face.
+    /// The centre of the circle, in the plane of the face.
     centre: [f64; 2],
     radius: f64,
     /// Barycentric coordinates of both ends.

@@ -1,4 +1,4 @@
-//! Tables in LaTeX, for the booktabs package, laid out like those of the papers.
+//! Tables in LaTeX, for the booktabs package, with the layout of the papers' tables.
 
 use super::escape::printable;
 use super::model::{Entry, Mark, Table};
@@ -6,7 +6,7 @@ use super::model::{Entry, Mark, Table};
 /// The first line of every file with tables.
 pub(crate) const NEEDS: &str = "% Needs \\usepackage{booktabs}.\n";
 
-/// A `tabular`, with its heading and notes in comments.
+/// A `tabular`. The title, the caption and the notes are comments.
 pub(crate) fn table(table: &Table) -> String {
     let mut tex = String::new();
     for line in [&table.title, &table.caption]
@@ -18,7 +18,7 @@ pub(crate) fn table(table: &Table) -> String {
     tex + &tabular(table)
 }
 
-/// The `tabular` alone.
+/// The `tabular` without title and caption.
 pub(crate) fn tabular(table: &Table) -> String {
     let columns = &table.columns;
     let kinds = columns.iter().map(|c| if c.numeric { 'r' } else { 'l' });
@@ -87,7 +87,7 @@ pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for (place, c) in text.char_indices() {
         match c {
-            // After `\\` they would be its options.
+            // LaTeX would take them for options of the `\\` before.
             '[' | '*' if place == 0 => escaped.extend(['{', c, '}']),
             '&' | '%' | '$' | '#' | '_' | '{' | '}' => {
                 escaped.push('\\');

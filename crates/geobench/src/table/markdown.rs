@@ -25,7 +25,7 @@ pub(crate) fn table(table: &Table) -> String {
     lines.join("\n") + "\n"
 }
 
-/// The table alone, line by line. The best entries are bold.
+/// The lines of the table without heading and notes. The best entries are bold.
 pub(super) fn grid(table: &Table) -> Vec<String> {
     let heads = table.columns.iter().map(|column| column.head.as_str());
     let rules = table.columns.iter();

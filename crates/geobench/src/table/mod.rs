@@ -1,4 +1,4 @@
-//! Writes results as tables and files.
+//! Writes results as tables and files, and defines the file formats.
 
 use std::fmt::Display;
 use std::path::Path;
@@ -40,7 +40,7 @@ pub use history::{change_points, gate};
 pub(crate) use model::{Column, Entry, Mark, Note, Part, Table};
 pub use terminal::Look;
 
-/// A form in which results can be written.
+/// An output format of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Format {
     /// A table per model for the terminal.
@@ -79,17 +79,16 @@ impl FileForm for Format {
 /// The path that stands for standard input and output.
 pub(crate) const STANDARD: &str = "-";
 
-/// The form of what goes to standard output as `-`, named like an ending. Set once, from the
-/// command line.
+/// The format of output to `-`, by its file name extension. Set once, from the command line.
 static STANDARD_OUTPUT_FORM: OnceLock<String> = OnceLock::new();
 
-/// Sets the form of what goes to standard output as `-`: an ending without its dot.
+/// Sets the format of output to `-`. `ending` is a file name extension.
 pub(crate) fn set_standard_output_form(ending: &str) {
-    // The command line is read once.
+    // The command line is parsed only once, so this cannot fail.
     let _ = STANDARD_OUTPUT_FORM.set(ending.trim_start_matches('.').to_lowercase());
 }
 
-/// The ending of a file, or the form of standard output.
+/// The extension of a file name, without its dot. For `-`, the extension set for standard output.
 pub(crate) fn ending_of(path: &Path) -> String {
     if path == Path::new(STANDARD) {
         return STANDARD_OUTPUT_FORM.get().cloned().unwrap_or_default();
@@ -97,7 +96,7 @@ pub(crate) fn ending_of(path: &Path) -> String {
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     let stem = path.file_stem().map(Path::new);
     match stem.and_then(Path::extension) {
-        // Endings of two words.
+        // `bmf.json` and `gab.json` are extensions of two words.
         Some(before) if before == "bmf" || before == "gab" => {
             format!("{}.{ending}", before.to_string_lossy())
         }
@@ -105,14 +104,14 @@ pub(crate) fn ending_of(path: &Path) -> String {
     }
 }
 
-/// A form of files, told by their ending.
+/// A file format that is recognised by the extension of the file name.
 pub(crate) trait FileForm: Copy + PartialEq + 'static {
-    /// What the files hold, for messages.
+    /// The contents of the files, for messages.
     const CONTENT: &'static str;
-    /// The endings with their forms, at least two.
+    /// At least two extensions, with their formats.
     const ENDINGS: &'static [(&'static str, Self)];
 
-    /// The form for the ending of `path`, in any letter case.
+    /// The format for the extension of `path`, in any letter case.
     fn of_path(path: &Path) -> Result<Self, UsageError> {
         let ending = ending_of(path);
         let mut forms = Self::ENDINGS.iter();
@@ -134,7 +133,7 @@ pub(crate) trait FileForm: Copy + PartialEq + 'static {
         )))
     }
 
-    /// The form and the file at `path`, after a check that it can be written.
+    /// The format for `path`, and the file, after a check that it can be written.
     fn output(path: &Path) -> anyhow::Result<(Self, OutputFile)> {
         Ok((Self::of_path(path)?, OutputFile::prepare(path)?))
     }
@@ -151,7 +150,7 @@ pub(crate) fn no_coordinates(name: impl Display) -> anyhow::Error {
     anyhow::anyhow!("{name}: the mesh has no coordinates to write")
 }
 
-/// `document` as JSON in lines, for people.
+/// `document` as pretty-printed JSON.
 pub(crate) fn json_lines(document: &impl serde::Serialize) -> anyhow::Result<String> {
     Ok(serde_json::to_string_pretty(document)? + "\n")
 }
@@ -164,11 +163,11 @@ pub(crate) fn json_line(document: &impl serde::Serialize) -> anyhow::Result<Vec<
 }
 
 impl Format {
-    /// Results in this form, ending in a line break.
+    /// Results in this format, ending in a line break.
     ///
     /// # Errors
     ///
-    /// Only if a number or a text cannot be represented, which the records exclude.
+    /// Only if a number or a text cannot be represented, which does not occur in results.
     pub fn render(self, result: &ResultFile) -> anyhow::Result<String> {
         Ok(match self {
             Self::Table => {
@@ -202,7 +201,7 @@ pub(crate) fn counted(count: usize, thing: &str) -> String {
     }
 }
 
-/// The tables of all groups. Each says if its times are disturbed.
+/// The tables of all groups, with a note in every part if times are disturbed.
 fn tables(result: &ResultFile) -> Vec<Table> {
     let mut tables: Vec<Table> = results::groups(result).iter().map(results::table).collect();
     if let Some(disturbance) = disturbance(result) {
@@ -220,7 +219,7 @@ fn tables(result: &ResultFile) -> Vec<Table> {
     tables
 }
 
-/// That several cells ran at the same time, if they did.
+/// The reason why times are disturbed, if several cells ran at the same time.
 pub fn disturbance(result: &ResultFile) -> Option<String> {
     let jobs = result.jobs()?;
     Some(format!("{jobs} cells ran at the same time"))
@@ -232,7 +231,8 @@ fn joined(result: &ResultFile, write: fn(&Table) -> String) -> String {
     tables.join("\n")
 }
 
-/// The heading of the tables of a group: its name and its text. Empty if the group has neither.
+/// The heading of the tables of a group: its name and its description. Empty if the group has
+/// neither.
 pub fn group_heading(group: &GroupRecord, look: Look) -> String {
     let [name, shows] = [&group.name, &group.shows].map(|text| text.as_deref().unwrap_or_default());
     terminal::heading(name, shows, look)
@@ -256,7 +256,7 @@ fn part(group: &GroupCells<'_>, part: &Part, look: Look) -> String {
     terminal::part(&table, part, look)
 }
 
-/// The meaning of the figures in the tables of `result`, in one line.
+/// An explanation of the figures in the tables of `result`; empty if no cell has times.
 pub fn footnote(result: &ResultFile, look: Look) -> String {
     let runs = result.cells.iter().map(|c| c.time.samples.len());
     let runs: Vec<usize> = runs.filter(|runs| *runs > 0).collect();
@@ -264,7 +264,7 @@ pub fn footnote(result: &ResultFile, look: Look) -> String {
         (Some(1), Some(1)) => "time of one run; ".to_owned(),
         (Some(fewest), Some(most)) if fewest == most => format!("time: median of {most} runs; "),
         (Some(fewest), Some(most)) => format!("time: median of {fewest} to {most} runs; "),
-        // The tables have no figure.
+        // Without times, the tables have no figures to explain.
         _ => return String::new(),
     };
     let batches = result.cells.iter().flat_map(|cell| &cell.time.solves);

@@ -1,19 +1,20 @@
-//! The model of a table. Builders decide on its content. Every form of output is written from it.
+//! The data model of a table. Builders such as `results` fill it in; every output format is written
+//! from it.
 
-/// Rows of entries under columns, in parts. An empty text is not shown.
+/// A table: rows of entries under columns, in parts.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Table {
-    /// Unique in a report, and the name of the table's file there.
+    /// An identifier that is unique in a report, and the name of the table's file.
     pub(crate) id: String,
     /// The heading.
     pub(crate) title: String,
     /// A description, in one or several lines.
     pub(crate) caption: String,
     pub(crate) columns: Vec<Column>,
-    /// What a row is about, by which pages filter: `algorithm`, `model` or nothing.
+    /// The subject of a row, by which pages filter: `algorithm`, `model` or empty.
     pub(crate) rows_are: &'static str,
-    /// The head of a column for the titles of parts, in forms that set all parts under one head. If
-    /// `None`, each title has a row of its own.
+    /// The head of a column with the titles of parts, in formats that put all parts under one head.
+    /// If `None`, each title has a row of its own.
     pub(crate) titles: Option<&'static str>,
     pub(crate) parts: Vec<Part>,
 }
@@ -21,7 +22,7 @@ pub(crate) struct Table {
 /// A column of a table.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Column {
-    /// A head above the column's own. Neighbours with the same text share it.
+    /// A second head above the column's own. Neighbouring columns with the same text share it.
     pub(crate) over: String,
     /// The head, with the unit if all entries share one.
     pub(crate) head: String,
@@ -46,7 +47,7 @@ pub(crate) struct Part {
     pub(crate) notes: Vec<Note>,
 }
 
-/// The content of a row and column.
+/// The content of a table cell.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Entry {
     pub(crate) text: String,
@@ -90,8 +91,7 @@ impl Table {
         self.parts.iter().flat_map(|part| &part.rows)
     }
 
-    /// The heads above the columns' own, each with the number of columns that it spans. Empty if
-    /// there are none.
+    /// The second heads, each with the number of columns that it spans. Empty if there are none.
     pub(super) fn overs(&self) -> Vec<(&str, usize)> {
         let groups = self.columns.chunk_by(|a, b| a.over == b.over);
         let overs: Vec<_> = groups.map(|c| (c[0].over.as_str(), c.len())).collect();

@@ -1,4 +1,4 @@
-//! Output files. Unwritable ones are detected before the work starts, and files are replaced whole.
+//! Output files. They are checked before the work starts and replaced atomically.
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
@@ -8,15 +8,15 @@ use anyhow::{Context, bail};
 
 use crate::table::{FileForm, STANDARD};
 
-/// A file that a command writes at its end.
+/// A file that a command writes when it ends.
 #[derive(Clone, Debug)]
 pub struct OutputFile {
-    /// As the user wrote it.
+    /// The path as the user wrote it.
     shown: String,
     /// The canonical path.
     path: PathBuf,
-    /// Whether it is a regular file, which is replaced. Devices, pipes and standard output are
-    /// written to.
+    /// Whether a write replaces the file. Only regular files are replaced; devices, pipes and
+    /// standard output are written to.
     replace: bool,
 }
 
@@ -24,7 +24,7 @@ pub struct OutputFile {
 const STANDARD_OUTPUT: &str = "standard output";
 
 impl OutputFile {
-    /// Checks that `path` can be written, without a change to the file.
+    /// Checks that `path` can be written. The file is not changed.
     ///
     /// # Errors
     ///
@@ -39,7 +39,7 @@ impl OutputFile {
             });
         }
         let shown = path.display().to_string();
-        // A link is followed, so that the file that it points to is replaced and not the link.
+        // A symbolic link is followed, so that its target is replaced and not the link.
         let path = canonical(path);
         let replace = match fs::metadata(&path) {
             Ok(found) if found.is_dir() => bail!("{shown}: cannot be written: it is a directory"),
@@ -66,7 +66,7 @@ impl OutputFile {
         Ok(file)
     }
 
-    /// Where it is written; equal for files that are the same.
+    /// The canonical path, which is equal for equal files.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -81,11 +81,12 @@ impl OutputFile {
         self.replace
     }
 
-    /// Replaces the content. Readers see either the old or the new content, never a part.
+    /// Writes the file. A regular file is replaced atomically: readers see either the old or the
+    /// new content.
     ///
     /// # Errors
     ///
-    /// When the system cannot write. The file is then unchanged.
+    /// When the system cannot write. A regular file is then unchanged.
     pub fn write(&self, contents: &[u8]) -> anyhow::Result<()> {
         if self.is_standard_output() {
             let mut out = io::stdout().lock();
@@ -98,7 +99,8 @@ impl OutputFile {
         self.write_with("", |path| Ok(fs::write(path, contents)?))
     }
 
-    /// Replaces the file by one that `write` wrote under a temporary name with `ending`.
+    /// Replaces the file by one that `write` creates under a temporary name that ends with
+    /// `ending`.
     ///
     /// # Errors
     ///
@@ -128,7 +130,7 @@ impl OutputFile {
         format!("{}: cannot be written", self.shown)
     }
 
-    /// A file in the same directory, which a rename can then put in place.
+    /// A temporary file in the same directory, so that it can be renamed to the path.
     fn temporary(&self, ending: &str) -> io::Result<tempfile::NamedTempFile> {
         let directory = match self.path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -136,7 +138,8 @@ impl OutputFile {
         };
         let mut builder = tempfile::Builder::new();
         builder.prefix(".geobench-").suffix(ending);
-        // The usual mode, less the umask. Temporary files are private by default.
+        // The usual mode for new files, restricted by the umask. `tempfile` would create a private
+        // file.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         builder.tempfile_in(directory)
@@ -160,7 +163,7 @@ fn in_canonical_directory(path: &Path) -> PathBuf {
     canonical().unwrap_or_else(|| path.to_owned())
 }
 
-/// The error without the name of the temporary file, which users do not know.
+/// The error without the name of the temporary file, which would confuse users.
 fn plain(error: &io::Error) -> anyhow::Error {
     match error.kind() {
         io::ErrorKind::NotFound => anyhow::anyhow!("its directory does not exist"),
@@ -168,7 +171,8 @@ fn plain(error: &io::Error) -> anyhow::Error {
     }
 }
 
-/// The files at `paths` with their forms, after a check that they can be written.
+/// The files at `paths` with their formats, after a check that they can be written. Fails if two
+/// paths are the same file.
 pub(crate) fn prepare<F: FileForm>(paths: &[PathBuf]) -> anyhow::Result<Vec<(F, OutputFile)>> {
     let mut outputs: Vec<(F, OutputFile)> = Vec::new();
     for path in paths {

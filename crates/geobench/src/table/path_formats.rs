@@ -1,4 +1,4 @@
-//! Shortest paths, as files for other programs.
+//! File formats for shortest paths.
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ use super::polylines::{LineScalars, Polylines};
 use super::{FileForm, json_line, no_coordinates};
 use crate::schema::SourceLabel;
 
-/// Paths to some vertices, and where they come from.
+/// Paths to several targets, with their origin.
 #[derive(Clone, Copy, Debug)]
 pub struct PathSet<'a> {
     /// Name of the model.
@@ -24,17 +24,16 @@ pub struct PathSet<'a> {
     pub paths: &'a [FoundPath],
 }
 
-/// What was found for a target.
+/// The result for a target.
 #[derive(Clone, Debug)]
 pub struct FoundPath {
     /// The target.
     pub target: SourceLabel,
-    /// The source from which the path comes and the path, in points of the mesh; `None` if no path
-    /// leads to the target.
+    /// The source of the path, and the path itself; `None` if the target is unreachable.
     pub path: Option<(SourceLabel, Path)>,
 }
 
-/// A form in which paths can be written.
+/// A file format for paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PathFormat {
     /// `path,source,target,x,y,z,vertex,face,u,v,w`, one line for each point.
@@ -49,7 +48,7 @@ pub enum PathFormat {
     Vtk,
     /// A picture of the model with the paths.
     Svg,
-    /// The same in pixels.
+    /// The same picture as pixels.
     Png,
 }
 
@@ -67,11 +66,12 @@ impl FileForm for PathFormat {
 }
 
 impl PathFormat {
-    /// The contents of a file in this form; those of a picture are its lines.
+    /// The contents of a file in this format. For pictures, which `report` draws, it is the paths
+    /// as VTK.
     ///
     /// # Errors
     ///
-    /// When the form needs coordinates and the mesh has none.
+    /// When the mesh has no coordinates.
     pub fn render(self, set: &PathSet<'_>) -> anyhow::Result<Vec<u8>> {
         if set.mesh.positions().len() != set.mesh.vertex_count() {
             return Err(no_coordinates(set.model));
@@ -87,7 +87,7 @@ impl PathFormat {
 }
 
 impl PathSet<'_> {
-    /// The paths that there are.
+    /// The paths of the reachable targets.
     fn found(&self) -> impl Iterator<Item = &Path> {
         let found = self.paths.iter().filter_map(|found| found.path.as_ref());
         found.map(|(_, path)| path)

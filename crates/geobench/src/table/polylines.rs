@@ -1,29 +1,29 @@
-//! Lines in space, as files for other programs.
+//! File formats for polylines in space.
 
 use std::fmt::Write;
 
-/// Lines with numbers.
+/// Polylines with scalars.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Polylines {
-    /// The contents, for a comment.
+    /// A description of the contents, which formats write as a comment.
     pub(crate) title: String,
     /// The points of each line.
     pub(crate) lines: Vec<Vec<[f64; 3]>>,
-    /// The numbers of the lines.
+    /// Scalars of the lines.
     pub(crate) scalars: Vec<LineScalars>,
 }
 
-/// A number for each line.
+/// A named scalar, with a value for each line.
 #[derive(Clone, Debug)]
 pub(crate) struct LineScalars {
     pub(crate) name: &'static str,
-    /// The type in VTK.
+    /// The VTK type.
     pub(crate) kind: &'static str,
     pub(crate) values: Vec<String>,
 }
 
 impl LineScalars {
-    /// Numbers of type `kind`, in this order.
+    /// Scalars of the VTK type `kind`, in the order of the lines.
     pub(crate) fn new<T: ToString>(
         name: &'static str,
         kind: &'static str,
@@ -37,7 +37,8 @@ impl LineScalars {
     }
 }
 
-/// A title for the second line of a VTK file: printable ASCII, at most 256 characters.
+/// A title for the second line of a VTK file: printable ASCII, cut to 200 characters. The format
+/// allows 256.
 pub(super) fn vtk_title(title: &str) -> String {
     let shown = |c: char| if c.is_ascii_graphic() { c } else { ' ' };
     title.chars().map(shown).take(200).collect()
@@ -101,7 +102,7 @@ impl Polylines {
         text
     }
 
-    /// Legacy VTK (text): lines with their numbers.
+    /// Legacy VTK (text): lines with their scalars.
     pub(crate) fn vtk(&self) -> String {
         let points = self.points();
         let mut text = format!(

@@ -1,4 +1,5 @@
-//! Results as tables: per model the rows of the papers' tables, a column per algorithm.
+//! Builds tables of results: for each model, the rows of the papers' tables, with a column for each
+//! algorithm.
 
 use super::figures::{Figure, Style, figures};
 use super::group::{GroupCells, algorithms, distinct, overall, pairs};
@@ -50,7 +51,8 @@ fn row(label: impl Into<String>, entries: impl Iterator<Item = Entry>) -> Vec<En
     std::iter::once(Entry::new(label)).chain(entries).collect()
 }
 
-/// Inserts those of `names` that are not there yet behind the figure `after`, or at the end.
+/// Inserts the figures called `names` behind the figure `after`, or at the end if that is missing.
+/// Figures that are already in `into` are not repeated.
 fn insert_after(after: &str, names: &[&str], into: &mut Vec<&'static Figure>) {
     let new = super::figures::figures(names).into_iter();
     let new: Vec<_> = new
@@ -61,7 +63,7 @@ fn insert_after(after: &str, names: &[&str], into: &mut Vec<&'static Figure>) {
     into.splice(place..place, new);
 }
 
-/// The figures of a model.
+/// The part of a model, with rows and notes.
 pub(super) fn part(group: &GroupCells<'_>, model: &ModelRecord) -> Part {
     let names = group.algorithms.iter();
     let columns: Vec<Vec<&Cell>> = names.map(|name| group.of(&model.name, name)).collect();
@@ -97,7 +99,7 @@ pub(super) fn part(group: &GroupCells<'_>, model: &ModelRecord) -> Part {
     }
     let refused = cells.iter().all(|cell| cell.status == Status::Refused);
     if refused {
-        // One row shows the failure of all, instead of every row.
+        // One row without a label shows the failure, instead of the same text in every row.
         rows.truncate(1);
         for row in &mut rows {
             row[0].text.clear();
@@ -154,7 +156,7 @@ fn figure_row(figure: &Figure, columns: &[Vec<&Cell>], vertices: Option<u64>) ->
     row(&figure.label, entries)
 }
 
-/// The mark of a time whose interval is wider than was wanted.
+/// The mark of a time whose interval is wider than the wanted precision.
 const IMPRECISE: &str = "~";
 
 /// The entry for a figure that `cells` do not have; empty if there are no cells.
@@ -166,7 +168,7 @@ fn absent(cells: &[&Cell]) -> Entry {
     }
 }
 
-/// What the runs of a cell were to find, after its source; empty if it is everything.
+/// The goal of the runs of a cell, to follow its source; empty for the distances of all vertices.
 fn goal(cell: &Cell) -> String {
     let goal = cell.goal.as_ref();
     goal.map_or_else(String::new, |goal| format!(" {goal}"))
@@ -189,7 +191,7 @@ fn sources(cells: Option<&Vec<&Cell>>) -> String {
     }
 }
 
-/// The vector instructions with which instructions were counted, if they differ between cells.
+/// A note on the SIMD levels with which instructions were counted, if they differ between cells.
 fn note_on_instructions(cells: &[&Cell]) -> Option<String> {
     fn simd(cell: &Cell) -> Option<&str> {
         cell.instructions_simd.as_deref()
@@ -208,7 +210,7 @@ fn note_on_instructions(cells: &[&Cell]) -> Option<String> {
     })
 }
 
-/// How many distances are infinite, and why.
+/// A note on the number of infinite distances and their reason.
 fn note_on_unreachable(cells: &[&Cell]) -> Option<String> {
     let count = cells.iter().filter_map(|c| c.check.unreachable).max();
     let count = count.filter(|&count| count > 0)?;
@@ -221,7 +223,7 @@ fn note_on_unreachable(cells: &[&Cell]) -> Option<String> {
     Some(format!("{places}: {}", grouped(count)))
 }
 
-/// The uncertainty of the medians of the times, and the outliers.
+/// Notes on the uncertainty of the median times, on doubted times and on outliers.
 fn notes_on_times(cells: &[&Cell]) -> Vec<String> {
     let timed = || cells.iter().filter(|c| !c.time.samples.is_empty());
     let widest = timed().map(|cell| cell.time.half_width());
@@ -266,7 +268,7 @@ fn notes_on_times(cells: &[&Cell]) -> Vec<String> {
     notes
 }
 
-/// The results of the checks, and every failure, on a model with this number of vertices.
+/// All notes on the cells of a model with this number of vertices: checks, times and failures.
 fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
     let mut notes = Vec::new();
     let references = cells.iter().filter_map(|c| c.check.reference.as_deref());
@@ -337,8 +339,8 @@ fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
     notes
 }
 
-/// The mean and the standard deviation of the ratio to the base of the group, for each figure for
-/// which less is better. `None` if the group has no base or no ratio.
+/// The part of ratios: for each figure for which less is better, the mean and the standard
+/// deviation over the models of the ratio to the base. `None` if the group has no base or no ratio.
 pub(super) fn ratios(group: &GroupCells<'_>) -> Option<Part> {
     let baseline = group.record.ratios_to.as_deref()?;
     let figures = figures(&group.record.rows).into_iter();

@@ -11,13 +11,13 @@ use super::model::{Entry, Mark, Part, Table};
 /// The style of tables.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Look {
-    /// Whether colour marks the best; else a star does.
+    /// Whether colour marks the best entries; otherwise a star does.
     pub styled: bool,
-    /// Columns of the terminal; unlimited if the output is not a terminal.
+    /// The width of the terminal in characters; `None` if there is no limit.
     pub width: Option<usize>,
 }
 
-/// Width of a column without its text: a border, and a space on either side.
+/// The width of a column in addition to its text: a border, and a space on either side.
 const AROUND: usize = 3;
 
 /// Title and caption, followed by an empty line; empty without both.
@@ -54,8 +54,8 @@ pub(super) fn part(table: &Table, part: &Part, look: Look) -> String {
     lines.join("\n") + "\n\n"
 }
 
-/// `text` behind `indent`, in several lines if one is too long for the terminal. Lines break
-/// between words; those after the first are indented by two columns more.
+/// `text` after `indent`, wrapped between words if it is too long for the terminal. Lines after the
+/// first are indented by two more columns.
 pub(super) fn line_in(look: Look, indent: &str, text: &str) -> String {
     let letters = |text: &str| text.chars().count();
     let Some(width) = look.width.filter(|w| letters(indent) + letters(text) > *w) else {
@@ -65,7 +65,7 @@ pub(super) fn line_in(look: Look, indent: &str, text: &str) -> String {
     format!("{indent}{}", lines.join(&format!("\n{indent}  ")))
 }
 
-/// `text` in lines of at most `width` letters, or of one longer word.
+/// `text` in lines of at most `width` characters. A longer word is a line of its own.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -80,15 +80,18 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// Letters of the longest word.
+/// The number of characters of the longest word.
 fn longest_word(text: &str) -> usize {
     let words = text.split_whitespace().map(|word| word.chars().count());
     words.max().unwrap_or(0)
 }
 
-/// Some rows of a table. Columns of numbers without an entry are left out. If the columns are too
-/// wide, the leading texts are wrapped, or there are several grids, each with the leading columns
-/// of texts. If one column of numbers does not fit beside them, every column is a block of lines.
+/// Rows of a table as a grid that fits the terminal. Columns of numbers without any entry are left
+/// out.
+///
+/// If the columns are too wide, the leading columns of text are wrapped, and the columns of numbers
+/// are distributed over several grids, each with the leading columns. If not even one column of
+/// numbers fits beside them, each column of numbers becomes a block of lines.
 pub(super) fn grid(table: &Table, rows: &[Vec<Entry>], look: Look) -> String {
     let columns = &table.columns;
     let leading = columns.iter().take_while(|c| !c.numeric).count();
@@ -104,7 +107,7 @@ pub(super) fn grid(table: &Table, rows: &[Vec<Entry>], look: Look) -> String {
         widest.unwrap_or(0) + AROUND
     };
     let widths: Vec<usize> = (0..columns.len()).map(width_of).collect();
-    // The least widths of the leading columns: those of their longest words.
+    // The least width of a leading column is that of its longest word.
     let least = |place: usize| {
         let texts = rows.iter().map(|row| row[place].text.as_str());
         let texts = texts.chain([columns[place].head.as_str()]);
@@ -122,7 +125,7 @@ pub(super) fn grid(table: &Table, rows: &[Vec<Entry>], look: Look) -> String {
         for &place in &figures {
             let last = grids.len() - 1;
             end += widths[place];
-            // A grid has one column of figures at least, however narrow the terminal is.
+            // A grid has at least one column of figures, even in a narrow terminal.
             if look.width.is_some_and(|width| end > width) && grids[last].len() > leading {
                 grids.push((0..leading).chain([place]).collect());
                 end = left + widths[place];
@@ -141,7 +144,8 @@ pub(super) fn grid(table: &Table, rows: &[Vec<Entry>], look: Look) -> String {
     if !fits(narrowest) {
         return blocks(table, rows, &figures, leading, look);
     }
-    // Wrapped texts, if that spares a grid: as wide as possible for the same number of grids.
+    // Leading texts are wrapped if this reduces the number of grids. They are as wide as that
+    // number allows.
     let (mut texts, mut grids) = (natural, grids_with(natural));
     if grids.len() > 1 || !fits(natural) {
         let fewest = grids_with(narrowest).len();
@@ -198,7 +202,7 @@ fn blocks(
         .join("\n")
 }
 
-/// Some columns of some rows.
+/// A grid of some columns of the rows.
 fn some(table: &Table, rows: &[Vec<Entry>], places: &[usize], look: Look) -> String {
     let mut layout = layout(look);
     layout.load_style(presets::UTF8_FULL_CONDENSED);
@@ -221,7 +225,7 @@ fn some(table: &Table, rows: &[Vec<Entry>], places: &[usize], look: Look) -> Str
             let star = match (starred && table.columns[place].numeric, entry.mark) {
                 (false, _) => "",
                 (true, Mark::Best) => "*",
-                // Keeps the digits of a column aligned.
+                // The space keeps the digits of a column aligned.
                 (true, _) => " ",
             };
             let field = field(place, &format!("{}{star}", entry.text));
@@ -235,7 +239,7 @@ fn some(table: &Table, rows: &[Vec<Entry>], places: &[usize], look: Look) -> Str
     layout.to_string()
 }
 
-/// All rows without rules. Longer texts are wrapped at the width of the terminal.
+/// All rows without borders. Texts are wrapped to the width of the terminal.
 pub(crate) fn listing(table: &Table, look: Look) -> String {
     let mut layout = layout(look);
     layout.load_style(presets::NOTHING);

@@ -1,11 +1,12 @@
-//! Every form of output, from made-up results.
+//! Tests of every output format, on mock results.
 
 use super::{FileForm, Format, Look};
 use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
 use crate::run::mock::{plan, result, run_mock};
 use crate::schema::{GroupRecord, ResultFile};
 
-/// A good model, one named `spoilt` with a wrong answer, and a refused one.
+/// A result with three models: a good one, one named `spoilt` with a wrong answer, and a refused
+/// one.
 pub(crate) fn mixed_with(spoilt: &str) -> ResultFile {
     let mut good = run_mock(
         &plan(&["horse"], "mmp,ich,vtp", "0"),

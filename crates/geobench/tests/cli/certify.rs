@@ -57,7 +57,7 @@ fn sources_may_be_points_of_edges_and_faces() {
     let said = sandbox.succeed(&format!("certify gen:torus,faces=500 {sources}"));
     assert!(said.starts_with("at:9,0,0 is "), "{said}");
     assert!(said.contains("certified to "), "{said}");
-    // A file has the vertices of the model only.
+    // A distance file holds only the vertices of the model.
     sandbox.succeed(&format!(
         "distance gen:torus,faces=500 {sources} --quiet -o d.csv"
     ));
@@ -74,7 +74,7 @@ fn runs_are_checked_with_proven_distances() {
     let cells = &sandbox.json("right.json")["cells"];
     assert_eq!(cells[1]["check"]["reference"], "certificate");
     assert!(cells[1]["check"]["max_rel"].as_f64().unwrap() < 1e-12);
-    // No proof is as good as this.
+    // No certificate reaches this tolerance.
     let outcome = sandbox.call(&format!(
         "{run} --check certificate{{tolerance=1e-30}} -o unproven.json"
     ));

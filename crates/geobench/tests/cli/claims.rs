@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::support::Sandbox;
 
-/// With the result of a suite on models that take no time, `r.json`.
+/// A sandbox with `r.json`, the result of a suite on small models.
 fn with_result() -> Sandbox {
     let sandbox = Sandbox::new();
     let configs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../bench-configs");
@@ -60,7 +60,7 @@ fn verdicts_are_a_page_and_data() {
     assert!(text.contains("mine-propagations") && text.contains("confirmed"));
 }
 
-/// Verdicts are no failure; only files that cannot be used are.
+/// Verdicts do not affect the exit status; unusable files do.
 #[test]
 fn the_status_tells_of_files_and_not_of_verdicts() {
     let sandbox = with_result();

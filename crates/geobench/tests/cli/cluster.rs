@@ -1,4 +1,4 @@
-//! `geobench cluster`. `scripts/check-cluster` tries it with a real Slurm.
+//! `geobench cluster`. `scripts/check-cluster` tests it with a real Slurm.
 
 use std::process::Command;
 
@@ -7,7 +7,7 @@ use crate::support::Sandbox;
 const START: &str = "cluster --shards 3 -o runs --no-submit --partition fast";
 const RUN: &str = "gen:octahedron gen:cube,n=2 --algo vtp,mmp --source random:2 --repeat 1 --quiet";
 
-/// Runs a script as Slurm does.
+/// Runs a job script as Slurm would.
 fn start(sandbox: &Sandbox, script: &str, part: u32) {
     let mut command = Command::new("bash");
     command
@@ -25,7 +25,7 @@ fn scripts_of_all_parts_make_the_whole_result() {
     let text = sandbox.succeed(&format!("{START} --exclusive -- {RUN} --timeout 90s"));
     assert!(text.contains("--array=1-3 "), "{text}");
     assert!(text.contains("--partition=fast --exclusive"), "{text}");
-    // At most two pairs of model and source with two algorithms each.
+    // A part has at most two pairs of model and source, with two algorithms each.
     assert!(text.contains("--time=6 "), "{text}");
     for part in 1..=3 {
         start(&sandbox, "runs/part.sh", part);

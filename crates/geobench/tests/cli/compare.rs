@@ -105,8 +105,7 @@ fn what_cannot_be_compared_is_status_2_and_names_file_and_field() {
         ),
         "{message}"
     );
-    // Where a number or a word is cut it is that which is wrong, and where the middle is depends on
-    // the times.
+    // The text is cut between two fields. A cut within a number or a word would give another error.
     let (whole, _) = text.split_once("\"cells\"").expect("it has cells");
     sandbox.write("b.json", whole);
     assert!(

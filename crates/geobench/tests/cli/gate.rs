@@ -1,6 +1,6 @@
-//! The rules of `scripts/regression` on result files that its programs wrote: of one commit, of one
-//! that differs from it in comments, and of one with a short loop in a kernel, some 1 % of all
-//! instructions. Valgrind is not needed.
+//! Tests the rules of `scripts/regression` on stored result files, without Valgrind. The files are
+//! from a base commit, from one that differs only in comments, and from one with a short loop in a
+//! kernel that adds about 1 % to the instructions.
 
 use serde_json::Value;
 
@@ -10,7 +10,7 @@ const BASE: &str = include_str!("../data/gate/base.json");
 const COMMENTS: &str = include_str!("../data/gate/comments.json");
 const SLOWER: &str = include_str!("../data/gate/slower.json");
 
-/// The rules that the script has.
+/// The rules in the script.
 fn rules() -> String {
     let script = include_str!("../../../../scripts/regression");
     let line = script.lines().find_map(|l| l.strip_prefix("rules='"));
@@ -27,7 +27,7 @@ fn compared(new: &str, rules: &str) -> Outcome {
     ))
 }
 
-/// The base with a change.
+/// The base result with a change.
 fn changed(change: impl FnOnce(&mut Value)) -> String {
     let mut file = serde_json::from_str(BASE).unwrap();
     change(&mut file);
@@ -47,7 +47,7 @@ fn comments_and_short_loops_pass_and_are_shown() {
         assert!(outcome.stdout.contains("times are compared pair by pair"));
     }
     assert!(compared(SLOWER, &rules()).stdout.contains("| +1.32 % |"));
-    // The times are those of a machine with much else to do; no interval lies wholly beyond 10 %.
+    // The times are from a busy machine. No interval lies entirely beyond 10 %.
     let strict = compared(COMMENTS, &(rules() + ",time=10%"));
     assert_eq!(strict.code, 0, "{}", strict.stdout);
 }
@@ -135,7 +135,7 @@ fn a_commit_whose_instructions_are_missing_fails() {
         "{}",
         outcome.stdout
     );
-    // What the script does where the old commit cannot count instructions at all.
+    // The script does this if the old commit cannot count instructions at all.
     let rules = rules().replace("instructions=2%,", "");
     sandbox.succeed(&format!("compare old.json new.json --fail-on {rules}"));
 }

@@ -1,5 +1,5 @@
-//! Targets and radius of `geobench run` and `verify`: runs end early, and only what is asked for is
-//! compared.
+//! `--target` and `--radius` of `geobench run` and `verify`: runs end early, and only the requested
+//! distances are compared.
 
 use geobench::registry;
 use serde_json::{Value, json};
@@ -79,7 +79,7 @@ fn results_of_other_targets_are_not_mixed() {
         refused.contains("its runs are to 2, and this one to 1"),
         "{refused}"
     );
-    // One after the other, in tables of their own.
+    // Files with different goals are reported one after the other, in separate tables.
     let shown = sandbox.call("report a.json b.json -o r.html").stderr;
     let said = "its runs are within 0.5, and those of a.json to 2";
     assert!(shown.contains(said), "{shown}");

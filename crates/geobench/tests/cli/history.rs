@@ -6,13 +6,13 @@ use serde_json::{Value, json};
 
 use crate::support::Sandbox;
 
-/// A result file with the times and counts of commit `i`, made from one of the program.
+/// A result file for commit `i`, made from a real one by changing its times and counts.
 fn result_of(base: &Value, i: usize, commit: &str) -> Value {
     let mut file = base.clone();
     file["tool"]["commit"] = commit.into();
     file["started"] = format!("2025-03-{:02}T00:00:00Z", i + 1).into();
     for cell in file["cells"].as_array_mut().unwrap() {
-        // Slower from the twelfth on; the noise has no pattern of some commits.
+        // Slower from commit 12 on, counted from 0. The noise has no pattern over a few commits.
         let slower = if i >= 12 { 1.3 } else { 1.0 };
         let samples = (0..5).map(|k| {
             let noise = ((i * 7 + k * 3) % 11) as f64 / 11.0 - 0.5;
@@ -53,7 +53,7 @@ fn recorded() -> (Sandbox, Vec<String>) {
             );
             let commit = git(&sandbox, "rev-parse HEAD");
             sandbox.write("one.json", &result_of(&base, i, &commit).to_string());
-            // All commits were made within a second or so: the times of the runs order them.
+            // All commits are about a second apart, so the times of the runs order them.
             sandbox.succeed("record one.json --into history --suite quick --quiet");
             commit
         })
@@ -83,7 +83,7 @@ fn a_slow_commit_is_named_and_shown_on_the_page() {
     let names: Vec<_> = std::fs::read_dir(sandbox.path("history"))
         .unwrap()
         .collect();
-    // And the lock.
+    // The lock file is counted, too.
     assert_eq!(names.len(), 16 + 1);
 }
 
@@ -91,7 +91,7 @@ fn a_slow_commit_is_named_and_shown_on_the_page() {
 fn the_newest_commit_is_held_against_the_noise_of_others() {
     let (sandbox, _) = recorded();
     let gate = |more: &str| sandbox.call(&format!("compare history --against {more}"));
-    // Against slow ones it is no slower, against all before it is.
+    // Compared with slow commits it is not slower; compared with all earlier ones it is.
     let same = gate("main~4..main~1 --fail-on time=5%,propagated=0");
     assert_eq!(same.code, 0, "{}{}", same.stdout, same.stderr);
     assert!(

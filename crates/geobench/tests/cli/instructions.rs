@@ -14,7 +14,7 @@ fn instructions_are_those_of_the_solve_and_always_the_same() {
             .unwrap()
     };
     let square = count("square.off", "a.json");
-    // To start the program and to read the file takes some hundred thousand.
+    // Starting the program and reading the file take some hundred thousand instructions.
     assert!((100..50_000).contains(&square), "{square}");
     assert_eq!(count("square.off", "b.json"), square);
     let cube = count("gen:cube,n=2", "c.json");

@@ -1,5 +1,5 @@
-//! A cell that crashes, never ends or takes all memory costs its own row. An interrupted run keeps
-//! what is done.
+//! Isolation: a cell that crashes, never ends or takes all memory affects only its own row. An
+//! interrupted run keeps its finished cells.
 
 use std::io::Read;
 use std::process::{Child, Stdio};
@@ -11,15 +11,15 @@ use serde_json::{Value, json};
 
 use crate::support::Sandbox;
 
-/// Calls `geobench run` on the square with an algorithm that fails, and
-/// returns the cells of its result file.
+/// Calls `geobench run` on the square with a failing algorithm, and returns the cells of its result
+/// file.
 fn run(sandbox: &Sandbox, arguments: &str) -> Vec<Value> {
     let call = sandbox.call(&format!("run square.off --repeat 2 -o r.json {arguments}"));
     assert_eq!(call.code, 1, "{arguments}: {}", call.stderr);
     sandbox.json("r.json")["cells"].as_array().unwrap().clone()
 }
 
-/// Runs `bad` between two algorithms that must not notice, and returns what its row says.
+/// Runs `bad` between two algorithms that must not be affected, and returns the row of `bad`.
 fn provoke(bad: &str, arguments: &str) -> (String, String) {
     let sandbox = Sandbox::with_square();
     let cells = run(&sandbox, &format!("--algo mmp,{bad},vtp {arguments}"));
@@ -301,7 +301,7 @@ fn cells_are_pinned_on_request() {
     looping.kill();
 }
 
-/// A run that is at an endless loop.
+/// A run of `geobench` that has reached an algorithm with an endless loop.
 struct Looping(Child);
 
 impl Looping {
@@ -326,7 +326,7 @@ impl Looping {
             .collect()
     }
 
-    /// The process of the cell that loops, once it does so.
+    /// Waits for the child process that loops, and returns it.
     fn cell(&self) -> u32 {
         let mut found = None;
         wait_until("a cell is at an endless loop", || {
@@ -340,8 +340,8 @@ impl Looping {
         kill_process(Pid::from_child(&self.0), signal).unwrap();
     }
 
-    /// Waits until it has ended, and returns its exit status and what it has printed and complained
-    /// of.
+    /// Waits for the end of the run, and returns its exit status, standard output and standard
+    /// error.
     fn end(mut self) -> (Option<i32>, String, String) {
         let (mut printed, mut complaints) = (String::new(), String::new());
         let stdout = self.0.stdout.as_mut().unwrap();
@@ -357,18 +357,18 @@ impl Looping {
     }
 }
 
-/// Whether a process exists and is not only waiting to be buried.
+/// Whether a process exists and is not a zombie.
 fn lives(process: u32) -> bool {
     std::fs::read_to_string(format!("/proc/{process}/stat"))
         .is_ok_and(|stat| !stat.rsplit_once(") ").unwrap().1.starts_with('Z'))
 }
 
-/// Whether a process is at its endless loop.
+/// Whether a process has reached its endless loop.
 fn loops(process: u32) -> bool {
     std::fs::read_to_string(format!("/proc/{process}/comm")).is_ok_and(|name| name == "test-loop\n")
 }
 
-/// Waits, half a minute at most.
+/// Waits for a condition for at most half a minute.
 fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
     for _ in 0..3000 {
         if condition() {
@@ -460,7 +460,7 @@ fn who_interrupts_a_run_at_its_first_cell_gets_empty_files() {
 #[test]
 fn a_second_interrupt_ends_the_run_at_once() {
     let sandbox = Sandbox::with_square();
-    // In this very process nothing can stop the loop, so that the first has no effect.
+    // Without isolation, nothing can stop the loop, so the first interrupt has no effect.
     let looping = Looping::start(
         &sandbox,
         "run square.off --algo mmp,test-loop --isolate none --no-progress",

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::support::Sandbox;
 
-/// A square of side 4 of which the isolines around the middle are circles.
+/// A square of side 4. Isolines around its centre are circles.
 const SQUARE: &str = "OFF\n5 4 0\n0 0 0\n4 0 0\n4 4 0\n0 4 0\n1 2 0\n\
     3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n";
 

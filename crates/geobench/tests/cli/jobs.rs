@@ -9,7 +9,7 @@ use crate::support::Sandbox;
 const RUN: &str = "run square.off gen:cube,n=3 gen:sphere,subdiv=2 --source 0,1 \
      --algo mmp,vtp,ich --repeat 2 --warmup 1";
 
-/// All of the cells that does not depend on the machine.
+/// The fields of all cells that do not depend on the machine.
 fn essence(result: &Value) -> Vec<Value> {
     let cells = result["cells"].as_array().unwrap();
     cells
@@ -38,7 +38,7 @@ fn all_but_the_times_is_as_with_one_job_and_the_times_are_marked() {
     let mark = "4 cells ran at the same time";
     let warnings = four["conditions"]["warnings"].as_array().unwrap();
     assert!(warnings.contains(&mark.into()), "{warnings:?}");
-    // Of all cells of a model a table has one row each, so the mark comes once a model.
+    // A table has one part for each model, so the note appears once for each model.
     let table = sandbox.read("four.md");
     let marks = format!("the times are disturbed: {mark}");
     assert_eq!(table.matches(&marks).count(), 3, "{table}");

@@ -1,4 +1,4 @@
-//! The program as its users meet it.
+//! Tests of the command line program.
 
 mod algos;
 mod certify;

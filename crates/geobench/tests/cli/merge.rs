@@ -4,7 +4,8 @@ use serde_json::Value;
 
 use crate::support::{NON_MANIFOLD, Sandbox};
 
-/// Two groups; a model that cannot be used; sources of which not all parts have some.
+/// A suite with two groups, an unusable model, and fewer sources than shards in places, so that
+/// some shards lack a group or model.
 const SUITE: &str = r#"
 algorithms = ["mmp", "vtp"]
 repeat = 1
@@ -30,7 +31,7 @@ fn sandbox() -> Sandbox {
     sandbox
 }
 
-/// Runs all `count` parts; their files are called 1.json and so on.
+/// Runs all `count` shards. Their files are `1.json`, `2.json` and so on.
 fn run_parts(sandbox: &Sandbox, count: u32) -> String {
     let mut names = Vec::new();
     for index in 1..=count {
@@ -38,11 +39,11 @@ fn run_parts(sandbox: &Sandbox, count: u32) -> String {
         assert!([0, 2].contains(&part.code), "{}", part.stderr);
         names.push(format!("{index}.json"));
     }
-    names.reverse(); // The order in which they are given is of no account.
+    names.reverse(); // The order of the files must not matter.
     names.join(" ")
 }
 
-/// What says which cell it is, and what does not depend on the clock.
+/// The identity of a cell, and its fields that do not depend on time.
 fn keys(result: &Value) -> Vec<String> {
     let cells = result["cells"].as_array().unwrap();
     let key = |c: &Value| {
@@ -162,7 +163,7 @@ fn a_file_grows_by_algorithms_models_and_runs() {
     assert_eq!(samples(&longer).len(), 3);
     assert_eq!(samples(&longer)[..2], samples(&before));
     assert_eq!(longer["cells"][0], before["cells"][0]);
-    // Nothing is left to do.
+    // All cells are already in the file.
     sandbox.succeed(&format!("{run} 3 --algo vtp --add-to r.json"));
     assert_eq!(sandbox.json("r.json")["cells"], longer["cells"]);
 
@@ -174,7 +175,8 @@ fn a_file_grows_by_algorithms_models_and_runs() {
         refusal.starts_with("other.json: from another machine"),
         "{refusal}"
     );
-    // What times nothing may run anywhere, such as counting instructions.
+    // A run that takes no new times, for example one that only counts instructions, is accepted
+    // from another machine.
     sandbox.succeed(&format!("{run} 3 --algo vtp --add-to other.json"));
     let kept = sandbox.json("other.json");
     assert_eq!(kept["cells"], longer["cells"]);
@@ -268,7 +270,7 @@ fn what_does_not_belong_together_is_not_joined() {
         refused("\"schema\": \"geobench/1\"", "\"schema\": \"geobench/0\"").contains("`schema`")
     );
 
-    // Interrupted after its first cells.
+    // The shard was interrupted after its first cells.
     let mut part = sandbox.json("2.json");
     part["cells"].as_array_mut().unwrap().truncate(2);
     sandbox.write("other.json", &part.to_string());

@@ -1,11 +1,12 @@
-//! Outside programs, `ext:NAME`, played by shell scripts: how they are asked, checked and told
-//! apart from those that lie, crash or talk.
+//! External programs (`ext:NAME`), simulated by shell scripts: requests, checks of answers, and the
+//! handling of programs that report false times, crash or print other output.
 
 use serde_json::{Value, json};
 
 use crate::support::Sandbox;
 
-/// Loads, and answers each request with the right distances of the square from vertex 0.
+/// A script that loads the model and answers each request with the correct distances of the square
+/// from vertex 0.
 const HONEST: &str = r#"
 echo "$0 loads $1" >> log
 grep -c '^v ' "$1" >> log
@@ -17,7 +18,7 @@ while read -r request; do
 done
 "#;
 
-/// A script for each misbehaviour: what it does once it is asked.
+/// Scripts that misbehave, with what they do on a request.
 const SCRIPTS: [(&str, &str); 7] = [
     (
         "lies",
@@ -68,7 +69,7 @@ fn sandbox() -> Sandbox {
     sandbox
 }
 
-/// Runs `algorithms` on the square, which ends with `code`, and returns the cells.
+/// Runs `algorithms` on the square, checks the exit status `code`, and returns the cells.
 fn run(sandbox: &Sandbox, algorithms: &str, code: i32) -> Vec<Value> {
     let call = sandbox.call(&format!(
         "run square.off --ext peers.toml --algo {algorithms} --repeat 3 --warmup 1 --timeout 2s -o r.json"
@@ -84,7 +85,7 @@ fn an_outside_program_is_one_process_that_is_asked_and_checked_like_any_algorith
     let cell = &cells[1];
     assert_eq!(cell["algorithm"], "ext:honest");
     assert_eq!(cell["status"], "ok");
-    // It claims more than it took, so that its time is that from outside.
+    // It claims more time than it took, so the time measured from outside is used.
     let time = &cell["time"];
     assert_eq!(time["claimed"], json!([0.25, 0.25, 0.25]));
     assert_eq!(time["doubted"], true);
@@ -92,13 +93,13 @@ fn an_outside_program_is_one_process_that_is_asked_and_checked_like_any_algorith
     assert_eq!(time["samples"].as_array().unwrap().len(), 3);
     assert_eq!(cell["counters"]["propagated"], 7);
     assert_eq!(cell["counters"]["kept"], Value::Null);
-    // Measured, whatever it claims: a shell occupies more than a page.
+    // The memory is measured, not claimed: a shell uses more than a page.
     assert!(cell["memory"]["rss_peak_bytes"].as_u64().unwrap() > 100_000);
     assert_eq!(cell["memory"]["heap_peak_bytes"], Value::Null);
     assert_eq!(cell["phases"]["propagation"], Value::Null);
     assert_eq!(cell["check"]["reference"], "vtp");
     assert!(cell["check"]["max_rel"].as_f64().unwrap() < 1e-12);
-    // One process, which read the four vertices of an OBJ file and was asked four times.
+    // One process read the four vertices of an OBJ file and received four requests.
     let log = sandbox.read("log");
     let lines: Vec<&str> = log.lines().collect();
     assert!(
@@ -149,7 +150,7 @@ fn whatever_an_outside_program_does_costs_its_own_row() {
             )
         })
         .collect();
-    // The folder of the files that go to and fro has another name each time.
+    // The directory of the exchanged files has a different name each time.
     let rows = rows.join("\n");
     let rows: Vec<&str> = rows
         .split(' ')
@@ -161,7 +162,7 @@ fn whatever_an_outside_program_does_costs_its_own_row() {
     insta::assert_snapshot!(rows.join(" "));
 }
 
-/// A copy of our answer that claims no time had been listed as the best.
+/// A program that copies our answer and claims a time of 0 was once listed as the best.
 #[test]
 fn a_claim_that_cannot_be_is_shown_beside_the_time_from_outside() {
     let sandbox = sandbox();
@@ -195,7 +196,7 @@ fn a_claim_that_cannot_be_is_shown_beside_the_time_from_outside() {
         ),
         "{shown}"
     );
-    // Whether a shell starts in a fraction of 0.2 s is up to the machine.
+    // On a slow machine, a shell may not start within a fraction of 0.2 s.
     let modest = &file["cells"][2]["time"];
     let outside = modest["outside"][0].as_f64().unwrap();
     assert!(outside >= 0.02, "{modest}");
@@ -244,7 +245,7 @@ fn a_command_is_timed_from_start_to_end_with_its_parameters() {
             (&json!([]), &json!(false))
         );
     }
-    // A warm-up and two runs each, every one between its preparation and its clean-up.
+    // A warm-up and two runs for each combination, every one between `prepare` and `cleanup`.
     let log = sandbox.read("log");
     let lines: Vec<&str> = log.lines().collect();
     assert_eq!(lines.len(), 2 * 3 * 2);
@@ -254,7 +255,7 @@ fn a_command_is_timed_from_start_to_end_with_its_parameters() {
             "{log}"
         );
     }
-    // One combination alone.
+    // A single combination.
     sandbox.succeed(&format!("{run} ext:plain{{time=0.01}} --check none"));
     assert_eq!(sandbox.json("r.json")["cells"].as_array().unwrap().len(), 1);
 
@@ -293,14 +294,14 @@ fn a_remark_on_a_cell_that_went_well_is_a_warning_and_no_error() {
         let call = sandbox.call(&format!("{run} {more}"));
         assert_eq!(call.code, 0, "{}", call.stderr);
         let lines = call.stderr.lines().map(str::to_owned);
-        // Whether the times are worth anything is another matter.
+        // Remarks on the quality of the times depend on the machine.
         let others = |line: &String| !line.contains("release build") && !line.contains("times may");
         lines.filter(others).collect::<Vec<_>>()
     };
     let remark = "geobench: warning: square: ext:roughly, source 0: approximate: compared, but not held to the tolerance";
     assert_eq!(remarks("--format csv"), [remark]);
     assert_eq!(remarks("--format csv --quiet"), [""; 0]);
-    // A table says so itself.
+    // The table has its own note, so there is no remark.
     assert_eq!(remarks("--format table"), [""; 0]);
 }
 
@@ -316,7 +317,7 @@ fn a_suite_describes_its_own_programs() {
     assert_eq!(call.code, 0, "{}", call.stderr);
     let cell = &sandbox.json("r.json")["cells"][1];
     assert_eq!(cell["time"]["claimed"], json!([0.25]));
-    // And stands for a file of programs.
+    // A suite is also accepted as a file of programs.
     let call = sandbox.call("verify square.off --algo ext:honest --ext suite.toml");
     assert_eq!(call.code, 0, "{}", call.stderr);
 }

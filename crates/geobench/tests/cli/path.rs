@@ -32,7 +32,7 @@ fn json_has_points_edges_and_lengths() {
     assert_eq!(points.len(), edges.len() + 2);
     assert_eq!(points[0]["position"], json!([0.0, 1.0, 0.0]));
     assert_eq!(points[0]["vertex"], 5);
-    // All on the straight line from (0, 1) to (4, 0).
+    // All points lie on the straight line from (0, 1) to (4, 0).
     for point in points {
         let [x, y] = [0, 1].map(|k| point["position"][k].as_f64().unwrap());
         assert!((x + 4.0 * y - 4.0).abs() < 1e-12, "{point}");

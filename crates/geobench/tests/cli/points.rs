@@ -302,7 +302,7 @@ fn sources_together_are_one_run() {
         ]
     );
     assert_eq!(result["plan"]["groups"][0]["sources_together"], true);
-    // A suite says it too.
+    // A suite can also set it.
     sandbox.write(
         "suite.toml",
         "[[group]]\nname = \"g\"\nmodels = [\"square.off\"]\nalgorithms = [\"vtp\"]\n\
@@ -321,13 +321,13 @@ fn a_journal_and_shards_know_points() {
     sandbox.succeed(&format!("{command} --resume j -o a.json"));
     let lines = sandbox.read("j").lines().count();
     sandbox.succeed(&format!("{command} --resume j -o b.json"));
-    // Only a session was added.
+    // Only the line of a session was added.
     assert_eq!(sandbox.read("j").lines().count(), lines + 1);
     assert_eq!(
         sandbox.json("a.json")["cells"],
         sandbox.json("b.json")["cells"]
     );
-    // A point nearby is another source, whose runs are made.
+    // A nearby point is a different source, so its runs are not resumed.
     let other = "run square.off --source 3,edge:0-2,0.4 --algo mmp,vtp --repeat 2 --quiet";
     sandbox.succeed(&format!("{other} --resume j -o c.json"));
     assert!(sandbox.read("j").lines().count() > lines + 2);

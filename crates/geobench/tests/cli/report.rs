@@ -1,6 +1,6 @@
 use crate::support::{NON_MANIFOLD, Sandbox};
 
-/// With a small result, `r.json`.
+/// A sandbox with a small result, `r.json`.
 fn with_result() -> Sandbox {
     let sandbox = Sandbox::with_square();
     sandbox.succeed(
@@ -59,7 +59,8 @@ fn the_picture_is_chosen() {
         error,
         "--picture cube: the result has no such model; it has square, sphere,subdiv=1"
     );
-    // What was measured is gone: no picture of it, and no failure unless it was asked for.
+    // The model does not exist any more. There is no picture, which is an error only if one was
+    // requested.
     sandbox.write("square.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     let error = sandbox.refuse("report r.json -o r.html --picture square");
     assert_eq!(

@@ -1,4 +1,4 @@
-//! `scripts/reproduce`, on models that take no time.
+//! `scripts/reproduce`, on small models.
 
 use std::path::Path;
 use std::process::Command;
@@ -42,7 +42,7 @@ fn each_suite_leaves_its_result_its_tables_and_its_plots() {
         let plots = paths.filter(|path| path.extension().is_some_and(|form| form == "svg"));
         assert!(plots.count() > 2);
     }
-    // Its last page: what can be told from two suites of one run each.
+    // The last page has the verdicts that two suites of one run each allow.
     let claims = sandbox.read("kept/claims.md");
     assert!(claims.contains("there is no result of the suite 002-table-1"));
     assert!(claims.contains("| Rule 1 saves propagations: "));
@@ -79,7 +79,7 @@ fn what_there_is_not_is_named_before_anything_runs() {
     assert_eq!(reproduce(&sandbox, "--full").code, 3);
 }
 
-/// A suite of which something fails leaves what it has, and the exit status says so.
+/// A suite with a failure keeps its results. The exit status reports the failure.
 #[test]
 fn a_failed_cell_is_kept_and_told() {
     let sandbox = Sandbox::new();

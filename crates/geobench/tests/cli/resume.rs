@@ -1,4 +1,4 @@
-//! `geobench run --resume`: killed at any moment, a run loses nothing.
+//! `geobench run --resume`: a run that is killed at any moment loses no finished work.
 
 use std::collections::{HashMap, HashSet};
 use std::fs::{self, File};
@@ -11,7 +11,8 @@ use serde_json::{Value, json};
 
 use crate::support::Sandbox;
 
-/// Two groups that share a model, several sources, a reference that is not measured.
+/// A suite with two groups that share a model, several sources, and a reference that is not
+/// measured.
 const SUITE: &str = r#"
 algorithms = ["mmp", "vtp", "ich"]
 repeat = 4
@@ -30,8 +31,8 @@ check = "mmp"
 source = [4, 7]
 "#;
 
-/// Of every run in the suite: 9 sources with 3 algorithms, 4 with 2, a warm-up, 4 timed runs and 2
-/// others each; and the reference of the second group.
+/// The number of runs in the suite. There are 9 sources with 3 algorithms and 4 sources with 2,
+/// each with a warm-up, 4 timed runs and 2 other runs. The reference of the second group adds 4.
 const RUNS: usize = (9 * 3 + 4 * 2) * 7 + 4;
 
 fn start(sandbox: &Sandbox, arguments: &str) -> Child {
@@ -44,7 +45,7 @@ fn start(sandbox: &Sandbox, arguments: &str) -> Child {
         .unwrap()
 }
 
-/// All of a result that does not depend on the clock.
+/// The parts of a result that do not depend on time.
 fn essence(result: &Value) -> Vec<Value> {
     let cells = result["cells"].as_array().unwrap();
     cells
@@ -63,7 +64,7 @@ fn essence(result: &Value) -> Vec<Value> {
         .collect()
 }
 
-/// The whole lines of a journal.
+/// The complete lines of a journal.
 fn whole_lines(sandbox: &Sandbox, name: &str) -> String {
     let text = fs::read(sandbox.path(name)).unwrap_or_default();
     let end = text.iter().rposition(|&byte| byte == b'\n');
@@ -88,8 +89,8 @@ fn killed_with_several_cells_at_the_same_time_a_run_loses_and_repeats_nothing() 
     kill_again_and_again(arguments, 6 * 7 + 6 * 7, 5);
 }
 
-/// Runs the suite with these arguments, kills it at least so many times on the way, and compares
-/// with a run that is left alone. There are `runs` different runs in it.
+/// Runs the suite with these arguments, kills it at least this many times, and compares the result
+/// with that of an uninterrupted run. The suite has `runs` distinct runs.
 fn kill_again_and_again(arguments: &str, runs: usize, least: usize) {
     let sandbox = Sandbox::new();
     sandbox.write("suite.toml", SUITE);
@@ -102,8 +103,8 @@ fn kill_again_and_again(arguments: &str, runs: usize, least: usize) {
     let mut known = String::new();
     loop {
         let mut child = start(&sandbox, run);
-        // Either at any time from the start on, or after so many bytes of the journal: whatever the
-        // speed of the machine, some are killed early and some make progress.
+        // Kills happen after a random time or after a number of bytes in the journal. So some runs
+        // are killed early and some make progress, independent of the speed of the machine.
         let wanted = known.len() as u64 + random.below(4000) as u64;
         let delay = Duration::from_micros(random.below(40_000) as u64);
         let early = random.below(3) == 0;
@@ -139,7 +140,7 @@ fn kill_again_and_again(arguments: &str, runs: usize, least: usize) {
     assert!(killed["sessions"].as_array().unwrap().len() > 1);
     assert_eq!(killed["plan"], whole["plan"]);
 
-    // No finished run was made again, apart from warm-ups before runs that were still to be timed.
+    // No finished run was repeated, except warm-ups before runs that were still to be timed.
     let mut seen = HashSet::new();
     let mut timed = HashMap::<String, usize>::new();
     for line in known.lines() {
@@ -162,7 +163,7 @@ fn kill_again_and_again(arguments: &str, runs: usize, least: usize) {
     }
     assert_eq!(seen.len(), runs);
 
-    // Once more, with nothing left to do.
+    // Resumed again, with nothing left to do.
     sandbox.succeed(run);
     let again = sandbox.json("killed.json");
     assert_eq!(again["cells"], killed["cells"], "times included");
@@ -242,7 +243,7 @@ fn in_a_directory_that_is_read_only_nothing_is_begun() {
     let sandbox = Sandbox::with_square();
     fs::create_dir(sandbox.path("ro")).unwrap();
     fs::set_permissions(sandbox.path("ro"), fs::Permissions::from_mode(0o555)).unwrap();
-    // Nothing is forbidden to root, but even root cannot create files in /proc.
+    // File permissions do not restrict root, but even root cannot create files in /proc.
     let directory = match File::create(sandbox.path("ro/probe")) {
         Ok(_) => "/proc/self".to_owned(),
         Err(_) => "ro".to_owned(),
@@ -255,7 +256,7 @@ fn in_a_directory_that_is_read_only_nothing_is_begun() {
     }
 }
 
-/// The limit on the size of files stands for a disk that is full after so many blocks of 512 bytes.
+/// Simulates a full disk by a limit on the size of files, in blocks of 512 bytes.
 #[cfg(unix)]
 #[test]
 fn when_the_disk_is_full_nothing_that_was_done_is_lost() {
@@ -274,7 +275,7 @@ fn when_the_disk_is_full_nothing_that_was_done_is_lost() {
             String::from_utf8(output.stderr).unwrap(),
         )
     };
-    // Too little for the first line.
+    // The limit is too small for the first line.
     let (code, error) = limited(0);
     assert_eq!(code, Some(2), "{error}");
     assert!(
@@ -283,7 +284,7 @@ fn when_the_disk_is_full_nothing_that_was_done_is_lost() {
     );
     assert!(!sandbox.path("j.jsonl").exists());
 
-    // Enough for some runs, but not for all.
+    // The limit allows some runs, but not all.
     let (code, error) = limited(10);
     assert_eq!(code, Some(2), "{error}");
     assert!(error.contains("it holds all runs up to here"), "{error}");

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::support::{NON_MANIFOLD, SQUARE, Sandbox};
 
-/// Every field of the contract, as paths into a result file.
+/// Every documented field of a result file, as a dotted path.
 const FIELDS: &str = "
     schema tool.version tool.commit tool.rustc tool.profile tool.features
     host.cpu host.cores host.memory_bytes host.os host.kernel host.load_start host.simd
@@ -26,7 +26,7 @@ const FIELDS: &str = "
     cells.0.phases.samples
     cells.0.check.reference cells.0.check.max_abs cells.0.check.max_rel cells.0.check.unreachable";
 
-/// The value at a dotted path; `None` if there is no such field, which is not the same as null.
+/// The value at a dotted path; `None` if there is no such field. A field can also be null.
 fn at<'v>(value: &'v Value, path: &str) -> Option<&'v Value> {
     value.pointer(&format!("/{}", path.replace('.', "/")))
 }

@@ -26,7 +26,7 @@ fn the_instructions_of_a_run_are_recorded() {
             assert_eq!(cell["simd"], wanted.to_string(), "{cell}");
         }
     }
-    // A parameter can ask for narrower ones, but not for wider ones.
+    // A parameter can select narrower instructions, but not wider ones.
     let cells = cells("vtp-fast{simd=avx512}", "scalar", "");
     assert_eq!(cells[0]["simd"], "scalar");
     assert_eq!(cells[0]["algorithm"], "vtp-fast{simd=avx512}");
@@ -92,7 +92,7 @@ fn every_command_that_solves_takes_instructions() {
     );
 }
 
-/// With other instructions a solve takes another number of them. Needs Valgrind.
+/// The number of instructions of a solve depends on the SIMD level. Needs Valgrind.
 #[test]
 fn instructions_reach_the_kernels() {
     if Instructions::Avx2.or_narrower() != Instructions::Avx2 {

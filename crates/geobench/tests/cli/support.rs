@@ -1,4 +1,4 @@
-//! Calling the program in a directory of its own.
+//! Calls the program in a temporary directory.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ pub(crate) const NON_MANIFOLD: &str =
 /// An empty directory in which the program is called.
 pub(crate) struct Sandbox(TempDir);
 
-/// What a call did.
+/// The outcome of a call.
 pub(crate) struct Outcome {
     pub(crate) code: i32,
     pub(crate) stdout: String,
@@ -28,7 +28,7 @@ impl Sandbox {
         Self(tempfile::tempdir().unwrap())
     }
 
-    /// With the [`SQUARE`] as `square.off`.
+    /// A sandbox with the [`SQUARE`] as `square.off`.
     pub(crate) fn with_square() -> Self {
         let sandbox = Self::new();
         sandbox.write("square.off", SQUARE);
@@ -77,7 +77,7 @@ impl Sandbox {
         }
     }
 
-    /// Calls the program, which is to do all it is asked for, and returns its standard output.
+    /// Calls the program, which must succeed, and returns its standard output.
     pub(crate) fn succeed(&self, arguments: &str) -> String {
         let outcome = self.call(arguments);
         assert_eq!(
@@ -88,8 +88,8 @@ impl Sandbox {
         outcome.stdout
     }
 
-    /// Calls the program, which is to refuse with status 2 and a single line, and returns that
-    /// without what all errors start with.
+    /// Calls the program, which must fail with status 2 and one line on standard error. Returns
+    /// that line without the common prefix of all errors.
     pub(crate) fn refuse(&self, arguments: &str) -> String {
         let outcome = self.call(arguments);
         assert_eq!(

@@ -150,7 +150,7 @@ fn verify_checks_the_parallel_algorithms_on_threads() {
     assert!(said.ends_with("2 of 2 answers agree\n"), "{said}");
 }
 
-/// Several threads find the same paths in another order, whose lengths are rounded differently.
+/// Several threads find the same paths in a different order, so lengths are rounded differently.
 #[test]
 fn distances_on_threads_are_the_same_but_for_rounding() {
     let sandbox = Sandbox::new();

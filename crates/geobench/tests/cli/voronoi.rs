@@ -55,17 +55,17 @@ fn every_form_is_written() {
     sandbox.succeed(&format!("{common} -o v.svg"));
     let picture = sandbox.read("v.svg");
     assert!(picture.starts_with("<svg"));
-    // Borders are drawn whole, not arc by arc.
+    // Borders are drawn as long lines, not arc by arc.
     assert!((4..60).contains(&picture.matches("<polyline").count()));
     sandbox.succeed(&format!("{common} -o v.png"));
     let picture = std::fs::read(sandbox.path("v.png")).unwrap();
     assert!(picture.starts_with(b"\x89PNG"));
-    // The coloured model is a model, of the same area.
+    // The coloured model can be loaded as a model and has the same area.
     sandbox.succeed(&format!("{common} -o v.ply"));
     sandbox.succeed("info v.ply");
 }
 
-/// The coloured model and the borders had the same ending, so that one could not have both.
+/// The coloured model and the borders once had the same extension, so only one could be written.
 #[test]
 fn borders_are_written_beside_the_model_as_polylines() {
     let sandbox = Sandbox::new();
@@ -86,7 +86,7 @@ fn borders_are_written_beside_the_model_as_polylines() {
             .map(|n| n.parse::<usize>().unwrap())
             .all(|n| n < vertices)
     );
-    // The other forms hold the same points, and the same as the main file.
+    // The other formats hold the same points as the main file.
     sandbox.succeed(&format!("{common} -o v.obj --borders b.obj"));
     assert_eq!(sandbox.read("v.obj"), sandbox.read("b.obj"));
     let points = sandbox.read("b.obj");

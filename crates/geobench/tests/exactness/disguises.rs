@@ -1,4 +1,4 @@
-//! The same surface described otherwise has the same distances.
+//! Invariance: different meshes of the same surface have the same distances.
 
 use geobench::registry::Algorithm;
 use geobench_oracle::{Geometry, Model, Random, distances, rounded};
@@ -8,8 +8,8 @@ use proptest::prelude::*;
 use crate::support::{Failures, ROUNDING, Run, exact_runs, mesh_of};
 use crate::surfaces::{config, solid_surface_and_vertices, surface_and_vertices};
 
-/// Every algorithm must find on `disguised`, from `new_source`, the distances that it finds on
-/// `model` from `source`; `number[v]` is what vertex v is called there.
+/// Checks that every algorithm finds the same distances on `model` from `source` and on `disguised`
+/// from `new_source`. Vertex v of `model` is vertex `number[v]` of `disguised`.
 fn check(
     model: &Model,
     source: u32,
@@ -52,7 +52,7 @@ fn same_numbers(model: &Model) -> Vec<u32> {
     (0..model.vertex_count as u32).collect()
 }
 
-/// A random order of the numbers below `count`.
+/// A random permutation of the numbers below `count`.
 fn shuffled(count: usize, random: &mut Random) -> Vec<u32> {
     let mut order: Vec<u32> = (0..count as u32).collect();
     for i in (1..count).rev() {
@@ -135,7 +135,7 @@ proptest! {
         let (sin, cos) = random.between(0.0, std::f64::consts::TAU).sin_cos();
         let shift = random.in_ball();
         let moved = model.clone().moved("turned", |p| {
-            // The formula of Rodrigues.
+            // Rodrigues' rotation formula.
             let along = (x * p[0] + y * p[1] + z * p[2]) * (1.0 - cos);
             let cross = [y * p[2] - z * p[1], z * p[0] - x * p[2], x * p[1] - y * p[0]];
             let turned = |i: usize| p[i] * cos + cross[i] * sin + [x, y, z][i] * along;
@@ -184,8 +184,8 @@ proptest! {
         check(&model, sources[0], &finer, &same_numbers(&model), ROUNDING, |_| true)?;
     }
 
-    // Cut up, faces of no area put several vertices in one place, at a distance of 0. Trimming
-    // cannot always tell the windows of such vertices apart: the crate geobench-mmp says why.
+    // Subdivided faces of area 0 put several vertices in one place, at distance 0 from each other.
+    // Trimming cannot always distinguish the windows of such vertices; see the crate geobench-mmp.
     #[test]
     fn vertices_in_one_place_change_nothing(
         (model, sources) in surface_and_vertices(1),

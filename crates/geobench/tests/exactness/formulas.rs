@@ -1,7 +1,7 @@
 //! Surfaces whose distances are known by formulas: plates, boxes, tetrahedra, tori, cones.
 //!
-//! Symmetric and whole-numbered ones above all: they are full of ties, of flat vertices and of
-//! vertices behind one another.
+//! Most are symmetric and have integer coordinates. Such surfaces have many ties, flat vertices and
+//! vertices in line with each other.
 
 use geobench_oracle::closed_forms::{self, ClosedForm};
 

@@ -1,4 +1,4 @@
-//! Runs that end once all that is wanted is final.
+//! Runs with goals, which end as soon as the requested distances are final.
 
 use geobench::registry::select;
 use geobench_mesh::{Mesh, SplitMix64, VertexId};
@@ -7,7 +7,7 @@ use geobench_window::{Counter, Counters, Goal, PhaseSampler};
 
 use crate::support::{EXACT, Failures, Run, can_finish, exact_runs, mesh_of};
 
-/// Has `run` end early at some targets and radii, and compares with its own full runs.
+/// Runs `run` with several targets and radii, and compares with its full runs.
 fn check(run: &mut Run<'_>, sources: &[u32], seed: u64, failures: &mut Failures) {
     let full = run.distances(sources);
     let (at, threads) = (run.at(sources), run.selection.threads());
@@ -20,7 +20,7 @@ fn check(run: &mut Run<'_>, sources: &[u32], seed: u64, failures: &mut Failures)
             Err(refused) => return failures.unless(false, || format!("{at}: {refused}")),
         };
         let profiled = run.solver().profile_until(&ids, goal, &mut sampler);
-        // Several threads may know more or less when they end.
+        // With several threads, the state at the end of a run varies.
         let same = profiled.is_ok_and(|again| again.distances == found || threads > 1);
         failures.unless(same, || format!("{at}, {goal:?}: other bits when observed"));
         for v in 0..full.len() {

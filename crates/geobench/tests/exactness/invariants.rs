@@ -1,4 +1,4 @@
-//! What holds on every mesh, whatever its distances are.
+//! Invariants that hold on every mesh.
 
 use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, VertexId};
@@ -7,7 +7,7 @@ use geobench_window::{Counter, PhaseSampler};
 
 use crate::support::{Failures, ROUNDING, caught, exact_runs, mesh_of};
 
-/// Runs `check` on every small model of the zoo and gathers what fails.
+/// Runs `check` on every small model of the zoo, and collects failures.
 fn on_the_zoo(check: impl Fn(&Model, &mut Failures)) {
     let mut failures = Failures::default();
     for model in zoo::small() {
@@ -105,7 +105,7 @@ fn observation_changes_no_answer_and_counts_add_up() {
             // What would be stored has been at one time only if nothing was given up.
             let keeps_all = run.selection.label().contains("lists=keep");
             let all_kept = keeps_all.then_some((Counter::StoredWindows, Counter::PeakWindows));
-            // Each counter is at most the next one, where an algorithm has both.
+            // If an algorithm has both, each counter is at most the next one.
             for (small, large) in [
                 (Counter::Kept, Counter::Children),
                 (Counter::Children, Counter::Propagated),

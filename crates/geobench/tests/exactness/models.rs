@@ -1,8 +1,8 @@
-//! Real models: every algorithm against the others and against independent programs.
+//! Real models: compares every algorithm with the others and with independent programs.
 //!
-//! The models and the distances lie beside the project, in `shared/models` and `shared/expected`,
-//! or where the environment variable `GEOBENCH_SHARED` says; what is not there is skipped with a
-//! word on standard error.
+//! The models and the distances are beside the project, in `shared/models` and `shared/expected`.
+//! The environment variable `GEOBENCH_SHARED` names another directory. Missing files are skipped
+//! with a message on standard error.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use crate::support::{AGREEMENT, Failures, Run, can_finish, caught, exact_algorithms};
 
-/// Random sources of each model, beside those with expected distances.
+/// The number of random sources of each model, in addition to those with expected distances.
 const RANDOM_SOURCES: usize = 10;
 
 /// The models that the distances in `shared/expected` belong to.
@@ -38,8 +38,8 @@ fn shared() -> PathBuf {
     )
 }
 
-/// Says on standard error what is not tested. Written past the capture of test output, which
-/// would hide it.
+/// Reports on standard error what is not tested. Bypasses the capture of test output, which would
+/// hide it.
 fn skip(what: &Path) {
     let _ = writeln!(
         io::stderr(),
@@ -48,7 +48,7 @@ fn skip(what: &Path) {
     );
 }
 
-/// Distances of one model and source from independent programs, for every vertex or some.
+/// Distances of one model and source from independent programs, for all or some vertices.
 struct Expected {
     source: u32,
     distances: Vec<(usize, f64)>,
@@ -89,19 +89,19 @@ fn load(path: &Path) -> Mesh {
     mesh
 }
 
-/// Above this many faces the short test takes only [`CORE`] from every source.
+/// On models with more faces, the short test runs only [`CORE`] from every source.
 const LARGE: usize = 50_000;
 
-/// The algorithms whose parts all others are made of.
+/// The algorithms whose components make up all others.
 const CORE: [&str; 5] = ["mmp", "ich", "vtp", "vtp-fast", "pvtp"];
 
 /// Which algorithms run from which sources.
 #[derive(Clone, Copy, PartialEq)]
 enum Extent {
-    /// All from all, but on large models those outside [`CORE`] only where other programs'
-    /// distances are known.
+    /// All algorithms from all sources. On large models, algorithms outside [`CORE`] run only from
+    /// sources with distances of other programs.
     Short,
-    /// All from all, which takes most of an hour on two cores.
+    /// All algorithms from all sources, which takes most of an hour on two cores.
     Full,
 }
 

@@ -1,4 +1,4 @@
-//! Meshes refined at points of their surface, against the oracle, with every algorithm.
+//! Meshes refined at points on their surface: compares every algorithm with the oracle.
 
 use std::io::{self, Write};
 
@@ -10,8 +10,8 @@ use crate::support::{AGREEMENT, Failures, Run, caught, exact_runs, mesh_of};
 #[path = "../../../oracle/examples/fuzz/slivers.rs"]
 mod slivers;
 
-/// A difference that rounding explains beside points that are 1e-6 of an edge from a corner: the
-/// needles there are wider than the slivers of the study and as hard on a solver.
+/// The tolerance for rounding near points that are 1e-6 of an edge away from a corner. The needles
+/// there are wider than the slivers of the study and as hard for a solver.
 const NEAR_CORNERS: f64 = 1e-11;
 
 /// A number from 0 to 1.
@@ -38,7 +38,7 @@ fn points_of(mesh: &Mesh, random: &mut SplitMix64) -> Vec<SurfacePoint> {
     points
 }
 
-/// The refined mesh as the oracle reads it: positions or lengths, and nothing else of the mesh.
+/// The refined mesh as input of the oracle: only positions or lengths.
 fn model_of(name: &str, mesh: &Mesh) -> Model {
     let faces = || mesh.faces();
     let triangles = faces()
@@ -62,7 +62,7 @@ fn refined_models_match_the_oracle() {
         let refined = mesh.with_points(&points).unwrap();
         refined.mesh.sanity_check().unwrap();
         let original = model.surface::<f64>();
-        // In f64 the oracle itself errs by 1e-11 beside points near corners.
+        // In f64, the oracle itself has errors of 1e-11 near points close to corners.
         let fine = model_of(&model.name, &refined.mesh).surface::<DoubleDouble>();
         let [first, .., last] = refined.vertices[..] else {
             panic!("there are several points");
@@ -79,7 +79,7 @@ fn refined_models_match_the_oracle() {
             .iter()
             .map(|sources| rounded(&distances(&fine, sources)))
             .collect();
-        // Positions of added vertices are rounded, those of lengths alone lose more.
+        // Positions of added vertices are rounded. Meshes of lengths only lose more accuracy.
         let tolerance = match model.geometry {
             Geometry::Positions(_) => NEAR_CORNERS,
             Geometry::Lengths(_) => AGREEMENT,
@@ -104,7 +104,7 @@ fn refined_models_match_the_oracle() {
 #[test]
 fn refined_slivers_have_the_distances_of_slivers() {
     let Ok(slivers) = slivers::read() else {
-        // Written past the capture of test output, which would hide it.
+        // Bypasses the capture of test output, which would hide it.
         let shown = slivers::path();
         let _ = writeln!(io::stderr(), "SKIPPED: {} is missing", shown.display());
         return;
@@ -114,8 +114,8 @@ fn refined_slivers_have_the_distances_of_slivers() {
         let mesh = Mesh::new(sliver.vertices, sliver.faces).unwrap();
         let points = points_of(&mesh, &mut SplitMix64::new(seed));
         let refined = mesh.with_points(&points).unwrap();
-        // No `sanity_check` here: it holds every edge to its own length, and in thin faces the
-        // rounding of coordinates, relative to the whole face, exceeds that.
+        // No `sanity_check` here: its tolerance is relative to the length of each edge. In thin
+        // faces, coordinates are rounded relative to the whole face, which exceeds that tolerance.
         let expected = sliver.distances.iter().map(|d| d.unwrap_or(f64::INFINITY));
         let expected: Vec<f64> = expected.collect();
         for selection in geobench::registry::select("vtp-fast,vtp,mmp,ich,fwp-ch").unwrap() {

@@ -9,17 +9,17 @@ use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_oracle::{Geometry, Model};
 use geobench_window::Solver;
 
-/// A difference that rounding explains; what all but the hardest comparisons are held to.
+/// The tolerance for rounding in all but the hardest comparisons.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
-/// The difference from an independent program that no answer may exceed.
+/// The tolerance for differences from independent programs.
 pub(crate) const AGREEMENT: f64 = 1e-9;
 
-/// The algorithms that claim to be exact, and other forms of those that have several.
+/// The algorithms that claim to be exact, and further variants of them.
 pub(crate) const EXACT: &str = "exact,vtp-fast{simd=avx2},vtp-fast{simd=scalar},vtp-fast{pairs=1},\
     pvtp{threads=2},pch{threads=2},mmp{turn=list},fwp-mmp{turn=list,filter=vertices,lists=forget}";
 
-/// Further forms for small meshes.
+/// Further variants, which run only on small meshes.
 const ON_SMALL: &str = "mmp{queue=fifo},mmp{lists=forget},mmp-edge{lists=forget},\
     mmp{turn=list,slack=0.1,filter=vertices},mmp{turn=list,lists=forget},\
     fwp-mmp{lists=forget},fwp-mmp{turn=list},lc-mmp{turn=list},\
@@ -31,8 +31,8 @@ pub(crate) fn exact_algorithms() -> Vec<Selection> {
     select(EXACT).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Whether `algorithm` can finish a mesh with this many faces within `budget` windows. CH takes
-/// some 3n² of them.
+/// Whether `algorithm` can finish a mesh with this many faces within `budget` windows. CH
+/// propagates about 3n² windows.
 pub(crate) fn can_finish(algorithm: &Algorithm, faces: usize, budget: f64) -> bool {
     let n = faces as f64;
     match algorithm.name {
@@ -41,15 +41,15 @@ pub(crate) fn can_finish(algorithm: &Algorithm, faces: usize, budget: f64) -> bo
     }
 }
 
-/// An algorithm at work on a mesh that has a name.
+/// A solver on a named mesh.
 pub(crate) struct Run<'m> {
-    /// What runs.
+    /// The algorithm.
     pub(crate) selection: Selection,
     model: &'m str,
     solver: Box<dyn Solver>,
 }
 
-/// Every exact algorithm that can finish on `mesh`, a small one, set up for it.
+/// Every exact algorithm that can finish on the small mesh `mesh`, set up for it.
 pub(crate) fn exact_runs<'m>(model: &'m str, mesh: &Mesh) -> Vec<Run<'m>> {
     let faces = mesh.face_count();
     let others = select(ON_SMALL).unwrap_or_else(|error| panic!("{error}"));
@@ -77,7 +77,7 @@ impl<'m> Run<'m> {
     ///
     /// # Panics
     ///
-    /// When the solver refuses or panics, saying where.
+    /// When the solver fails or panics. The message names the place.
     pub(crate) fn distances(&mut self, sources: &[u32]) -> Vec<f64> {
         let ids: Vec<_> = sources.iter().copied().map(VertexId::new).collect();
         let answer = catch_unwind(AssertUnwindSafe(|| self.solver.solve(&ids)));
@@ -89,8 +89,8 @@ impl<'m> Run<'m> {
         panic!("{}: {complaint}", self.at(sources));
     }
 
-    /// Whether these answers are what one and the same run may give: the same bits. Several threads
-    /// find the same paths in an order of chance, and so with other rounding.
+    /// Whether two runs may differ like this. Serial algorithms must give the same bits. Several
+    /// threads find the same paths in a random order, so rounding may differ.
     pub(crate) fn may_give(&self, a: &[f64], b: &[f64]) -> bool {
         if self.selection.threads() == 1 {
             return a == b;
@@ -99,7 +99,7 @@ impl<'m> Run<'m> {
         a.len() == b.len() && pairs.all(|(a, b)| a == b || (a - b).abs() <= ROUNDING * b)
     }
 
-    /// Where a failure happened.
+    /// The place of a failure, for messages.
     pub(crate) fn at(&self, sources: &[u32]) -> String {
         format!(
             "{}, {}, from {sources:?}",
@@ -115,11 +115,11 @@ fn panic_message(panic: &(dyn Any + Send)) -> &str {
         .unwrap_or("without a message")
 }
 
-/// The product's mesh of a test model.
+/// The mesh of a test model, as the library builds it.
 ///
 /// # Panics
 ///
-/// When it is refused, saying why.
+/// When the mesh is refused. The message has the reason.
 pub(crate) fn mesh_of(model: &Model) -> Mesh {
     let triangles = model.triangles.clone();
     let built = match &model.geometry {
@@ -134,25 +134,25 @@ pub(crate) fn mesh_of(model: &Model) -> Mesh {
     }
 }
 
-/// What went wrong, gathered so that one run tells everything.
+/// Collected failures, so that one run of a test reports all of them.
 #[derive(Default)]
 pub(crate) struct Failures {
     lines: Vec<String>,
 }
 
 impl Failures {
-    /// Notes `line` unless `holds`.
+    /// Adds the failure `line` unless `holds`.
     pub(crate) fn unless(&mut self, holds: bool, line: impl FnOnce() -> String) {
         if !holds {
             self.lines.push(line());
         }
     }
 
-    /// Notes where two fields differ by more than `tolerance` of the expected value, at the worst
-    /// of these vertices.
+    /// Adds a failure if two fields differ by more than `tolerance`, relative to the expected
+    /// value. It names the worst vertex.
     ///
-    /// Values are allowed the rounding of the largest one, so that two vertices in one place,
-    /// at a distance of 0, may be told a distance of 1e-17 apart.
+    /// Every value may also differ by the rounding of the largest value. For example, two vertices
+    /// in one place, at distance 0, may get the distance 1e-17.
     pub(crate) fn compare(
         &mut self,
         at: impl Fn() -> String,
@@ -174,7 +174,7 @@ impl Failures {
                 return;
             };
             let difference = (found - expected).abs();
-            // Written so that NaN is a failure; two infinities are equal.
+            // The condition is written so that NaN fails. Two infinities are equal.
             if found == expected || difference <= (tolerance * expected).max(floor) {
                 continue;
             }
@@ -215,19 +215,19 @@ impl Failures {
         self.compare(at, found, expected.iter().copied().enumerate(), tolerance);
     }
 
-    /// Adds what another list holds.
+    /// Adds the failures of another list.
     pub(crate) fn extend(&mut self, other: Self) {
         self.lines.extend(other.lines);
     }
 
-    /// Fails the test if anything was noted.
+    /// Fails the test if there are failures.
     pub(crate) fn report(self) {
         if let Err(text) = self.result() {
             panic!("{text}");
         }
     }
 
-    /// All that was noted, if anything was.
+    /// All failures, if there are any.
     pub(crate) fn result(self) -> Result<(), String> {
         const SHOWN: usize = 60;
         if self.lines.is_empty() {
@@ -244,8 +244,7 @@ impl Failures {
     }
 }
 
-/// What `f` returns; if it panics, what it said joins the failures, so that the other checks still
-/// run.
+/// The result of `f`. A panic is added to the failures, so that the other checks still run.
 pub(crate) fn caught<T>(failures: &mut Failures, f: impl FnOnce() -> T) -> Option<T> {
     match catch_unwind(AssertUnwindSafe(f)) {
         Ok(value) => Some(value),

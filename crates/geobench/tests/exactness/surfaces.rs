@@ -16,8 +16,8 @@ pub(crate) fn config(cases: u32) -> Config {
     }
 }
 
-/// A surface in space, of up to some 100 vertices: closed or not, smooth or rough, general or
-/// whole-numbered, some with holes, flat faces or a pinch.
+/// A surface in space with up to about 100 vertices: closed or open, smooth or rough, with general
+/// or integer coordinates, some with holes, flat faces or a pinched vertex.
 pub(crate) fn surface() -> impl Strategy<Value = Model> {
     (base(), extra()).prop_map(|(model, extra)| match extra {
         Extra::None => model,
@@ -86,7 +86,7 @@ pub(crate) fn surface_and_vertices(count: usize) -> impl Strategy<Value = (Model
     with_vertices(surface(), count)
 }
 
-/// The same without faces of no area.
+/// The same without faces of area 0.
 pub(crate) fn solid_surface_and_vertices(count: usize) -> impl Strategy<Value = (Model, Vec<u32>)> {
     with_vertices(base(), count)
 }

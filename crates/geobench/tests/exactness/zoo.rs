@@ -1,4 +1,4 @@
-//! Small surfaces with everything that breaks geodesic programs, against the oracle.
+//! The zoo: small surfaces with features that break geodesic programs, compared with the oracle.
 
 use geobench_oracle::{Model, distances, reference, rounded, zoo};
 

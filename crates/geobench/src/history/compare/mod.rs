@@ -1,17 +1,17 @@
-//! Two result files side by side, and whether the newer one is worse.
+//! Compares two result files and finds regressions of the newer one.
 //!
 //! Two cells match if they have the same model (by its hash), algorithm with parameters, source,
-//! threads and group. Figures are compared by kind:
+//! goal, threads and group. Figures are compared by kind:
 //!
-//! * Times vary, so a difference counts only beyond their variation. Samples of runs that took
-//!   turns ([`ResultFile::pairing`]) are compared pair by pair; others by a bootstrap interval of
-//!   the ratio of their medians, with the test of Mann and Whitney. A rule on time is broken if
-//!   the interval lies wholly beyond its limit.
-//! * Counts do not vary: any change, up or down, means that the algorithm works differently.
+//! * Times vary, so a difference counts only beyond their variation. If the runs of both files took
+//!   turns ([`ResultFile::pairing`]), samples are compared pair by pair. Otherwise the ratio of the
+//!   medians gets a bootstrap interval, and the Mann-Whitney test its p-value. A rule on time is
+//!   broken if the whole interval lies beyond its limit.
+//! * Counts do not vary. Any change, up or down, means that the algorithm works differently.
 //!   Instructions and memory are costs, which may decrease.
-//! * A rule is broken if one of the files lacks its figure. Else a gate would pass when the figure
-//!   disappears.
-//! * A cell that ended well in the old file and does not in the new one is always a regression.
+//! * A rule is broken if one of the files lacks its figure. Otherwise a gate would pass when the
+//!   figure disappears.
+//! * A cell that is ok in the old file and not in the new one is always a regression.
 //! * A cell that the new file lacks is a regression only under a rule on missing cells, because
 //!   users compare parts of a benchmark with the whole.
 
@@ -46,11 +46,11 @@ pub struct Comparison {
     pub new: Side,
     /// The rules, as they are written.
     pub rules: Vec<String>,
-    /// Whether the runs of both files took turns.
+    /// Whether the runs of both files took turns, so that samples are compared pair by pair.
     pub paired: bool,
-    /// Number of cells that are worse.
+    /// Number of cells with a regression.
     pub regressions: usize,
-    /// Cells of both files, in the order of the new one.
+    /// The cells of both files, in the order of the new file.
     pub cells: Vec<CellChange>,
     /// Cells of the old file that the new one lacks.
     pub missing: Vec<CellKey>,
@@ -58,12 +58,12 @@ pub struct Comparison {
     pub added: Vec<CellKey>,
     /// Regressions of the new file as a whole.
     pub overall: Vec<Regression>,
-    /// Notes.
+    /// What limits the comparison, such as different machines; one line each.
     pub notes: Vec<String>,
 }
 
 impl Comparison {
-    /// Whether anything is worse.
+    /// Whether there is a regression.
     pub fn is_worse(&self) -> bool {
         self.regressions > 0 || !self.overall.is_empty()
     }
@@ -82,16 +82,16 @@ pub struct Side {
     pub started: String,
 }
 
-/// A cell of both files.
+/// A cell that both files have.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CellChange {
     /// The identity of the cell.
     pub cell: CellKey,
     /// The status in each file.
     pub status: [Status; 2],
-    /// Time; null unless both have samples.
+    /// Time; null unless both cells are ok and have samples above 0.
     pub time: Option<TimeChange>,
-    /// All other figures that at least one cell has, or must have for a rule.
+    /// All other figures that at least one of the cells has or that a rule requires.
     pub figures: Vec<FigureChange>,
     /// Regressions of the cell.
     pub regressions: Vec<Regression>,
@@ -121,7 +121,7 @@ fn whole_if_it_is<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S
 }
 
 impl FigureChange {
-    /// New divided by old, if there are both; of two zeros, 1.
+    /// New divided by old; 1 if both are equal, also if both are 0. `None` if one is missing.
     pub fn ratio(&self) -> Option<f64> {
         let (old, new) = (self.old?, self.new?);
         Some(if old == new { 1.0 } else { new / old })
@@ -131,7 +131,7 @@ impl FigureChange {
 /// A regression.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Regression {
-    /// The broken rule; `None` if the cell no longer ends well.
+    /// The broken rule; `None` if the cell was ok and is not any more.
     pub rule: Option<String>,
     /// The description.
     pub what: String,
@@ -144,7 +144,7 @@ impl Regression {
     }
 }
 
-/// Compares `new` with `old`, each with the name of its file.
+/// Compares `new` with `old`, each given with the name of its file.
 ///
 /// # Errors
 ///
@@ -197,16 +197,16 @@ pub const SEVERAL: &str = "geobench-comparisons/1";
 pub struct Several {
     /// Always [`SEVERAL`].
     pub schema: &'static str,
-    /// One for each file but the baseline, which is the old file of all.
+    /// The comparison of each file with the baseline, which is the old file of all.
     pub comparisons: Vec<Comparison>,
 }
 
 impl Several {
-    /// Compares each of `files` with `baseline`, each with its name.
+    /// Compares each of `files` with `baseline`. Every file is given with its name.
     ///
     /// # Errors
     ///
-    /// When one has no cell in common with the baseline.
+    /// When one of them has no cell in common with the baseline.
     pub fn new(
         baseline: (&str, &ResultFile),
         files: &[(String, ResultFile)],
@@ -221,13 +221,13 @@ impl Several {
         })
     }
 
-    /// Whether anything is worse in one of the files.
+    /// Whether one of the files has a regression.
     pub fn is_worse(&self) -> bool {
         self.comparisons.iter().any(Comparison::is_worse)
     }
 }
 
-/// The regression of more missing cells than a rule allows.
+/// The regression if more cells are missing than a rule allows.
 fn too_many_missing(missing: usize, all: usize, rules: &Rules) -> Option<Regression> {
     let rule = rules.on(Subject::Missing)?;
     let share = missing as f64 / all as f64;
@@ -302,7 +302,7 @@ fn change(cell: CellKey, old: &Cell, new: &Cell, rules: &Rules, paired: bool) ->
     }
 }
 
-/// The regression of a figure that one or both files lack.
+/// The description of the regression if one or both files lack a figure.
 fn missing(name: &str, old: Option<String>, new: Option<String>) -> String {
     let file = match (&old, &new) {
         (Some(_), None) => "the new file",
@@ -313,7 +313,7 @@ fn missing(name: &str, old: Option<String>, new: Option<String>) -> String {
     format!("{name} {old} -> {new}: missing in {file}")
 }
 
-/// The regression of the time of a cell that ends well, if it breaks the rule on times.
+/// The description of the regression if the time of an ok cell breaks the rule on times.
 fn worse_time(time: Option<&TimeChange>, old: &Cell, new: &Cell, rule: &Rule) -> Option<String> {
     if let Some(time) = time {
         let is_worse = time.is_above(rule.limit);
@@ -327,7 +327,7 @@ fn worse_time(time: Option<&TimeChange>, old: &Cell, new: &Cell, rule: &Rule) ->
     }
 }
 
-/// A ratio as a change in per cent.
+/// A ratio as a change in percent.
 pub(crate) fn percent(ratio: f64) -> String {
     let change = 100.0 * (ratio - 1.0);
     match change.abs() {
@@ -338,7 +338,7 @@ pub(crate) fn percent(ratio: f64) -> String {
     }
 }
 
-/// A figure with all digits; counts have separators of thousands.
+/// A figure with all digits; whole numbers have thousands separators.
 pub(crate) fn exact(value: f64) -> String {
     if value.fract() == 0.0 {
         group(&format!("{value:.0}"))
@@ -359,7 +359,8 @@ fn cells_on_other_nodes(old: &ResultFile, new: &ResultFile) -> usize {
     nodes(old).into_iter().filter(differs).count()
 }
 
-/// Differences between the machines that make times hard to compare.
+/// Differences between the machines and programs that make times hard to compare, and conditions
+/// that disturbed the runs.
 fn notes_on_machines(old: &ResultFile, new: &ResultFile) -> Vec<String> {
     let mut notes = Vec::new();
     if !old.host.is_same_machine(&new.host) {
@@ -397,14 +398,15 @@ fn notes_on_machines(old: &ResultFile, new: &ResultFile) -> Vec<String> {
     notes
 }
 
-/// The vector instructions that were counted in a cell of two files, if they differ.
+/// The SIMD levels with which instructions were counted in the old and the new cell, if they
+/// differ.
 fn different_instructions<'c>(old: &'c Cell, new: &'c Cell) -> Option<[&'c str; 2]> {
     let old = old.instructions_simd.as_deref()?;
     let new = new.instructions_simd.as_deref()?;
     (old != new).then_some([old, new])
 }
 
-/// A note on the cells whose instructions were counted with different vector instructions.
+/// A note on the cells whose instructions were counted with different SIMD levels.
 fn notes_on_instructions(cells: &[(CellKey, &Cell, &Cell)]) -> Option<String> {
     let mut others = cells.iter().filter_map(|(key, old, new)| {
         let [old, new] = different_instructions(old, new)?;
@@ -483,14 +485,14 @@ fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
     notes
 }
 
-/// A figure that is compared exactly; not a time.
+/// A figure that is compared exactly. Times are not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// A count.
+    /// A counter of the algorithm.
     Counter(Counter),
     /// The deviation of the wavefront.
     WavefrontDeviation,
-    /// Instructions.
+    /// The number of instructions executed.
     Instructions,
     /// A figure of memory, by its index in `MEMORY`.
     Memory(usize),
@@ -507,7 +509,7 @@ const MEMORY: [MemoryFigure; 4] = [
 ];
 
 impl Measure {
-    /// All of them, in the order of the result file.
+    /// All figures, in the order of the result file.
     pub fn all() -> impl Iterator<Item = Self> {
         let counters = Counter::ALL.iter().copied().map(Self::Counter);
         counters
@@ -525,7 +527,7 @@ impl Measure {
         }
     }
 
-    /// Its value in `cell`, if it has one.
+    /// The value in `cell`, if it has one.
     pub fn of(self, cell: &Cell) -> Option<f64> {
         match self {
             Self::Counter(counter) => cell.counters.get(counter).map(|n| n as f64),
@@ -535,10 +537,10 @@ impl Measure {
         }
     }
 
-    /// Whether `cell` must have it. Algorithms do not have every counter, and outside programs
-    /// may omit any figure.
+    /// Whether a rule requires this figure of `cell`. Algorithms lack some counters by design, and
+    /// external programs may omit any figure.
     pub fn is_due(self, cell: &Cell) -> bool {
-        // The other figures of memory derive from counters.
+        // The other memory figures are derived from counters.
         let is_measured = matches!(
             self.name(),
             "instructions" | "heap_peak_bytes" | "rss_peak_bytes"
@@ -557,9 +559,9 @@ impl Measure {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TimeMethod {
-    /// Sample by sample, each pair taken one after the other.
+    /// By pairs of samples from the same round.
     Paired,
-    /// All samples with all.
+    /// By all samples of both files.
     Unpaired,
 }
 
@@ -576,8 +578,7 @@ pub struct TimeChange {
     pub ratio: f64,
     /// 95 % interval of the ratio; null from fewer than five samples.
     pub ci95: Option<[f64; 2]>,
-    /// The probability of Mann and Whitney's test that times so different come from the same
-    /// distribution; null for pairs.
+    /// The p-value of the Mann-Whitney test; null for pairs.
     pub p: Option<f64>,
 }
 
@@ -604,7 +605,7 @@ impl TimeChange {
         })
     }
 
-    /// Whether the whole interval lies beyond an increase by `limit`, a share of the old time.
+    /// Whether the whole interval lies above an increase by `limit`, as a share of the old time.
     pub fn is_above(&self, limit: f64) -> bool {
         self.ci95.is_some_and(|[low, _]| low > 1.0 + limit)
     }
@@ -625,7 +626,8 @@ impl TimeChange {
 /// The identity of a cell.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct CellKey {
-    /// Name of the model, in the file that has the cell; in the new one if both have.
+    /// Name of the model in its file. In a comparison, the name in the new file if both have the
+    /// cell.
     pub model: String,
     /// Hash of the model, if it could be read.
     pub sha256: Option<String>,
@@ -633,7 +635,7 @@ pub struct CellKey {
     pub algorithm: String,
     /// The source.
     pub source: Option<SourceLabel>,
-    /// What its runs were to find; absent for all distances.
+    /// The goal of its runs; absent for the distances of all vertices.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub goal: Option<String>,
     /// Threads.
@@ -650,13 +652,14 @@ struct Matched<'f> {
     missing: Vec<CellKey>,
     /// Cells of the new file alone.
     added: Vec<CellKey>,
-    /// Different models of the same name.
+    /// Notes on models of the same name with different hashes.
     notes: Vec<String>,
 }
 
 /// Matches the cells of two files.
 fn matched<'f>(old: &'f ResultFile, new: &'f ResultFile) -> Matched<'f> {
-    // Copies of one model have the same hash; each has its own cells.
+    // A file can have copies of a model under several names. They share a hash, so several cells
+    // can have the same identity.
     let mut waiting: HashMap<CellKey, Vec<(CellKey, &Cell)>> = HashMap::new();
     for cell in &old.cells {
         let key = CellKey::of(old, cell);
@@ -720,7 +723,7 @@ impl CellKey {
         }
     }
 
-    /// Whether both identify the same cell, whatever the name of its model.
+    /// Whether both identify the same cell. Names of models are ignored if there are hashes.
     pub fn is_same(&self, other: &Self) -> bool {
         self.identity() == other.identity()
     }
@@ -734,7 +737,8 @@ impl CellKey {
         key
     }
 
-    /// The identity in words: group, model, algorithm, source. Group and source are optional.
+    /// The identity in words: group, model, algorithm, source, goal and threads. Group and source
+    /// are included only if `with_group` and `with_source` are set.
     pub fn among(&self, with_group: bool, with_source: bool) -> String {
         let group = match &self.group {
             Some(group) if with_group => format!("{group}: "),

@@ -1,4 +1,4 @@
-//! The rules of regressions, such as `time=10%,propagated=0,heap_peak_bytes=5%`.
+//! Rules that define regressions, such as `time=10%,propagated=0,heap_peak_bytes=5%`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -49,21 +49,21 @@ impl Subject {
 pub struct Rule {
     /// The subject.
     pub subject: Subject,
-    /// The largest change that passes, as a share of the old value; of missing cells, their largest
-    /// share of all that the old file has.
+    /// The largest change that passes, as a share of the old value. For missing cells, their
+    /// largest share of the cells of the old file.
     pub limit: f64,
     /// Whether every decrease passes.
     pub only_more: bool,
 }
 
-/// Rules with different subjects.
+/// A set of rules, at most one for each subject.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rules(Vec<Rule>);
 
 impl Rule {
-    /// Whether a change from `old` to `new` of a figure that is compared exactly breaks the rule.
+    /// Whether the change of an exactly compared figure from `old` to `new` breaks the rule.
     pub fn is_broken(&self, old: f64, new: f64) -> bool {
-        // From 0, any change is infinitely large.
+        // A change from 0 is infinite and breaks every limit.
         let change = if new == old { 0.0 } else { (new - old) / old };
         change > self.limit || (!self.only_more && change < -self.limit)
     }
@@ -154,7 +154,7 @@ impl fmt::Display for Rule {
         if self.limit == 0.0 {
             f.write_str("0")
         } else {
-            // Without the rounding error of a division by 100.
+            // Rounded, because the division by 100 in the parser has a rounding error.
             write!(f, "{}%", (self.limit * 1e8).round() / 1e6)
         }
     }

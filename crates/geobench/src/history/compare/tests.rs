@@ -1,4 +1,4 @@
-//! Comparing made-up runs.
+//! Comparisons of mock results.
 
 use geobench_window::Counter;
 
@@ -26,7 +26,7 @@ fn cell<'f>(file: &'f mut ResultFile, model: &str, algorithm: &str) -> &'f mut C
     found.next().unwrap()
 }
 
-/// Takes every time of a cell `factor` times.
+/// Multiplies every time of a cell by `factor`.
 fn scale(cell: &mut Cell, factor: f64) {
     let samples = cell.time.samples.iter().map(|t| t * factor).collect();
     cell.time = crate::measure::statistics::time(samples, cell.time.setup);
@@ -127,7 +127,7 @@ fn only_files_that_took_turns_are_paired() {
     new.pairing = Some("b".into());
     assert!(!compared(&old, &new, "").paired);
     new.pairing = Some("a".into());
-    // One cell lost a sample: it cannot be paired.
+    // One cell has a sample less, so it cannot be paired.
     let times = &mut cell(&mut new, "horse", "vtp").time;
     times.samples.pop();
     let comparison = compared(&old, &new, "");
@@ -144,7 +144,7 @@ fn only_files_that_took_turns_are_paired() {
 #[test]
 fn a_rule_on_time_is_broken_only_by_an_interval_beyond_it() {
     let (mut old, mut new) = (file(), file());
-    // 12 % more, and nothing else: the interval is narrow.
+    // All times are 12 % longer, so the interval is narrow.
     scale(cell(&mut new, "horse", "vtp"), 1.12);
     assert_eq!(worse(&compared(&old, &new, "time=20%")), [""; 0]);
     assert_eq!(worse(&compared(&old, &new, "")), [""; 0]);
@@ -153,7 +153,7 @@ fn a_rule_on_time_is_broken_only_by_an_interval_beyond_it() {
     cell(&mut old, "horse", "vtp").time.samples[0] = 1.0;
     cell(&mut old, "horse", "vtp").time.samples[1] = 1.0;
     assert_eq!(worse(&compared(&old, &new, "time=5%")), [""; 0]);
-    // Too few samples break no rule, and a note says so.
+    // A cell with too few samples breaks no rule. A note reports it.
     let (mut old, mut new) = (file(), file());
     cell(&mut old, "horse", "vtp").time.samples.truncate(4);
     scale(cell(&mut new, "horse", "vtp"), 9.0);
@@ -181,10 +181,10 @@ fn what_does_not_end_well_any_more_is_worse_under_any_rules() {
         let comparison = compared(&old, &new, "");
         assert_eq!(comparison.regressions, 1);
         assert!(worse(&comparison)[0].starts_with("horse, vtp, source 0: was ok, is "));
-        // It failed before, too.
+        // This cell also failed in the old file.
         cell(&mut old, "horse", "vtp").status = Status::Crashed;
         assert_eq!(compared(&old, &new, "time=0,propagated=0").regressions, 0);
-        // It ends well again.
+        // This cell failed in the old file and is ok in the new one.
         cell(&mut new, "horse", "vtp").status = Status::Ok;
         assert_eq!(compared(&old, &new, "time=0,propagated=0").regressions, 0);
     }
@@ -216,7 +216,7 @@ fn a_figure_that_one_of_the_files_lacks_breaks_its_rule() {
         comparison.notes,
         [
             "`instructions` is missing in 6 of 6 cells: run both versions with --instructions, or leave the rule out",
-            // No algorithm here counts it.
+            // None of these algorithms has this counter.
             "`levels` is not compared in 6 of 6 cells: neither file has it"
         ]
     );
@@ -227,7 +227,7 @@ fn a_figure_that_one_of_the_files_lacks_breaks_its_rule() {
         shown.contains("new !") && shown.contains("missing !"),
         "{shown}"
     );
-    // Without a rule no figure is required.
+    // Figures are required only by rules.
     assert!(!compared(&old, &new, "propagated=0").is_worse());
 }
 
@@ -306,7 +306,7 @@ fn times_that_are_gone_or_0_do_not_pass_a_rule_on_time_in_silence() {
             "horse, vtp, source 0: time none -> {median} s: missing in the old file"
         )]
     );
-    // The note appears without a rule, too.
+    // The note does not need a rule on time.
     let comparison = compared(&old, &new, "propagated=0");
     assert_eq!(worse(&comparison), [""; 0]);
     assert_eq!(

@@ -1,16 +1,16 @@
-//! Axes: they map values to places and choose ticks. `assets/charts.js` does the same in the page.
+//! Axes: they map values to positions and choose ticks. `assets/charts.js` has the same algorithm.
 
 use serde::Serialize;
 
-/// Pixels between the values at the ends and the ends of the axis.
+/// Pixels between the extreme values and the ends of the axis.
 const MARGIN: f64 = 6.0;
 
 /// The quantity of an axis and its scale.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Axis {
-    /// With its unit.
+    /// The quantity, with its unit.
     pub(crate) label: String,
-    /// Whether the scale is logarithmic. Values of 0 and less are then left out.
+    /// Whether the scale is logarithmic. Values of 0 or less are then left out.
     pub(crate) log: bool,
 }
 
@@ -51,23 +51,24 @@ impl Axis {
     }
 }
 
-/// An axis over a range of values and places.
+/// The mapping from a range of values to a range of positions, in pixels.
 #[derive(Clone, Debug)]
 pub(crate) struct Scale {
     log: bool,
     values: [f64; 2],
-    /// The places of `values`.
+    /// The positions of `values`.
     places: [f64; 2],
-    /// The ends of the line, a marker's size beyond, so that all markers are inside.
+    /// The ends of the axis line, [`MARGIN`] beyond `places`, so that all markers are inside.
     ends: [f64; 2],
     /// The values that are drawn, sorted; the axis has a tick near each cluster of them.
     drawn: Vec<f64>,
-    /// Distance of ticks on a linear scale.
+    /// The distance between ticks on a linear scale.
     step: f64,
 }
 
 impl Scale {
-    /// An axis between two places that covers all of `values` that its scale can show.
+    /// A scale between the positions `places` that covers all of `values` that `axis` can show.
+    /// With `from_zero`, it starts at 0 without a margin, as bars need.
     pub(crate) fn new(
         axis: &Axis,
         values: impl IntoIterator<Item = f64>,
@@ -84,13 +85,13 @@ impl Scale {
         };
         let ends = places;
         let inset = MARGIN * (ends[1] - ends[0]).signum();
-        // Bars start on the axis.
+        // Bars start on the axis line.
         let places = [
             if from_zero { ends[0] } else { ends[0] + inset },
             ends[1] - inset,
         ];
         if axis.log {
-            // A little room at both ends, and never less than a factor of two.
+            // The range is extended by 12 % at both ends, and covers a factor of at least two.
             (low, high) = (low / 1.12, high * 1.12);
             if high < 2.0 * low {
                 let middle = (low * high).sqrt();
@@ -118,7 +119,8 @@ impl Scale {
         let step = nice((high - low) / 5.0);
         Self {
             log: false,
-            // Rounding of a sum of parts must not make the axis a step longer.
+            // The tolerance keeps a rounding error in a sum of parts from lengthening the axis by a
+            // step.
             values: [
                 (low / step + 1e-9).floor() * step,
                 (high / step - 1e-9).ceil() * step,
@@ -130,7 +132,7 @@ impl Scale {
         }
     }
 
-    /// The place of a value, if it is on the axis.
+    /// The position of a value, if it is on the axis.
     pub(crate) fn place(&self, value: f64) -> Option<f64> {
         let [low, high] = self.values;
         let share = if self.log {
@@ -153,13 +155,13 @@ impl Scale {
         self.ends[1]
     }
 
-    /// The place of a value, clamped to the axis.
+    /// The position of a value, clamped to the axis.
     pub(crate) fn clamped(&self, value: f64) -> f64 {
         let [low, high] = self.values;
         self.place(value.clamp(low, high)).unwrap_or(self.places[0])
     }
 
-    /// Values of ticks with labels, and of ticks without.
+    /// The values of major ticks, which have labels, and of minor ticks.
     pub(crate) fn ticks(&self) -> (Vec<f64>, Vec<f64>) {
         let [low, high] = self.values;
         if !self.log {
@@ -186,7 +188,7 @@ impl Scale {
             let every = (decades / 6.0).ceil() as usize;
             major = major.into_iter().step_by(every).collect();
         } else if decades < 1.0 {
-            // Ticks from 1 to 9 would be crowded, so only as many as have room.
+            // Labels at all of 1 to 9 would be crowded.
             major = times(&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0]);
         } else if decades < 2.4 {
             major = times(&[1.0, 2.0, 5.0]);
@@ -195,10 +197,10 @@ impl Scale {
         (major, minor)
     }
 
-    /// Adds a tick of two digits for each cluster of values that has none near it, if there is room
-    /// for its label.
+    /// Adds a tick with two significant digits for each cluster of values that has no tick near it,
+    /// if there is room for its label.
     fn add_for_clusters(&self, ticks: &mut Vec<f64>) {
-        // Labels stand below each other on an upright axis.
+        // Pixels between two labels. On a vertical axis, labels are stacked and need less.
         let room = if self.ends[0] < self.ends[1] {
             36.0
         } else {
@@ -235,7 +237,7 @@ pub(crate) fn nice(step: f64) -> f64 {
         .unwrap_or(10.0 * power)
 }
 
-/// The short label of a tick.
+/// The label of a tick, with `k`, `M` or `G` for large values.
 pub(crate) fn label(value: f64) -> String {
     let size = value.abs();
     let (scaled, unit) = match size {

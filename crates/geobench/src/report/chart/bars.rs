@@ -1,4 +1,4 @@
-//! Bars made of parts: the time of each algorithm by phase.
+//! Stacked bars, such as the time of each algorithm by phase.
 
 use serde::Serialize;
 
@@ -6,10 +6,10 @@ use super::axis::{Axis, Scale};
 use super::{Datum, LINE, WIDTH, axis_below};
 use crate::report::svg::{Svg, fitted, px, width_of};
 
-/// Most parts of a bar: the number of patterns.
+/// The number of parts of a bar, each with its own pattern.
 pub(crate) const PARTS: usize = 3;
 
-/// A chart of bars made of parts.
+/// A chart of stacked bars.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Bars {
     pub(crate) axis: Axis,
@@ -25,20 +25,20 @@ pub(crate) struct BarGroup {
     pub(crate) bars: Vec<Bar>,
 }
 
-/// A bar, or the reason why there is none.
+/// A bar, or the reason why it is missing.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Bar {
     pub(crate) label: String,
     /// Lengths of the parts, in the unit of the axis.
     pub(crate) parts: [f64; PARTS],
-    /// The label behind the bar: its sum with unit, or the reason why there is no bar.
+    /// The text after the bar: its total with unit, or the reason why the bar is missing.
     pub(crate) note: String,
-    /// Whether the label reports a failure.
+    /// Whether `note` reports a failure.
     pub(crate) failed: bool,
 }
 
 impl Bars {
-    /// Draws it and returns its height. `id` makes the ids of patterns unique in the page.
+    /// Draws the chart and returns its height. `id` makes the ids of patterns unique in the page.
     pub(super) fn draw(&self, svg: &mut Svg, id: &str) -> f64 {
         patterns(svg, id);
         let bars = || self.groups.iter().flat_map(|group| &group.bars);
@@ -79,7 +79,7 @@ impl Bars {
         bottom + 34.0
     }
 
-    /// Draws a bar and returns its end.
+    /// Draws a bar and returns the x-position of its end.
     fn draw_bar(&self, svg: &mut Svg, id: &str, bar: &Bar, scale: &Scale, y: f64) -> f64 {
         svg.text(
             [scale.start() - 8.0, y + 11.3],
@@ -142,10 +142,10 @@ impl Bars {
     }
 }
 
-/// The classes of the parts: the colours of the first three styles.
+/// The CSS classes of the parts, which are the colours of three marker styles.
 const CLASSES: [&str; PARTS] = ["s0", "s4", "s2"];
 
-/// A rectangle of the colour and the pattern of part `k`.
+/// A rectangle in the colour and the pattern of part `k`.
 fn part(svg: &mut Svg, id: &str, k: usize, at: [f64; 2], size: [f64; 2]) {
     let attributes = [
         ("class", CLASSES[k].to_owned()),
@@ -166,7 +166,7 @@ fn part(svg: &mut Svg, id: &str, k: usize, at: [f64; 2], size: [f64; 2]) {
     svg.leaf("rect", &attributes);
 }
 
-/// The patterns: one part is filled, one hatched, one dotted.
+/// Defines the patterns: the first part is filled, the second hatched, the third dotted.
 fn patterns(svg: &mut Svg, id: &str) {
     svg.open("defs", &[]);
     for (k, (size, d, width)) in [

@@ -1,4 +1,4 @@
-//! Points on lanes: one band for each model, one lane for each algorithm. If there are too many
+//! Dot plots: one band for each model, with one lane for each algorithm. If there are too many
 //! lanes, the algorithms of a band share one.
 
 use serde::Serialize;
@@ -10,20 +10,20 @@ use super::{
 use crate::report::svg::{Svg, fitted, px, width_of};
 use crate::table::group::distinct;
 
-/// Most lanes of a chart. With more, the algorithms of a band share one.
+/// The most lanes of a chart. With more, the algorithms of a band share one lane.
 pub(crate) const MOST_LANES: usize = 64;
 
-/// Greatest width of the names of lanes.
+/// The greatest width of the names of lanes.
 const WIDEST_NAME: f64 = 165.0;
 
-/// A chart of points on lanes.
+/// A dot plot.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Dots {
     pub(crate) axis: Axis,
     /// A value marked by a line, such as 1 in a chart of ratios.
     pub(crate) reference: Option<f64>,
     pub(crate) bands: Vec<Band>,
-    /// The legend of markers that the lanes do not explain.
+    /// The legend of markers that the names of lanes do not explain: style, hollow, name.
     pub(crate) legend: Vec<(usize, bool, String)>,
 }
 
@@ -34,7 +34,7 @@ pub(crate) struct Band {
     pub(crate) lanes: Vec<Lane>,
 }
 
-/// A line of points.
+/// A row of points.
 #[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Lane {
     pub(crate) label: String,
@@ -43,7 +43,7 @@ pub(crate) struct Lane {
     pub(crate) points: Vec<Point>,
     /// Samples, drawn as a strip of small dots behind the points.
     pub(crate) samples: Vec<f64>,
-    /// The text if there is no point.
+    /// The text that explains missing points.
     pub(crate) absent: Option<String>,
 }
 
@@ -59,7 +59,7 @@ impl Lane {
 }
 
 impl Dots {
-    /// A chart whose lanes explain all markers.
+    /// A chart without a legend, because the names of lanes explain all markers.
     pub(crate) fn new(axis: Axis, reference: Option<f64>, bands: Vec<Band>) -> Self {
         Self {
             axis,
@@ -69,7 +69,7 @@ impl Dots {
         }
     }
 
-    /// Draws it and returns its height.
+    /// Draws the chart and returns its height.
     pub(super) fn draw(&self, svg: &mut Svg) -> f64 {
         let lanes: usize = self.bands.iter().map(|band| band.lanes.len()).sum();
         if lanes > MOST_LANES && self.bands.len() > 1 {
@@ -130,7 +130,8 @@ impl Dots {
         bottom + 34.0
     }
 
-    /// The same chart with one lane for each band, and a legend that names the markers.
+    /// The same chart with one lane for each band, and a legend of the markers. Samples are left
+    /// out.
     fn merged(&self) -> Self {
         let lanes = self.bands.iter().map(|band| {
             let absent: Vec<String> = band
@@ -220,7 +221,7 @@ fn draw_lane(svg: &mut Svg, lane: &Lane, scale: &Scale, y: f64) {
             .iter()
             .filter_map(|p| scale.place(p.value.value))
             .fold(left, f64::max);
-        // After the points if there is room, else before them.
+        // The text is placed after the points if there is room, else at the start of the lane.
         let at = if farthest + 12.0 + width_of(absent) < right {
             farthest + 8.0
         } else {
@@ -230,9 +231,9 @@ fn draw_lane(svg: &mut Svg, lane: &Lane, scale: &Scale, y: f64) {
     }
 }
 
-/// A strip of small dots, moved up and down so that equal ones do not cover each other.
+/// Draws a strip of small dots, shifted vertically so that equal values do not overlap.
 fn draw_samples(svg: &mut Svg, samples: &[f64], style: usize, scale: &Scale, y: f64) {
-    // The golden ratio spreads any number of dots evenly.
+    // Multiples of the golden ratio modulo 1 are spread evenly for any number of dots.
     let shift = |i: usize| 9.0 * ((i as f64 * 0.618_034).fract() - 0.5);
     let places = samples.iter().enumerate();
     let places = places.filter_map(|(i, value)| Some((scale.place(*value)?, y + shift(i))));

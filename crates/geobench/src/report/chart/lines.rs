@@ -1,4 +1,4 @@
-//! Lines over two axes, such as times over the numbers of faces.
+//! Line charts and scatter plots over two axes, such as times over the numbers of faces.
 
 use serde::Serialize;
 
@@ -9,21 +9,20 @@ use super::{
 use crate::report::svg::{Svg, fitted, px, width_of};
 use crate::table::group::{Estimate, distinct};
 
-/// Height of the field in which lines are drawn.
+/// Height of the plotting area.
 const HEIGHT: f64 = 230.0;
 
-/// Most markers on a line.
+/// The most markers on a line.
 const MOST_MARKERS: usize = 25;
 
-/// A chart of lines.
+/// A line chart.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Lines {
     pub(crate) x: Axis,
     pub(crate) y: Axis,
-    /// A value marked by a line across the chart.
+    /// A value marked by a horizontal line.
     pub(crate) reference: Option<f64>,
-    /// Whether the Pareto front of each model is drawn: what no other point of the model beats on
-    /// both axes. Less is better.
+    /// Whether the Pareto front of each model is drawn. Less is better on both axes.
     pub(crate) front: bool,
     pub(crate) series: Vec<Series>,
 }
@@ -35,7 +34,7 @@ pub(crate) struct Series {
     pub(crate) name: String,
     /// The algorithm, by which the page filters.
     pub(crate) algorithm: String,
-    /// Whether neighbouring points are joined.
+    /// Whether neighbouring points are joined by a line.
     pub(crate) joined: bool,
     /// Whether markers are outlines.
     pub(crate) hollow: bool,
@@ -67,7 +66,7 @@ impl LinePoint {
     }
 }
 
-/// The power law `factor * x ^ exponent`, drawn between two places.
+/// The power law `factor * x ^ exponent`, drawn between the two x-values `ends`.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Fit {
     pub(crate) exponent: f64,
@@ -83,7 +82,7 @@ impl Fit {
 }
 
 impl Lines {
-    /// A chart without a reference and a front.
+    /// A chart without a reference line and without Pareto fronts.
     pub(crate) fn new(x: Axis, y: Axis, series: Vec<Series>) -> Self {
         Self {
             x,
@@ -94,7 +93,7 @@ impl Lines {
         }
     }
 
-    /// Draws it and returns its height.
+    /// Draws the chart and returns its height.
     pub(super) fn draw(&self, svg: &mut Svg) -> f64 {
         let names: Vec<(usize, bool, &str)> = self
             .series
@@ -148,7 +147,7 @@ impl Lines {
         bottom + 34.0
     }
 
-    /// The Pareto front of each model, from left to right.
+    /// The name and the Pareto front of each model, from left to right; empty if none are drawn.
     pub(crate) fn fronts(&self) -> Vec<(&str, Vec<[f64; 2]>)> {
         let points = || self.series.iter().flat_map(|series| &series.points);
         let models = distinct(points().filter(|_| self.front).map(|p| p.model.as_str()));
@@ -197,8 +196,8 @@ impl Lines {
     }
 }
 
-/// The points that no other one beats: one that is less on an axis and not more on the other. From
-/// left to right.
+/// The Pareto front of `points`, from left to right: the points that no other point dominates. A
+/// point dominates another if it is less on one axis and not more on the other.
 pub(crate) fn front(points: impl IntoIterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     let mut points: Vec<[f64; 2]> = points.into_iter().collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
@@ -211,7 +210,7 @@ pub(crate) fn front(points: impl IntoIterator<Item = [f64; 2]>) -> Vec<[f64; 2]>
     points
 }
 
-/// The corners of the line below which no point of a front lies.
+/// The corners of the staircase through the points of a front.
 fn stairs(front: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let steps = front.windows(2).flat_map(|pair| {
         let [from, to] = [pair[0], pair[1]];
@@ -220,12 +219,13 @@ fn stairs(front: &[[f64; 2]]) -> Vec<[f64; 2]> {
     front.first().copied().into_iter().chain(steps).collect()
 }
 
-/// Names beside the tops of lines, one below the other where there is no room.
+/// Places the names of vertical lines beside their tops, stacked where they would overlap. Holds
+/// the left end, right end and y-position of each name.
 #[derive(Default)]
 struct Names(Vec<[f64; 3]>);
 
 impl Names {
-    /// The place of `name` beside a line whose top is at `at`.
+    /// The position of `name` beside a line with this x-position and top.
     fn place(&mut self, name: &str, [x, top]: [f64; 2]) -> [f64; 2] {
         let width = width_of(name);
         let left = (x + 4.0).min(WIDTH - 14.0 - width);
@@ -268,7 +268,7 @@ fn draw_series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
         let points = places.iter().map(|(at, _)| *at);
         polyline(svg, &format!("curve {class}"), points);
     }
-    // Markers on every point would hide a long line.
+    // Markers on all points would hide a long line.
     let every = if series.joined {
         places.len().div_ceil(MOST_MARKERS).max(1)
     } else {

@@ -1,8 +1,8 @@
-//! Charts and their drawing.
+//! Charts, drawn as SVG for a page or for a file of its own.
 //!
-//! A chart is drawn as SVG, for a page or a file of its own. Text is drawn as text. Lines have the
-//! colour of the surrounding text, so that charts follow a dark page. Colour never carries meaning
-//! alone: every algorithm has a marker of its own, every part of a bar a pattern.
+//! Text is drawn as text. Lines have the colour of the surrounding text, so that charts fit light
+//! and dark pages. Colour is never the only distinction: every algorithm also has a marker, and
+//! every part of a bar a pattern.
 
 use serde::Serialize;
 
@@ -21,13 +21,14 @@ pub(crate) use bars::{Bar, BarGroup, Bars, PARTS};
 pub(crate) use dots::{Band, Dots, Lane, MOST_LANES};
 pub(crate) use lines::{Fit, LinePoint, Lines, Series, front};
 
-/// Width of all charts, in pixels at their natural size: readable on a phone held upright.
+/// Width of all charts, in pixels at their natural size. It is readable on a phone in portrait
+/// mode.
 pub(crate) const WIDTH: f64 = 480.0;
 
 /// Height of a line of text.
 pub(super) const LINE: f64 = 15.0;
 
-/// A chart. As JSON it is what `assets/charts.js` draws anew when the reader filters.
+/// A chart. `assets/charts.js` redraws it from its JSON form when the reader sets a filter.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub(crate) enum Chart {
@@ -38,7 +39,7 @@ pub(crate) enum Chart {
     Picture(Picture),
 }
 
-/// A value, drawn with the marker of an algorithm.
+/// A value that is drawn with the marker of an algorithm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Point {
     /// The style of the algorithm.
@@ -52,14 +53,14 @@ pub(crate) struct Point {
     pub(crate) hollow: bool,
 }
 
-/// A row of the numbers behind a chart.
+/// A row of the data of a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Datum {
-    /// The band, the panel or the family.
+    /// The band or the group of bars, such as a model; empty in charts of lines.
     pub(crate) of: String,
-    /// The algorithm, or another name for a marker or pattern.
+    /// The name of the marker, line or part of a bar.
     pub(crate) series: String,
-    /// The place on the x-axis, if the chart has two axes.
+    /// The value on the x-axis, if the chart has two axes.
     pub(crate) x: Option<f64>,
     pub(crate) value: Option<f64>,
     pub(crate) interval: Option<[f64; 2]>,
@@ -68,8 +69,9 @@ pub(crate) struct Datum {
 }
 
 impl Chart {
-    /// The drawing as an `svg` element with this `id` and a description for screen readers. For a
-    /// file `alone` it includes the style sheet; in a page, the page does.
+    /// The drawing as an `svg` element with a title and a description for screen readers, whose ids
+    /// start with `id`. If `alone`, it is a file of its own: it has a size and includes the style
+    /// sheet.
     pub(crate) fn draw(&self, id: &str, title: &str, description: &str, alone: bool) -> String {
         let mut inside = Svg::default();
         let [width, height] = match self {
@@ -103,7 +105,7 @@ impl Chart {
         svg.finish()
     }
 
-    /// The numbers behind it.
+    /// The data of the chart; empty for a picture.
     pub(crate) fn data(&self) -> Vec<Datum> {
         match self {
             Self::Dots(dots) => dots.data(),
@@ -114,11 +116,11 @@ impl Chart {
     }
 }
 
-/// The style sheet of charts, for pages that hold some.
+/// The style sheet of charts, for pages.
 pub(crate) const STYLE: &str = include_str!("../assets/chart.css");
 
-/// Draws a legend: markers with names, in lines from `at` on, at most `width` wide. Returns its
-/// height.
+/// Draws a legend: markers with names, in lines of at most `width` with the top left corner at
+/// `at`. Returns its height.
 fn legend(svg: &mut Svg, at: [f64; 2], width: f64, names: &[(usize, bool, &str)]) -> f64 {
     let [mut x, mut y] = at;
     for (style, hollow, name) in names {
@@ -138,10 +140,10 @@ fn legend(svg: &mut Svg, at: [f64; 2], width: f64, names: &[(usize, bool, &str)]
     }
 }
 
-/// Draws an interval between two points, with a stroke across each end.
+/// Draws an interval between two points, with a cap at each end.
 fn draw_whisker(svg: &mut Svg, style: usize, [low, high]: [[f64; 2]; 2]) {
     let [along, down] = [0, 1].map(|i| (high[i] - low[i]).abs());
-    // Ends within the marker would blur it.
+    // A short whisker would be hidden by the marker and blur it.
     if along + down <= 8.0 {
         return;
     }
@@ -153,8 +155,8 @@ fn draw_whisker(svg: &mut Svg, style: usize, [low, high]: [[f64; 2]; 2]) {
     }
 }
 
-/// Draws the lines of the ticks of an axis, each between the points of `ends`, and the labels of
-/// the major ones beside the point of `label`.
+/// Draws the grid lines of an axis and the labels of its major ticks. For the position of a tick,
+/// `ends` returns the ends of its grid line and `label` the position of its label.
 fn draw_ticks(
     svg: &mut Svg,
     scale: &Scale,
@@ -176,7 +178,7 @@ fn draw_ticks(
     }
 }
 
-/// Draws the axis below a chart, and the lines of its ticks.
+/// Draws the x-axis below a chart, with grid lines from `top` to `bottom`.
 fn axis_below(svg: &mut Svg, scale: &Scale, label: &str, [top, bottom]: [f64; 2]) {
     let ends = |x| [[x, top], [x, bottom]];
     draw_ticks(svg, scale, ends, "m", |x| [x, bottom + 13.0]);
@@ -185,13 +187,14 @@ fn axis_below(svg: &mut Svg, scale: &Scale, label: &str, [top, bottom]: [f64; 2]
     svg.text([middle, bottom + 28.0], "m", label);
 }
 
-/// Number of colours, which `chart.css` defines.
+/// The number of colours that `chart.css` defines.
 pub(crate) const COLOURS: usize = 8;
 
-/// Number of shapes: one more than colours, so that few algorithms share both.
+/// The number of marker shapes. It is coprime to the number of colours, so only styles that are 72
+/// apart share both.
 const SHAPES: usize = 9;
 
-/// The class that gives a style its colour.
+/// The CSS class with the colour of a style.
 pub(crate) fn marker_class(style: usize) -> String {
     format!("s{}", style % COLOURS)
 }
@@ -216,13 +219,13 @@ fn draw_marker(svg: &mut Svg, style: usize, hollow: bool, at: [f64; 2]) {
     svg.leaf("polygon", &[class, ("points", points.join(" "))]);
 }
 
-/// The corners of a shape around its middle; none of the circle.
+/// The corners of a marker shape relative to its centre; empty for the circle.
 fn corners(style: usize) -> &'static [[f64; 2]] {
     match style % SHAPES {
         0 => &[],
         // Square.
         1 => &[[-3.2, -3.2], [3.2, -3.2], [3.2, 3.2], [-3.2, 3.2]],
-        // Triangles upwards and, below, downwards and to the right.
+        // Triangle that points up. Shapes 4 and 7 point down and to the right.
         2 => &[[0.0, -4.2], [4.2, 3.2], [-4.2, 3.2]],
         // Diamond.
         3 => &[[0.0, -4.7], [4.7, 0.0], [0.0, 4.7], [-4.7, 0.0]],

@@ -1,4 +1,4 @@
-//! The cases of a test: values computed from results, and whether the claim holds for each.
+//! Computes the cases of a test from results: their values, and whether the claim holds for each.
 
 use super::ClaimCase;
 use super::expression::{Leaves, Node, Quantity};
@@ -21,25 +21,26 @@ pub(super) fn parameter(selection: &Selection, name: &str) -> Option<f64> {
     }
 }
 
-/// Algorithms that took other steps under the same name and parameters while phases were still
-/// clocked: a window born in a round did not wait for the next.
+/// Algorithms whose behaviour has changed under the same name and parameters. In results from the
+/// time when phases were measured by a clock, a window that a round created did not wait for the
+/// next round.
 const CHANGED_BEFORE_SAMPLING: &[&str] = &["fwp-ch", "fwp-mmp"];
 
-/// The results of a suite, for one test.
+/// The results of a suite, and the test that is computed from them.
 #[derive(Clone, Copy)]
 pub(super) struct Results<'r> {
     pub(super) result: &'r ResultFile,
     pub(super) test: &'r Test,
 }
 
-/// Why there is no value.
+/// The reason why there is no value.
 type Reason = String;
 
-/// An expression over numbers that vary.
+/// An expression with the numbers that it is computed from.
 struct Built {
     leaves: Leaves,
     node: Node,
-    /// The least and the greatest place of the models of a growth.
+    /// For a growth, the range of its points on the axis.
     range: Option<[f64; 2]>,
 }
 
@@ -51,7 +52,7 @@ struct Place<'r> {
 }
 
 impl<'r> Results<'r> {
-    /// The groups of the suite that the test is on.
+    /// The groups of the suite that the test selects.
     fn groups(&self) -> Vec<Option<&'r str>> {
         let cells = self.result.cells.iter();
         let groups = distinct(cells.map(|cell| cell.group.as_deref()));
@@ -62,7 +63,7 @@ impl<'r> Results<'r> {
         groups.into_iter().filter(|group| wanted(*group)).collect()
     }
 
-    /// The models of a group that the test is on.
+    /// The models of a group that the test selects.
     fn models(&self, group: Option<&str>) -> Vec<&'r ModelRecord> {
         let models = self.result.models.iter().filter(|model| {
             let mut cells = self.result.cells.iter();
@@ -74,7 +75,7 @@ impl<'r> Results<'r> {
         models.collect()
     }
 
-    /// The algorithms of the plan of a group with the name of `selection`.
+    /// The planned algorithms of a group that have the name of `selection`, with any parameters.
     fn namesakes(
         &self,
         group: Option<&str>,
@@ -87,9 +88,9 @@ impl<'r> Results<'r> {
         planned.filter(move |planned| planned.label.split('{').next() == Some(name))
     }
 
-    /// The label of `selection` in the cells of a group: that of an algorithm of the plan with this
-    /// name and exactly these parameters. Labels alone do not tell, because defaults change from
-    /// version to version.
+    /// The label of `selection` in the cells of a group: that of the planned algorithm with the
+    /// same name and exactly the same parameters. Labels cannot be compared directly: they omit
+    /// default values, and defaults change between versions.
     fn label(&self, group: Option<&str>, selection: &Selection) -> Result<&str, Reason> {
         let missing = |why: &str| Err(format!("{} {why}", selection.label()));
         if self.result.plan.is_none() {
@@ -108,7 +109,7 @@ impl<'r> Results<'r> {
         Ok(&same.label)
     }
 
-    /// Whether the result is of a program that clocked phases.
+    /// Whether the phases of the result were measured by a clock, as older versions did.
     fn is_clocked(&self) -> bool {
         let mut phases = self.result.cells.iter().map(|cell| &cell.phases);
         phases.any(|phases| phases.management.is_some() && phases.samples.is_none())
@@ -148,7 +149,7 @@ impl<'r> Results<'r> {
             return Err("it was measured with a debug build".to_owned());
         }
         if is_timed(figure) && self.test.simd == Vectors::Scalar {
-            // Vector code of one algorithm beside scalar code of another compares programs.
+            // A ratio of vector code to scalar code would compare implementations, not algorithms.
             let simd = match figure.key {
                 "instructions" if cell.instructions.is_none() => Some("scalar"),
                 "instructions" => cell.instructions_simd.as_deref(),
@@ -194,7 +195,7 @@ impl<'r> Results<'r> {
                 .into_iter()
                 .filter(|group| !self.models(*group).is_empty())
                 .collect();
-            // Groups of other algorithms are passed over, unless all are.
+            // Groups that lack one of the algorithms are skipped, unless all groups do.
             let has_all = |group: Option<&str>| {
                 let all = operand.algorithms.iter();
                 let mut all = all.chain(self.test.to.iter().flat_map(|to| &to.algorithms));
@@ -246,7 +247,8 @@ impl<'r> Results<'r> {
         cases
     }
 
-    /// A case: the first figure that decides.
+    /// Builds a case from the first figure that decides. If none does, the case has the reason why
+    /// the first figure does not.
     fn case(
         &self,
         operand: &Operand,
@@ -268,7 +270,8 @@ impl<'r> Results<'r> {
                     return case;
                 }
                 Ok(Ok(())) => {
-                    // The paper's numbers are of the first figure; here only the direction shows.
+                    // The paper's numbers are values of the first figure. Another figure can
+                    // confirm only the direction, so the size counts as not fitting.
                     let printed = !self.test.printed(operand).is_empty();
                     case.fits = printed.then_some(false);
                     let why = first.and_then(|case| case.reason).unwrap_or_default();
@@ -284,7 +287,8 @@ impl<'r> Results<'r> {
         first.unwrap_or_else(|| blank(""))
     }
 
-    /// Whether the claim holds for the value of an expression.
+    /// Decides whether the claim holds for the value of an expression, and stores value and outcome
+    /// in `case`. Returns the reason if the value does not decide.
     fn decide(&self, built: &Built, figure: &Figure, case: &mut ClaimCase) -> Result<(), Reason> {
         let Some(value) = built.leaves.value(&built.node) else {
             return Err(format!("`{}` is 0", figure.key));
@@ -317,8 +321,9 @@ impl<'r> Results<'r> {
         Ok(())
     }
 
-    /// Whether `value` is within a third of the paper's numbers, if it has any: of that of the same
-    /// model for a figure of one algorithm, else of the range of all.
+    /// Whether `value` is within a third of the paper's numbers; `None` if there are none. For a
+    /// figure of one algorithm with numbers per model, only the number of the same model counts.
+    /// Otherwise the range of all numbers counts.
     fn fits(&self, operand: &Operand, model: Option<&ModelRecord>, value: f64) -> Option<bool> {
         let mut printed = self.test.printed(operand);
         if self.test.to.is_none() && printed.iter().any(|(of, _)| of.is_some()) {
@@ -336,7 +341,7 @@ impl<'r> Results<'r> {
         Some(value >= low - low.abs() / 3.0 && value <= high + high.abs() / 3.0)
     }
 
-    /// The expression on one model: the median over the sources.
+    /// The expression on one model: the median over its sources.
     fn on(
         &self,
         operand: &Operand,
@@ -395,7 +400,8 @@ impl<'r> Results<'r> {
         })
     }
 
-    /// The expression on one model from one source.
+    /// The expression on one model from one source, from the quantities of the operand (`over`) and
+    /// of the base (`under`).
     fn source(
         &self,
         operand: &Operand,
@@ -432,8 +438,8 @@ impl<'r> Results<'r> {
         }
     }
 
-    /// The series over which expressions grow: the models of each group or, if they grow with the
-    /// sources, each model in all groups.
+    /// The series over which a growth is computed. A series is the models of one group. If the axis
+    /// is the number of sources, it is one model in all groups.
     fn series(&self, groups: &[Option<&'r str>]) -> Vec<(&'r str, Vec<Place<'r>>)> {
         let all = groups.iter().flat_map(|&group| {
             let models = self.models(group).into_iter();
@@ -452,7 +458,7 @@ impl<'r> Results<'r> {
         series.collect()
     }
 
-    /// Where a point of a series lies on its axis.
+    /// The value of a point of a series on the growth axis.
     fn along(&self, place: Place<'_>) -> Option<f64> {
         let Place { group, model } = place;
         match self.test.over {
@@ -471,7 +477,7 @@ impl<'r> Results<'r> {
         }
     }
 
-    /// How the expression grows over a series.
+    /// The growth of the expression over a series.
     fn growth(
         &self,
         operand: &Operand,
@@ -484,7 +490,7 @@ impl<'r> Results<'r> {
             let Some(place) = self.along(place) else {
                 continue;
             };
-            // A series ends where an algorithm has no result any more.
+            // Points where an algorithm has no result are left out.
             let mut longer = leaves.clone();
             match self.on(operand, group, model, figure, &mut longer) {
                 Ok(node) => {
@@ -506,7 +512,7 @@ impl<'r> Results<'r> {
         })
     }
 
-    /// The expression over all models.
+    /// The expression over all models, combined to one value.
     fn combined(
         &self,
         operand: &Operand,
@@ -536,7 +542,7 @@ impl<'r> Results<'r> {
         })
     }
 
-    /// Cases of runs that must end in a certain way.
+    /// The cases of a test on statuses: runs that must end with the status `ends`.
     fn endings(&self, operand: &Operand, groups: &[Option<&str>], ends: Status) -> Vec<ClaimCase> {
         let mut cases = Vec::new();
         for &group in groups {
@@ -589,7 +595,7 @@ impl<'r> Results<'r> {
     }
 }
 
-/// The phase of a figure of phases.
+/// The phase that a figure is about, if it is about one.
 fn phase_of(figure: &Figure) -> Option<fn(&Phases) -> Option<f64>> {
     match figure.key {
         "phase_propagation" => Some(|phases| phases.propagation),
@@ -599,7 +605,7 @@ fn phase_of(figure: &Figure) -> Option<fn(&Phases) -> Option<f64>> {
     }
 }
 
-/// A phase of a cell: its share of the samples, for a time multiplied by the timed runs.
+/// A phase of a cell: its share of the profile samples or, for times, that share of the timed runs.
 fn phase_quantity(
     figure: &Figure,
     phase: fn(&Phases) -> Option<f64>,
@@ -629,7 +635,7 @@ fn phase_quantity(
     })
 }
 
-/// Whether a figure depends on how well the program was compiled.
+/// Whether a figure depends on the build and the machine code.
 fn is_timed(figure: &Figure) -> bool {
     matches!(figure.key, "time" | "setup" | "instructions") || phase_of(figure).is_some()
 }
@@ -654,7 +660,7 @@ const fn words(combine: Combine) -> &'static str {
     }
 }
 
-/// Whether `text` is like `pattern`, in which a star stands for any text.
+/// Whether `text` matches `pattern`, in which `*` stands for any text.
 pub(super) fn is_like(pattern: &str, text: &str) -> bool {
     match pattern.split_once('*') {
         None => pattern == text,

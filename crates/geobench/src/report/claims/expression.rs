@@ -1,7 +1,8 @@
-//! Expressions over figures, with their intervals.
+//! Expressions over figures, with confidence intervals.
 //!
-//! An expression is a tree over numbers that vary: counts do not, times are the medians of samples,
-//! shares of phases have a standard error. `measure::statistics` computes the interval.
+//! An expression is a tree. Its leaves are numbers with their uncertainty: counts are exact, times
+//! are medians of samples, and shares of phases have a standard error. `measure::statistics`
+//! computes the interval of the whole expression.
 
 use crate::measure::statistics::{Variable, exponent_of_growth, interval_of, median, range_of};
 use crate::table::group::Estimate;
@@ -9,19 +10,19 @@ use crate::table::group::Estimate;
 /// An expression.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Node {
-    /// A number, by its index.
+    /// A number, by its index in [`Leaves`].
     Leaf(usize),
-    /// The product of two.
+    /// The product.
     Product(Box<Self>, Box<Self>),
     /// The first divided by the second.
     Ratio(Box<Self>, Box<Self>),
-    /// One less the value: the share saved, where the value is the share that remains.
+    /// One minus the value: the share saved, if the value is the share that remains.
     Saving(Box<Self>),
     /// The value divided by a number.
     Per(Box<Self>, f64),
     /// The least.
     Least(Vec<Self>),
-    /// The number that stands beside the least.
+    /// The number that is paired with the least value.
     Best(Vec<(f64, Self)>),
     /// The median.
     Median(Vec<Self>),
@@ -31,8 +32,8 @@ pub(super) enum Node {
     GeometricMean(Vec<Self>),
     /// The greatest divided by the least.
     Spread(Vec<Self>),
-    /// The factor from the least to the greatest x of the line that fits the points best, in least
-    /// squares on logarithms.
+    /// The factor by which a power law grows from the least to the greatest x. The law is fitted to
+    /// the points (x, value) by least squares on logarithms.
     Growth(Vec<(f64, Self)>),
 }
 
@@ -63,7 +64,7 @@ impl Node {
                 let [least, most] = range_of(points.iter().map(|(x, _)| *x)).unwrap_or_default();
                 let points = points.iter().map(|(x, node)| [*x, node.of(values)]);
                 let exponent = exponent_of_growth(points);
-                // Not a power, which is 1 of a range of 1 whatever the exponent is.
+                // `powf` would give 1 for a range of one point, where the exponent is NaN.
                 libm::exp(exponent.unwrap_or(f64::NAN) * libm::log(most / least))
             }
         }
@@ -75,29 +76,30 @@ fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     values.sum::<f64>() / count
 }
 
-/// The numbers that an expression is built over.
+/// The leaves of an expression.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Leaves(Vec<Leaf>);
 
-/// A number that may vary.
+/// A number with its uncertainty.
 #[derive(Clone, Debug, PartialEq)]
 enum Leaf {
     Exact(f64),
     Samples(Vec<f64>),
-    /// A share and the number of samples that it is estimated from.
+    /// A share, and the number of profile samples that it is estimated from.
     Share(f64, u64),
 }
 
 /// A figure of a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Quantity {
-    /// A number that does not vary.
+    /// An exact number.
     Exact(f64),
-    /// Samples in the order of the rounds.
+    /// Timed samples in the order of the rounds.
     Samples(Vec<f64>),
     /// A share and the number of samples that it is estimated from.
     Share(f64, u64),
-    /// A share of times.
+    /// A share of timed samples: the samples, the share, and the number of profile samples that the
+    /// share is estimated from.
     Part(Vec<f64>, f64, u64),
 }
 
@@ -120,7 +122,7 @@ impl Leaves {
         Node::Leaf(self.0.len() - 1)
     }
 
-    /// The node of a figure.
+    /// Adds the leaves of a figure. Returns its node.
     pub(super) fn node(&mut self, quantity: Quantity) -> Node {
         match quantity {
             Quantity::Exact(value) => self.push(Leaf::Exact(value)),
@@ -134,8 +136,8 @@ impl Leaves {
         }
     }
 
-    /// The ratio of two figures of one model and source. The samples of two algorithms were taken
-    /// in turns, so that they are divided pair by pair, as in `table::group`.
+    /// The ratio of two figures of one model and source. The algorithms ran in turns, so their
+    /// samples are divided pair by pair, as in `table::group`.
     pub(super) fn ratio(&mut self, over: Quantity, under: Quantity) -> Node {
         match (over, under) {
             (Quantity::Samples(over), Quantity::Samples(under)) if over.len() == under.len() => {
@@ -154,12 +156,12 @@ impl Leaves {
         }
     }
 
-    /// Whether nothing in it varies.
+    /// Whether all leaves are exact.
     pub(super) fn are_exact(&self) -> bool {
         self.0.iter().all(|leaf| matches!(leaf, Leaf::Exact(_)))
     }
 
-    /// Fewest samples of a time.
+    /// The least number of samples of a time; 0 if there are no times.
     pub(super) fn fewest_samples(&self) -> usize {
         let counts = self.0.iter().filter_map(|leaf| match leaf {
             Leaf::Samples(samples) => Some(samples.len()),
@@ -168,7 +170,7 @@ impl Leaves {
         counts.min().unwrap_or(0)
     }
 
-    /// The value of `node` with its interval; none if it is no number.
+    /// The value of `node` with its interval; `None` if the value is not finite.
     pub(super) fn value(&self, node: &Node) -> Option<Estimate> {
         let variables: Vec<Variable<'_>> = self.0.iter().map(Leaf::variable).collect();
         let values = variables.iter().map(Variable::value);
@@ -213,7 +215,7 @@ mod tests {
         assert_eq!(value(Node::Spread(nodes.clone())), 16.0);
         let beside = |places: [f64; 3]| places.into_iter().zip(nodes.clone()).collect();
         assert_eq!(value(Node::Best(beside([100.0, 200.0, 300.0]))), 200.0);
-        // 4, 1, 16 at 2, 1, 4: the square of x, over the whole range from 1 to 4.
+        // The values 4, 1 and 16 at x = 2, 1 and 4 are x²; the range is 1 to 4.
         let growth = value(Node::Growth(beside([2.0, 1.0, 4.0])));
         assert!((growth - 16.0).abs() < 1e-9, "{growth}");
     }
@@ -223,7 +225,7 @@ mod tests {
         let (leaves, nodes) = exact(&[1.0, 2.0, 4.0, 2.0]);
         let points = [1.0, 2.0, 4.0, 8.0].into_iter().zip(nodes).collect();
         let growth = leaves.value(&Node::Growth(points)).unwrap().value;
-        // The slope is 0.4; the ends alone differ by a factor of 2.
+        // The fitted exponent is 0.4. The end points alone would give a factor of 2.
         assert!((growth - 8_f64.powf(0.4)).abs() < 1e-9, "{growth}");
     }
 

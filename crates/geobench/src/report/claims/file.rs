@@ -1,4 +1,4 @@
-//! Files of claims: what a paper says, and the tests that decide.
+//! Files of claims: quotes from a paper, and the tests that decide them.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -31,21 +31,23 @@ pub struct Claim {
     id: Spanned<String>,
     /// Section, table or figure.
     pub place: String,
-    /// A few words of the paper.
+    /// A short quote from the paper.
     pub quote: String,
     /// The tested statement, in our words.
     pub claim: String,
     /// The suite whose results decide.
     pub suite: Option<String>,
-    /// What must exist first; the claim cannot be judged until then.
+    /// What the claim waits for, such as an algorithm that does not exist yet. Until then it cannot
+    /// be judged.
     pub awaits: Option<String>,
-    /// What a reader must know beside the numbers.
+    /// An explanation for readers, in addition to the numbers.
     pub remark: Option<String>,
     #[serde(default, rename = "test")]
     tests: Vec<Spanned<Test>>,
 }
 
-/// A test: an expression over results, and the values for which the claim holds.
+/// A test: an expression over results and the values for which the claim holds. `docs/claims.md`
+/// defines the keys.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Test {
@@ -58,7 +60,7 @@ pub(super) struct Test {
     /// The figure that decides.
     #[serde(default = "time")]
     pub(super) figure: &'static Figure,
-    /// Those that decide where it cannot.
+    /// The figures that decide where `figure` cannot, in order of preference.
     #[serde(default, rename = "else")]
     pub(super) others: Vec<&'static Figure>,
     pub(super) per: Option<Size>,
@@ -67,12 +69,12 @@ pub(super) struct Test {
     pub(super) combine: Combine,
     #[serde(default)]
     pub(super) show: Show,
-    /// The parameter of the least of an operand that is the value.
+    /// If set, the value is this parameter of the algorithm with the least figure.
     pub(super) best: Option<Spanned<String>>,
-    /// Either this or `ends` is there.
+    /// The values for which the claim holds. Either this or `ends` is set.
     pub(super) holds: Option<Range>,
     pub(super) paper: Option<Spanned<Paper>>,
-    /// The outcome that a run must have, instead of an expression.
+    /// The status with which runs must end. Such a test has no expression.
     pub(super) ends: Option<Status>,
     #[serde(default)]
     pub(super) at_least_faces: u64,
@@ -88,23 +90,23 @@ impl<'de> Deserialize<'de> for &'static Figure {
     }
 }
 
-/// The runs whose times and instructions decide.
+/// Selects the runs whose times and instructions decide, by their SIMD level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Vectors {
-    /// Those without vector instructions.
+    /// Runs without vector instructions.
     #[default]
     Scalar,
-    /// All.
+    /// All runs.
     Any,
 }
 
-/// What a figure is taken of.
+/// An operand of an expression: a figure of one or several algorithms.
 #[derive(Clone, Debug)]
 pub(super) struct Operand {
-    /// The algorithms, of which the least figure counts.
+    /// The algorithms. The least of their figures is used.
     pub(super) algorithms: Vec<Selection>,
-    /// Its figure, if it is not that of the test.
+    /// The figure, if it differs from that of the test.
     pub(super) figure: Option<&'static Figure>,
 }
 
@@ -116,21 +118,21 @@ pub(super) enum Size {
     Faces,
 }
 
-/// What the cells of a series differ in.
+/// The axis of a growth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum GrowthAxis {
     Faces,
     Anisotropy,
-    /// The number of sources that a run has together. A series is one model in several groups.
+    /// The number of sources of a run. A series is one model in several groups.
     Sources,
 }
 
-/// How the values of several models become one.
+/// How the values of several models are combined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Combine {
-    /// They do not: the claim must hold on each.
+    /// Not combined: every model is a case of its own.
     #[default]
     Each,
     Median,
@@ -145,7 +147,7 @@ pub(super) enum Combine {
 pub(super) enum Show {
     #[default]
     Value,
-    /// One less the ratio.
+    /// One minus the ratio.
     Saving,
 }
 
@@ -157,7 +159,7 @@ pub(super) struct Range {
 }
 
 impl Range {
-    /// Whether it holds for `value`. The end of `> 1` is not in it, those of `0.9 to 1.1` are.
+    /// Whether `value` is in the range. `> 1` excludes 1; `0.9 to 1.1` includes both ends.
     pub(super) fn holds(&self, value: f64) -> bool {
         if self.most == f64::INFINITY {
             value > self.least
@@ -168,7 +170,7 @@ impl Range {
         }
     }
 
-    /// Whether some of an interval is in it.
+    /// Whether an interval overlaps the range, with its ends.
     pub(super) fn touches(&self, [low, high]: [f64; 2]) -> bool {
         low <= self.most && high >= self.least
     }
@@ -206,9 +208,9 @@ impl<'de> Deserialize<'de> for Range {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(try_from = "WrittenPaper")]
 pub(super) enum Paper {
-    /// As they stand there, or computed from what stands there.
+    /// Numbers as printed, or computed from printed ones.
     Numbers(Vec<f64>),
-    /// Those of a table of `bench-configs/papers`.
+    /// The numbers of a table of `bench-configs/papers`.
     Table(PaperTable),
 }
 
@@ -276,7 +278,8 @@ impl ClaimsFile {
     ///
     /// # Errors
     ///
-    /// Names the file, the line and the key.
+    /// When the file cannot be read or is not valid. The message names the file, the line and the
+    /// key.
     pub fn read(path: &Path) -> Result<Self, DocumentError> {
         Self::of(&Document::open(path)?)
     }
@@ -285,7 +288,7 @@ impl ClaimsFile {
     ///
     /// # Errors
     ///
-    /// As [`read`](Self::read), apart from those of the system.
+    /// When the text is not valid, as in [`read`](Self::read).
     pub fn parse(path: &Path, text: &str) -> Result<Self, DocumentError> {
         Self::of(&Document::new(path, text))
     }
@@ -311,7 +314,7 @@ impl ClaimsFile {
 }
 
 impl Claim {
-    /// Its name, unique in all files.
+    /// The id of the claim, unique in its file.
     pub fn id(&self) -> &str {
         self.id.get_ref()
     }
@@ -390,13 +393,13 @@ impl Operand {
         }
     }
 
-    /// Its figure in a test on `figure`.
+    /// The figure of this operand in a test on `figure`.
     pub(super) fn figure(&self, figure: &'static Figure) -> &'static Figure {
         self.figure.unwrap_or(figure)
     }
 }
 
-/// The algorithm of this name, on one thread unless the name says more, as the suites run it.
+/// The algorithm of this name, on one thread unless the name has a number of threads, as in suites.
 fn named(name: &str) -> Result<Selection, String> {
     let one = select_one(name).map_err(|error| error.to_string())?;
     Ok(one.with_threads(1))
@@ -409,9 +412,9 @@ pub(super) fn labels(selections: &[Selection]) -> String {
 }
 
 impl Test {
-    /// The paper's numbers for `operand`, each with the model and its number of faces if they are
-    /// known. Algorithms of tables are found by their labels, or by name alone if no row has the
-    /// label.
+    /// The paper's numbers for `operand`, each with the model in lower case and its number of faces
+    /// if known. Rows of tables are found by the label of the algorithm, or by its name if no row
+    /// has the label.
     pub(super) fn printed(&self, operand: &Operand) -> Vec<(Option<(String, u64)>, f64)> {
         let saved = |number: f64| match self.show {
             Show::Value => number,
@@ -463,7 +466,7 @@ impl Test {
     }
 }
 
-/// A file of claims with its name, for messages.
+/// The path of the file of claims called `name`, for messages.
 pub(super) fn path(name: &str) -> PathBuf {
     PathBuf::from(format!("bench-configs/papers/claims/{name}.toml"))
 }

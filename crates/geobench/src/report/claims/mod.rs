@@ -1,8 +1,9 @@
-//! The papers' claims, and verdicts on them from results.
+//! Judges the papers' claims by our results.
 //!
-//! `bench-configs/papers/claims` has a file for each paper; `docs/claims.md` defines its keys. A
-//! claim has one or more tests, a test one or more *cases*: a value for one algorithm on one model,
-//! or over all models. [`judge`] computes every case and, from the cases, the verdict.
+//! `bench-configs/papers/claims` has a file of claims for each paper; `docs/claims.md` defines its
+//! keys. A claim has one or more tests. A test has one or more *cases*: a value for one algorithm
+//! (or a ratio of two) on one model, or over all models. [`judge`] computes all cases of a claim,
+//! and from them its verdict.
 
 use std::collections::BTreeMap;
 
@@ -25,7 +26,7 @@ use self::file::path;
 pub use self::file::{Claim, ClaimsFile};
 pub use self::page::ClaimsFormat;
 
-/// The files of `bench-configs/papers/claims`, by name.
+/// The name and the content of a file of `bench-configs/papers/claims`.
 macro_rules! file {
     ($name:literal) => {
         (
@@ -47,11 +48,11 @@ const FILES: &[(&str, &str)] = &[
     file!("004"),
 ];
 
-/// The claims of the papers, which are part of the program.
+/// The claims of the papers, which are compiled into the program.
 ///
 /// # Errors
 ///
-/// Never: a test reads every file.
+/// Never: a test parses every file.
 pub fn known() -> Result<Vec<ClaimsFile>, crate::DocumentError> {
     let files = FILES.iter();
     files
@@ -63,14 +64,14 @@ pub fn known() -> Result<Vec<ClaimsFile>, crate::DocumentError> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ClaimVerdict {
-    /// It holds in every case, and its size is within a third of the paper's number where the paper
-    /// has one.
+    /// It holds in every case, and each value is within a third of the paper's numbers, if the
+    /// paper has some.
     Confirmed,
-    /// It holds in most cases; its size, or some cases, do not.
+    /// It holds in most cases. Some cases, or the size of some values, do not agree.
     Partly,
     /// It holds in at most half of the cases.
     Not,
-    /// The results do not tell.
+    /// The results cannot decide.
     Unjudged,
 }
 
@@ -97,15 +98,16 @@ pub struct JudgedClaim {
     pub paper: String,
     /// Section, table or figure.
     pub place: String,
-    /// What was tested.
+    /// The tested statement.
     pub claim: String,
     /// A few words of the paper.
     pub quote: String,
-    /// What the results say.
+    /// The verdict.
     pub verdict: ClaimVerdict,
     /// The cases by name.
     pub values: BTreeMap<String, ClaimCase>,
-    /// Why the verdict is not better; empty if it is confirmed and nothing needs to be known.
+    /// Why the verdict is not better, or which figures decided instead of the first; empty if there
+    /// is nothing to explain.
     pub reason: String,
     /// The suite whose results decide.
     pub suite: Option<String>,
@@ -134,39 +136,39 @@ pub struct JudgedPaper {
 pub struct ClaimsReport {
     /// The papers.
     pub papers: Vec<JudgedPaper>,
-    /// The results, each in a line: suite, date, commit, machine.
+    /// The results that were used, one line for each run: date, commit, machine, suites.
     pub(super) sources: Vec<String>,
     /// Warnings, one line each.
     pub notes: Vec<String>,
 }
 
-/// A value, and whether the claim holds for it.
+/// A value and whether the claim holds for it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClaimCase {
-    /// The figure that it is of.
+    /// The figure of the value.
     pub figure: String,
     /// The value; null if there is none.
     pub value: Option<f64>,
-    /// Its 95 % interval; null for a count, and from too few samples.
+    /// Its 95 % interval; null for counts, and if there are too few samples.
     pub ci95: Option<[f64; 2]>,
-    /// Whether the claim holds; null if the value does not tell.
+    /// Whether the claim holds; null if the value does not decide.
     pub holds: Option<bool>,
     /// Whether the value is within a third of the paper's numbers; null if there are none.
     pub fits: Option<bool>,
-    /// Why another figure than the first decided, or none; null if the first did.
+    /// Why the first figure did not decide; null if it did.
     pub reason: Option<String>,
-    /// The least and the greatest size, or anisotropy, of the models of a growth.
+    /// For a growth, the range of the axis: number of faces, anisotropy or number of sources.
     pub range: Option<[f64; 2]>,
-    /// The algorithm, for pages.
+    /// The expression: the algorithm, or a ratio of two. For pages.
     #[serde(skip)]
     of: String,
-    /// The model, or the models.
+    /// The model or models. For pages.
     #[serde(skip)]
     on: String,
 }
 
 impl ClaimCase {
-    /// A case that nothing has decided yet.
+    /// An undecided case.
     fn open(figure: &str, on: &str) -> Self {
         Self {
             figure: figure.to_owned(),
@@ -236,7 +238,7 @@ pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<ClaimsReport, Us
     })
 }
 
-/// Where results are from, in a line.
+/// The origin of a result: date, commit and machine, in one line.
 fn source(result: &ResultFile) -> String {
     let commit = result.tool.commit.as_deref().unwrap_or("unknown");
     let cpu = result.host.cpu.as_deref().unwrap_or("unknown processor");
@@ -321,7 +323,7 @@ fn verdict(cases: &[ClaimCase]) -> (ClaimVerdict, String) {
     if verdict == ClaimVerdict::Partly {
         push("sizes beyond a third of the paper's", &off);
     }
-    // Cases without a verdict by their reason, and those that another figure decided.
+    // First the undecided cases by their reasons, then those that another figure decided.
     for wanted in [None, Some(())] {
         let others = cases
             .iter()

@@ -1,4 +1,4 @@
-//! Verdicts as pages, tables and files.
+//! Writes verdicts as Markdown, JSON, CSV and text.
 
 use toml::Spanned;
 
@@ -10,14 +10,14 @@ use crate::table::group::distinct;
 use crate::table::terminal::listing;
 use crate::table::{Column, Entry, FileForm, Look, Mark, Table, csv, json_lines, markdown};
 
-/// A form in which verdicts can be written.
+/// An output format of verdicts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum ClaimsFormat {
     /// A list for the terminal.
     Text,
-    /// A page.
+    /// A page in Markdown.
     Markdown,
-    /// All numbers.
+    /// All claims with the numbers of their cases.
     Json,
     /// One row for each claim.
     Csv,
@@ -33,10 +33,10 @@ impl FileForm for ClaimsFormat {
     ];
 }
 
-/// Most cases of one expression that are shown each by itself.
+/// The most cases of one expression that are listed one by one. More are shown as a range.
 const MOST_SHOWN: usize = 4;
 
-/// Most cases that a reason names.
+/// The most models of an expression that a reason names.
 const MOST_NAMED: usize = 6;
 
 const HOW_TO_READ: &str = "\
@@ -54,11 +54,11 @@ machines are never compared; ratios are. `no` marks a case for which the claim d
 ";
 
 impl ClaimsFormat {
-    /// Verdicts in this form, ending in a line break.
+    /// Verdicts in this format, ending in a line break. `look` is the style of text.
     ///
     /// # Errors
     ///
-    /// Only if a number cannot be represented, which verdicts exclude.
+    /// Only if a number cannot be represented, which does not occur in verdicts.
     pub fn render(self, report: &ClaimsReport, look: Look) -> anyhow::Result<String> {
         Ok(match self {
             Self::Text => text(report, look),
@@ -174,7 +174,7 @@ fn rows(report: &ClaimsReport) -> Table {
     Table::new(Column::of(heads, [""; 0]), claims.map(row).collect())
 }
 
-/// How many claims of each paper have each verdict.
+/// The number of claims with each verdict, for each paper and in total.
 fn summary(report: &ClaimsReport) -> Table {
     let count = |claims: &[&JudgedClaim], title: String| -> Vec<Entry> {
         let with = |verdict| claims.iter().filter(move |claim| claim.verdict == verdict);
@@ -197,7 +197,7 @@ fn summary(report: &ClaimsReport) -> Table {
     Table::new(Column::of(["claims of"], verdicts), rows)
 }
 
-/// The reason and the remark.
+/// The reason and the remark of a claim, as sentences.
 fn why(claim: &JudgedClaim) -> String {
     let texts = [Some(claim.reason.as_str()), claim.remark.as_deref()];
     let texts = texts.into_iter().flatten().filter(|text| !text.is_empty());
@@ -236,7 +236,7 @@ pub(super) fn printed<'t>(tests: impl Iterator<Item = &'t Test>) -> String {
     distinct(parts).join("; ")
 }
 
-/// The cases in words: one by one, or as a range where there are many.
+/// The cases in words: one by one, or as a range if an expression has many.
 pub(super) fn cases(cases: &[ClaimCase]) -> String {
     let several = distinct(cases.iter().map(|case| &case.figure)).len() > 1;
     let kinds = distinct(cases.iter().map(|case| (&case.of, &case.figure)));
@@ -285,7 +285,7 @@ pub(super) fn cases(cases: &[ClaimCase]) -> String {
     parts.join("; ")
 }
 
-/// The model, with the range of a growth.
+/// The model of a case, with the range of the axis for a growth.
 fn place(case: &ClaimCase) -> String {
     match case.range {
         None => short(&case.on),
@@ -301,8 +301,8 @@ fn value(case: &ClaimCase) -> String {
     }
 }
 
-/// Which of `all` cases `named` are, after a colon; nothing if they are all. An expression whose
-/// cases are all among them is named without its models.
+/// Lists the cases `named` after a colon; empty if they are all of `all`. If `named` has every case
+/// of an expression, the models of the expression are left out.
 pub(super) fn names(named: &[&ClaimCase], all: &[ClaimCase]) -> String {
     if named.len() == all.len() {
         return String::new();
@@ -328,14 +328,14 @@ pub(super) fn names(named: &[&ClaimCase], all: &[ClaimCase]) -> String {
     format!(": {}", distinct(texts).join("; "))
 }
 
-/// The name of a generated model without what does not tell it from others of a suite.
+/// The name of a generated model without `bump` and `seed`, which are the same throughout a suite.
 fn short(name: &str) -> String {
     let words = name.split(',');
     let told = words.filter(|word| !word.starts_with("bump=") && !word.starts_with("seed="));
     told.collect::<Vec<_>>().join(" ")
 }
 
-/// A number with three digits; a large whole one with all.
+/// A number with about three significant digits. From 1,000 on, it is rounded to a whole number.
 fn number(value: f64) -> String {
     let size = value.abs();
     if size >= 1000.0 {

@@ -1,4 +1,4 @@
-//! Verdicts on made-up results.
+//! Verdicts on mock results.
 
 use std::path::Path;
 
@@ -14,8 +14,8 @@ use crate::run::mock::{self, result, run_mock};
 use crate::schema::{Cell, IsolationRecord, PlannedAlgorithm, SourceLabel, Status};
 use crate::table::Look;
 
-/// Results of these algorithms on models of 1,000, 4,000 and 16,000 faces and g = 1, 2 and 4. Time
-/// and counts of all cells are equal.
+/// Results of these algorithms on models of 1,000, 4,000 and 16,000 faces with g = 1, 2 and 4. All
+/// cells have the same times and counts.
 fn made_up(algorithms: &str) -> ResultFile {
     let plan = mock::plan(&["small", "middle", "large"], algorithms, "0");
     let mut made = result(run_mock(&plan, &MockBackend::default()));
@@ -177,10 +177,10 @@ fn times_decide_by_their_interval_else_instructions_do() {
     }
     let judged = judge_one(test, &result);
     assert_eq!(judged.verdict, Confirmed);
-    // Every round was twice as long, though the rounds differ.
+    // The ratio is 2 in every round, although the times of the rounds differ.
     assert_eq!(judged.values["ich to vtp, small"].ci95, Some([2.0, 2.0]));
 
-    // A little longer in the median, but not surely.
+    // The median is longer, but the interval includes 1.
     let wide = [0.9, 1.3, 0.8, 1.2, 1.0].to_vec();
     cell(&mut result, "ich", "large").time = time(wide.clone(), None);
     assert_eq!(
@@ -198,7 +198,7 @@ fn times_decide_by_their_interval_else_instructions_do() {
         (Unjudged, "the 95 % interval holds both sides".to_owned())
     );
 
-    // Instructions decide then; the size of a ratio of times does not show in them.
+    // Instructions decide instead. They cannot confirm the size of a ratio of times.
     for model in MODELS {
         cell(&mut result, "ich", model).instructions = Some(300);
         cell(&mut result, "vtp", model).instructions = Some(100);
@@ -285,7 +285,8 @@ fn times_and_instructions_of_vector_code_do_not_decide() {
         verdict_of(&format!("{test}\nsimd = \"any\""), &result).0,
         Confirmed
     );
-    // Callgrind counts narrower instructions than the timed runs had; those decide by themselves.
+    // Callgrind counts narrower instructions than the timed runs used. Only the counted ones matter
+    // for a figure of instructions.
     let counted = format!("{test}\nfigure = \"instructions\"");
     assert_eq!(verdict_of(&counted, &result).0, Confirmed);
     for cell in &mut result.cells {
@@ -298,7 +299,7 @@ fn times_and_instructions_of_vector_code_do_not_decide() {
             "ich ran with vector instructions (avx2); only scalar runs decide".to_owned()
         )
     );
-    // Counts do not depend on vectors.
+    // Counts do not depend on the SIMD level.
     let propagated = test.replace(
         "holds = \"> 1\"",
         "figure = \"propagated\"\nholds = \"0.9 to 1.1\"",
@@ -335,7 +336,7 @@ fn an_algorithm_of_other_parameters_is_another_one() {
                 .unwrap(),
         );
     };
-    // An older program gave the label to other parameters, had fewer of them, or more.
+    // An older program used the label for other parameters, or had fewer or more parameters.
     let changes: [fn(&mut PlannedAlgorithm); 3] = [
         |planned| {
             *planned.parameters.values_mut().next().unwrap() = 0.5.into();
@@ -357,7 +358,7 @@ fn an_algorithm_of_other_parameters_is_another_one() {
             )
         );
     }
-    // The claim finds its algorithm by the parameters, whatever its label is.
+    // The claim finds its algorithm by the parameters, not by the label.
     let mut relabelled = original;
     unknown(&mut relabelled, |planned| {
         planned.label = "ich{old=1}".into();
@@ -405,7 +406,7 @@ fn growth_is_a_fit_over_the_models_of_a_group() {
             assert_eq!(judged.verdict, Confirmed);
         }
     }
-    // Without turns, the times of each model vary by themselves.
+    // Without pairs, the times of each model vary independently.
     let judged = growth("faces", "time", "");
     let [low, high] = judged.values.values().next().unwrap().ci95.unwrap();
     assert!(low < 15.0 && high > 17.0, "{low} {high}");
@@ -435,7 +436,7 @@ fn rows_with_the_label_come_before_those_with_the_name() {
     };
     assert_eq!(printed("lct11"), [3.98]);
     assert_eq!(printed("lct11{queue=buckets}"), [1.21]);
-    // No row has this label.
+    // No row has this label, so rows are found by the name of the algorithm.
     assert_eq!(printed("lct11{filter=vertices}"), [3.98, 1.21]);
 }
 
@@ -542,7 +543,7 @@ fn shares_decide_if_they_were_sampled() {
         "{low} {high}"
     );
     assert_eq!(judged.verdict, Confirmed);
-    // A time in a phase is the share of the timed runs.
+    // The time in a phase is its share of the timed runs.
     let phase = "of = [\"vtp\"]\nto = \"ich\"\nfigure = \"phase_pruning\"\nholds = \"> 1\"";
     let value = judge_one(phase, &result).values["vtp to ich, small"]
         .value
@@ -792,7 +793,7 @@ fn patterns_match_whole_names() {
     }
 }
 
-/// Every suite, group, algorithm and model that a claim names is there.
+/// Every suite, group, algorithm and model that a claim names exists.
 #[test]
 fn claims_are_about_what_suites_run() {
     use crate::plan::suite::Suite;
@@ -850,7 +851,7 @@ fn claims_are_about_what_suites_run() {
     }
 }
 
-/// The page of `results` is what the program makes of the record beside it.
+/// The page in `results` is up to date: it is what the program computes from the record beside it.
 #[test]
 fn the_page_is_that_of_the_record() {
     let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../results");

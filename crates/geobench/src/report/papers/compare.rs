@@ -1,4 +1,4 @@
-//! Ratios of a paper beside ours.
+//! Compares the ratios of a paper with ours.
 
 use super::{PaperTable, Printed};
 use crate::measure::number::{grouped, ratio as plain};
@@ -11,7 +11,7 @@ use crate::table::group::{Estimate, GroupCells, distinct};
 use crate::table::results::mean_and_deviation;
 use crate::table::{Column, Entry, Part, Table};
 
-/// The ratios of one figure of two algorithms, in the paper and here.
+/// The ratios of one figure between two algorithms, in the paper and here.
 #[derive(Clone, Debug)]
 struct Pair {
     figure: &'static Figure,
@@ -23,8 +23,9 @@ struct Pair {
     ours: Vec<(String, Estimate)>,
 }
 
-/// The ratios of `table` beside those of `group`, for the figures and algorithms that both have.
-/// The base is that of `setting` if the table has it, else the last algorithm of the table.
+/// A heading, a text, a table and plots of the ratios in `table` and in `group`, for the figures
+/// and algorithms that both have; empty if there are none. The base of ratios is that of `setting`
+/// if the table has it, else the last algorithm of the table.
 pub(crate) fn compare(
     group: &GroupCells<'_>,
     table: &PaperTable,
@@ -57,7 +58,7 @@ pub(crate) fn compare(
     ]
 }
 
-/// All ratios that both have.
+/// All ratios that both the paper's table and the group have.
 fn pairs(group: &GroupCells<'_>, table: &PaperTable, base: Option<&str>) -> Vec<Pair> {
     let measured = || table.printed.iter().filter(|row| row.to.is_none());
     let last = measured().next_back().map(|row| row.algorithm.as_str());
@@ -108,14 +109,14 @@ fn pairs(group: &GroupCells<'_>, table: &PaperTable, base: Option<&str>) -> Vec<
             .collect();
     }
     pairs.retain(|pair| !pair.ours.is_empty());
-    // Figure by figure, algorithms in the paper's order.
+    // Sorted by figure; within a figure, algorithms stay in the paper's order.
     let order = distinct(pairs.iter().map(|pair| pair.figure.key));
     pairs.sort_by_key(|pair| order.iter().position(|key| *key == pair.figure.key));
     pairs
 }
 
-/// The paper's models that the group has too, with their names there. Models match if one name is
-/// part of the other and the numbers of faces differ by at most 1 %.
+/// The paper's models that the group also has: the paper's name and ours. Models match if our name
+/// contains the paper's, in any letter case, and the numbers of faces differ by at most 1 %.
 fn same_models(group: &GroupCells<'_>, pairs: &[Pair]) -> Vec<(String, String)> {
     let found = |known: &Printed| {
         let (faces, name) = (known.faces?, known.model.to_lowercase());
@@ -204,7 +205,7 @@ fn side_by_side(pairs: &[Pair], same: &[(String, String)], source: &str, prefix:
     }
 }
 
-/// The number of models of the ratios, in words.
+/// The numbers of models in the paper and here, in words.
 fn models(pair: &Pair) -> String {
     let paper = match &pair.paper[..] {
         [one] => one.model.clone(),
@@ -235,7 +236,7 @@ fn range(values: &[f64]) -> String {
     }
 }
 
-/// A plot for each figure, because the sizes of their ratios differ widely.
+/// A plot for each figure, because the ratios of different figures have different magnitudes.
 fn plots(pairs: &[Pair], setting: Setting<'_>, source: &str, prefix: &str) -> Vec<Plot> {
     let of_figure = pairs.chunk_by(|a, b| a.figure.key == b.figure.key);
     of_figure
@@ -264,7 +265,7 @@ fn plot(pairs: &[Pair], setting: Setting<'_>, source: &str, prefix: &str) -> Plo
     }
 }
 
-/// The paper's models and ours.
+/// The lane of a pair, with a point for each of the paper's models and of ours.
 fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
     let style = setting.style(&pair.algorithm);
     let paper = pair.paper.iter().map(|known| Point {
@@ -273,14 +274,15 @@ fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
         model: None,
         value: Estimate {
             value: known.value,
-            // A deviation larger than the mean would reach below 0, where a logarithmic axis ends.
+            // The lower end must be above 0 on the logarithmic axis, also if the deviation exceeds
+            // the mean.
             interval: known
                 .deviation
                 .map(|d| [(known.value - d).max(known.value / 10.0), known.value + d]),
         },
         hollow: true,
     });
-    // Without intervals, which would overlap.
+    // Our intervals are left out, because they would overlap.
     let ours = pair.ours.iter().map(|(model, ratio)| Point {
         style,
         name: format!("here, {model}"),

@@ -1,7 +1,8 @@
-//! The papers' tables, and our ratios beside theirs.
+//! The papers' tables, and the comparison of their ratios with ours.
 //!
 //! `bench-configs/papers` has a file for each table; its README defines the columns. Times of
-//! different machines cannot be compared, so only ratios between the algorithms of a table are.
+//! different machines cannot be compared, so only ratios between algorithms of a table are
+//! compared.
 
 use crate::UsageError;
 use crate::schema::{ResultFile, Status};
@@ -11,7 +12,7 @@ mod compare;
 
 pub(crate) use compare::compare;
 
-/// A file of `bench-configs/papers` with its name.
+/// The name and the content of a file of `bench-configs/papers`.
 macro_rules! file {
     ($name:literal) => {
         (
@@ -45,16 +46,17 @@ const FILES: &[(&str, &str)] = &[
     file!("004-table-6"),
 ];
 
-/// The names of all tables: those of their suites.
+/// The names of all tables, which are also the names of their suites.
 fn known() -> Vec<&'static str> {
     let names = FILES.iter().map(|(name, _)| *name);
     names.filter(|name| !name.ends_with(RATIOS)).collect()
 }
 
-/// The end of the name of a file with ratios of a table only. Another file has its numbers.
+/// The suffix of the names of files that hold only the ratios of a table. The file without the
+/// suffix holds its other numbers.
 const RATIOS: &str = "-ratios";
 
-/// The tables to compare with.
+/// The papers' tables that results are compared with.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Tables {
     /// The table of the suite of a result.
@@ -107,27 +109,28 @@ impl Tables {
 pub(crate) struct PaperTable {
     /// The authors and the year.
     pub(crate) paper: String,
-    /// The paper's name for it.
+    /// The name of the table in the paper.
     pub(crate) table: String,
-    /// Its numbers, in its order.
+    /// The numbers, in the order of the table.
     pub(crate) printed: Vec<Printed>,
-    /// Rows with numbers that are no figures here.
+    /// How many numbers were skipped, because they are no figures here or their algorithm does not
+    /// exist here.
     pub(crate) others: usize,
 }
 
 /// A figure of an algorithm on a model, or its ratio to that of another algorithm.
 #[derive(Clone, Debug)]
 pub(crate) struct Printed {
-    /// The model, or the models of a mean.
+    /// The model, or a name for the models of a mean.
     pub(crate) model: String,
     pub(crate) faces: Option<u64>,
-    /// The algorithm, by its name here.
+    /// The label of the algorithm in this program.
     pub(crate) algorithm: String,
-    /// The base, if it is a ratio.
+    /// The label of the base, if the number is a ratio.
     pub(crate) to: Option<String>,
     pub(crate) figure: &'static Figure,
     pub(crate) value: f64,
-    /// Standard deviation if it is a mean.
+    /// The standard deviation, if the number is a mean.
     pub(crate) deviation: Option<f64>,
 }
 
@@ -136,7 +139,8 @@ impl PaperTable {
     ///
     /// # Errors
     ///
-    /// Names all files if there is none, or the line that does not follow their README.
+    /// When there is no such file, or a line does not follow the README of the tables. The message
+    /// names all files, or the line.
     pub(crate) fn named(name: &str) -> anyhow::Result<Self> {
         let Some((name, text)) = FILES.iter().find(|(known, _)| *known == name) else {
             let known: Vec<&str> = FILES.iter().map(|(name, _)| *name).collect();
@@ -163,12 +167,12 @@ const OTHERS: [&str; 6] = [
     "extraction_memory",
 ];
 
-/// Whether `label` names an algorithm; `false` if it is empty, as in rows of programs that are not
-/// here, which count among the [`OTHERS`].
+/// Whether `label` names an algorithm; `false` if it is empty. Rows of programs that do not exist
+/// here have an empty label, and their numbers are skipped like those of the columns [`OTHERS`].
 ///
 /// # Errors
 ///
-/// When there is no such algorithm.
+/// When `label` is not empty and there is no such algorithm.
 fn is_registered(label: &str) -> Result<bool, UsageError> {
     if label.is_empty() {
         return Ok(false);
@@ -180,7 +184,7 @@ fn is_registered(label: &str) -> Result<bool, UsageError> {
 ///
 /// # Errors
 ///
-/// Names the line that does not follow the README of the papers' tables.
+/// When a line does not follow the README of the papers' tables. The message names the line.
 fn parse(name: &str, text: &str) -> anyhow::Result<PaperTable> {
     use anyhow::{Context, bail};
 

@@ -1,7 +1,7 @@
-//! A picture of a model, coloured by distance, with isolines.
+//! Pictures of a model, coloured by distance, with isolines.
 //!
-//! A small rasteriser draws it: orthographic view, depth buffer, smooth shading, four samples per
-//! pixel. The background is transparent, for light and dark pages.
+//! A small rasteriser draws the surface: orthographic view, depth buffer, smooth shading, four
+//! samples per pixel. The background is transparent, for light and dark pages.
 
 mod paint;
 pub(crate) mod plot;
@@ -19,16 +19,16 @@ pub(crate) use paint::Paint;
 use raster::{Camera, Image, Ink};
 use surface::SurfaceView;
 
-/// Width and height of the picture in the units of the drawing.
+/// Width and height of a picture, in units of the drawing.
 const SIZE: [f64; 2] = [480.0, 400.0];
 
-/// Pixels for each unit.
+/// Pixels per unit of the drawing.
 const DENSITY: f64 = 1.5;
 
 /// Approximate number of isolines.
 const ISOLINES: f64 = 24.0;
 
-/// Most sources that are marked in full size.
+/// The most sources that are marked in full size. The marks of more sources are smaller.
 const FULL_MARKS: f64 = 30.0;
 
 /// Half the width of isolines and of paths, in units.
@@ -39,24 +39,26 @@ const PATH: f64 = 1.1;
 const ISOLINE_COLOUR: [u8; 3] = [24, 24, 30];
 const PATH_COLOUR: [u8; 3] = [214, 40, 57];
 
-/// What a picture of a model shows.
+/// The content of a picture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scene<'a> {
     pub(crate) mesh: &'a Mesh,
-    /// The distances of all vertices, by which the surface is coloured; more are ignored.
+    /// The distances of all vertices, by which the surface is coloured. Entries beyond the number
+    /// of vertices are ignored.
     pub(crate) distances: &'a [f64],
-    /// The colours of the faces, in place of those of distances.
+    /// The colours of the faces; replaces the colours of distances.
     pub(crate) paint: Option<&'a Paint>,
-    /// Points of the surface that are marked; the first one is shown if possible.
+    /// Points on the surface that are marked. The camera is chosen so that the first one is
+    /// visible, if possible.
     pub(crate) sources: &'a [[f64; 3]],
-    /// Lines on the surface.
+    /// Thin lines on the surface.
     pub(crate) isolines: &'a [Vec<[f64; 3]>],
-    /// Others, drawn thicker.
+    /// Thick lines on the surface.
     pub(crate) paths: &'a [Vec<[f64; 3]>],
 }
 
 impl<'a> Scene<'a> {
-    /// A surface alone.
+    /// A surface without lines and sources.
     pub(crate) const fn new(mesh: &'a Mesh, distances: &'a [f64]) -> Self {
         Self {
             mesh,
@@ -68,7 +70,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The picture as a file: in pixels, or SVG with the lines as vectors and the distances below.
+    /// The picture as a file: PNG, or SVG with vector lines and a colour scale below.
     ///
     /// # Errors
     ///
@@ -79,7 +81,7 @@ impl<'a> Scene<'a> {
         Ok(picture.file(png, &format!("{what} on {model}")))
     }
 
-    /// The same with `after`, seen from the same side, on its right.
+    /// The picture as a file, with a picture of `after` from the same direction on its right.
     ///
     /// # Errors
     ///
@@ -104,26 +106,27 @@ fn no_surface(model: &str) -> anyhow::Error {
     anyhow::anyhow!("{model}: a mesh without coordinates or faces cannot be drawn")
 }
 
-/// A model coloured by distance, or painted.
+/// A drawn scene.
 #[derive(Clone, Debug)]
 pub(crate) struct Picture {
     /// The surface without lines.
     image: Image,
-    /// The places of the sources that are visible.
+    /// The positions of the visible sources, in units of the drawing.
     sources: Vec<[f64; 2]>,
-    /// The visible parts of lines.
+    /// The visible parts of lines, in units of the drawing.
     isolines: Vec<Vec<[f64; 2]>>,
     paths: Vec<Vec<[f64; 2]>>,
-    /// The distance at the bright end of the ramp; none if distances give no colours.
+    /// The distance at the bright end of the colour ramp; `None` if the scene is painted.
     farthest: Option<f64>,
     camera: Camera,
-    /// The model in numbers, for the view in 3D of a page.
+    /// The data of the 3D view of a page.
     surface: Option<Box<SurfaceView>>,
 }
 
 impl Picture {
-    /// Draws a scene, with isolines every `step` as the colours of vertices have them, from the side
-    /// of `camera` if there is one; `None` if the mesh has no coordinates or no faces.
+    /// Draws a scene. Interpolated isolines are drawn at multiples of `step`; an infinite step
+    /// draws none. The view is that of `camera`, if given. `None` if the mesh has no coordinates or
+    /// no faces, or if vertices lack distances.
     fn new(scene: &Scene<'_>, step: f64, camera: Option<&Camera>) -> Option<Self> {
         let mesh = scene.mesh;
         if mesh.positions().len() != mesh.vertex_count() || mesh.face_count() == 0 {
@@ -163,7 +166,7 @@ impl Picture {
         })
     }
 
-    /// The view in 3D as JSON, if it has one.
+    /// The data of the 3D view as JSON, if there is one.
     pub(crate) fn surface_json(&self) -> Option<String> {
         serde_json::to_string(self.surface.as_deref()?).ok()
     }
@@ -183,12 +186,13 @@ impl Picture {
         }
     }
 
-    /// Its width in units.
+    /// The width in units of the drawing.
     fn width(&self) -> f64 {
         self.image.width() as f64 / DENSITY
     }
 
-    /// The radii of the marks of sources, black and white; less if there are many.
+    /// The radii of the black and the white disc of a source's mark. They shrink if there are many
+    /// sources.
     fn radii(&self) -> [f64; 2] {
         let scale = (FULL_MARKS / self.sources.len().max(1) as f64).sqrt();
         [5.0, 3.6].map(|radius| radius * scale.clamp(0.16, 1.0))
@@ -203,7 +207,7 @@ impl Picture {
         chart.draw("picture", title, "", true).into_bytes()
     }
 
-    /// The picture with its lines and sources but without a scale, as a PNG file.
+    /// The picture with its lines and sources but without the colour scale, as a PNG file.
     pub(crate) fn png(&self) -> Vec<u8> {
         let mut image = self.image.clone();
         let pixels = |line: &Vec<[f64; 2]>| line.iter().map(|at| at.map(|x| x * DENSITY)).collect();
@@ -230,7 +234,7 @@ impl Picture {
         image.png()
     }
 
-    /// Draws it and returns width and height.
+    /// Draws the picture and returns its width and height.
     pub(crate) fn draw(&self, svg: &mut Svg) -> [f64; 2] {
         let (width, height) = (self.width(), SIZE[1]);
         let data = format!(
@@ -267,7 +271,7 @@ impl Picture {
     }
 }
 
-/// The colour scale, with distances.
+/// Draws the colour scale with its distances.
 fn draw_ramp(svg: &mut Svg, farthest: f64, y: f64) {
     const STRIPES: usize = 64;
     let (left, width) = (60.0, SIZE[0] - 120.0);
@@ -279,7 +283,7 @@ fn draw_ramp(svg: &mut Svg, farthest: f64, y: f64) {
             &[
                 ("x", px(left + width * k as f64 / STRIPES as f64)),
                 ("y", px(y)),
-                // A little wider than its part, so that no background shows between stripes.
+                // Stripes overlap, so that no background shows between them.
                 (
                     "width",
                     px(width / STRIPES as f64 + if k + 1 < STRIPES { 1.0 } else { 0.0 }),
@@ -329,7 +333,7 @@ fn draw_lines(svg: &mut Svg, lines: &[Vec<[f64; 2]>], half_width: f64, [r, g, b]
     }
 }
 
-/// The vertex of a face that is nearest to a point in space.
+/// The vertex with a face that is nearest to a point in space.
 fn nearest_vertex(mesh: &Mesh, to: [f64; 3]) -> VertexId {
     let apart = |v: &VertexId| {
         let p = mesh.positions()[v.index()];
@@ -340,7 +344,7 @@ fn nearest_vertex(mesh: &Mesh, to: [f64; 3]) -> VertexId {
     nearest.unwrap_or(VertexId::new(0))
 }
 
-/// A round distance, about [`ISOLINES`] of which make up the farthest.
+/// A round distance, about `parts` of which make up `farthest`.
 fn step(farthest: f64, parts: f64) -> f64 {
     if farthest <= 0.0 {
         return 1.0;
@@ -377,7 +381,8 @@ mod tests {
             .unwrap()
             .distances;
         let mesh = &model.mesh;
-        // An edge at the source, and a part of it inside the sphere, where nothing can be seen.
+        // The edge at the source is visible. The same edge scaled by 0.5 is hidden inside the
+        // sphere.
         let next = mesh.head(mesh.outgoing(vertex)[0]);
         let edge = [vertex, next].map(|v| mesh.positions()[v.index()]);
         let scene = Scene {

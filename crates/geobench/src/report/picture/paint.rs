@@ -1,4 +1,4 @@
-//! Colours of faces and of their parts.
+//! Colours of faces and of parts of faces.
 
 use std::collections::HashMap;
 
@@ -7,15 +7,15 @@ use geobench_voronoi::{Diagram, NO_SOURCE};
 
 use crate::table::diagram_formats::{POINTS_PER_ARC, colour};
 
-/// A triangle of a face by barycentric coordinates, and its colour.
+/// A triangle within a face, by the barycentric coordinates of its corners, and its colour.
 type ColouredTriangle = ([[f64; 3]; 3], [u8; 3]);
 
-/// The colours of a mesh, in place of those of distances.
+/// The colours of the faces of a mesh, which replace the colours of distances.
 #[derive(Clone, Debug)]
 pub(crate) struct Paint {
     /// The colour of each face.
     faces: Vec<[u8; 3]>,
-    /// The triangles of faces with several colours.
+    /// The coloured triangles of each face that has several colours.
     parts: HashMap<FaceId, Vec<ColouredTriangle>>,
 }
 
@@ -28,7 +28,7 @@ impl Paint {
         }
     }
 
-    /// The cells of `diagram`.
+    /// A colour for each cell of `diagram`.
     pub(crate) fn cells(diagram: &Diagram) -> Self {
         let faces = diagram.mesh().faces();
         let faces = faces.map(|face| colour(diagram.cell_of_face(face).unwrap_or(NO_SOURCE)));
@@ -53,7 +53,7 @@ impl Paint {
         self.faces.get(face.index()).copied()
     }
 
-    /// The parts of a face with several colours.
+    /// The coloured triangles of a face, if it has several colours.
     pub(super) fn parts(&self, face: FaceId) -> Option<&[ColouredTriangle]> {
         self.parts.get(&face).map(Vec::as_slice)
     }

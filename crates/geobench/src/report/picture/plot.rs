@@ -1,4 +1,4 @@
-//! The choice of the model for the picture, and its distances.
+//! The picture of a report: chooses the model, and computes distances, isolines and paths.
 
 use std::fmt::Display;
 
@@ -18,27 +18,28 @@ use crate::report::chart::Chart;
 use crate::report::document::{Plot, slug};
 use crate::schema::ResultFile;
 
-/// Most faces of a model that is drawn by default.
+/// The most faces of a model that is drawn without being asked for.
 const MOST_FACES: u64 = 1_000_000;
 
-/// Most faces of a model with exact isolines, which take about a second there.
+/// The most faces of a model that is drawn with exact isolines. At this size they take about a
+/// second.
 const MOST_FACES_WITH_WINDOWS: usize = 60_000;
 
-/// Shortest paths drawn.
+/// The number of shortest paths that are drawn.
 const PATHS: usize = 5;
 
-/// The choice of the picture.
+/// The model that is drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Wanted {
-    /// None.
+    /// No picture.
     None,
     /// The first model that can be loaded again.
     Any,
-    /// This model, from this source or that of its first cell.
+    /// This model, from this source or else from the source of its first cell.
     Of {
         /// Its name in the result.
         model: String,
-        /// The source.
+        /// The source, as the index of a vertex.
         source: Option<u32>,
     },
 }
@@ -69,11 +70,11 @@ impl std::str::FromStr for Wanted {
     }
 }
 
-/// The picture that `wanted` asks for from a model of `result`.
+/// The picture of a model of `result` that `wanted` asks for; `None` if no model can be drawn.
 ///
 /// # Errors
 ///
-/// When a model was named and cannot be drawn. A model that was not named causes no error.
+/// When `wanted` names a model that does not exist or cannot be drawn.
 pub(crate) fn plot(
     result: &ResultFile,
     wanted: &Wanted,
@@ -135,7 +136,8 @@ fn of_model(
     let distances = paths.distances();
     let finite = distances.iter().copied().filter(|d| d.is_finite());
     let step = step(finite.fold(0.0, f64::max), ISOLINES);
-    // The exact ones need all windows, which are many; else those of a linear interpolation.
+    // Exact isolines need all windows, which take much memory. Large models get the isolines of the
+    // linear interpolation between vertices.
     let is_exact = loaded.measures.faces <= MOST_FACES_WITH_WINDOWS;
     let isolines = if is_exact {
         isolines(mesh, vertex, step)
@@ -196,7 +198,7 @@ fn of_model(
     })
 }
 
-/// The exact isolines at multiples of `step`; none if there are any doubts.
+/// The exact isolines at multiples of `step`; empty if they cannot be computed.
 fn isolines(mesh: &Mesh, source: VertexId, step: f64) -> Vec<Vec<[f64; 3]>> {
     let Ok(field) = DistanceField::new(mesh, &[source.into()]) else {
         return Vec::new();
@@ -206,7 +208,8 @@ fn isolines(mesh: &Mesh, source: VertexId, step: f64) -> Vec<Vec<[f64; 3]>> {
     lines.map(|line| line.polyline(mesh, 0.01 * step)).collect()
 }
 
-/// Some vertices in the farther half, the farthest first, each far from the others in space.
+/// Up to [`PATHS`] targets of paths: first the farthest vertex, then vertices beyond half its
+/// distance, each chosen to be as far as possible in space from those before.
 fn far_vertices(mesh: &Mesh, distances: &[f64]) -> Vec<VertexId> {
     let reached = mesh.vertices().filter(|v| distances[v.index()].is_finite());
     let by_distance =
@@ -216,7 +219,7 @@ fn far_vertices(mesh: &Mesh, distances: &[f64]) -> Vec<VertexId> {
     };
     let half = 0.5 * distances[farthest.index()];
     let mut far = vec![farthest];
-    // The square of the distance in space from the nearest one chosen.
+    // For each vertex: the squared distance in space from the nearest chosen one.
     let mut apart = vec![f64::INFINITY; distances.len()];
     while far.len() < PATHS {
         let last = mesh.positions()[far[far.len() - 1].index()];

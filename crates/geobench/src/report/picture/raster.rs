@@ -1,29 +1,30 @@
-//! Filling triangles.
+//! The rasteriser: camera, triangles, lines and PNG output.
 
 use geobench_mesh::{Mesh, VertexId};
 
 use super::paint::Paint;
 use crate::table::distance_formats;
 
-/// Samples for each pixel of the picture, each way.
+/// Samples per pixel in each direction.
 const SAMPLES: usize = 2;
 
 /// The direction of the light: from behind the viewer, left and above.
 const LIGHT: [f64; 3] = [-0.35, 0.55, 0.76];
 
-/// The cosine of 40 degrees. Faces that meet at a larger angle are not shaded smoothly.
+/// The cosine of 40 degrees. A corner is shaded flat if the normals of its face and its vertex
+/// differ by more.
 const SHARP: f64 = 0.766;
 
-/// The surface visible at a sample.
+/// The part of the surface that is visible at a sample.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
-    /// The depth, larger if nearer to the viewer, in samples; minus infinity without a surface.
+    /// The depth in samples, which grows towards the viewer; minus infinity without a surface.
     depth: f32,
-    /// The distance from the source; infinite where no path leads.
+    /// The geodesic distance from the source; infinite if unreachable.
     distance: f32,
     /// The brightness, from 0 to 1.
     light: f32,
-    /// The colour, in place of that of the distance.
+    /// The colour that replaces that of the distance.
     paint: Option<[u8; 3]>,
 }
 
@@ -43,8 +44,9 @@ pub(super) struct Image {
     samples: Vec<Sample>,
 }
 
-/// The surface of `mesh` as `camera` sees it, its colours from 0 to `farthest`, an isoline every
-/// `step`; those of `paint` if there is one. O(faces + samples).
+/// Renders `mesh` as `camera` sees it. Colours show distances from 0 to `farthest`, with isolines
+/// at multiples of `step`, unless `paint` gives colours. O(faces + samples covered by their
+/// bounding boxes).
 pub(super) fn render(
     mesh: &Mesh,
     distances: &[f64],
@@ -92,7 +94,7 @@ pub(super) fn render(
     }
 }
 
-/// The mean of the normals around each vertex, weighted by area.
+/// The normal of each vertex: the mean of the normals of its faces, weighted by area.
 fn vertex_normals(mesh: &Mesh) -> Vec<[f64; 3]> {
     let mut sums = vec![[0.0; 3]; mesh.vertex_count()];
     for face in mesh.faces() {
@@ -107,7 +109,7 @@ fn vertex_normals(mesh: &Mesh) -> Vec<[f64; 3]> {
     sums.into_iter().map(unit).collect()
 }
 
-/// The brightness of a surface with this normal, the same for both sides.
+/// The brightness of a surface with this normal. Both sides have the same brightness.
 fn brightness(normal: [f64; 3]) -> f64 {
     let towards = if normal[2] < 0.0 {
         normal.map(|x| -x)
@@ -117,7 +119,7 @@ fn brightness(normal: [f64; 3]) -> f64 {
     0.55 + 0.45 * dot(towards, unit(LIGHT)).max(0.0)
 }
 
-/// A triangle as the camera sees it.
+/// A triangle in view coordinates.
 #[derive(Clone, Copy, Debug)]
 struct Triangle {
     corners: [Vector; 3],
@@ -127,20 +129,21 @@ struct Triangle {
 }
 
 impl Triangle {
-    /// The part with these corners, by their barycentric coordinates.
+    /// The part of the triangle whose corners have these barycentric coordinates.
     fn part(&self, corners: [[f64; 3]; 3], colour: [u8; 3]) -> Self {
         let blend = |of: [f64; 3]| corners.map(|weights| dot(weights, of));
         let axes = [0, 1, 2].map(|k| blend(self.corners.map(|corner| corner[k])));
         Self {
             corners: [0, 1, 2].map(|i| [0, 1, 2].map(|k| axes[k][i])),
-            // One unreachable corner makes the face unreachable, also where its weight is 0.
+            // Not blended: an infinite distance would give NaN at corners where its weight is 0.
+            // Painted parts need no distances.
             distances: [0.0; 3],
             light: blend(self.light),
             paint: Some(colour),
         }
     }
 
-    /// Fills its samples where it is nearer than the earlier surface.
+    /// Writes the samples at which the triangle is nearer than the surface drawn before.
     fn fill(self, samples: &mut [Sample], [width, height]: [usize; 2]) {
         let Self {
             corners,
@@ -170,7 +173,7 @@ impl Triangle {
                     side(c, a, x, y) / area,
                     side(a, b, x, y) / area,
                 ];
-                // Slightly beyond the edge, so that there are no gaps between neighbours.
+                // The tolerance avoids gaps between neighbouring triangles.
                 if shares.iter().any(|share| *share < -1e-9) {
                     continue;
                 }
@@ -210,7 +213,8 @@ fn colour(
         return Some(distance_formats::UNREACHED.map(|part| f64::from(part) * light));
     }
     let band = |sample: &Sample| (f64::from(sample.distance) / step).floor();
-    // An isoline passes where a neighbour on the same sheet lies in another band.
+    // An isoline separates two neighbouring samples of different bands. Their depths must be close,
+    // so that both lie on the same part of the surface.
     let near = width.max(height) as f32 * 0.01;
     let crosses = |c: usize, r: usize| {
         let other = &samples[c + width * r];
@@ -231,7 +235,7 @@ fn colour(
     Some(distance_formats::colour(share).map(|part| f64::from(part) * light * ink))
 }
 
-/// The pixels of a picture of `size`, each the mean of its samples.
+/// The pixels of a picture, each the mean of the colours of its samples.
 fn resolve(
     samples: &[Sample],
     [width, height]: [usize; 2],
@@ -282,7 +286,7 @@ impl Image {
         bytes
     }
 
-    /// This picture with another one on its right, which is as high.
+    /// This picture with another one of the same height on its right.
     pub(super) fn beside(&self, right: &Self) -> Self {
         let [width, height] = self.size;
         let rows = self.pixels.chunks(width.max(1));
@@ -294,7 +298,7 @@ impl Image {
         }
     }
 
-    /// Frees what only [`sees`](Self::sees) needs.
+    /// Frees the samples, which only [`sees`](Self::sees) needs.
     pub(super) fn forget_samples(&mut self) {
         self.samples = Vec::new();
     }
@@ -314,13 +318,13 @@ impl Image {
             return None;
         }
         let front = f64::from(self.samples[column + width * row].depth);
-        // The sample's middle may be a little nearer than the point itself.
+        // The tolerance is needed because the depth is that of the centre of the sample.
         let slack = width.max(height) as f64 * 0.01;
         (depth > front - slack).then(|| [x, y].map(|t| t / SAMPLES as f64))
     }
 }
 
-/// How far from the line its middle is covered fully, in pixels: half its width.
+/// The style of lines drawn into an image. The half width is in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ink {
     pub(super) half_width: f64,
@@ -328,7 +332,7 @@ pub(super) struct Ink {
 }
 
 impl Image {
-    /// The parts of a line on the surface that can be seen, in pixels.
+    /// The visible parts of a line on the surface, in pixels.
     pub(super) fn visible(&self, line: &[[f64; 3]], camera: &Camera) -> Vec<Vec<[f64; 2]>> {
         let mut parts = Vec::new();
         let mut part: Vec<[f64; 2]> = Vec::new();
@@ -348,7 +352,7 @@ impl Image {
                     end(&mut part);
                     continue;
                 };
-                // A point for each pixel is enough.
+                // About one point per pixel is enough.
                 let is_new = part.last().is_none_or(|last| {
                     let moved = (seen[0] - last[0]).hypot(seen[1] - last[1]);
                     moved > 0.3 && (moved > 1.0 || i == 0 || f64::from(i) == steps)
@@ -406,9 +410,9 @@ type Vector = [f64; 3];
 /// An orthographic view.
 #[derive(Clone, Debug)]
 pub(super) struct Camera {
-    /// To the right, up, and towards the viewer; of length 1 and at right angles.
+    /// Orthonormal directions to the right, up, and towards the viewer.
     axes: [Vector; 3],
-    /// The centre of the view, in the coordinates of the axes.
+    /// The centre of the view along the first two axes.
     middle: [f64; 2],
     /// Pixels per unit of the model.
     scale: f64,
@@ -416,16 +420,16 @@ pub(super) struct Camera {
     pub(super) size: [usize; 2],
 }
 
-/// Part of the picture that the model may fill.
+/// The share of the picture's size that the model may fill.
 const FILL: f64 = 0.96;
 
-/// Side of the grid on which views are compared.
+/// Cells per side of the grid on which views are compared.
 const GRID: usize = 96;
 
 impl Camera {
-    /// The view that shows most of the surface of `mesh`, and the source if possible, with `size`
-    /// pixels. Up is the y-axis, as in most files, or the z-axis if the model is flat along that.
-    /// O(directions x vertices).
+    /// Chooses the view that shows most of the surface of `mesh`, and the source if possible.
+    /// `size` is in pixels. Up is the y-axis, as in most files, or the z-axis if the model is flat
+    /// along z. O(directions × vertices).
     pub(super) fn choose(mesh: &Mesh, source: VertexId, size: [usize; 2]) -> Self {
         let positions = mesh.positions();
         let (low, high) = bounds(positions);
@@ -475,7 +479,7 @@ impl Camera {
         }
     }
 
-    /// The place of a point from the top left, and its depth, in pixels.
+    /// The position of a point from the top left corner, and its depth, in pixels.
     pub(super) fn project(&self, position: Vector) -> Vector {
         let [right, up, towards] = self.axes.map(|axis| dot(position, axis));
         [
@@ -485,7 +489,7 @@ impl Camera {
         ]
     }
 
-    /// To the right, up, and towards the viewer.
+    /// The directions to the right, up, and towards the viewer.
     pub(super) const fn axes(&self) -> [Vector; 3] {
         self.axes
     }
@@ -495,7 +499,7 @@ impl Camera {
         self.axes.map(|axis| dot(direction, axis))
     }
 
-    /// The same view with `times` as many pixels each way.
+    /// The same view with `times` as many pixels in each direction.
     pub(super) fn enlarged(&self, times: usize) -> Self {
         Self {
             scale: self.scale * times as f64,
@@ -535,7 +539,7 @@ fn score(positions: &[Vector], source: VertexId, axes: &[Vector; 3], facing: f64
 
 /// The direction from the model to the viewer.
 fn direction(up: Vector, turn: f64, height: f64) -> Vector {
-    // libm: the same view on every machine.
+    // `libm` gives the same view on every machine.
     let (flat, lift) = (libm::cos(height), libm::sin(height));
     let (a, b) = (flat * libm::sin(turn), flat * libm::cos(turn));
     if up[1] > 0.0 {
@@ -545,7 +549,7 @@ fn direction(up: Vector, turn: f64, height: f64) -> Vector {
     }
 }
 
-/// To the right, up and towards the viewer.
+/// The directions to the right, up and towards the viewer, for a view from `towards`.
 fn axes(towards: Vector, up: Vector) -> [Vector; 3] {
     let right = unit(cross(up, towards));
     [right, cross(towards, right), towards]

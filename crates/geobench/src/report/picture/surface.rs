@@ -1,4 +1,4 @@
-//! The model of a picture in numbers, for the page's view in 3D (`assets/surface.js`).
+//! The data of a page's 3D view of a model (`assets/surface.js`).
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -13,13 +13,13 @@ use serde::Serialize;
 use super::Scene;
 use crate::table::distance_formats::{RAMP, UNREACHED};
 
-/// Most faces of the view; models with more are decimated.
+/// The most faces of the view. Larger models are decimated.
 const MOST_FACES: usize = 200_000;
 
-/// Steps of a coordinate and of a distance.
+/// The largest quantised value of a coordinate and of a distance.
 const STEPS: f64 = 65_534.0;
 
-/// The distance of an unreachable vertex, in steps.
+/// The quantised distance of an unreachable vertex.
 const NEVER: u32 = 65_535;
 
 /// A model with distances and paths.
@@ -28,22 +28,22 @@ pub(crate) struct SurfaceView {
     kind: &'static str,
     vertices: usize,
     faces: usize,
-    /// Faces of the model, more than `faces` if it was decimated.
+    /// The number of faces of the model, which is more than `faces` if it was decimated.
     of: usize,
-    /// The least corner of its box.
+    /// The least corner of the bounding box.
     low: [f64; 3],
-    /// The longest side of its box.
+    /// The longest side of the bounding box.
     extent: f64,
     /// The distance at the bright end of the ramp.
     farthest: f64,
     /// The distance between isolines.
     step: f64,
     source: [f64; 3],
-    /// Right, up and towards the viewer at first.
+    /// The initial view: the directions to the right, up and towards the viewer.
     axes: [[f64; 3]; 3],
     ramp: [[u8; 3]; 9],
     unreached: [u8; 3],
-    /// The number of points of each exact isoline; without any, the view interpolates.
+    /// The number of points of each exact isoline. If empty, the view draws interpolated isolines.
     isolines: Vec<usize>,
     paths: Vec<SurfacePath>,
     /// Coordinates, distances, corners and isolines; see [`encode`].
@@ -82,8 +82,8 @@ struct Triangles {
 }
 
 impl SurfaceView {
-    /// The view of a scene with its isolines, towards the viewer of `axes`. O(vertices + faces), a
-    /// few times more if it is decimated.
+    /// The view of a scene with its isolines and `paths`, initially as seen by the camera with
+    /// `axes`. O(vertices + faces), times about 12 if the model is decimated.
     pub(super) fn new(
         scene: &Scene<'_>,
         axes: [[f64; 3]; 3],
@@ -130,8 +130,8 @@ fn whole(mesh: &Mesh, distances: &[f64]) -> Triangles {
     }
 }
 
-/// `triangles` with at most `most` faces: the vertices of each cell of the finest grid that leaves
-/// few enough become one, in their middle, with the mean of their distances.
+/// `triangles`, decimated to at most `most` faces by vertex clustering. A binary search finds the
+/// finest grid that leaves few enough faces.
 fn reduced(triangles: Triangles, most: usize) -> Triangles {
     if triangles.corners.len() <= most {
         return triangles;
@@ -151,14 +151,15 @@ fn reduced(triangles: Triangles, most: usize) -> Triangles {
     best
 }
 
-/// The vertices of each cell of a grid with `cells` along the longest side made one.
+/// Vertex clustering on a grid with `cells` cells along the longest side. The vertices of a cell
+/// are merged into one, at the mean of their positions and with the mean of their finite distances.
 fn clustered(triangles: &Triangles, cells: u32) -> Triangles {
     let (low, high) = super::raster::bounds(&triangles.positions);
     let extent = (0..3).map(|k| high[k] - low[k]).fold(1e-300, f64::max);
     let side = extent * (1.0 + 1e-9) / f64::from(cells);
     let mut numbers: HashMap<[u32; 3], u32> = HashMap::new();
     let mut merged = Triangles::default();
-    // The number of vertices of each cell, and of those that are reached.
+    // For each cell: the number of vertices, and of those with a finite distance.
     let mut counts: Vec<[f64; 2]> = Vec::new();
     let mut cell_of = Vec::with_capacity(triangles.positions.len());
     for (position, distance) in triangles.positions.iter().zip(&triangles.distances) {
@@ -194,7 +195,7 @@ fn clustered(triangles: &Triangles, cells: u32) -> Triangles {
     merged.corners = faces
         .filter(|[a, b, c]| a != b && b != c && c != a)
         .collect();
-    // One of the faces that became the same.
+    // Of the faces that have become equal, one is kept.
     let sorted = |face: &[u32; 3]| {
         let mut face = *face;
         face.sort_unstable();
@@ -205,10 +206,13 @@ fn clustered(triangles: &Triangles, cells: u32) -> Triangles {
     merged
 }
 
-/// Three planes of coordinates and one of distances, each number a `u16` in steps of the box or
-/// of the farthest distance, then the corners as `u32`: each plane as differences from the number
-/// before, its low bytes first, then its higher ones; last the points of all isolines like the
-/// coordinates. All compressed by zlib, in base64.
+/// Packs the numbers of a view, compressed by zlib and encoded in base64.
+///
+/// The planes are, in this order: the x, y and z coordinates of the vertices, their distances, the
+/// corners of the faces, and the x, y and z coordinates of the points of all isolines. Corners are
+/// `u32`. All others are `u16`, quantised relative to the bounding box or to the farthest distance.
+/// Each plane holds the differences of successive numbers: first the low bytes of all, then the
+/// next bytes.
 fn encode(
     triangles: &Triangles,
     isolines: &[Vec<[f64; 3]>],
@@ -239,7 +243,8 @@ fn encode(
     STANDARD.encode(encoder.finish().unwrap_or_default())
 }
 
-/// Appends the differences of neighbours, wrapped to `width` bytes, byte by byte.
+/// Appends a plane: the differences of successive numbers, wrapped to `width` bytes, first the low
+/// bytes of all.
 fn differences(bytes: &mut Vec<u8>, numbers: &[u32], width: usize) {
     for byte in 0..width {
         let mut last = 0_u32;

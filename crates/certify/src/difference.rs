@@ -17,8 +17,8 @@ impl Distance {
     }
 
     /// The same function in rounded arithmetic, up to rounding.
-    pub(crate) fn rounded(&self) -> Rounded {
-        Rounded {
+    pub(crate) fn rounded(&self) -> RoundedDistance {
+        RoundedDistance {
             image: self.image.map(Interval::middle),
             sigma: self.sigma.middle(),
         }
@@ -42,12 +42,12 @@ fn slope([x, way]: [Interval; 2]) -> Interval {
 
 /// As [`Distance`], in rounded arithmetic.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rounded {
+pub(crate) struct RoundedDistance {
     pub(crate) image: [f64; 2],
     pub(crate) sigma: f64,
 }
 
-impl Rounded {
+impl RoundedDistance {
     pub(crate) fn at(&self, t: f64) -> f64 {
         self.sigma + self.way(t)[1]
     }
@@ -122,7 +122,7 @@ impl Chord {
 
     /// Whether the distance from the middle of the interval to the image exceeds the interval's
     /// length.
-    pub(crate) fn is_shorter_than_way(&self, distance: &Rounded) -> bool {
+    pub(crate) fn is_shorter_than_way(&self, distance: &RoundedDistance) -> bool {
         let [x, y] = [self.middle - distance.image[0], distance.image[1]];
         x * x + y * y > 4.0 * self.half * self.half
     }
@@ -134,7 +134,7 @@ impl Chord {
     /// the image to the middle, x its component along the line, h half the length of the interval,
     /// and a and b the values of the chord at the ends. The conditions are `a + x/w h < sigma + w`
     /// and `b - x/w h < sigma + w`, here multiplied by w. They are never met if w is 0.
-    pub(crate) fn is_below(&self, distance: &Rounded, clear: f64) -> bool {
+    pub(crate) fn is_below(&self, distance: &RoundedDistance, clear: f64) -> bool {
         let [x, y] = [self.middle - distance.image[0], distance.image[1]];
         let square = x * x + y * y;
         let way = square.sqrt();
@@ -214,7 +214,7 @@ fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -
         .fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// As [`Rounded::peak`].
+/// As [`RoundedDistance::peak`].
 pub(crate) fn peak(f: &Distance, g: &Distance) -> f64 {
     let x = f.image[0] - g.image[0];
     let y = f.image[1].abs() - g.image[1].abs();

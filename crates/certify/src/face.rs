@@ -1,7 +1,7 @@
 //! The Lipschitz check of one face: upper bounds of `d(y) - d(x) - |xy|` for its boundary points.
 //!
 //! Let x range over an envelope piece on one side. The least `d(x) + |xy|` is a function of the
-//! point y on another side. It has three parts ([`Reaches`]). Where the segment from the image of
+//! point y on another side. It has three parts ([`LeastDistance`]). Where the segment from the image of
 //! the piece to y crosses the piece, the path is *straight*. On either side of this part, the path
 //! is *bent*: it turns at an end of the piece.
 //!
@@ -10,10 +10,10 @@
 
 use geobench_mesh::{FaceId, HalfEdgeId};
 
-use crate::difference::{CLOSE, Distance, Rounded, peak};
+use crate::difference::{CLOSE, Distance, RoundedDistance, peak};
 use crate::field::{EdgeField, ExactPiece, FaceSide, SidePiece, canonical};
 use crate::interval::{Interval, greater, lesser};
-use crate::shape::{Border, FaceShape, Reaches, RoundedTransform, SideTransform, excess};
+use crate::shape::{Border, FaceShape, LeastDistance, RoundedTransform, SideTransform, excess};
 
 /// A link of a chain: segments across a face between two nodes, of which a shortest path may take
 /// one.
@@ -135,7 +135,7 @@ impl<'a> Checker<'a> {
                 if !near.is_finite() {
                     return nothing;
                 }
-                let mut across = Across {
+                let mut across = SidePair {
                     field: self.field,
                     sides: [&sides[k], &sides[there]],
                     half_edges: [k, there].map(|k| face.half_edge(k as u32)),
@@ -189,7 +189,7 @@ fn is_concave(left: Option<&SidePiece>, right: Option<&SidePiece>, margin: f64) 
 }
 
 /// All pairs of pieces of two sides of a face, for paths from the one side to the other.
-struct Across<'a> {
+struct SidePair<'a> {
     field: &'a EdgeField<'a>,
     /// The side that paths leave, and the one at which they arrive. All pairs below are in this
     /// order.
@@ -214,8 +214,8 @@ struct Across<'a> {
 struct FromPiece<'a> {
     index: usize,
     piece: &'a SidePiece,
-    straight: Rounded,
-    reaches: Option<Reaches>,
+    straight: RoundedDistance,
+    reaches: Option<LeastDistance>,
     exact_straight: Option<Distance>,
     exact_piece: Option<ExactPiece>,
     /// At the end of the piece and at its beginning.
@@ -225,10 +225,10 @@ struct FromPiece<'a> {
 
 /// The parts of a piece in the neighbourhoods of the ends of the side and between them, each with
 /// the paths that leave it.
-type Parts = [Option<(SidePiece, Option<Reaches>)>; 3];
+type Parts = [Option<(SidePiece, Option<LeastDistance>)>; 3];
 
 impl<'a> FromPiece<'a> {
-    fn new(index: usize, piece: &'a SidePiece, straight: Rounded) -> Self {
+    fn new(index: usize, piece: &'a SidePiece, straight: RoundedDistance) -> Self {
         Self {
             index,
             piece,
@@ -242,7 +242,7 @@ impl<'a> FromPiece<'a> {
     }
 }
 
-impl Across<'_> {
+impl SidePair<'_> {
     /// Raises `excess`, and adds the links. Leaves out paths that bend at a concave kink.
     ///
     /// By the triangle inequality, no path from a point x of the line through the piece to a point
@@ -307,7 +307,7 @@ impl Across<'_> {
     }
 
     /// An upper bound of how much `other` is above the distances by paths from one piece. `found`
-    /// holds the same for each of the three parts of [`Reaches`], in rounded arithmetic.
+    /// holds the same for each of the three parts of [`LeastDistance`], in rounded arithmetic.
     fn exact_excess(
         &mut self,
         from: &mut FromPiece<'_>,

@@ -2,7 +2,7 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh};
 
-use crate::difference::{Chord, Distance, Rounded};
+use crate::difference::{Chord, Distance, RoundedDistance};
 use crate::envelope::EnvelopePiece;
 use crate::interval::{Interval, greater, minus, norm};
 
@@ -27,7 +27,7 @@ pub(crate) fn canonical(mesh: &Mesh, h: HalfEdgeId) -> HalfEdgeId {
 /// A piece, or a part of one, in the frame of a half-edge of the edge, in rounded arithmetic.
 #[derive(Clone, Copy)]
 pub(crate) struct SidePiece {
-    pub(crate) distance: Rounded,
+    pub(crate) distance: RoundedDistance,
     pub(crate) from: f64,
     pub(crate) to: f64,
     /// The chord of the piece. A distance is convex, so it is nowhere above its chord.
@@ -38,7 +38,7 @@ pub(crate) struct SidePiece {
 
 impl SidePiece {
     /// A distance on a part of a side.
-    pub(crate) fn new(distance: Rounded, from: f64, to: f64, node: usize) -> Self {
+    pub(crate) fn new(distance: RoundedDistance, from: f64, to: f64, node: usize) -> Self {
         let at_ends = [distance.at(from), distance.at(to)];
         Self {
             distance,
@@ -76,7 +76,7 @@ impl EdgeField<'_> {
         let first = self.starts[canonical.index()];
         let pieces = self.pieces(h).iter();
         let turn = |(i, piece): (usize, &EnvelopePiece), [from, to, x]: [f64; 3]| {
-            let distance = Rounded {
+            let distance = RoundedDistance {
                 image: [x, piece.image[1]],
                 sigma: piece.sigma,
             };

@@ -2,7 +2,7 @@
 
 use geobench_mesh::{FaceId, Mesh};
 
-use crate::difference::{Chord, Distance, Rounded, greatest_difference};
+use crate::difference::{Chord, Distance, RoundedDistance, greatest_difference};
 use crate::field::{ExactPiece, SidePiece};
 use crate::interval::{
     Interval, IntervalVector, cross, cross_length, dot, greater, lesser, minus, norm,
@@ -184,18 +184,18 @@ impl RoundedTransform {
     }
 
     /// As [`SideTransform::straight`].
-    pub(crate) fn straight(&self, distance: &Rounded) -> Rounded {
+    pub(crate) fn straight(&self, distance: &RoundedDistance) -> RoundedDistance {
         let [x, y] = distance.image;
-        Rounded {
+        RoundedDistance {
             image: self.map([x, -y]),
             sigma: distance.sigma,
         }
     }
 
     /// The least distances over the points of `piece`, as functions on the other side.
-    pub(crate) fn reaches(&self, piece: &SidePiece, straight: Rounded) -> Reaches {
+    pub(crate) fn reaches(&self, piece: &SidePiece, straight: RoundedDistance) -> LeastDistance {
         let image = straight.image;
-        let bend = |t: f64, sigma: f64| Rounded {
+        let bend = |t: f64, sigma: f64| RoundedDistance {
             image: self.map([t, 0.0]),
             sigma,
         };
@@ -203,7 +203,7 @@ impl RoundedTransform {
         let right = bend(piece.to, piece.at_ends()[1]);
         let first = self.boundary(image, right.image, 0.0);
         let last = self.boundary(image, left.image, self.length);
-        Reaches {
+        LeastDistance {
             distances: [right, straight, left],
             bounds: [0.0, first, greater(last, first), self.length],
             tiny: self.tiny,
@@ -233,16 +233,16 @@ impl RoundedTransform {
 /// The least distances over the points of a piece, as functions on another side, in rounded
 /// arithmetic.
 #[derive(Clone, Copy)]
-pub(crate) struct Reaches {
+pub(crate) struct LeastDistance {
     /// By the paths that bend at the end of the piece, by the straight ones, and by those that bend
     /// at its beginning.
-    distances: [Rounded; 3],
+    distances: [RoundedDistance; 3],
     /// The abscissas at which the three parts begin and end.
     bounds: [f64; 4],
     tiny: f64,
 }
 
-impl Reaches {
+impl LeastDistance {
     /// The abscissas at which part `k` begins and ends.
     pub(crate) fn bounds(&self, k: usize) -> [f64; 2] {
         [self.bounds[k], self.bounds[k + 1]]

@@ -18,14 +18,14 @@ pub(crate) struct Link {
 
 /// The ends of arcs in a face, and the crossings of its edges.
 #[derive(Default)]
-pub(crate) struct Joints {
+pub(crate) struct FaceConnections {
     /// Crossings at which a line comes in, and at which one goes out.
     entries: Vec<(usize, Point)>,
     exits: Vec<(usize, Point)>,
     arcs: Vec<[Point; 2]>,
 }
 
-impl Joints {
+impl FaceConnections {
     /// Adds a crossing, at which the line enters the face or leaves it.
     pub(crate) fn cross(&mut self, number: usize, at: Point, enters: bool) {
         if enters {

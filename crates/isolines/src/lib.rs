@@ -423,7 +423,7 @@ impl Tracer<'_> {
     fn trace_face(&mut self, face: FaceId) {
         let mesh = &self.field.refined.mesh;
         let cones = self.field.cones(face);
-        let mut joints = face::Joints::default();
+        let mut joints = face::FaceConnections::default();
         for k in 0..3 {
             let h = face.half_edge(k);
             let l = mesh.length(h);

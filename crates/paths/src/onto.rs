@@ -32,7 +32,7 @@ impl Path {
     /// ```
     #[must_use]
     pub fn of_original(&self, mesh: &Mesh, refined: &Refined, points: &[SurfacePoint]) -> Self {
-        let onto = Onto {
+        let onto = OriginalMapper {
             mesh,
             refined,
             points,
@@ -49,13 +49,13 @@ impl Path {
     }
 }
 
-struct Onto<'a> {
+struct OriginalMapper<'a> {
     mesh: &'a Mesh,
     refined: &'a Refined,
     points: &'a [SurfacePoint],
 }
 
-impl Onto<'_> {
+impl OriginalMapper<'_> {
     fn point(&self, point: &Point) -> Point {
         let Some(face) = point.face else {
             return *point;

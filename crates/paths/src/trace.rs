@@ -338,11 +338,11 @@ impl Paths {
 
     /// The line from `v`, the apex of `h`, to `image`, for a path that may be too long by
     /// `tolerance`.
-    fn line(&self, v: VertexId, h: HalfEdgeId, image: [f64; 2], tolerance: f64) -> Line {
+    fn line(&self, v: VertexId, h: HalfEdgeId, image: [f64; 2], tolerance: f64) -> ImageRay {
         let apex = self.mesh.apex(h);
         let length = norm(sub(image, apex));
         let distance = self.distances[v.index()];
-        Line {
+        ImageRay {
             start: [apex; 2],
             goal: image,
             here: apex,
@@ -361,7 +361,7 @@ impl Paths {
 
     /// Considers the vertices of the faces beyond `h`; `line` is in the frame of `h`. If these
     /// faces have no area, a vertex at which the path bends may lie on `h`.
-    fn consider_behind(&self, h: HalfEdgeId, line: &mut Line) {
+    fn consider_behind(&self, h: HalfEdgeId, line: &mut ImageRay) {
         // Half-edges that lie on `h`, each with the abscissas of its tail and head.
         let mut ahead = vec![(h, [0.0, self.mesh.length(h)])];
         for _ in 0..self.mesh.face_count() {
@@ -382,7 +382,12 @@ impl Paths {
 
     /// Follows `line` from the apex of `h` to the vertex at which it ends, or to the first vertex
     /// that it passes. If there is no such vertex, returns the face in which the line ends.
-    fn walk(&self, h: HalfEdgeId, line: &mut Line, path: &mut Path) -> Result<VertexId, FaceId> {
+    fn walk(
+        &self,
+        h: HalfEdgeId,
+        line: &mut ImageRay,
+        path: &mut Path,
+    ) -> Result<VertexId, FaceId> {
         let mesh = &self.mesh;
         let (apex, l) = (mesh.apex(h), mesh.length(h));
         line.enter(l, apex);
@@ -479,7 +484,7 @@ fn on_edge(h: HalfEdgeId, ends: [VertexId; 2], t: f64) -> Point {
 
 /// A line to an image, during a walk. Coordinates are in the frame of the current face, unless
 /// noted.
-struct Line {
+struct ImageRay {
     /// Its start: in the frame of its first half-edge, and in the current frame.
     start: [[f64; 2]; 2],
     /// The image, in the frame of the first half-edge.
@@ -521,7 +526,7 @@ struct Best {
     way: f64,
 }
 
-impl Line {
+impl ImageRay {
     /// Enters a face across an edge of length `l`. Widens the tolerances if the face is larger than
     /// all before: the rounding errors of points are proportional to its size.
     fn enter(&mut self, l: f64, apex: [f64; 2]) {

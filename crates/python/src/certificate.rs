@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use crate::arrays;
 use crate::errors::unsolved;
 use crate::interrupt;
-use crate::points::Question;
+use crate::points::ResolvedPoints;
 use crate::solver::mesh_of;
 
 /// By how much distances may be wrong, proven. It is true if they are right to the tolerance.
@@ -86,9 +86,9 @@ pub(crate) fn certify(
             "tolerance: {tolerance} is no error that could be allowed"
         )));
     }
-    let Question {
+    let ResolvedPoints {
         refined, sources, ..
-    } = Question::new(&mesh, source, "source", None)?;
+    } = ResolvedPoints::new(&mesh, source, "source", None)?;
     let given = distances
         .map(|given| arrays::distances(given, "distances", mesh.vertex_count()))
         .transpose()?;

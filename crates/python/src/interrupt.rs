@@ -14,7 +14,8 @@ use pyo3::prelude::*;
 const PERIOD: Duration = Duration::from_millis(20);
 
 /// How long a call that was interrupted waits for its work to end. Most of it ends within
-/// milliseconds; what does not goes on in its thread until it sees that it is to stop.
+/// milliseconds; what does not goes on in its thread until it sees that it is to stop, or to its end
+/// if it takes no [`Stop`].
 const GRACE: Duration = Duration::from_millis(500);
 
 /// Calls with fewer faces than this, times the number of sources, take milliseconds. They are

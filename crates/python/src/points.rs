@@ -205,14 +205,14 @@ impl<'m> Finder<'m> {
 }
 
 /// Sources and targets as vertices of a mesh that has one at each.
-pub(crate) struct Question {
+pub(crate) struct ResolvedPoints {
     pub(crate) points: Vec<SurfacePoint>,
     pub(crate) refined: Refined,
     pub(crate) sources: Vec<VertexId>,
     pub(crate) targets: Option<Vec<VertexId>>,
 }
 
-impl Question {
+impl ResolvedPoints {
     pub(crate) fn new(
         mesh: &Mesh,
         sources: &Bound<'_, PyAny>,

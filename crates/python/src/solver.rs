@@ -16,17 +16,17 @@ use crate::errors::{PrecisionWarning, lost, unsolved};
 use crate::interrupt;
 use crate::mesh::PyMesh;
 use crate::path::PyPath;
-use crate::points::Question;
+use crate::points::ResolvedPoints;
 
 /// An algorithm on one mesh, with the solvers of it that are set up and not in use.
-pub(crate) struct Kit {
+pub(crate) struct SolverPool {
     selection: Selection,
     mesh: Mesh,
     idle: Mutex<Vec<Box<dyn Solve>>>,
     longest_edge: OnceLock<f64>,
 }
 
-impl Kit {
+impl SolverPool {
     pub(crate) fn new(selection: &Selection, mesh: &Mesh) -> Arc<Self> {
         Arc::new(Self {
             selection: selection.clone(),
@@ -108,7 +108,12 @@ fn goal(radius: Option<f64>, targets: Option<&[VertexId]>, stop: &Stop) -> PyRes
 /// A row of distances, of the targets or of the vertices of the mesh, and a doubt about them.
 type Row = (Vec<f64>, Option<String>);
 
-fn row(kit: &Kit, sources: &[VertexId], goal: &Goal, vertices: usize) -> Result<Row, SolveError> {
+fn row(
+    kit: &SolverPool,
+    sources: &[VertexId],
+    goal: &Goal,
+    vertices: usize,
+) -> Result<Row, SolveError> {
     let mut distances = kit
         .with(|solver| solver.solve_until(sources, goal))?
         .distances;
@@ -123,7 +128,7 @@ fn row(kit: &Kit, sources: &[VertexId], goal: &Goal, vertices: usize) -> Result<
 
 /// A row for each source, one after the other.
 fn matrix(
-    kit: &Kit,
+    kit: &SolverPool,
     sources: &[VertexId],
     goal: &Goal,
     vertices: usize,
@@ -182,23 +187,23 @@ fn warn(py: Python<'_>, doubt: Option<String>) -> PyResult<()> {
 #[derive(Clone)]
 pub(crate) struct Algorithm {
     pub(crate) mesh: Mesh,
-    pub(crate) kept: Arc<Kit>,
+    pub(crate) kept: Arc<SolverPool>,
 }
 
 impl Algorithm {
     pub(crate) fn new(mesh: &Mesh, selection: &Selection) -> Self {
         Self {
             mesh: mesh.clone(),
-            kept: Kit::new(selection, mesh),
+            kept: SolverPool::new(selection, mesh),
         }
     }
 
     /// The kit for the mesh of a question.
-    fn kit(&self, question: &Question) -> Arc<Kit> {
+    fn kit(&self, question: &ResolvedPoints) -> Arc<SolverPool> {
         if question.refined.mesh.vertex_count() == self.mesh.vertex_count() {
             return Arc::clone(&self.kept);
         }
-        Kit::new(&self.kept.selection, &question.refined.mesh)
+        SolverPool::new(&self.kept.selection, &question.refined.mesh)
     }
 
     pub(crate) fn distance<'py>(
@@ -209,7 +214,7 @@ impl Algorithm {
         targets: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let targets = targets.map(|targets| (targets, "targets"));
-        let question = Question::new(&self.mesh, source, "source", targets)?;
+        let question = ResolvedPoints::new(&self.mesh, source, "source", targets)?;
         let stop = Stop::default();
         let goal = goal(radius, question.targets.as_deref(), &stop)?;
         let kit = self.kit(&question);
@@ -230,7 +235,7 @@ impl Algorithm {
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let threads = check_threads(threads)?;
         let targets = targets.map(|targets| (targets, "targets"));
-        let question = Question::new(&self.mesh, sources, "sources", targets)?;
+        let question = ResolvedPoints::new(&self.mesh, sources, "sources", targets)?;
         let stop = Stop::default();
         let goal = goal(radius, question.targets.as_deref(), &stop)?;
         let workers = threads.min(question.sources.len());
@@ -239,7 +244,7 @@ impl Algorithm {
             // A parallel algorithm gets the remaining threads.
             let selection = self.kept.selection.clone().with_threads(threads / workers);
             if selection.threads() > 1 {
-                kit = Kit::new(&selection, &kit.mesh);
+                kit = SolverPool::new(&selection, &kit.mesh);
             }
         }
         let (vertices, faces) = (self.mesh.vertex_count(), self.mesh.face_count());
@@ -281,7 +286,7 @@ impl Algorithm {
         targets_name: &str,
     ) -> PyResult<Vec<Option<PyPath>>> {
         let targets = Some((targets, targets_name));
-        let question = Question::new(&self.mesh, source, "source", targets)?;
+        let question = ResolvedPoints::new(&self.mesh, source, "source", targets)?;
         let stop = Stop::default();
         let goal = goal(None, question.targets.as_deref(), &stop)?;
         let kit = self.kit(&question);
@@ -467,7 +472,7 @@ impl PySolver {
         py: Python<'py>,
         source: &Bound<'py, PyAny>,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyDict>)> {
-        let question = Question::new(&self.algorithm.mesh, source, "source", None)?;
+        let question = ResolvedPoints::new(&self.algorithm.mesh, source, "source", None)?;
         let stop = Stop::default();
         let goal = goal(None, None, &stop)?;
         let kit = self.algorithm.kit(&question);
@@ -497,7 +502,7 @@ impl PySolver {
         py: Python<'py>,
         source: &Bound<'py, PyAny>,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyDict>)> {
-        let question = Question::new(&self.algorithm.mesh, source, "source", None)?;
+        let question = ResolvedPoints::new(&self.algorithm.mesh, source, "source", None)?;
         let kit = self.algorithm.kit(&question);
         let work = move || {
             let mut sampler = PhaseSampler::start()?;

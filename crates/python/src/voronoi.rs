@@ -16,7 +16,7 @@ use crate::errors::unsolved;
 use crate::interrupt;
 use crate::mesh::PyMesh;
 use crate::path::triples;
-use crate::points::{Point, Question, several};
+use crate::points::{Point, ResolvedPoints, several};
 
 /// A geodesic Voronoi diagram: which of several sources is the nearest, everywhere on a surface.
 #[pyclass(frozen, module = "geobench", name = "Voronoi")]
@@ -180,12 +180,12 @@ pub(crate) struct PyVoronoiVertex {
 impl PyVoronoi {
     pub(crate) fn new(py: Python<'_>, mesh: &Mesh, sources: &Bound<'_, PyAny>) -> PyResult<Self> {
         let specs = several(sources, "sources")?;
-        let Question {
+        let ResolvedPoints {
             points,
             refined,
             sources,
             ..
-        } = Question::new(mesh, sources, "sources", None)?;
+        } = ResolvedPoints::new(mesh, sources, "sources", None)?;
         for (i, v) in sources.iter().enumerate() {
             if sources[..i].contains(v) {
                 let name = match specs[i] {

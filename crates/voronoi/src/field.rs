@@ -12,14 +12,14 @@ pub const NO_SOURCE: u32 = u32::MAX;
 /// All windows are stored from which the borders of cells are computed: those on the edges of faces
 /// that several cells share.
 #[derive(Clone, Copy, Debug)]
-pub struct Field<'a> {
+pub struct LabelledField<'a> {
     pub(crate) mesh: &'a Mesh,
     pub(crate) distances: &'a [f64],
     pub(crate) labels: &'a [u32],
     pub(crate) store: &'a EdgeWindows,
 }
 
-impl<'a> Field<'a> {
+impl<'a> LabelledField<'a> {
     /// The mesh.
     pub const fn mesh(&self) -> &'a Mesh {
         self.mesh
@@ -51,5 +51,5 @@ pub trait FieldSolver: Send {
     /// # Errors
     ///
     /// If `sources` is empty or has a vertex that does not exist.
-    fn field(&mut self, sources: &[VertexId]) -> Result<Field<'_>, SolveError>;
+    fn field(&mut self, sources: &[VertexId]) -> Result<LabelledField<'_>, SolveError>;
 }

@@ -4,9 +4,9 @@ use geobench_mesh::{Mesh, VertexId};
 use geobench_window::queue::{Discipline, Event, EventKind, Priority};
 use geobench_window::{Counter, Probe, Propagate, Solution, SolveError, VertexFilter};
 
-use crate::field::{Field, FieldSolver};
+use crate::field::{FieldSolver, LabelledField};
 use crate::store::edge_of;
-use crate::wave::{Announced, COUNTERS, Wave};
+use crate::wave::{ArrivalMode, COUNTERS, Wavefront};
 
 /// MMP from several sources (Liu, Chen, Tang 2011). Windows cross one by one, in the order of the
 /// discipline `Q`. All windows that trimming leaves stay on their edges until the end.
@@ -16,7 +16,7 @@ use crate::wave::{Announced, COUNTERS, Wave};
 /// cells.
 #[derive(Clone, Debug)]
 pub struct Lct11<Q = Priority> {
-    wave: Wave,
+    wave: Wavefront,
     queue: Q,
 }
 
@@ -31,7 +31,7 @@ impl<Q: Discipline> Lct11<Q> {
     /// Sets up for `mesh`, in the order of `queue` and with or without the vertex filter; O(faces).
     pub fn in_order(mesh: &Mesh, queue: Q, filter: VertexFilter) -> Self {
         Self {
-            wave: Wave::new(mesh, filter),
+            wave: Wavefront::new(mesh, filter),
             queue,
         }
     }
@@ -42,14 +42,14 @@ impl<Q: Discipline> Lct11<Q> {
         self.wave.improved.clear();
         for &s in sources {
             self.queue.start(s);
-            self.wave.spawn(s, Announced::OneByOne, probe);
+            self.wave.spawn(s, ArrivalMode::OneByOne, probe);
             self.receive(probe);
         }
         while let Some((label, event)) = self.queue.pop(probe) {
             match event.kind() {
                 EventKind::Vertex(v) => {
                     if self.wave.distances[v.index()] == label {
-                        self.wave.spawn(v, Announced::OneByOne, probe);
+                        self.wave.spawn(v, ArrivalMode::OneByOne, probe);
                     }
                 }
                 EventKind::Window(h, serial) => {
@@ -99,7 +99,7 @@ impl<Q: Discipline> Lct11<Q> {
 }
 
 impl<Q: Discipline> FieldSolver for Lct11<Q> {
-    fn field(&mut self, sources: &[VertexId]) -> Result<Field<'_>, SolveError> {
+    fn field(&mut self, sources: &[VertexId]) -> Result<LabelledField<'_>, SolveError> {
         crate::check_sources(self.wave.mesh.vertex_count(), sources)?;
         self.run(sources, &mut ());
         Ok(self.wave.field())

@@ -1,7 +1,7 @@
 //! Geodesic Voronoi diagrams: which of several sources is the nearest, at every point of a surface.
 //!
 //! * A [`FieldSolver`] ([`WindowVtp`] or [`Lct11`]) finds the nearest source of each vertex, and
-//!   stores windows on the edges near the borders of cells. Its result is a [`Field`].
+//!   stores windows on the edges near the borders of cells. Its result is a [`LabelledField`].
 //! * [`Diagram`] is computed from a field: cells, borders, Voronoi vertices. [`Diagram::dual`]
 //!   connects the sources of neighbouring cells to triangles.
 //! * [`remesh()`] makes a new mesh for a surface: the dual of the diagram of evenly spread sources.
@@ -24,7 +24,7 @@ use geobench_window::SolveError;
 pub use diagram::{
     Bisector, BorderArc, Cell, Diagram, Dual, Node, NodeKind, Obstacle, Part, Vertex,
 };
-pub use field::{Field, FieldSolver, NO_SOURCE};
+pub use field::{FieldSolver, LabelledField, NO_SOURCE};
 pub use lct11::Lct11;
 pub use remesh::{Deviation, Quality, RemeshError, RemeshOptions, Remeshed, remesh};
 pub use removal::Removal;

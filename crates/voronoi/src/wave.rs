@@ -8,7 +8,7 @@ use geobench_window::{
     is_beaten_from_ends, length_past_end, prefetch, spawn_window,
 };
 
-use crate::field::{Field, NO_SOURCE};
+use crate::field::{LabelledField, NO_SOURCE};
 use crate::store::{EdgeWindows, Stored, edge_of};
 
 /// The counters of every algorithm of this crate.
@@ -42,7 +42,7 @@ pub(crate) struct Arrival {
 
 /// How windows that have arrived are announced to the schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Announced {
+pub(crate) enum ArrivalMode {
     /// Each by an arrival of its own.
     OneByOne,
     /// All windows that came to a half-edge together by one arrival.
@@ -53,7 +53,7 @@ pub(crate) enum Announced {
 /// [`arrivals`](Self::arrivals) and [`improved`](Self::improved), from which the schedule takes
 /// them.
 #[derive(Clone, Debug)]
-pub(crate) struct Wave {
+pub(crate) struct Wavefront {
     pub(crate) mesh: Mesh,
     pub(crate) faces: Faces,
     pub(crate) thin: ThinFaces,
@@ -75,7 +75,7 @@ pub(crate) struct Wave {
     pub(crate) improved: Vec<(f64, VertexId)>,
 }
 
-impl Wave {
+impl Wavefront {
     pub(crate) fn new(mesh: &Mesh, filter: VertexFilter) -> Self {
         let half_edges = mesh.half_edge_count();
         Self {
@@ -126,8 +126,8 @@ impl Wave {
     }
 
     /// The result of the run.
-    pub(crate) fn field(&self) -> Field<'_> {
-        Field {
+    pub(crate) fn field(&self) -> LabelledField<'_> {
+        LabelledField {
             mesh: &self.mesh,
             distances: &self.distances,
             labels: &self.labels,
@@ -173,7 +173,7 @@ impl Wave {
     /// Sends paths along the edges of `v` and windows across its faces, unless `v` has done so at
     /// its present distance. The windows are announced [one by one](Self::arrive) or
     /// [together](Self::arrive_all).
-    pub(crate) fn spawn<P: Probe>(&mut self, v: VertexId, arrival: Announced, probe: &mut P) {
+    pub(crate) fn spawn<P: Probe>(&mut self, v: VertexId, arrival: ArrivalMode, probe: &mut P) {
         let sigma = self.distances[v.index()];
         if self.spawned[v.index()] == sigma {
             return;
@@ -192,10 +192,10 @@ impl Wave {
             if let Some((target, window)) = spawn_window(&self.faces, h, sigma) {
                 probe.add(Counter::Spawned, 1);
                 match arrival {
-                    Announced::OneByOne => {
+                    ArrivalMode::OneByOne => {
                         self.arrive(target, &window, source, probe);
                     }
-                    Announced::Together => {
+                    ArrivalMode::Together => {
                         self.arrive_with_filter(target, h.next(), window, source, probe);
                     }
                 }

@@ -7,10 +7,10 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::queue::MinHeap;
 use geobench_window::{Counter, Probe, Propagate, Solution, SolveError, VertexFilter, prefetch};
 
-use crate::field::{Field, FieldSolver};
+use crate::field::{FieldSolver, LabelledField};
 use crate::removal::{Removal, Remover};
 use crate::store::{Stored, edge_of};
-use crate::wave::{Announced, COUNTERS, Wave};
+use crate::wave::{ArrivalMode, COUNTERS, Wavefront};
 
 /// Options of [`WindowVtp`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ impl Default for Options {
 
 /// An event of the queue.
 #[derive(Clone, Copy, Debug)]
-enum Turn {
+enum VertexEvent {
     /// The faces around this vertex join the traversed area.
     Join(VertexId),
     /// The same, and the vertex spawns windows.
@@ -61,9 +61,9 @@ enum Turn {
 /// ```
 #[derive(Clone, Debug)]
 pub struct WindowVtp {
-    wave: Wave,
+    wave: Wavefront,
     pub(crate) remover: Remover,
-    queue: MinHeap<Turn>,
+    queue: MinHeap<VertexEvent>,
     /// For each vertex, the least distance of the windows that wait for it; infinite without any.
     keys: Vec<f64>,
     /// Whether each face belongs to the traversed area.
@@ -88,7 +88,7 @@ impl WindowVtp {
     /// Sets up for `mesh` with `options`; O(faces).
     pub fn with_options(mesh: &Mesh, options: Options) -> Self {
         Self {
-            wave: Wave::new(mesh, options.filter),
+            wave: Wavefront::new(mesh, options.filter),
             remover: Remover::new(options.removal),
             queue: MinHeap::default(),
             keys: Vec::new(),
@@ -113,7 +113,7 @@ impl WindowVtp {
             .start(sources, self.remover.watches_faces(), probe);
         self.wave.improved.clear();
         for &s in sources {
-            self.push(0.0, Turn::Spawn(s), probe);
+            self.push(0.0, VertexEvent::Spawn(s), probe);
         }
         loop {
             let [next_turn, next_thin] = [self.next_turn(), self.next_thin()];
@@ -122,13 +122,13 @@ impl WindowVtp {
             } else if let Some((d, turn)) = self.queue.pop() {
                 self.prefetch_turns();
                 match turn {
-                    Turn::Join(v) if self.keys[v.index()] == d => {
+                    VertexEvent::Join(v) if self.keys[v.index()] == d => {
                         self.keys[v.index()] = f64::INFINITY;
                         self.join(v);
                     }
-                    Turn::Spawn(v) if self.wave.distances[v.index()] == d => {
+                    VertexEvent::Spawn(v) if self.wave.distances[v.index()] == d => {
                         self.join(v);
-                        self.wave.spawn(v, Announced::Together, probe);
+                        self.wave.spawn(v, ArrivalMode::Together, probe);
                         self.receive(probe);
                     }
                     // Outdated: the vertex has had its turn, or its distance has improved since.
@@ -163,7 +163,7 @@ impl WindowVtp {
         self.thin.peek().map_or(f64::INFINITY, |(d, _)| d)
     }
 
-    fn push<P: Probe>(&mut self, d: f64, turn: Turn, probe: &mut P) {
+    fn push<P: Probe>(&mut self, d: f64, turn: VertexEvent, probe: &mut P) {
         self.queue.push(d, turn);
         probe.add(Counter::QueuePushes, 1);
         probe.raise(Counter::QueuePeak, self.queue.len() as u64);
@@ -215,8 +215,8 @@ impl WindowVtp {
     /// lists of the vertex that probably comes next.
     #[inline]
     fn prefetch_turns(&self) {
-        let vertex = |&(_, turn): &(f64, Turn)| match turn {
-            Turn::Join(v) | Turn::Spawn(v) => v,
+        let vertex = |&(_, turn): &(f64, VertexEvent)| match turn {
+            VertexEvent::Join(v) | VertexEvent::Spawn(v) => v,
         };
         let mut coming = self.queue.iter().map(vertex);
         let wave = &self.wave;
@@ -310,21 +310,21 @@ impl WindowVtp {
             for v in arrival.ends {
                 if arrival.label < self.keys[v.index()] {
                     self.keys[v.index()] = arrival.label;
-                    self.push(arrival.label, Turn::Join(v), probe);
+                    self.push(arrival.label, VertexEvent::Join(v), probe);
                 }
             }
         }
         self.wave.arrivals = arrivals;
         let mut improved = std::mem::take(&mut self.wave.improved);
         for (d, v) in improved.drain(..) {
-            self.push(d, Turn::Spawn(v), probe);
+            self.push(d, VertexEvent::Spawn(v), probe);
         }
         self.wave.improved = improved;
     }
 }
 
 impl FieldSolver for WindowVtp {
-    fn field(&mut self, sources: &[VertexId]) -> Result<Field<'_>, SolveError> {
+    fn field(&mut self, sources: &[VertexId]) -> Result<LabelledField<'_>, SolveError> {
         crate::check_sources(self.wave.mesh.vertex_count(), sources)?;
         self.run(sources, &mut ());
         Ok(self.wave.field())

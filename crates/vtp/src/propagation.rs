@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
 use geobench_window::trimming::KeptWindows;
-use geobench_window::{Counter, Lookout, Phase, Probe, Propagate, Solution, Way, Window};
+use geobench_window::{Counter, EndCheck, Phase, Probe, Propagate, Solution, Way, Window};
 
 use crate::crossing::{Carry, Inspect, Least};
 use crate::engine::active_list::ActiveList;
@@ -51,7 +51,7 @@ pub struct ListPropagation<S, M, P, E> {
     /// Vertices that have had their turn.
     passed: Vec<bool>,
     distances: Vec<f64>,
-    lookout: Lookout,
+    lookout: EndCheck,
     levels: Levels,
     kept: KeptWindows,
     /// Children narrower than this are dropped.
@@ -80,7 +80,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             exits: E::new(faces),
             passed: Vec::new(),
             distances: Vec::new(),
-            lookout: Lookout::default(),
+            lookout: EndCheck::default(),
             levels: Levels::default(),
             kept,
             threshold: 0.0,

@@ -237,11 +237,11 @@ impl<P: Probe> Probe for Until<'_, P> {
 /// The least label is found by a search of everything that waits. To keep the run time linear, a
 /// search that saw k windows is followed by at least k propagations before the next one.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Lookout {
+pub struct EndCheck {
     left: usize,
 }
 
-impl Lookout {
+impl EndCheck {
     /// Resets the state for a new run.
     pub fn clear(&mut self) {
         self.left = 0;
@@ -329,9 +329,9 @@ mod tests {
     fn a_lookout_looks_again_after_as_many_windows_as_it_saw() {
         let goal = Goal::targets([0]);
         let mut until = Until::new((), &goal);
-        let mut lookout = Lookout::default();
+        let mut lookout = EndCheck::default();
         let mut looks = 0;
-        let mut ends = |lookout: &mut Lookout, waiting: [f64; 2]| {
+        let mut ends = |lookout: &mut EndCheck, waiting: [f64; 2]| {
             lookout.ends(&mut until, 8.0, known([5.0; 3]), || {
                 looks += 1;
                 waiting.into_iter()

@@ -48,7 +48,7 @@ pub use crossing::{Crossing, length_past_end};
 pub use crossings::{CrossedChild, Crossings, LANES};
 pub use filter::{VertexFilter, is_beaten_from_ends};
 pub use frame::{EdgePath, Exit, ExitEdge, FaceView, Faces, Frame, Side};
-pub use goal::{Goal, Lookout, Stop};
+pub use goal::{EndCheck, Goal, Stop};
 pub use origins::{Origin, Origins, Way};
 pub use phases::{PhaseProbe, PhaseSampler, Phases};
 pub use prefetch::{prefetch, prefetch_line};

@@ -23,7 +23,7 @@ use crate::measure::instructions;
 use crate::plan::sampling::{Seconds, Share};
 use crate::plan::suite::{self, MOST_RUNS};
 use crate::registry::{self, MOST_THREADS, Selection, SimdChoice};
-use crate::report::{Form, Tables, Wanted};
+use crate::report::{Form, PictureChoice, Tables};
 use crate::schema::Shard;
 use crate::table::output::{self, OutputFile};
 use crate::table::{self, Format};
@@ -692,7 +692,7 @@ pub(super) struct ReportOptions {
     /// Model of the result to draw coloured by distance from a vertex, or none [default: the first
     /// one that can be loaded again and is the same, from its first source]
     #[arg(long, value_name = "MODEL[:SOURCE]")]
-    pub(super) picture: Option<Wanted>,
+    pub(super) picture: Option<PictureChoice>,
 
     /// Tables of the papers to compare ratios with, such as 000-table-1, separated by commas, or
     /// none [default: that of the suite that the result was made with]

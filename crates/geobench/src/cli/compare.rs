@@ -8,7 +8,7 @@ use clap::Args;
 use super::terminal::{self, Terminal};
 use super::{Verdict, history};
 use crate::UsageError;
-use crate::history::compare::{self as comparing, Rules, Several};
+use crate::history::compare::{self as comparing, BaselineComparisons, Rules};
 use crate::schema::result_file;
 use crate::table::output;
 use crate::table::{ComparisonFormat, Look};
@@ -75,7 +75,7 @@ pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::R
         is_worse = comparison.is_worse();
         render = Box::new(move |format, look| format.render(&comparison, look));
     } else {
-        let several = Several::new((name, first), &files[1..], &options.fail_on)?;
+        let several = BaselineComparisons::new((name, first), &files[1..], &options.fail_on)?;
         is_worse = several.is_worse();
         render = Box::new(move |format, look| format.render_several(&several, look));
     }

@@ -15,7 +15,7 @@ use super::terminal;
 use crate::exec::model;
 use crate::report::Scene;
 use crate::table::isoline_formats::{IsolineFormat, IsolineSet};
-use crate::table::{FileForm, counted};
+use crate::table::{FileFormat, counted};
 
 /// The most levels of which the summary has a line each.
 const LINES: usize = 20;

@@ -15,7 +15,7 @@ use super::terminal;
 use crate::exec::model;
 use crate::report::Scene;
 use crate::schema::SourceLabel;
-use crate::table::FileForm;
+use crate::table::FileFormat;
 use crate::table::path_formats::{FoundPath, PathFormat, PathSet};
 
 /// The most paths of which the summary has a line each.

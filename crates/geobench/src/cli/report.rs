@@ -6,7 +6,7 @@ use super::Verdict;
 use super::args::ReportOptions;
 use super::terminal;
 use crate::history::join;
-use crate::report::{self, Input, Options, Wanted};
+use crate::report::{self, Input, Options, PictureChoice};
 use crate::schema::result_file;
 use crate::table::output::OutputFile;
 
@@ -53,7 +53,7 @@ pub(super) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
     }
     let wanted = Options {
         ratio_to: options.ratio_to.clone(),
-        picture: options.picture.clone().unwrap_or(Wanted::Any),
+        picture: options.picture.clone().unwrap_or(PictureChoice::Any),
         decompressed: options.decompression.limit(),
         tables: options.papers.clone().unwrap_or_default(),
     };

@@ -5,7 +5,7 @@ use anyhow::Context;
 use super::Verdict;
 use super::args::VerifyOptions;
 use super::terminal;
-use crate::exec::expected::{Expected, Field, stored_sources};
+use crate::exec::expected::{Expected, StoredDistances, stored_sources};
 use crate::exec::goal::GoalSpec;
 use crate::exec::interrupt;
 use crate::exec::model::{self, ModelRef};
@@ -174,7 +174,12 @@ impl LoadedModelCheck<'_> {
     }
 
     /// The distances from `source` that are stored beside the model.
-    fn stored(&self, source: PointSpec, vertices: usize, tally: &mut Tally) -> Option<Field> {
+    fn stored(
+        &self,
+        source: PointSpec,
+        vertices: usize,
+        tally: &mut Tally,
+    ) -> Option<StoredDistances> {
         let PointSpec::Vertex(vertex) = source else {
             return None;
         };
@@ -397,7 +402,13 @@ impl Judgement {
     }
 
     /// Compares an answer with the distances of a file, which may be of some vertices only.
-    fn judge_by_stored(&mut self, field: &Field, found: &[f64], asked: &Asked, tolerance: f64) {
+    fn judge_by_stored(
+        &mut self,
+        field: &StoredDistances,
+        found: &[f64],
+        asked: &Asked,
+        tolerance: f64,
+    ) {
         let expected = asked.of_stored(&field.distances);
         let comparison = asked.compare(found, expected, tolerance, self.is_approximate);
         let mut name = field.path.display().to_string();

@@ -21,7 +21,7 @@ use crate::report::{Paint, Scene};
 use crate::schema::SourceLabel;
 use crate::table::diagram_formats::{self, BorderFormat, DiagramFile, DiagramFormat, LabelFormat};
 use crate::table::output::OutputFile;
-use crate::table::{FileForm, no_coordinates};
+use crate::table::{FileFormat, no_coordinates};
 
 /// Obstacles that an error message names.
 const NAMED: usize = 4;

@@ -20,7 +20,7 @@ pub enum Expected {
 
 /// Distances read from a file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Field {
+pub struct StoredDistances {
     /// The file.
     pub path: PathBuf,
     /// Vertices and their distances, at least one.
@@ -48,7 +48,7 @@ impl Expected {
         model: &Path,
         source: &SourceLabel,
         vertices: usize,
-    ) -> Result<Field, UsageError> {
+    ) -> Result<StoredDistances, UsageError> {
         let path = match self {
             Self::File(path) => path.clone(),
             Self::BesideModels => {
@@ -121,7 +121,7 @@ pub(crate) fn stem(path: &Path) -> String {
     }
 }
 
-fn read(path: &Path, vertices: usize) -> Result<Field, UsageError> {
+fn read(path: &Path, vertices: usize) -> Result<StoredDistances, UsageError> {
     let text = fs::read_to_string(path);
     let text = text.map_err(|error| UsageError(format!("{}: {error}", path.display())))?;
     parse(path, &text, vertices)
@@ -132,7 +132,11 @@ fn read(path: &Path, vertices: usize) -> Result<Field, UsageError> {
 /// # Errors
 ///
 /// Names the first invalid line.
-pub(crate) fn parse(path: &Path, text: &str, vertices: usize) -> Result<Field, UsageError> {
+pub(crate) fn parse(
+    path: &Path,
+    text: &str,
+    vertices: usize,
+) -> Result<StoredDistances, UsageError> {
     let error = |line: usize, problem: &str| {
         UsageError(format!("{}, line {line}: {problem}", path.display()))
     };
@@ -148,7 +152,7 @@ pub(crate) fn parse(path: &Path, text: &str, vertices: usize) -> Result<Field, U
     if distances.is_empty() {
         return Err(error(1, "the file holds no distances"));
     }
-    Ok(Field {
+    Ok(StoredDistances {
         path: path.to_owned(),
         distances,
     })

@@ -47,7 +47,7 @@ use document::{Block, Document, Link, Section, slug};
 pub use files::{Form, write_files};
 pub use html::page;
 pub use papers::Tables;
-pub use picture::plot::Wanted;
+pub use picture::plot::PictureChoice;
 pub(crate) use picture::{Paint, Scene};
 pub use trend::page as trend_page;
 
@@ -68,7 +68,7 @@ pub struct Options {
     /// algorithm.
     pub ratio_to: Option<String>,
     /// The model that is drawn.
-    pub picture: Wanted,
+    pub picture: PictureChoice,
     /// Limit on the decompressed size of the model of the picture.
     pub decompressed: DecompressionLimit,
     /// The papers' tables whose ratios are shown beside ours.
@@ -133,7 +133,7 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, UsageError> 
         }
     }
     let mut sections = Vec::new();
-    let mut pictured = options.picture == Wanted::None;
+    let mut pictured = options.picture == PictureChoice::None;
     let mut missing = None;
     for (i, input) in inputs.iter().enumerate() {
         let prefix = if inputs.len() == 1 {
@@ -162,7 +162,7 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, UsageError> 
         pictured |= picture.is_some();
         sections.extend(of_result(input, &result, &prefix, picture, options));
     }
-    if let (false, Some(error), Wanted::Of { .. }) = (pictured, missing, &options.picture) {
+    if let (false, Some(error), PictureChoice::Of { .. }) = (pictured, missing, &options.picture) {
         return Err(error);
     }
     let title = match inputs {

@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
 use super::files::files;
-use super::{Form, Input, Options, Report, Tables, Wanted, build, page};
+use super::{Form, Input, Options, PictureChoice, Report, Tables, build, page};
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::mock::{MockBackend, crash_ich};
 use crate::exec::model::ModelRef;
@@ -25,7 +25,7 @@ fn mixed() -> ResultFile {
 fn options() -> Options {
     Options {
         ratio_to: None,
-        picture: Wanted::None,
+        picture: PictureChoice::None,
         decompressed: DecompressionLimit::default(),
         tables: Tables::OfSuite,
     }
@@ -482,7 +482,7 @@ fn a_picture_is_of_the_model_that_was_measured() {
         "no picture of sphere,subdiv=2: gen:sphere,subdiv=2 is not what was measured, its hash differs"
     );
     let unasked = Options {
-        picture: Wanted::Any,
+        picture: PictureChoice::Any,
         ..options()
     };
     assert!(!page(&report_on(result.clone(), &unasked)).contains("data:image/png"));

@@ -4,10 +4,10 @@ use super::escape::{markdown as escape, printable};
 use super::group::distinct;
 use super::model::{Column, Entry, Mark, Table};
 use super::terminal::{self, Look};
-use super::{FileForm, capitalised, json_lines, markdown};
+use super::{FileFormat, capitalised, json_lines, markdown};
 use crate::history::compare::{
-    CellChange, CellKey, Comparison, FigureChange, Regression, Several, Side, TimeMethod, exact,
-    percent,
+    BaselineComparisons, CellChange, CellKey, Comparison, FigureChange, Regression, Side,
+    TimeMethod, exact, percent,
 };
 use crate::measure::number::decimals;
 use crate::schema::Status;
@@ -23,7 +23,7 @@ pub enum ComparisonFormat {
     Json,
 }
 
-impl FileForm for ComparisonFormat {
+impl FileFormat for ComparisonFormat {
     const CONTENT: &'static str = "results";
     const ENDINGS: &'static [(&'static str, Self)] = &[
         ("json", Self::Json),
@@ -51,7 +51,11 @@ impl ComparisonFormat {
     /// # Errors
     ///
     /// As [`render`](Self::render).
-    pub fn render_several(self, several: &Several, look: Look) -> anyhow::Result<String> {
+    pub fn render_several(
+        self,
+        several: &BaselineComparisons,
+        look: Look,
+    ) -> anyhow::Result<String> {
         let table = ratios(several);
         let sides = several.comparisons.iter().map(|c| &c.new);
         let sides: Vec<&Side> = several
@@ -99,7 +103,7 @@ impl ComparisonFormat {
 
 /// A row for each cell that the baseline and another file have: the time in the baseline, and the
 /// ratio of the time in every other file to it.
-fn ratios(several: &Several) -> Table {
+fn ratios(several: &BaselineComparisons) -> Table {
     let keys = several.comparisons.iter().flat_map(|c| &c.cells);
     let mut cells: Vec<&CellChange> = Vec::new();
     for change in keys {

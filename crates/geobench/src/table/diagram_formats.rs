@@ -9,7 +9,7 @@ use geobench_voronoi::{BorderArc, Diagram, NO_SOURCE};
 use serde::Serialize;
 
 use super::polylines::{LineScalars, Polylines};
-use super::{FileForm, json_line, no_coordinates};
+use super::{FileFormat, json_line, no_coordinates};
 use crate::schema::SourceLabel;
 
 /// A diagram with its origin.
@@ -142,7 +142,7 @@ pub enum DiagramFormat {
     Png,
 }
 
-impl FileForm for DiagramFormat {
+impl FileFormat for DiagramFormat {
     const CONTENT: &'static str = "Voronoi diagrams";
     const ENDINGS: &'static [(&'static str, Self)] = &[
         ("json", Self::Json),
@@ -185,7 +185,7 @@ pub enum BorderFormat {
     Vtk,
 }
 
-impl FileForm for BorderFormat {
+impl FileFormat for BorderFormat {
     const CONTENT: &'static str = "borders";
     const ENDINGS: &'static [(&'static str, Self)] =
         &[("obj", Self::Obj), ("ply", Self::Ply), ("vtk", Self::Vtk)];
@@ -444,7 +444,7 @@ pub enum LabelFormat {
     Npy,
 }
 
-impl FileForm for LabelFormat {
+impl FileFormat for LabelFormat {
     const CONTENT: &'static str = "labels";
     const ENDINGS: &'static [(&'static str, Self)] = &[("csv", Self::Csv), ("npy", Self::Npy)];
 }

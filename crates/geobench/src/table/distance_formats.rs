@@ -5,7 +5,7 @@ use geobench_mesh::{Mesh, VertexId, threads};
 use serde::Serialize;
 
 use super::polylines::vtk_title;
-use super::{FileForm, json_line, no_coordinates};
+use super::{FileFormat, json_line, no_coordinates};
 use crate::schema::SourceLabel;
 
 /// Distances with their origin.
@@ -49,7 +49,7 @@ pub enum MatrixFormat {
     Npy,
 }
 
-impl FileForm for MatrixFormat {
+impl FileFormat for MatrixFormat {
     const CONTENT: &'static str = "a matrix of distances";
     const ENDINGS: &'static [(&'static str, Self)] = &[("csv", Self::Csv), ("npy", Self::Npy)];
 }
@@ -106,7 +106,7 @@ pub enum FieldFormat {
     Vtk,
 }
 
-impl FileForm for FieldFormat {
+impl FileFormat for FieldFormat {
     const CONTENT: &'static str = "distances";
     const ENDINGS: &'static [(&'static str, Self)] = &[
         ("csv", Self::Csv),

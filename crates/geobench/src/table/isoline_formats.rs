@@ -5,7 +5,7 @@ use geobench_mesh::Mesh;
 use serde::Serialize;
 
 use super::polylines::{LineScalars, Polylines};
-use super::{FileForm, json_line, no_coordinates};
+use super::{FileFormat, json_line, no_coordinates};
 use crate::schema::SourceLabel;
 
 /// The isolines of a distance field.
@@ -40,7 +40,7 @@ pub enum IsolineFormat {
     Png,
 }
 
-impl FileForm for IsolineFormat {
+impl FileFormat for IsolineFormat {
     const CONTENT: &'static str = "isolines";
     const ENDINGS: &'static [(&'static str, Self)] = &[
         ("json", Self::Json),

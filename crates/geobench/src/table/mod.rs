@@ -64,7 +64,7 @@ pub enum Format {
     GithubAction,
 }
 
-impl FileForm for Format {
+impl FileFormat for Format {
     const CONTENT: &'static str = "results";
     const ENDINGS: &'static [(&'static str, Self)] = &[
         ("json", Self::Json),
@@ -105,7 +105,7 @@ pub(crate) fn ending_of(path: &Path) -> String {
 }
 
 /// A file format that is recognised by the extension of the file name.
-pub(crate) trait FileForm: Copy + PartialEq + 'static {
+pub(crate) trait FileFormat: Copy + PartialEq + 'static {
     /// The contents of the files, for messages.
     const CONTENT: &'static str;
     /// At least two extensions, with their formats.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use crate::table::{FileForm, STANDARD};
+use crate::table::{FileFormat, STANDARD};
 
 /// A file that a command writes when it ends.
 #[derive(Clone, Debug)]
@@ -173,7 +173,7 @@ fn plain(error: &io::Error) -> anyhow::Error {
 
 /// The files at `paths` with their formats, after a check that they can be written. Fails if two
 /// paths are the same file.
-pub(crate) fn prepare<F: FileForm>(paths: &[PathBuf]) -> anyhow::Result<Vec<(F, OutputFile)>> {
+pub(crate) fn prepare<F: FileFormat>(paths: &[PathBuf]) -> anyhow::Result<Vec<(F, OutputFile)>> {
     let mut outputs: Vec<(F, OutputFile)> = Vec::new();
     for path in paths {
         let (form, file) = F::output(path)?;

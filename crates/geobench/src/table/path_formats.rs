@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::distance_formats::csv_word;
 use super::polylines::{LineScalars, Polylines};
-use super::{FileForm, json_line, no_coordinates};
+use super::{FileFormat, json_line, no_coordinates};
 use crate::schema::SourceLabel;
 
 /// Paths to several targets, with their origin.
@@ -52,7 +52,7 @@ pub enum PathFormat {
     Png,
 }
 
-impl FileForm for PathFormat {
+impl FileFormat for PathFormat {
     const CONTENT: &'static str = "paths";
     const ENDINGS: &'static [(&'static str, Self)] = &[
         ("csv", Self::Csv),

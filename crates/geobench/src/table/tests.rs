@@ -1,6 +1,6 @@
 //! Tests of every output format, on mock results.
 
-use super::{FileForm, Format, Look};
+use super::{FileFormat, Format, Look};
 use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
 use crate::run::mock::{plan, result, run_mock};
 use crate::schema::{GroupRecord, ResultFile};

@@ -5,7 +5,7 @@ use geobench_window::continuous::Surface;
 use geobench_window::queue::{Discipline, Event, EventKind};
 use geobench_window::trimming::ThinFaces;
 use geobench_window::{
-    Counter, Crossing, Exit, FaceView, Frame, Lookout, Phase, Probe, Propagate, Side, Solution,
+    Counter, Crossing, EndCheck, Exit, FaceView, Frame, Phase, Probe, Propagate, Side, Solution,
     VertexFilter, Way, Window, length_past_end, spawn_window,
 };
 
@@ -78,7 +78,7 @@ struct State<Q> {
     prefilter: Prefilter,
     thin: ThinFaces,
     eviction: Eviction,
-    lookout: Lookout,
+    lookout: EndCheck,
     retention: Retention,
     /// Number of waiting windows. Counted runs only.
     waiting: usize,
@@ -100,7 +100,7 @@ impl<Q: Discipline> Batched<Q> {
                     order.new_half_edge(h).index()
                 }),
                 eviction: Eviction::default(),
-                lookout: Lookout::default(),
+                lookout: EndCheck::default(),
                 retention: Retention::default(),
                 waiting: 0,
             },

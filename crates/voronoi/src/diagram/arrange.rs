@@ -14,7 +14,7 @@ use std::cell::RefCell;
 use geobench_window::queue::MinHeap;
 
 use super::curve::{Bisector, newton_across};
-use super::line::{Change, Line};
+use super::line::{Change, SegmentCells};
 use super::plane::{Point, between, cross, dot, norm, sub};
 use super::sites::{FaceSites, Nearest};
 use super::table::{MeasuredSites, SiteTable};
@@ -178,7 +178,7 @@ struct Triangle {
 
 /// A change on the border of a triangle, reached by a counter-clockwise walk around the triangle.
 #[derive(Clone)]
-struct Stop {
+struct BoundaryChange {
     node: usize,
     side: usize,
     /// The cells before and after it.
@@ -191,15 +191,15 @@ struct Stop {
 
 impl Triangle {
     /// The changes around the triangle, counter-clockwise from its first corner.
-    fn stops(&self, nodes: &[FaceNode]) -> Vec<Stop> {
-        let mut stops: Vec<Stop> = Vec::new();
+    fn stops(&self, nodes: &[FaceNode]) -> Vec<BoundaryChange> {
+        let mut stops: Vec<BoundaryChange> = Vec::new();
         let mut leading = Vec::new();
         let mut before = self.sides[0].first;
         for (number, side) in self.sides.iter().enumerate() {
             let runs = stops.last_mut().map_or(&mut leading, |stop| &mut stop.runs);
             runs.push(side.runs[0]);
             for (mark, &run) in side.marks.iter().zip(&side.runs[1..]) {
-                stops.push(Stop {
+                stops.push(BoundaryChange {
                     node: mark.node,
                     side: number,
                     before,
@@ -244,7 +244,13 @@ impl Triangle {
 
     /// The sides between two stops, counter-clockwise. `wraps` tells whether the walk passes the
     /// first corner.
-    fn outline(&self, from: &Stop, to: &Stop, wraps: bool, nodes: &[FaceNode]) -> Vec<Point> {
+    fn outline(
+        &self,
+        from: &BoundaryChange,
+        to: &BoundaryChange,
+        wraps: bool,
+        nodes: &[FaceNode],
+    ) -> Vec<Point> {
         let mut outline = vec![nodes[from.node].at];
         let end = to.side + if wraps { 3 } else { 0 };
         for side in from.side..end {
@@ -263,7 +269,7 @@ impl Triangle {
 /// first one that leaves no doubt; otherwise the one with the least doubt is taken.
 pub(crate) fn arrange(
     sites: &FaceSites,
-    lines: &[Line; 3],
+    lines: &[SegmentCells; 3],
     runs: &[Vec<u32>; 3],
     next_run: u32,
 ) -> Arrangement {
@@ -313,7 +319,7 @@ struct Effort {
 fn arrange_within(
     effort: Effort,
     sites: &FaceSites,
-    lines: &[Line; 3],
+    lines: &[SegmentCells; 3],
     runs: &[Vec<u32>; 3],
     next_run: u32,
 ) -> (Arrangement, f64) {
@@ -474,7 +480,12 @@ impl Arranger<'_> {
     /// Divides a triangle that has two changes, or whose cells all meet in one point; `None` if it
     /// does not. If `is_last`, any triangle is divided, if necessary with a vertex at the mean of
     /// the changes.
-    fn solve_simple(&mut self, triangle: &Triangle, stops: &[Stop], is_last: bool) -> Option<()> {
+    fn solve_simple(
+        &mut self,
+        triangle: &Triangle,
+        stops: &[BoundaryChange],
+        is_last: bool,
+    ) -> Option<()> {
         let mut stops = stops.to_vec();
         if self.effort.joins_neighbours {
             while self.join_neighbours(triangle, &mut stops) {}
@@ -510,7 +521,7 @@ impl Arranger<'_> {
     }
 
     /// Adds the region of the cell after `stop`. `pieces` complete its border.
-    fn add_region(&mut self, stop: &Stop, pieces: impl Iterator<Item = (usize, bool)>) {
+    fn add_region(&mut self, stop: &BoundaryChange, pieces: impl Iterator<Item = (usize, bool)>) {
         let inside = pieces.map(|(piece, is_forward)| Span::Inside(piece, is_forward));
         self.found.regions.push(Region {
             source: stop.next,
@@ -522,7 +533,7 @@ impl Arranger<'_> {
     /// Looks for two consecutive changes, from one cell to another and back, in a triangle that has
     /// more. If the border between them is beyond doubt, adds the border and the region that it
     /// cuts off, and removes both changes from `stops`. Returns whether it did.
-    fn join_neighbours(&mut self, triangle: &Triangle, stops: &mut Vec<Stop>) -> bool {
+    fn join_neighbours(&mut self, triangle: &Triangle, stops: &mut Vec<BoundaryChange>) -> bool {
         let count = stops.len();
         if count < 3 {
             return false;
@@ -542,7 +553,7 @@ impl Arranger<'_> {
             };
             let backward = pieces.clone().rev().map(|piece| (piece, false));
             self.add_region(&stops[i].clone(), backward);
-            let Stop { border, runs, .. } = stops[j].clone();
+            let BoundaryChange { border, runs, .. } = stops[j].clone();
             let along = pieces.map(|piece| Span::Inside(piece, true));
             stops[last].border.extend(along.chain(border));
             stops[last].runs.extend(runs);
@@ -555,7 +566,7 @@ impl Arranger<'_> {
 
     /// The point at which all cells around a triangle meet, if these are all different and the
     /// point is beyond doubt.
-    fn meeting(&self, triangle: &Triangle, stops: &[Stop]) -> Option<Point> {
+    fn meeting(&self, triangle: &Triangle, stops: &[BoundaryChange]) -> Option<Point> {
         let cells: Vec<u32> = stops.iter().map(|stop| stop.next).collect();
         let mut sorted = cells.clone();
         sorted.sort_unstable();

@@ -8,7 +8,7 @@ use super::sites::ROUNDING;
 /// The cells along a segment: the first one, and where they change. Positions are fractions of the
 /// segment.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Line {
+pub(crate) struct SegmentCells {
     /// The cell at the start.
     pub(crate) first: u32,
     /// In ascending order. Each names the cell after it.
@@ -28,7 +28,7 @@ pub(crate) struct Change {
 /// Rounding leaves gaps of such widths between two other cells.
 const NARROW: f64 = 1e-12;
 
-impl Line {
+impl SegmentCells {
     /// A segment in cell `first` alone.
     pub(crate) const fn of(first: u32) -> Self {
         Self {
@@ -118,7 +118,7 @@ impl Line {
         size: f64,
         nearest: impl Fn(f64, Option<u32>) -> (f64, u32),
     ) -> Self {
-        let settler = Settler { size, nearest };
+        let settler = DistanceCheck { size, nearest };
         let mut line = self;
         if !settler.agrees(&line) {
             let samples = settler.samples(&line);
@@ -146,8 +146,8 @@ impl Line {
     }
 }
 
-/// See [`Line::settled`].
-struct Settler<F> {
+/// See [`SegmentCells::settled`].
+struct DistanceCheck<F> {
     size: f64,
     nearest: F,
 }
@@ -158,7 +158,7 @@ type Sample = (f64, u32);
 /// Greatest length of a part of a line that is not divided further.
 const SHORT: f64 = 1e-13;
 
-impl<F: Fn(f64, Option<u32>) -> (f64, u32)> Settler<F> {
+impl<F: Fn(f64, Option<u32>) -> (f64, u32)> DistanceCheck<F> {
     /// Whether no other source is nearer than `source` at `t`, up to rounding.
     fn is_nearest(&self, t: f64, source: u32) -> bool {
         let (least, _) = (self.nearest)(t, None);
@@ -168,7 +168,7 @@ impl<F: Fn(f64, Option<u32>) -> (f64, u32)> Settler<F> {
 
     /// Whether distances confirm the line: both cells are the nearest at each change, and each cell
     /// is the nearest in the middle of its run.
-    fn agrees(&self, line: &Line) -> bool {
+    fn agrees(&self, line: &SegmentCells) -> bool {
         let mut before = line.first;
         let mut start = 0.0;
         for change in &line.changes {
@@ -187,7 +187,7 @@ impl<F: Fn(f64, Option<u32>) -> (f64, u32)> Settler<F> {
 
     /// The ends of a line, with the cells decided there, and the midpoints of its runs, with their
     /// nearest cells.
-    fn samples(&self, line: &Line) -> Vec<Sample> {
+    fn samples(&self, line: &SegmentCells) -> Vec<Sample> {
         let mut samples = vec![(0.0, line.first)];
         let mut start = 0.0;
         for end in line.changes.iter().map(|change| change.at).chain([1.0]) {
@@ -203,7 +203,7 @@ impl<F: Fn(f64, Option<u32>) -> (f64, u32)> Settler<F> {
 
     /// Removes runs that are due to rounding: along them the cell before is as near, and it takes
     /// them over.
-    fn simplify(&self, line: &mut Line) {
+    fn simplify(&self, line: &mut SegmentCells) {
         let mut before = line.first;
         let mut i = 0;
         while let [change, behind, ..] = line.changes[i..] {
@@ -278,7 +278,7 @@ mod tests {
     #[test]
     fn cells_change_where_their_windows_tie() {
         let windows = [(window(2.0), 7), (window(0.0), 3)];
-        let line = Line::envelope(Vec::new(), windows.into_iter(), 2.0, [3, 7]);
+        let line = SegmentCells::envelope(Vec::new(), windows.into_iter(), 2.0, [3, 7]);
         let change = Change { at: 0.5, next: 7 };
         assert_eq!((line.first, &line.changes[..]), (3, &[change][..]));
         assert_eq!(line.reversed().first, 7);
@@ -287,7 +287,7 @@ mod tests {
 
     #[test]
     fn what_was_decided_at_an_end_stays() {
-        let line = Line::envelope(vec![(window(0.0), 3)], std::iter::empty(), 2.0, [1, 2]);
+        let line = SegmentCells::envelope(vec![(window(0.0), 3)], std::iter::empty(), 2.0, [1, 2]);
         assert_eq!(line.cells().collect::<Vec<_>>(), [1, 3, 2]);
         assert_eq!((line.changes[0].at, line.changes[1].at), (0.0, 1.0));
     }

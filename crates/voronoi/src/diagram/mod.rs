@@ -13,12 +13,12 @@ use std::collections::BTreeSet;
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 use geobench_window::Window;
 
-use crate::field::{Field, NO_SOURCE};
+use crate::field::{LabelledField, NO_SOURCE};
 use crate::store::edge_of;
 use arrange::{Arrangement, FaceNodeKind, Span, arrange};
 pub use curve::Bisector;
 pub use dual::{Dual, Obstacle};
-use line::Line;
+use line::SegmentCells;
 #[cfg(test)]
 pub(crate) use plane::between;
 use plane::{Point, cross, norm, sub};
@@ -294,7 +294,7 @@ impl Diagram {
     /// # Panics
     ///
     /// If a source of the field has the number `sources` or more.
-    pub fn new(field: &Field<'_>, sources: usize) -> Self {
+    pub fn new(field: &LabelledField<'_>, sources: usize) -> Self {
         let mut builder = Builder::new(field, sources);
         builder.find_lines();
         builder.divide_faces();
@@ -411,13 +411,13 @@ impl Diagram {
 
 /// A union-find structure of the connected parts of cells.
 #[derive(Clone, Debug, Default)]
-struct Unions {
+struct CellComponents {
     parents: Vec<u32>,
     /// The cell of each element.
     cells: Vec<u32>,
 }
 
-impl Unions {
+impl CellComponents {
     /// The number of the next element.
     fn next(&self) -> u32 {
         self.parents.len() as u32
@@ -447,11 +447,11 @@ const NO_LINE: u32 = u32::MAX;
 
 /// Builds a [`Diagram`].
 struct Builder<'a> {
-    field: &'a Field<'a>,
+    field: &'a LabelledField<'a>,
     /// For each edge, under the lesser of its half-edges, its line; [`NO_LINE`] if it has only one
     /// cell.
     line_of: Vec<u32>,
-    lines: Vec<Line>,
+    lines: Vec<SegmentCells>,
     /// For each line, the number of its first node.
     first_node: Vec<u32>,
     /// For each line, the number in `unions` of its first run.
@@ -467,11 +467,11 @@ struct Builder<'a> {
     /// The connected parts of cells. A *run* is a part of a segment in one cell. The elements are,
     /// in this order: the vertices of the mesh, the runs along edges with several cells, the runs
     /// along cuts inside faces.
-    unions: Unions,
+    unions: CellComponents,
 }
 
 impl<'a> Builder<'a> {
-    fn new(field: &'a Field<'a>, sources: usize) -> Self {
+    fn new(field: &'a LabelledField<'a>, sources: usize) -> Self {
         Self {
             field,
             line_of: vec![NO_LINE; field.mesh.half_edge_count()],
@@ -486,7 +486,7 @@ impl<'a> Builder<'a> {
             inner: Vec::new(),
             border_face: Vec::new(),
             vertices: Vec::new(),
-            unions: Unions::default(),
+            unions: CellComponents::default(),
         }
     }
 
@@ -530,7 +530,7 @@ impl<'a> Builder<'a> {
 
     /// The cells along an edge between two faces, from the windows of both directions stored there
     /// and from the ends of the edge. `None` if there is only one cell.
-    fn line_inside(&self, h: HalfEdgeId, e: usize) -> Option<Line> {
+    fn line_inside(&self, h: HalfEdgeId, e: usize) -> Option<SegmentCells> {
         let ends = self.ends(h);
         let list = self.field.store.list(e);
         let first = ends[0].1;
@@ -541,7 +541,7 @@ impl<'a> Builder<'a> {
         let stored = || list.iter().map(|s| (s.window, s.source()));
         let windows = || stored().chain(end_windows(ends, l));
         let disjoint = stored().collect();
-        let line = Line::envelope(disjoint, end_windows(ends, l), l, [first, ends[1].1]);
+        let line = SegmentCells::envelope(disjoint, end_windows(ends, l), l, [first, ends[1].1]);
         Some(line.settled(l, |t, wanted| {
             let windows = windows().filter(|(_, s)| wanted.is_none_or(|source| source == *s));
             let paths = windows.map(|(window, source)| (path_to(&window, t * l), source));
@@ -553,7 +553,7 @@ impl<'a> Builder<'a> {
 
     /// The cells along a boundary edge, from the sites of its face, because no windows are stored
     /// there. `None` if there is only one cell.
-    fn line_of_boundary(&self, h: HalfEdgeId) -> Option<Line> {
+    fn line_of_boundary(&self, h: HalfEdgeId) -> Option<SegmentCells> {
         let ends = self.ends(h);
         let first = ends[0].1;
         let sites = FaceSites::new(self.field, h.face());
@@ -624,7 +624,7 @@ impl<'a> Builder<'a> {
         let lines = [0, 1, 2].map(|k| match along[k] {
             Some((line, false)) => self.lines[line].clone(),
             Some((line, true)) => self.lines[line].reversed(),
-            None => Line::of(self.field.labels[vertices[k].index()]),
+            None => SegmentCells::of(self.field.labels[vertices[k].index()]),
         });
         let runs = [0, 1, 2].map(|k| self.runs_along(vertices[k], vertices[(k + 1) % 3], along[k]));
         let next_run = self.unions.next();
@@ -709,7 +709,7 @@ impl<'a> Builder<'a> {
         face: FaceId,
         arrangement: &Arrangement,
         along: [Option<(usize, bool)>; 3],
-        lines: &[Line; 3],
+        lines: &[SegmentCells; 3],
     ) -> Vec<u32> {
         let mut numbers = Vec::new();
         for node in &arrangement.nodes {
@@ -764,7 +764,7 @@ impl<'a> Builder<'a> {
             let line = if let Some((line, _)) = self.line_along(h) {
                 &self.lines[line]
             } else {
-                constant = Line::of(self.field.labels[mesh.tail(h).index()]);
+                constant = SegmentCells::of(self.field.labels[mesh.tail(h).index()]);
                 &constant
             };
             if line.first == NO_SOURCE {

@@ -3,9 +3,9 @@
 use geobench_mesh::{FaceId, Mesh};
 use geobench_window::Window;
 
-use super::line::Line;
+use super::line::SegmentCells;
 use super::plane::{Point, along, between, cross, dot, norm, sub, unit};
-use crate::field::{Field, NO_SOURCE};
+use crate::field::{LabelledField, NO_SOURCE};
 use crate::store::{Stored, edge_of};
 
 /// A (pseudo-)source as seen from a face, unfolded into the plane of the face.
@@ -134,7 +134,7 @@ pub(crate) struct FaceSites {
 }
 
 impl FaceSites {
-    pub(crate) fn new(field: &Field<'_>, face: FaceId) -> Self {
+    pub(crate) fn new(field: &LabelledField<'_>, face: FaceId) -> Self {
         let mesh = field.mesh;
         let corners = corners(mesh, face);
         let directions = directions(mesh, face);
@@ -225,11 +225,11 @@ impl FaceSites {
 
     /// The cells along a segment of the face. `ends` are the cells at its ends, which are decided
     /// already.
-    pub(crate) fn line(&self, from: Point, to: Point, ends: [u32; 2]) -> Line {
+    pub(crate) fn line(&self, from: Point, to: Point, ends: [u32; 2]) -> SegmentCells {
         let l = norm(sub(to, from));
         let windows = self.sites.iter();
         let windows = windows.filter_map(|s| Some((s.window(from, to, l)?, s.source)));
-        let line = Line::envelope(Vec::new(), windows, l, ends);
+        let line = SegmentCells::envelope(Vec::new(), windows, l, ends);
         line.settled(self.size, |t, wanted| {
             let x = between(from, to, t);
             let sites = self.sites.iter();

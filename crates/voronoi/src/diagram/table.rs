@@ -170,7 +170,7 @@ impl<'a> MeasuredSites<'a> {
 }
 
 /// The paths from the sites of a register to a point.
-struct Paths<L: Lanes> {
+struct PathLanes<L: Lanes> {
     lengths: L,
     /// The last straight pieces of the paths, as vectors, and their lengths.
     ways: [L; 2],
@@ -180,7 +180,7 @@ struct Paths<L: Lanes> {
 
 /// See [`Site::path`].
 #[inline(always)]
-fn paths<L: Lanes>(simd: L::Token, row: &[L; WIDTH], x: [L; 2]) -> Paths<L> {
+fn paths<L: Lanes>(simd: L::Token, row: &[L; WIDTH], x: [L; 2]) -> PathLanes<L> {
     let zero = L::splat(simd, 0.0);
     let cross = |a: [L; 2], b: [L; 2]| a[0] * b[1] - a[1] * b[0];
     let way = [x[0] - row[0], x[1] - row[1]];
@@ -196,7 +196,7 @@ fn paths<L: Lanes>(simd: L::Token, row: &[L; WIDTH], x: [L; 2]) -> Paths<L> {
     let before = choose(row[2], row[5], row[8]);
     let ways = [x[0] - turn[0], x[1] - turn[1]];
     let last = (ways[0] * ways[0] + ways[1] * ways[1]).sqrt();
-    Paths {
+    PathLanes {
         lengths: before + last,
         ways,
         last,

@@ -15,7 +15,7 @@ use geobench_mesh::{
 use geobench_window::SolveError;
 
 use crate::diagram::Diagram;
-use crate::field::{Field, FieldSolver};
+use crate::field::{FieldSolver, LabelledField};
 use crate::window_vtp::WindowVtp;
 use flaws::Flaws;
 pub use quality::{Deviation, Quality};
@@ -198,7 +198,7 @@ fn refine(mesh: &Mesh, sites: &mut Vec<SurfacePoint>) -> Result<Refined, PointEr
 /// The diagram of all sites, and the result of `look` for its field.
 fn diagram<T>(
     refined: &Refined,
-    look: impl FnOnce(&Field<'_>) -> T,
+    look: impl FnOnce(&LabelledField<'_>) -> T,
 ) -> Result<(Diagram, T), SolveError> {
     let mut solver = WindowVtp::new(&refined.mesh);
     let field = solver.field(&refined.vertices)?;
@@ -270,7 +270,11 @@ fn topology(measures: &MeshMeasures) -> String {
 
 /// For each cell, its vertex of the original mesh that is farthest from the site; `None` if there
 /// is none but the site.
-fn farthest_of_cells(mesh: &Mesh, sites: usize, field: &Field<'_>) -> Vec<Option<VertexId>> {
+fn farthest_of_cells(
+    mesh: &Mesh,
+    sites: usize,
+    field: &LabelledField<'_>,
+) -> Vec<Option<VertexId>> {
     let mut farthest = vec![(0.0, None); sites];
     let reached = field.distances().iter().zip(field.labels());
     for (v, (&d, &cell)) in mesh.vertices().zip(reached) {

@@ -14,7 +14,7 @@ mod slivers;
 
 use super::{mesh_of, some_vertices, try_mesh_of};
 use crate::diagram::sites::FaceSites;
-use crate::removal::Traps;
+use crate::removal::PublishedDefects;
 use crate::{
     BorderArc, Diagram, FieldSolver, Lct11, NO_SOURCE, NodeKind, Obstacle, Options, Removal,
     WindowVtp,
@@ -32,12 +32,12 @@ fn diagram_of(mesh: &Mesh, sources: &[VertexId]) -> Diagram {
 }
 
 /// Computes the distances from each of `sources` alone at any point of a face.
-struct Judge {
+struct SingleSourceDistances {
     solvers: Vec<WindowVtp>,
     sources: Vec<VertexId>,
 }
 
-impl Judge {
+impl SingleSourceDistances {
     fn new(mesh: &Mesh, sources: &[VertexId]) -> Self {
         let options = Options {
             removal: Removal::Off,
@@ -99,7 +99,7 @@ fn check(name: &str, mesh: &Mesh, sources: &[VertexId]) -> Vec<String> {
         }
     }
     // Arcs.
-    let mut judge = Judge::new(mesh, sources);
+    let mut judge = SingleSourceDistances::new(mesh, sources);
     let single = judge.faces(mesh);
     for arc in diagram.arcs() {
         let f = arc.face.index();
@@ -511,7 +511,7 @@ fn lct11_gives_the_same_diagram() {
 }
 
 /// The number of border faces in which distances differ from those without removal.
-fn wrong_border_faces(mesh: &Mesh, sources: &[VertexId], traps: Traps) -> usize {
+fn wrong_border_faces(mesh: &Mesh, sources: &[VertexId], traps: PublishedDefects) -> usize {
     let all = Options {
         removal: Removal::Off,
         ..Options::default()
@@ -541,14 +541,14 @@ fn wrong_border_faces(mesh: &Mesh, sources: &[VertexId], traps: Traps) -> usize 
 #[test]
 fn removal_leaves_all_that_border_faces_need() {
     let traps = [
-        Traps::default(),
-        Traps {
+        PublishedDefects::default(),
+        PublishedDefects {
             active_neighbour: true,
-            ..Traps::default()
+            ..PublishedDefects::default()
         },
-        Traps {
+        PublishedDefects {
             windows_alone: true,
-            ..Traps::default()
+            ..PublishedDefects::default()
         },
     ];
     let mut wrong = [0; 3];
@@ -596,7 +596,7 @@ fn on_the_boundary_the_sites_inside_count() {
     let mesh = Mesh::generate("grid,n=5").unwrap();
     let sources = [14, 15].map(VertexId::new);
     let diagram = diagram_of(&mesh, &sources);
-    assert!((diagram.cells()[0].area - 12.5).abs() < 12.5);
+    assert!((diagram.cells()[0].area - 12.5).abs() < 1e-9);
     let mut solver = WindowVtp::new(&mesh);
     let field = solver.field(&sources).unwrap();
     let mut too_long = 0;

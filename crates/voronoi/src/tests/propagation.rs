@@ -6,10 +6,10 @@ use geobench_oracle::zoo;
 use geobench_window::{Counter, Solver, VertexFilter};
 
 use super::{ROUNDING, mesh_of, one_by_one, some_vertices};
-use crate::{Field, FieldSolver, Lct11, NO_SOURCE, Options, Removal, WindowVtp};
+use crate::{FieldSolver, LabelledField, Lct11, NO_SOURCE, Options, Removal, WindowVtp};
 
 /// A complaint about each vertex whose distance or label is wrong.
-fn wrong_vertices(field: &Field<'_>, each: &[Vec<f64>]) -> Vec<String> {
+fn wrong_vertices(field: &LabelledField<'_>, each: &[Vec<f64>]) -> Vec<String> {
     let mut wrong = Vec::new();
     for v in 0..field.mesh().vertex_count() {
         let least = each.iter().fold(f64::INFINITY, |least, d| least.min(d[v]));

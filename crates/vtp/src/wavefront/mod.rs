@@ -14,7 +14,7 @@ use geobench_mesh::{HalfEdgeId, VertexId};
 use geobench_window::queue::MinHeap;
 use geobench_window::simd::{Lanes, Scalar, SimdProgram};
 use geobench_window::trimming::KeptWindows;
-use geobench_window::{Counter, Lookout, Phase, Probe, Way};
+use geobench_window::{Counter, EndCheck, Phase, Probe, Way};
 
 pub(crate) use self::surface_state::SurfaceState;
 use crate::engine::buckets::VertexBuckets;
@@ -75,7 +75,7 @@ pub(crate) struct Wavefront {
     cuts: Cuts,
     levels: Levels,
     pub(crate) kept: KeptWindows,
-    lookout: Lookout,
+    lookout: EndCheck,
     /// The faces that have joined, in runs that may end early.
     joined: Vec<u32>,
 }
@@ -101,7 +101,7 @@ impl Wavefront {
             cuts: Cuts::default(),
             levels: Levels::default(),
             kept: layout.kept.clone(),
-            lookout: Lookout::default(),
+            lookout: EndCheck::default(),
             joined: Vec::new(),
         }
     }

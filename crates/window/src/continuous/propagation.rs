@@ -15,7 +15,7 @@ use crate::counters::Counter;
 use crate::crossing::{Crossing, length_past_end};
 use crate::crossings::CrossedChild;
 use crate::frame::{Exit, FaceView, Side};
-use crate::goal::Lookout;
+use crate::goal::EndCheck;
 use crate::origins::Way;
 use crate::probe::{Phase, Probe};
 use crate::queue::{Discipline, Event, EventKind};
@@ -63,7 +63,7 @@ pub struct Continuous<W, Q> {
     pub(super) policy: W,
     pub(super) queue: Q,
     lookahead: Lookahead,
-    lookout: Lookout,
+    lookout: EndCheck,
     /// Children narrower than this are dropped.
     threshold: f64,
     /// The fraction ε/(1+ε) of a straight path that the value of its end vertex omits; see
@@ -80,7 +80,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             policy,
             queue,
             lookahead: Lookahead::default(),
-            lookout: Lookout::default(),
+            lookout: EndCheck::default(),
             threshold: 0.0,
             advantage: 0.0,
         }

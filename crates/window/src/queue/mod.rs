@@ -19,7 +19,7 @@ pub use priority::Priority;
 use geobench_mesh::{HalfEdgeId, VertexId};
 
 use crate::counters::Counter;
-use crate::goal::Lookout;
+use crate::goal::EndCheck;
 use crate::probe::Probe;
 
 /// An order in which events are taken. A discipline sees only the labels and places of events.
@@ -115,7 +115,7 @@ pub trait Discipline: Send {
     fn ends<P: Probe>(
         &self,
         label: f64,
-        lookout: &mut Lookout,
+        lookout: &mut EndCheck,
         distance: impl Fn(VertexId) -> f64,
         probe: &mut P,
     ) -> bool {

@@ -162,7 +162,7 @@ struct ChildPool<'b> {
     /// Cells whose child was ended because all children together held too much memory.
     evicted: Vec<String>,
     /// The files that external programs read and write.
-    handover: Option<Handover>,
+    handover: Option<ExchangeFolder>,
     /// Last result of each external program for the current source.
     solved: BTreeMap<String, Observation>,
 }
@@ -191,7 +191,7 @@ struct Outside {
 }
 
 /// Temporary folder with the model and the distances.
-struct Handover {
+struct ExchangeFolder {
     folder: TempDir,
     /// The model as an OBJ file, with unchanged vertex numbers. If the source is not a vertex, the
     /// model has an additional one.
@@ -202,7 +202,7 @@ struct Handover {
     note: Option<String>,
 }
 
-impl Handover {
+impl ExchangeFolder {
     /// Writes `model` for a run from `source`.
     fn new(
         model: &ModelRef,
@@ -258,7 +258,7 @@ impl Handover {
     }
 }
 
-impl Handover {
+impl ExchangeFolder {
     /// The values of the placeholders in the commands of a program.
     fn call(&self, program: &Program, step: &Step<'_>) -> Call<'_> {
         // Parameter values may contain slashes.
@@ -357,13 +357,18 @@ impl<'b> ChildPool<'b> {
     }
 
     /// The files for external programs, written on first use.
-    fn handover(&mut self, step: &Step<'_>) -> Result<&Handover, Failure> {
+    fn handover(&mut self, step: &Step<'_>) -> Result<&ExchangeFolder, Failure> {
         Ok(match &mut self.handover {
             Some(handover) => handover,
             none => {
                 let limit = self.options.limits.decompressed;
                 let vertices = self.record.vertex_count();
-                none.insert(Handover::new(self.model, vertices, limit, step.source)?)
+                none.insert(ExchangeFolder::new(
+                    self.model,
+                    vertices,
+                    limit,
+                    step.source,
+                )?)
             }
         })
     }

@@ -169,8 +169,8 @@ impl Descendants {
     }
 
     /// The current descendants of the child.
-    pub(super) fn present(&self) -> Present {
-        let mut present = Present(Vec::new());
+    pub(super) fn present(&self) -> DescendantList {
+        let mut present = DescendantList(Vec::new());
         if ADOPTS.load(Ordering::Relaxed) {
             present.add_below(self.child);
         }
@@ -189,7 +189,7 @@ impl Descendants {
 
     /// Kills all orphans of the child, which has been waited for. `present` lists the descendants
     /// recorded before that.
-    pub(super) fn end(&self, mut present: Present) {
+    pub(super) fn end(&self, mut present: DescendantList) {
         let mut started = started();
         started.retain(|child| *child != self.child);
         if !ADOPTS.load(Ordering::Relaxed) {
@@ -226,9 +226,9 @@ impl Descendants {
 }
 
 /// The processes that belong to a child.
-pub(super) struct Present(Vec<Process>);
+pub(super) struct DescendantList(Vec<Process>);
 
-impl Present {
+impl DescendantList {
     /// Adds all descendants of a process.
     fn add_below(&mut self, number: u32) {
         for child in children(number) {

@@ -194,14 +194,14 @@ pub const SEVERAL: &str = "geobench-comparisons/1";
 
 /// Several files, each compared with the same one.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Several {
+pub struct BaselineComparisons {
     /// Always [`SEVERAL`].
     pub schema: &'static str,
     /// The comparison of each file with the baseline, which is the old file of all.
     pub comparisons: Vec<Comparison>,
 }
 
-impl Several {
+impl BaselineComparisons {
     /// Compares each of `files` with `baseline`. Every file is given with its name.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use super::ClaimCase;
 use super::expression::{Leaves, Node, Quantity};
-use super::file::{Combine, GrowthAxis, Operand, Show, Size, Test, Vectors, labels};
+use super::file::{Combine, GrowthAxis, Operand, Show, SimdFilter, Size, Test, labels};
 use crate::exec::source::SourceSpec;
 use crate::measure::number::grouped;
 use crate::measure::statistics::{FEWEST_FOR_FIT, FEWEST_FOR_INTERVAL, range_of};
@@ -148,7 +148,7 @@ impl<'r> Results<'r> {
         if is_timed(figure) && self.result.tool.profile != "release" {
             return Err("it was measured with a debug build".to_owned());
         }
-        if is_timed(figure) && self.test.simd == Vectors::Scalar {
+        if is_timed(figure) && self.test.simd == SimdFilter::Scalar {
             // A ratio of vector code to scalar code would compare implementations, not algorithms.
             let simd = match figure.key {
                 "instructions" if cell.instructions.is_none() => Some("scalar"),

@@ -79,7 +79,7 @@ pub(super) struct Test {
     #[serde(default)]
     pub(super) at_least_faces: u64,
     #[serde(default)]
-    pub(super) simd: Vectors,
+    pub(super) simd: SimdFilter,
 }
 
 impl<'de> Deserialize<'de> for &'static Figure {
@@ -93,7 +93,7 @@ impl<'de> Deserialize<'de> for &'static Figure {
 /// Selects the runs whose times and instructions decide, by their SIMD level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Vectors {
+pub(super) enum SimdFilter {
     /// Runs without vector instructions.
     #[default]
     Scalar,

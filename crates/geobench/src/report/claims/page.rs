@@ -8,7 +8,7 @@ use crate::measure::number::grouped;
 use crate::measure::statistics::range_of;
 use crate::table::group::distinct;
 use crate::table::terminal::listing;
-use crate::table::{Column, Entry, FileForm, Look, Mark, Table, csv, json_lines, markdown};
+use crate::table::{Column, Entry, FileFormat, Look, Mark, Table, csv, json_lines, markdown};
 
 /// An output format of verdicts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -23,7 +23,7 @@ pub enum ClaimsFormat {
     Csv,
 }
 
-impl FileForm for ClaimsFormat {
+impl FileFormat for ClaimsFormat {
     const CONTENT: &'static str = "verdicts";
     const ENDINGS: &'static [(&'static str, Self)] = &[
         ("md", Self::Markdown),

@@ -16,7 +16,7 @@ use super::chart::{Chart, nice};
 use super::svg::{Svg, px, width_of};
 use crate::table::distance_formats;
 pub(crate) use paint::Paint;
-use raster::{Camera, Image, Ink};
+use raster::{Camera, Image, LineStyle};
 use surface::SurfaceView;
 
 /// Width and height of a picture, in units of the drawing.
@@ -219,7 +219,7 @@ impl Picture {
         for (lines, half_width, colour) in inks {
             let lines: Vec<Vec<[f64; 2]>> = lines.iter().map(pixels).collect();
             let half_width = half_width * DENSITY;
-            image.draw(&lines, Ink { half_width, colour });
+            image.draw(&lines, LineStyle { half_width, colour });
         }
         let [outer, inner] = self.radii();
         for (radius, colour) in [(outer, [0; 3]), (inner, [255; 3])] {
@@ -229,7 +229,7 @@ impl Picture {
                 .map(|&at| pixels(&vec![at, at]))
                 .collect();
             let half_width = radius * DENSITY;
-            image.draw(&dots, Ink { half_width, colour });
+            image.draw(&dots, LineStyle { half_width, colour });
         }
         image.png()
     }

@@ -30,7 +30,7 @@ const PATHS: usize = 5;
 
 /// The model that is drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Wanted {
+pub enum PictureChoice {
     /// No picture.
     None,
     /// The first model that can be loaded again.
@@ -44,7 +44,7 @@ pub enum Wanted {
     },
 }
 
-impl std::str::FromStr for Wanted {
+impl std::str::FromStr for PictureChoice {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
@@ -77,13 +77,13 @@ impl std::str::FromStr for Wanted {
 /// When `wanted` names a model that does not exist or cannot be drawn.
 pub(crate) fn plot(
     result: &ResultFile,
-    wanted: &Wanted,
+    wanted: &PictureChoice,
     limit: DecompressionLimit,
     prefix: &str,
 ) -> Result<Option<Plot>, UsageError> {
     match wanted {
-        Wanted::None => Ok(None),
-        Wanted::Of { model, source } => {
+        PictureChoice::None => Ok(None),
+        PictureChoice::Of { model, source } => {
             if result.models.iter().all(|m| m.name != *model) {
                 let known: Vec<&str> = result.models.iter().map(|m| m.name.as_str()).collect();
                 return Err(UsageError(format!(
@@ -93,7 +93,7 @@ pub(crate) fn plot(
             }
             of_model(result, model, *source, limit, prefix).map(Some)
         }
-        Wanted::Any => Ok(result
+        PictureChoice::Any => Ok(result
             .models
             .iter()
             .filter(|m| m.faces.is_some_and(|faces| faces <= MOST_FACES))
@@ -243,17 +243,17 @@ mod tests {
     #[test]
     fn a_picture_is_named_by_model_and_source() {
         let of = |model: &str, source| {
-            Ok(Wanted::Of {
+            Ok(PictureChoice::Of {
                 model: model.to_owned(),
                 source,
             })
         };
-        assert_eq!("none".parse(), Ok(Wanted::None));
+        assert_eq!("none".parse(), Ok(PictureChoice::None));
         assert_eq!("horse".parse(), of("horse", None));
         assert_eq!("horse:17".parse(), of("horse", Some(17)));
         assert_eq!("torus,faces=50:0".parse(), of("torus,faces=50", Some(0)));
         assert_eq!("C:\\m.obj".parse(), of("C:\\m.obj", None));
-        assert!(":3".parse::<Wanted>().is_err());
-        assert!("horse:99999999999".parse::<Wanted>().is_err());
+        assert!(":3".parse::<PictureChoice>().is_err());
+        assert!("horse:99999999999".parse::<PictureChoice>().is_err());
     }
 }

@@ -326,7 +326,7 @@ impl Image {
 
 /// The style of lines drawn into an image. The half width is in pixels.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ink {
+pub(super) struct LineStyle {
     pub(super) half_width: f64,
     pub(super) colour: [u8; 3],
 }
@@ -367,7 +367,7 @@ impl Image {
     }
 
     /// Draws lines, in pixels, over the picture.
-    pub(super) fn draw(&mut self, lines: &[Vec<[f64; 2]>], ink: Ink) {
+    pub(super) fn draw(&mut self, lines: &[Vec<[f64; 2]>], ink: LineStyle) {
         let [width, height] = self.size;
         let mut cover = vec![0.0_f64; width * height];
         let reach = ink.half_width + 1.0;

@@ -19,7 +19,7 @@ use geobench::exec::limits::DecompressionLimit;
 use geobench::history::{compare, pool};
 use geobench::plan::suite;
 use geobench::plan::suite::{ModelChoice, Settings, Suite, plans};
-use geobench::report::{self, Form, Input, Options, Tables, Wanted};
+use geobench::report::{self, Form, Input, Options, PictureChoice, Tables};
 use geobench::run::journal::{Journal, JournalHeader};
 use geobench::run::merge;
 use geobench::schema::ResultFile;
@@ -156,7 +156,7 @@ fn use_all(file: &ResultFile, other: &ResultFile, thoroughly: bool) {
     }
     let options = Options {
         ratio_to: None,
-        picture: Wanted::None,
+        picture: PictureChoice::None,
         decompressed: DecompressionLimit::default(),
         tables: Tables::OfSuite,
     };

@@ -242,11 +242,14 @@ pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<ClaimsReport, Us
 fn source(result: &ResultFile) -> String {
     let commit = result.tool.commit.as_deref().unwrap_or("unknown");
     let cpu = result.host.cpu.as_deref().unwrap_or("unknown processor");
+    let processors = match result.host.cores {
+        1 => "1 processor".to_owned(),
+        count => format!("{count} processors"),
+    };
     format!(
-        "{}, commit {}, {cpu}, {} processors, vectors up to {}",
+        "{}, commit {}, {cpu}, {processors}, vectors up to {}",
         result.started.get(..10).unwrap_or(&result.started),
         commit.get(..12).unwrap_or(commit),
-        result.host.cores,
         result.host.simd.as_deref().unwrap_or("unknown"),
     )
 }

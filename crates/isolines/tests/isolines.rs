@@ -273,7 +273,7 @@ fn isolines_of_a_cylinder_pass_the_cut_locus() {
         if y == 0.0 {
             continue;
         }
-        // The circle crosses the cut locus and both boundaries.
+        // The circle reaches the cut locus and both boundaries.
         for r in [4.0_f64, 4.2, 5.0, 5.5] {
             let isoline = field.isoline(r);
             // The part of the circle on this side of the cut locus and between both boundaries.

@@ -423,8 +423,8 @@ impl PyMesh {
     /// Parameters
     /// ----------
     /// sites : int
-    ///     The number of sites, the vertices of the new mesh. More sites are added on a boundary
-    ///     that needs them, and where the dual would not be a triangulation.
+    ///     The number of sites, the vertices of the new mesh. More sites are added to components
+    ///     and boundary loops that have too few, and where the dual would not be a triangulation.
     /// lloyd : int
     ///     The number of steps of Lloyd's algorithm. Each moves the sites to the centres of their
     ///     cells.

@@ -1,4 +1,4 @@
-//! Arcs of circles in faces.
+//! Circular arcs inside faces.
 
 use std::f64::consts::PI;
 
@@ -7,16 +7,17 @@ use geobench_mesh::{FaceId, Mesh};
 use crate::cones::corners;
 use crate::plane::{Point, add, cross, dot, nearest_on_segment, norm, sub};
 
-/// How far the centres of two arcs may be apart that are one, as a fraction of the radius.
+/// Tolerance within which the centres, the radii and the ends of two arcs of one circle agree,
+/// relative to the radius and the coordinates.
 const SAME: f64 = 1e-11;
 
-/// The least number of chords of a full circle.
+/// The minimum number of chords of a full circle.
 const CHORDS: f64 = 12.0;
 
-/// A part of a circle in a face, counter-clockwise: nearer points are on its left.
+/// A counter-clockwise arc of a circle in a face. Points nearer to the source are on its left.
 ///
-/// Its points are in the plane of the face: the first corner is the origin, the second one has a
-/// positive abscissa and the ordinate 0, and the third one a positive ordinate.
+/// Coordinates are in the plane of the face. The first corner is the origin, the second has a
+/// positive abscissa and the ordinate 0, and the third has a positive ordinate.
 ///
 /// ```
 /// use geobench_isolines::DistanceField;
@@ -35,11 +36,11 @@ const CHORDS: f64 = 12.0;
 pub struct CircleArc {
     /// The face.
     pub face: FaceId,
-    /// The image of the source, or of the last vertex at which paths bend.
+    /// The image of the source, or of the last vertex at which paths turn, the pseudo-source.
     pub centre: [f64; 2],
-    /// The distance of its points from the centre.
+    /// The radius, in units of the mesh.
     pub radius: f64,
-    /// Its ends.
+    /// Its start and its end.
     pub ends: [[f64; 2]; 2],
 }
 
@@ -53,11 +54,13 @@ impl CircleArc {
         }
     }
 
-    /// Its angle around the centre, from 0 to 1.5π.
+    /// The angle that it spans at the centre, in radians. Arcs of isolines span at most π up to
+    /// rounding; the result is between 0 and 1.5π.
     pub fn angle(&self) -> f64 {
         let [from, to] = self.ends.map(|end| sub(end, self.centre));
         let angle = cross(from, to).atan2(dot(from, to));
-        // Arcs are no longer than half a circle; a short one may be turned by rounding.
+        // An arc spans at most half a circle. Rounding can make the angle of a half circle
+        // slightly more than π, and that of a very short arc negative.
         if angle < -0.5 * PI {
             angle + 2.0 * PI
         } else {
@@ -74,12 +77,12 @@ impl CircleArc {
         self.ends[0] != self.ends[1]
     }
 
-    /// Points on it, from one end to the other, so many that the chords between them are nowhere
-    /// further than `tolerance` from it, and that a whole circle has at least 12. Chords span at
-    /// least 1e-4 radians: below 1.25e-9 of the radius the tolerance is not kept.
+    /// Points along the arc, from its start to its end. The chords between them deviate from the
+    /// arc by at most `tolerance`, and a full circle would have at least 12. Chords span at least
+    /// about 1e-4 radians, so a tolerance below 1.25e-9 of the radius is not met.
     pub fn points(&self, tolerance: f64) -> Vec<[f64; 2]> {
         let angle = self.angle();
-        // A chord over an angle of 2 a is r (1 - cos a) from the arc.
+        // A chord over the angle 2a deviates from the arc by r (1 - cos a).
         let half = (1.0 - tolerance / self.radius).clamp(-1.0, 1.0).acos();
         let chord = (2.0 * half).clamp(1e-4, 2.0 * PI / CHORDS);
         let parts = (angle / chord).ceil().max(1.0);
@@ -94,8 +97,8 @@ impl CircleArc {
         points
     }
 
-    /// The barycentric coordinates of a point of the plane in the face; those of the nearest point
-    /// of its sides for one outside, as rounding may put it.
+    /// The barycentric coordinates in the face of a point of its plane. A point outside the face,
+    /// for example due to rounding, gets those of the nearest point of the face.
     pub fn barycentric(&self, mesh: &Mesh, at: [f64; 2]) -> [f64; 3] {
         let corners = corners(mesh, self.face);
         let [_, [l, _], [x, y]] = corners;
@@ -130,7 +133,8 @@ impl CircleArc {
         Some(sum)
     }
 
-    /// Both as one, if `next` goes on along the same circle.
+    /// The union of both arcs, if `next` continues this one on the same circle and the union is
+    /// shorter than half a circle.
     fn with(&self, next: &Self) -> Option<Self> {
         let slack = SAME * (self.radius + norm(self.centre) + 1e-3 * next.radius);
         let is_same = self.face == next.face
@@ -145,7 +149,8 @@ impl CircleArc {
     }
 }
 
-/// `arcs` with those as one that make up one circle: faces may have been split for the run.
+/// Merges consecutive arcs that continue each other on one circle in one face, the last with the
+/// first too if the line is closed. Splitting faces at sources divides such arcs.
 pub(crate) fn joined(arcs: Vec<CircleArc>, closed: bool) -> Vec<CircleArc> {
     let mut all: Vec<CircleArc> = Vec::with_capacity(arcs.len());
     for arc in arcs {
@@ -198,7 +203,7 @@ mod tests {
         let all = joined(arcs, false);
         assert_eq!(all.len(), 2);
         assert!((all[0].angle() - 2.0).abs() < 1e-14);
-        // Never more than half a circle, of which the angle would not be known.
+        // Not merged: the ends do not determine the angle of an arc of more than half a circle.
         let all = joined(vec![arc([0.0, 2.0]), arc([2.0, 4.0])], false);
         assert_eq!(all.len(), 2);
     }

@@ -1,50 +1,55 @@
-//! From where the points of a face are reached.
+//! The cones of straight paths that reach the points of a face, and the arcs of an isoline in them.
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh};
 use geobench_window::Window;
 
 use crate::plane::{Point, add, cross, dot, norm, scale, sub, turned};
 
-/// How far beside a cone points still count as inside, as the sine of an angle: rounding parts
-/// windows that touch, and a path that bends by so little is longer by less than 1e-20 of its
-/// length.
+/// A point outside a cone counts as inside if the sine of its angle to the cone is at most this.
+/// Rounding leaves gaps between windows that touch. A path that bends by so small an angle is
+/// longer by less than 1e-20 of its length.
 const BESIDE: f64 = 1e-10;
 
-/// By how much two distances of a point must differ, relatively, to be told apart.
+/// Relative difference up to which two distances of a point count as equal.
 const ROUNDING: f64 = 1e-13;
 
-/// The height of a face, as a fraction of its size and of distances, that is lost in rounding.
+/// A face is flat if its height is less than this fraction of its size plus the level. Rounding
+/// then decides which points are inside.
 const FLAT: f64 = 1e-13;
 
-/// The points of the plane of a face that a window or a vertex of the face sees. Their distances
-/// grow around the image of the (pseudo-)source, the apex of the cone.
+/// The part of the plane of a face that straight paths through a window, or from a vertex of the
+/// face, reach. The apex is the image of the (pseudo-)source, or the vertex. The distance of a
+/// point in the cone is `sigma` plus its distance from the apex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cone {
+    /// The apex.
     pub(crate) centre: Point,
-    /// The distance of the (pseudo-)source.
+    /// The distance from the source to the apex.
     sigma: f64,
-    /// Directions of the right and the left side of the cone, of length 1.
+    /// Unit directions of the right and the left side of the cone.
     right: Point,
     left: Point,
     /// The angle from the right to the left side.
     angle: f64,
-    /// How near the part of the face in the cone comes to the centre.
+    /// The distance from the centre to the nearest point of the face in the cone.
     nearest: f64,
 }
 
-/// A part of a circle around the apex of a cone, by angles from the right side of the cone.
+/// An arc around the apex of a cone, from one angle to another, counter-clockwise from the right
+/// side of the cone in radians.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ConeArc {
+    /// The index of the cone in [`FaceCones::cones`].
     pub(crate) cone: usize,
     pub(crate) from: f64,
     pub(crate) to: f64,
 }
 
-/// A face in the plane, and the cones of all windows that enter it and of its vertices.
+/// A face in its plane, with the cones of all windows that enter it and of its vertices.
 pub(crate) struct FaceCones {
     pub(crate) corners: [Point; 3],
     pub(crate) cones: Vec<Cone>,
-    /// The longest side.
+    /// The length of the longest side.
     pub(crate) size: f64,
 }
 
@@ -55,7 +60,8 @@ pub(crate) fn corners(mesh: &Mesh, face: FaceId) -> [Point; 3] {
 }
 
 impl Cone {
-    /// The cone of an angle from `centre` between two vectors; `None` without an angle.
+    /// The cone with apex `centre` between two vectors, the right and the left side; `None` if
+    /// `angle` is not positive.
     fn new(centre: Point, sigma: f64, sides: [Point; 2], angle: f64, nearest: f64) -> Option<Self> {
         let [right, left] = sides.map(|way| scale(way, 1.0 / norm(way)));
         (angle > 0.0).then_some(Self {
@@ -68,37 +74,38 @@ impl Cone {
         })
     }
 
-    /// The point at an angle from the right side, on the circle of `radius`.
+    /// The point of the circle of `radius` at `angle` from the right side.
     pub(crate) fn at(&self, angle: f64, radius: f64) -> Point {
         let (sin, cos) = angle.sin_cos();
         let way = add(scale(self.right, cos), scale(turned(self.right), sin));
         add(self.centre, scale(way, radius))
     }
 
-    /// The angle from the right side at which `x` is seen.
+    /// The angle from the right side to the direction of `x`.
     fn angle_of(&self, x: Point) -> f64 {
         let way = sub(x, self.centre);
         cross(self.right, way).atan2(dot(self.right, way))
     }
 
-    /// The radius of its circle at distance `level`; not positive if there is none.
+    /// The radius of the circle of points at distance `level`; not positive if there is none.
     pub(crate) fn radius(&self, level: f64) -> f64 {
         level - self.sigma
     }
 
-    /// The length of its path to `x`.
+    /// The length of the path from the source through the apex to `x`.
     fn distance(&self, x: Point) -> f64 {
         self.sigma + norm(sub(x, self.centre))
     }
 
-    /// Whether `x` is in the cone, or beside it by rounding.
+    /// Whether `x` is in the cone, or outside by no more than rounding ([`BESIDE`]).
     fn sees(&self, x: Point) -> bool {
         let way = sub(x, self.centre);
         let slack = -BESIDE * norm(way);
         cross(self.right, way) >= slack && cross(way, self.left) >= slack
     }
 
-    /// The points of its circle of `radius` on a line through `through`.
+    /// The intersections of its circle of `radius` with the line through `through`. `direction` has
+    /// length 1.
     fn meets_line(&self, radius: f64, through: Point, direction: Point) -> [Option<Point>; 2] {
         let normal = turned(direction);
         let height = dot(normal, sub(through, self.centre));
@@ -111,13 +118,13 @@ impl Cone {
         [half, -half].map(|t| Some(add(foot, scale(direction, t))))
     }
 
-    /// The points of its circle of `radius` on that of `other`.
+    /// The intersections of its circle of `radius` with the circle of `other` of `its_radius`.
     fn meets_circle(&self, radius: f64, other: &Self, its_radius: f64) -> [Option<Point>; 2] {
         let way = sub(other.centre, self.centre);
         let apart = norm(way);
         let along = (apart * apart + (radius - its_radius) * (radius + its_radius)) / (2.0 * apart);
         let half = (radius - along) * (radius + along);
-        // NaN where both have the same centre.
+        // NaN if both have the same centre.
         if half.is_nan() || half < 0.0 {
             return [None; 2];
         }
@@ -127,13 +134,14 @@ impl Cone {
         [half, -half].map(|t| Some(add(foot, scale(turned(unit), t))))
     }
 
-    /// The part of the segment from `from` in `direction`, of length `l`, that is in the cone, as a
-    /// window in the frame of the segment.
+    /// The part of a segment that is in the cone, as a window in the frame of the segment; `None`
+    /// if it is empty. The segment has length `l` and starts at `from` in the unit `direction`.
     pub(crate) fn window(&self, from: Point, direction: Point, l: f64) -> Option<Window> {
         let centre = sub(self.centre, from);
         let (mut b0, mut b1) = (0.0_f64, l);
         let start = sub(from, self.centre);
-        // Where `value + x * slope` is positive.
+        // The point at abscissa x is on the inner side of a side of the cone if
+        // `value + x * slope` is positive.
         for (value, slope) in [
             (cross(self.right, start), cross(self.right, direction)),
             (cross(start, self.left), cross(direction, self.left)),
@@ -158,7 +166,8 @@ impl Cone {
 }
 
 impl FaceCones {
-    /// The windows that enter `face`, and its vertices.
+    /// The cones of the vertices of `face` and of the windows that enter it. `windows` returns the
+    /// windows that enter through a half-edge.
     pub(crate) fn new<W: Iterator<Item = Window>>(
         mesh: &Mesh,
         distances: &[f64],
@@ -189,8 +198,9 @@ impl FaceCones {
             for w in windows(h) {
                 let centre = add(origin, turn(w.px, w.py));
                 let sides = [w.b1, w.b0].map(|x| turn(x - w.px, -w.py));
-                // In the frame of the edge, for an image that lies on it but for a part of what
-                // the turn rounds; half a turn if it lies within the window.
+                // Computed in the frame of the edge: the height of an image above the edge can be
+                // smaller than the rounding errors of `turn`. For an image on the edge and within
+                // the window the angle is π; adding 0.0 turns -0.0, which would give -π, into 0.0.
                 let height = -w.py + 0.0;
                 let opposite = (w.b1 - w.px) * (w.b0 - w.px) + w.py * w.py;
                 let angle = (height * (w.b1 - w.b0)).atan2(opposite);
@@ -212,8 +222,9 @@ impl FaceCones {
         left(a, b) && left(b, c) && left(c, a)
     }
 
-    /// Whether cone `i`, of which `x` is at distance `level`, is the nearest one there: the first
-    /// of several equally near.
+    /// Whether no other cone gives `x` a shorter distance than cone `i`, which gives it the
+    /// distance `level`. If distances are equal up to `slack`, the cone with the lowest index
+    /// counts as the nearest.
     fn is_nearest(&self, i: usize, x: Point, level: f64, slack: f64) -> bool {
         let rivals = self.cones.iter().enumerate();
         let mut rivals = rivals.filter(|&(j, _)| j != i);
@@ -223,23 +234,24 @@ impl FaceCones {
         })
     }
 
-    /// Whether the face is so thin that rounding decides which points lie inside.
+    /// Whether the face is so thin that rounding decides which points lie inside ([`FLAT`]).
     fn is_flat(&self, level: f64) -> bool {
         let [a, b, c] = self.corners;
         let height = cross(sub(b, a), sub(c, a)) / self.size;
         height < FLAT * (self.size + level)
     }
 
-    /// The cone that is nearest to `x`; `None` if none sees it.
+    /// The index of the cone that gives `x` the shortest distance; `None` if no cone contains `x`.
     pub(crate) fn nearest(&self, x: Point) -> Option<usize> {
         let seen = self.cones.iter().enumerate().filter(|(_, s)| s.sees(x));
         let nearest = seen.min_by(|a, b| a.1.distance(x).total_cmp(&b.1.distance(x)));
         nearest.map(|(i, _)| i)
     }
 
-    /// The arcs of circles at distance `level` inside the face; none in a face without height,
-    /// which a line crosses from one point to the same one. O(k² + a k) for k cones and a pieces
-    /// into which others cut their circles.
+    /// The arcs of the isoline at `level` inside the face. None if the face is flat: an isoline
+    /// then enters and leaves it at the same point up to rounding.
+    ///
+    /// Takes O(k² + a k) time for k cones whose circles cut each other into a pieces.
     pub(crate) fn arcs(&self, level: f64) -> Vec<ConeArc> {
         let mut arcs: Vec<ConeArc> = Vec::new();
         if self.is_flat(level) {
@@ -273,9 +285,9 @@ impl FaceCones {
         arcs
     }
 
-    /// The angles, in order, at which the circle of cone `i` at distance `level` may come to an
-    /// end: at the sides of its cone, at those of the face, at circles of others and at the sides
-    /// of their cones.
+    /// Sets `cuts` to the angles, in ascending order, at which an arc of the isoline in cone `i`
+    /// may end: at the sides of the cone, at the sides of the face, at the circles of other cones
+    /// and at the sides of other cones.
     fn cuts(&self, i: usize, level: f64, slack: f64, cuts: &mut Vec<f64>) {
         let cone = &self.cones[i];
         let radius = cone.radius(level);

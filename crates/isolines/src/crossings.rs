@@ -1,22 +1,25 @@
-//! Where isolines cross edges.
+//! The points at which isolines cross edges.
 
 use geobench_window::Window;
 
-/// The greatest gap between two touching windows, as a fraction of the edge: `PARTED` if both end
-/// there, `BESIDE` if one of them ends where the level is reached.
+/// The widest gap across which two intervals are joined, as a fraction of the edge. Rounding leaves
+/// such gaps between windows that touch. `PARTED` applies if both intervals end with their windows,
+/// `BESIDE` if one of them ends where its window reaches the level.
 const PARTED: f64 = 1e-6;
 const BESIDE: f64 = 1e-9;
 
-/// A part of an edge that is nearer than the level.
+/// An interval of an edge whose points are nearer than the level, by one window or one vertex.
 #[derive(Clone, Copy)]
 struct NearPart {
     from: f64,
     to: f64,
-    /// Whether it starts, and ends, where its window does, though points beyond are near, too.
+    /// Whether its start, and its end, is that of its window, so that the distance is still below
+    /// the level there. Otherwise the distance reaches the level.
     cut: [bool; 2],
 }
 
 impl NearPart {
+    /// The part of a window that is nearer than `level`.
     fn of(w: Window, level: f64) -> Option<Self> {
         let radius = level - w.sigma;
         let half = radius * radius - w.py * w.py;
@@ -34,11 +37,12 @@ impl NearPart {
     }
 }
 
-/// The abscissas at which the distance along an edge of length `l` passes `level`, in order, by the
-/// windows of both sides of the edge in its frame and the distances of its ends.
+/// The abscissas, in ascending order, at which the distance along an edge of length `l` passes
+/// `level`. `windows` are those of both sides of the edge in one frame, and `ends` the distances of
+/// the first and the second end.
 ///
-/// The distance is alternately below and above `level` between them, from the first end to the
-/// second, whatever rounding does to windows.
+/// The result is consistent in spite of rounding: between crossings, the distance is alternately
+/// below and above `level`, as `ends` require.
 pub(crate) fn crossings(
     windows: impl Iterator<Item = Window>,
     ends: [f64; 2],
@@ -115,7 +119,7 @@ mod tests {
         let w = window(0.0, 10.0, 5.0, -3.0);
         assert_eq!(crossings([w].into_iter(), far, 10.0, 5.0), [1.0, 9.0]);
         assert_eq!(crossings([w].into_iter(), far, 10.0, 3.0), []);
-        // Two windows that touch, parted by rounding.
+        // Two windows that touch, with a gap from rounding.
         let two = [
             window(0.0, 5.0, 5.0, -3.0),
             window(5.0 + 1e-12, 10.0, 5.0, -3.0),
@@ -131,7 +135,7 @@ mod tests {
         assert_eq!(crossings(none(), [1.0, 1.0], 4.0, 2.0), [1.0, 3.0]);
         assert_eq!(crossings(none(), [1.0, 1.0], 4.0, 3.5), []);
         assert_eq!(crossings(none(), [5.0, 4.5], 4.0, 3.5), []);
-        // A window that ends in a vertex at the level is cut there.
+        // A window that reaches the level at its end, a vertex: the crossing is the vertex.
         let w = window(0.0, 4.0, 0.0, -3.0);
         assert_eq!(crossings([w].into_iter(), [3.0, 5.0], 4.0, 5.0), [4.0]);
     }

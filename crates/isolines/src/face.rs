@@ -1,32 +1,36 @@
-//! Joins the arcs in a face to lines.
+//! Joins the arcs in a face and the crossings of its edges into parts of lines.
 
 use crate::arc::CircleArc;
 use crate::plane::{Point, norm, sub};
 
-/// The part of an isoline from where it enters a face to where it leaves, or a loop inside the
-/// face.
+/// A connected part of an isoline in one face: from the crossing at which it enters to that at
+/// which it leaves, or a loop inside the face.
 #[derive(Default)]
 pub(crate) struct Link {
-    /// The crossing at which it leaves the face; none for a loop.
+    /// The number of the crossing at which it leaves the face; `None` for a loop.
     pub(crate) exit: Option<usize>,
-    /// Where it enters and leaves the face without an arc.
+    /// For a link without arcs, the points at which it enters and leaves the face.
     pub(crate) straight: Option<[Point; 2]>,
-    /// Numbers of its arcs, with where they start and end.
+    /// The numbers of its arcs, each with its start and its end. An arc starts at the end of the
+    /// previous one. Except in a loop, the first starts and the last ends at a crossing.
     pub(crate) ends: Vec<(usize, [Point; 2])>,
+    /// Its arcs, which the caller makes from the other fields.
     pub(crate) arcs: Vec<CircleArc>,
 }
 
 /// The ends of arcs in a face, and the crossings of its edges.
 #[derive(Default)]
 pub(crate) struct FaceConnections {
-    /// Crossings at which a line comes in, and at which one goes out.
+    /// The crossings at which lines enter the face, with their numbers.
     entries: Vec<(usize, Point)>,
+    /// The crossings at which lines leave the face, with their numbers.
     exits: Vec<(usize, Point)>,
+    /// The start and the end of each arc.
     arcs: Vec<[Point; 2]>,
 }
 
 impl FaceConnections {
-    /// Adds a crossing, at which the line enters the face or leaves it.
+    /// Adds the crossing `number` at point `at`, where the line enters or leaves the face.
     pub(crate) fn cross(&mut self, number: usize, at: Point, enters: bool) {
         if enters {
             self.entries.push((number, at));
@@ -35,20 +39,22 @@ impl FaceConnections {
         }
     }
 
-    /// Adds an arc.
+    /// Adds an arc with this start and this end.
     pub(crate) fn arc(&mut self, ends: [Point; 2]) {
         self.arcs.push(ends);
     }
 
+    /// Whether no line crosses an edge of the face.
     pub(crate) fn is_empty(&self) -> bool {
         self.entries.is_empty() && self.exits.is_empty()
     }
 
-    /// Joins each entry and each end of an arc with the start of an arc or an exit, nearest first.
-    /// Returns the ways from all entries, the loops, and the longest distance bridged.
+    /// Joins each entry and each end of an arc with an exit or the start of an arc, closest pairs
+    /// first. Returns the links from all entries with the numbers of these, the loops, and the
+    /// largest gap between joined points.
     ///
-    /// There are as many of the ones as of the others: entries and exits take turns around the
-    /// face.
+    /// No point is left over: entries and exits alternate around the face, so there are as many of
+    /// one as of the other.
     pub(crate) fn connect(self) -> (Vec<(usize, Link)>, Vec<Link>, f64) {
         let Self {
             entries,
@@ -79,7 +85,7 @@ impl FaceConnections {
         let mut follow = |start: usize| {
             let mut link = Link::default();
             let mut here = start;
-            // Where an arc starts: at the crossing, or where the one before ends.
+            // The start of the next arc: the entry, or the end of the previous arc.
             let mut at = (start < entered).then(|| from[start]);
             while let Some(j) = next[here] {
                 let Some(i) = j.checked_sub(exits.len()) else {
@@ -105,7 +111,8 @@ impl FaceConnections {
         let ways = (0..entered).map(|e| (entries[e].0, follow(e))).collect();
         let mut loops = Vec::new();
         for i in 0..arcs.len() {
-            // A loop starts with any of its arcs, after the one that comes before.
+            // Follow the loop from the predecessor of arc `i`. The link is empty if the arc is
+            // used already.
             let before = next.iter().position(|&j| j == Some(exits.len() + i));
             if let Some(before) = before {
                 let link = follow(before);

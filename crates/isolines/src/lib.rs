@@ -1,9 +1,9 @@
 //! Isolines of the exact geodesic distance on a triangle mesh.
 //!
-//! The distance of a point of a face is the least over the windows that enter the face and over its
-//! vertices. So an isoline consists of circular arcs around images of sources and pseudo-sources.
-//! [`DistanceField`] keeps the windows of a run. [`DistanceField::isoline`] returns the arcs at a
-//! distance, joined to loops and to lines between points of the boundary:
+//! The distance at a point of a face is the minimum over the windows that enter the face and over
+//! the vertices of the face. So an isoline consists of circular arcs around images of sources and
+//! pseudo-sources. [`DistanceField`] keeps the windows of a run. [`DistanceField::isoline`] returns
+//! the arcs at a distance, joined into loops and into lines between points of the boundary:
 //!
 //! ```
 //! use geobench_isolines::DistanceField;
@@ -22,10 +22,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The crossings of an edge are computed once, from the windows of both sides, and shared by both
-//! faces. So lines are closed whatever the rounding errors are. Inside a face the circle of a
+//! The crossings of an edge with an isoline are computed once, from the windows of both sides, and
+//! shared by both faces. So rounding errors cannot leave a loop open. Inside a face the circle of a
 //! window is cut where its cone ends, where it leaves the face, and where another window or a
-//! vertex is nearer.
+//! vertex gives a shorter distance.
 
 mod arc;
 mod cones;
@@ -46,43 +46,44 @@ use crossings::crossings;
 use face::Link;
 use plane::{norm, sub};
 
-/// How near a vertex may be to a level, relatively, before the level is lowered.
+/// A level is lowered if the distance of a vertex differs from it by at most this fraction.
 const TIE: f64 = 4e-12;
 
-/// Loops that cross only one edge, or none, and are shorter than this part of their level are
-/// rounding: another part of the isoline touches the edge.
+/// Loops that cross at most one edge and are not longer than this fraction of their level are
+/// dropped. Rounding produces them where another part of the isoline touches an edge.
 const SPECK: f64 = 1e-7;
 
-/// Most levels of [`DistanceField::levels_every`].
+/// The maximum number of levels of [`DistanceField::levels_every`].
 const MOST_LEVELS: usize = 100_000;
 
-/// Why there is no field.
+/// Why a [`DistanceField`] cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FieldError {
-    /// A source is not a point of the mesh.
+    /// A source is not a point of the mesh, or there are too many sources.
     #[error(transparent)]
     Point(#[from] PointError),
-    /// The solver did not start.
+    /// The solver failed, for example because no source was given.
     #[error(transparent)]
     Solve(#[from] SolveError),
 }
 
-/// The distance of all points of a surface from the nearest of some sources: what MMP leaves when
-/// it keeps all windows. See the [example](crate).
+/// The exact distance from the nearest source to every point of a surface, stored as all windows of
+/// an MMP run. See the [example](crate).
 pub struct DistanceField {
     mesh: Mesh,
-    /// With a vertex at each source.
+    /// The mesh with a vertex inserted at each source.
     refined: Refined,
-    /// The added vertices.
+    /// The inserted vertices, as points of `mesh`.
     added: HashMap<VertexId, SurfacePoint>,
     solver: Mmp,
+    /// The distances of all vertices of `refined`.
     distances: Vec<f64>,
-    /// Those that are finite, in order.
+    /// The finite distances, in ascending order.
     sorted: Vec<f64>,
 }
 
-/// The points of a surface at one distance.
+/// The points of a surface at one distance from the nearest source.
 ///
 /// ```
 /// use geobench_isolines::DistanceField;
@@ -99,12 +100,13 @@ pub struct DistanceField {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Isoline {
-    /// The distance asked for. Where vertices are at this distance up to rounding, the lines are
-    /// those of a distance that is smaller by about 1e-11 of itself.
+    /// The requested distance. If a vertex is at this distance up to rounding, the lines are those
+    /// of a distance that is smaller by about 1e-11 of it.
     pub distance: f64,
-    /// The components: loops, and lines between points of the boundary.
+    /// The connected components: loops, and lines between points of the boundary.
     pub lines: Vec<Line>,
-    /// The longest distance in a face between the ends of two arcs that were joined; rounding.
+    /// The largest gap that was closed by joining the ends of arcs and the crossings of edges
+    /// within a face. It measures rounding errors.
     pub gap: f64,
 }
 
@@ -128,7 +130,8 @@ pub struct Isoline {
 pub struct Line {
     /// Whether it is a loop.
     pub closed: bool,
-    /// Its arcs, each from where the one before ends. Nearer points are on their left.
+    /// Its arcs in order. Each starts where the previous one ends. Points nearer to the source are
+    /// on their left.
     pub arcs: Vec<CircleArc>,
 }
 
@@ -138,8 +141,8 @@ impl Line {
         self.arcs.iter().map(CircleArc::length).sum()
     }
 
-    /// Its points in space, so many that the chords between them are nowhere further than
-    /// `tolerance` from the arcs; the first one again at the end of a loop. Empty for a mesh
+    /// Positions along the line whose chords deviate from the arcs by at most `tolerance`, within
+    /// the limits of [`CircleArc::points`]. A loop ends with its first position. Empty for a mesh
     /// without positions.
     pub fn polyline(&self, mesh: &Mesh, tolerance: f64) -> Vec<[f64; 3]> {
         let mut points = Vec::new();
@@ -161,15 +164,17 @@ impl Line {
 }
 
 impl Isoline {
-    /// The length of all its lines.
+    /// The total length of its lines.
     pub fn length(&self) -> f64 {
         self.lines.iter().map(Line::length).sum()
     }
 }
 
-/// `k` times `step`, rounded once: three times 0.2 is 0.6, although 0.2 is no binary fraction.
+/// `k` times `step`. For a decimal step the result is the decimal multiple: 3 times 0.2 is 0.6,
+/// although 0.2 is no binary fraction.
 fn multiple(k: usize, step: f64) -> f64 {
-    // A step with few decimal places is a fraction of whole numbers.
+    // A step with at most nine decimal places is the quotient of two integers. Then only the
+    // division of `k * whole` by `scale` rounds.
     let scales = (0..=9).map(|places| 10_f64.powi(places));
     let mut fractions = scales.map(|scale| ((step * scale).round(), scale));
     match fractions.find(|(whole, scale)| whole / scale == step) {
@@ -179,12 +184,11 @@ fn multiple(k: usize, step: f64) -> f64 {
 }
 
 impl DistanceField {
-    /// Solves for the distances from the nearest of `sources`; time and memory are those of
-    /// [`mmp`].
+    /// Computes the distances from the nearest of `sources`. Time and memory are those of [`mmp`].
     ///
     /// # Errors
     ///
-    /// When there is no source, or one is not on the mesh.
+    /// If there is no source, or one that is not on the mesh.
     pub fn new(mesh: &Mesh, sources: &[SurfacePoint]) -> Result<Self, FieldError> {
         let refined = mesh.with_points(sources)?;
         let mut solver = mmp(&refined.mesh);
@@ -211,7 +215,7 @@ impl DistanceField {
         })
     }
 
-    /// The distances of the vertices of the mesh; infinite where no path leads.
+    /// The distances of the vertices of the mesh; infinite for unreachable vertices.
     pub fn distances(&self) -> &[f64] {
         &self.distances[..self.mesh.vertex_count()]
     }
@@ -221,8 +225,8 @@ impl DistanceField {
         &self.mesh
     }
 
-    /// The multiples of `step` up to the farthest point of the surface, which may lie inside a
-    /// face; none if `step` is not positive, and at most 100,000.
+    /// The multiples of `step` up to the distance of the farthest point of the surface, which may
+    /// lie inside a face. At most 100,000 levels; none if `step` is not positive.
     pub fn levels_every(&self, step: f64) -> Vec<f64> {
         let farthest = self.sorted.last().copied().unwrap_or(0.0);
         let mut levels = Vec::new();
@@ -244,9 +248,11 @@ impl DistanceField {
         levels.iter().map(|&level| self.isoline(level)).collect()
     }
 
-    /// The points at `distance`; no lines unless that is positive.
+    /// The points at `distance` from the nearest source. The isoline has no lines if `distance` is
+    /// not positive.
     ///
-    /// O(faces), and O(w²) for each face that the isoline crosses and that w windows enter.
+    /// Takes O(faces) time, and O(w² + a w) for each face near the isoline, where w windows enter
+    /// the face and their circles cut each other into a pieces.
     pub fn isoline(&self, distance: f64) -> Isoline {
         let mut tracer = Tracer {
             field: self,
@@ -268,12 +274,13 @@ impl DistanceField {
         }
     }
 
-    /// A level at or just below `level` from which the distances of all vertices differ by more
-    /// than rounding.
+    /// A level at or just below `level` that differs from the distances of all vertices by more
+    /// than rounding. So no isoline passes through a vertex.
     fn free_level(&self, level: f64) -> f64 {
         let slack = TIE * level;
         let mut free = level;
-        // Vertices may lie close to each other, but not that many.
+        // A lowered level can again be close to the distance of a vertex. The limit only bounds the
+        // time: so long a chain of distances that close to each other is not expected.
         for _ in 0..1000 {
             let near = self.sorted.partition_point(|&d| d < free - slack);
             match self.sorted.get(near) {
@@ -297,8 +304,8 @@ impl DistanceField {
         )
     }
 
-    /// The abscissas at which the distance along `h` passes `level`. For both half-edges of an edge
-    /// only that with the lower number is asked for.
+    /// The abscissas along `h` at which the distance passes `level`. `h` must be the half-edge of
+    /// its edge with the lower number, so that both faces get the same crossings.
     fn crossings(&self, h: HalfEdgeId, level: f64) -> Vec<f64> {
         let mesh = &self.refined.mesh;
         let l = mesh.length(h);
@@ -314,14 +321,16 @@ impl DistanceField {
         let k = h.corner() as usize;
         let [from, to] = [cones.corners[k], cones.corners[(k + 1) % 3]];
         let direction = plane::scale(sub(to, from), 1.0 / l);
-        // Its ends are given as distances.
+        // No windows are stored on a boundary edge, since no face follows. They are computed from
+        // the cones of the face. The cones of the two ends are covered by `ends`.
         let seen = cones.cones.iter();
         let seen = seen.filter(|cone| cone.centre != from && cone.centre != to);
         let seen = seen.filter_map(|cone| cone.window(from, direction, l));
         crossings(seen, ends, l, level)
     }
 
-    /// A circle of a face of the refined mesh, as an arc of the face of the mesh that holds it.
+    /// The arc between two points around `centre`, given in the plane of `face` of the refined
+    /// mesh, converted to the face of the original mesh that contains it.
     fn arc(&self, face: FaceId, [from, to]: [plane::Point; 2], centre: plane::Point) -> CircleArc {
         let parent = self.refined.parent(face);
         let split = self.refined.mesh.face_vertices(face) != self.mesh.face_vertices(parent);
@@ -332,7 +341,8 @@ impl DistanceField {
         let outer = corners(&self.mesh, parent);
         let vertices = self.refined.mesh.face_vertices(face);
         let placed = vertices.map(|v| self.place(v, parent, outer));
-        // A turn that takes the longest side from one plane into the other.
+        // The rotation, a complex number, from the plane of `face` to that of `parent`. It is
+        // taken from the longest side, whose direction has the smallest rounding error.
         let side = |k: usize| norm(sub(within[(k + 1) % 3], within[k]));
         let longest = (0..3).max_by(|&a, &b| side(a).total_cmp(&side(b)));
         let k = longest.unwrap_or(0);
@@ -372,26 +382,31 @@ impl DistanceField {
     }
 }
 
-/// Crossings of an edge, in the direction of its half-edge with the lower number.
+/// The points at which the isoline crosses an edge.
 struct EdgeCrossings {
+    /// The number of the first crossing. The others have the numbers that follow.
     first: usize,
+    /// The abscissas, in ascending order along the half-edge with the lower number.
     at: Vec<f64>,
 }
 
-/// Follows the isoline of one level.
+/// Computes the isoline of one level.
 struct Tracer<'a> {
     field: &'a DistanceField,
     level: f64,
+    /// The crossings of each edge, by its half-edge with the lower number.
     edges: HashMap<HalfEdgeId, EdgeCrossings>,
     /// The edge of each crossing.
     edge_of: Vec<HalfEdgeId>,
-    /// How each crossing goes on in the face that it enters; none at the boundary.
+    /// For each crossing, the part of the isoline in the face that it enters. `None` where the
+    /// isoline ends at the boundary.
     links: Vec<Option<Link>>,
     lines: Vec<Line>,
     gap: f64,
 }
 
 impl Tracer<'_> {
+    /// Computes the crossings and the arcs of all faces that the isoline may cross.
     fn trace_faces(&mut self) {
         let field = self.field;
         let mesh = &field.refined.mesh;
@@ -419,7 +434,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// Links the crossings of the edges of `face` by its arcs.
+    /// Connects the crossings of the edges of `face` through the arcs inside it.
     fn trace_face(&mut self, face: FaceId) {
         let mesh = &self.field.refined.mesh;
         let cones = self.field.cones(face);
@@ -442,7 +457,8 @@ impl Tracer<'_> {
                 };
                 let t = x / l;
                 let at = plane::add(plane::scale(from, 1.0 - t), plane::scale(to, t));
-                // Nearer points are on the left of the line.
+                // Edges run counter-clockwise around the face. Where one passes from nearer to
+                // farther points, the line enters the face, since nearer points are on its left.
                 joints.cross(crossings.first + i, at, is_near);
                 is_near = !is_near;
             }
@@ -471,7 +487,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// Makes arcs of the numbers of `link`.
+    /// Fills `link.arcs` from the arc numbers in `link.ends`.
     fn finish(&self, face: FaceId, cones: &FaceCones, found: &[ConeArc], link: &mut Link) {
         let ends = link.ends.drain(..);
         link.arcs = ends
@@ -480,7 +496,8 @@ impl Tracer<'_> {
                 self.field.arc(face, ends, centre)
             })
             .collect();
-        // A face without height, or a corner cut off by rounding.
+        // No arc was found between two crossings: the face has no height, or the arc cuts off so
+        // small a corner that it was lost in rounding.
         if let Some([from, to]) = link.straight {
             let middle = plane::scale(plane::add(from, to), 0.5);
             if let Some(i) = cones.nearest(middle) {
@@ -490,10 +507,11 @@ impl Tracer<'_> {
         }
     }
 
-    /// Adds a line, unless it is a speck.
+    /// Adds a line, unless it is an artefact of rounding (see [`SPECK`]).
     fn add(&mut self, arcs: Vec<CircleArc>, closed: bool, crosses_one_edge: bool) {
         let mut arcs = arc::joined(arcs, closed);
-        // Faces without height leave such pieces.
+        // Faces without height leave arcs of length zero. They are removed, but a line that has no
+        // others keeps one.
         if arcs.iter().any(CircleArc::has_length) {
             arcs.retain(CircleArc::has_length);
         } else {
@@ -506,7 +524,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// Joins the links of all faces: first the lines that start at the boundary.
+    /// Joins the links of all faces into lines: first those that start at the boundary, then loops.
     fn join(&mut self) {
         let count = self.edge_of.len();
         self.links.resize_with(count, || None);

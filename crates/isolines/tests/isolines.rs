@@ -1,4 +1,5 @@
-//! Isolines: lengths in closed form, and on random surfaces every point at its distance.
+//! Isolines: lengths against closed forms; on other surfaces the distances of sampled points
+//! against another solver.
 
 use std::f64::consts::PI;
 
@@ -23,7 +24,7 @@ fn closed(isoline: &Isoline) -> usize {
     isoline.lines.iter().filter(|line| line.closed).count()
 }
 
-/// A square from 0 to `n`, its vertices moved at random but for those of the boundary.
+/// The square [0, n]² with its inner vertices moved at random.
 fn square(n: usize, seed: u64) -> Mesh {
     let mut random = SplitMix64::new(seed);
     let mut positions = Vec::new();
@@ -73,7 +74,7 @@ fn isolines_of_a_plane_are_circles() {
 
 #[test]
 fn isolines_end_at_the_boundary() {
-    // A quarter, then two arcs between the sides of the square.
+    // Around a corner: up to r = 10 a quarter circle, beyond that the part of it in the square.
     for mesh in [square(10, 3), Mesh::generate("grid,n=10").unwrap()] {
         let side = mesh.positions()[mesh.vertex_count() - 1][0];
         let (corner, _) = mesh.nearest_point([0.0; 3]).unwrap();
@@ -106,8 +107,8 @@ fn isolines_end_at_the_boundary() {
     }
 }
 
-/// The side of a cone of this angle around its tip, which is vertex 0: `sectors` triangles, each
-/// divided into rings.
+/// The lateral surface of a cone with total angle `angle` at its tip, vertex 0. It consists of
+/// `sectors` triangles around the tip, each divided into `rings`.
 fn cone(angle: f64, sectors: usize, rings: usize) -> Mesh {
     let step = angle / sectors as f64;
     let vertex = |ring: usize, sector: usize| {
@@ -119,7 +120,8 @@ fn cone(angle: f64, sectors: usize, rings: usize) -> Mesh {
     };
     let mut triangles = Vec::new();
     let mut lengths = Vec::new();
-    // By rings and whether the sectors differ, so that both faces of an edge have the same bits.
+    // A function of the rings and of whether the sectors differ, so that both faces of an edge get
+    // identical lengths.
     let length = |(r, s): (usize, usize), (q, t): (usize, usize)| {
         let turn = if s == t || r == 0 || q == 0 {
             1.0
@@ -160,7 +162,7 @@ fn isolines_of_a_cone_have_the_length_of_its_angle() {
             let off = isoline.length() - angle * r;
             assert!(off.abs() < 1e-10 * r, "{angle}, {r}: {off:e}");
         }
-        // Around a point at distance d of the tip.
+        // Around a point at distance d from the tip.
         let source = mesh.point_on_edge([1.into(), 0.into()], 0.4).unwrap();
         let d = 0.6;
         let field = DistanceField::new(&mesh, &[source]).unwrap();
@@ -178,24 +180,27 @@ fn isolines_of_a_cone_have_the_length_of_its_angle() {
     }
 }
 
-/// The length of the isoline at `r` around a point at distance `d` of the tip of a cone.
+/// The length of the isoline at `r` around a point at distance `d` from the tip of a cone of
+/// `angle`.
 fn length_around(d: f64, angle: f64, r: f64) -> f64 {
     if r <= d && (angle >= PI || r <= d * (angle / 2.0).sin()) {
         return 2.0 * PI * r;
     }
     if angle >= 2.0 * PI {
-        // A full circle, without nothing but the direction of the tip, and an arc around that.
+        // A full circle around the source, cut only in the direction of the tip, and an arc around
+        // the tip of angle `angle - 2π` and radius `r - d`.
         return 2.0 * PI * r + (angle - 2.0 * PI) * (r - d).max(0.0);
     }
-    // The circle around the source as far as directions from the tip are within half the angle.
-    // Integrated by the angle at the source: the point at direction a is at angle t of the tip.
+    // The part of the circle around the source that is within half the angle of the cone from the
+    // source, as seen from the tip. `a` is the direction at the source, 0 away from the tip. The
+    // intervals of `a` in 0..π are measured and doubled.
     let half = angle / 2.0;
     let steps = 400_000;
     let is_near = |a: f64| {
         let (x, y) = (d + r * a.cos(), r * a.sin());
         y.atan2(x).abs() <= half
     };
-    // Ends of the arcs by bisection between samples.
+    // The ends of intervals are found by bisection between samples.
     let mut length = 0.0;
     let at = |i: usize| PI * i as f64 / steps as f64;
     let mut start = is_near(0.0).then_some(0.0);
@@ -225,7 +230,7 @@ fn length_around(d: f64, angle: f64, r: f64) -> f64 {
     2.0 * length * r
 }
 
-/// The side of a cylinder of circumference `n` and height `n`, with exact lengths.
+/// The lateral surface of a cylinder of circumference `n` and height `n`, with exact edge lengths.
 fn cylinder(n: usize) -> Mesh {
     let diagonal = 2.0_f64.sqrt();
     let vertex = |x: usize, y: usize| (x % n + n * y) as u32;
@@ -254,7 +259,7 @@ fn isolines_of_a_cylinder_pass_the_cut_locus() {
     let mesh = cylinder(n);
     let half = n as f64 / 2.0;
     let source = mesh.point_in_face(8.into(), [0.3, 0.45, 0.25]).unwrap();
-    // Or vertex (0, 4), where isolines meet many vertices.
+    // The other source is vertex (0, 4), whose isolines pass through many vertices.
     for (source, y) in [(VertexId::new(4 * n as u32).into(), 4.0), (source, 0.0)] {
         let field = DistanceField::new(&mesh, &[source]).unwrap();
         for r in [0.5, 1.0, 2.0, 3.0, 3.5] {
@@ -268,10 +273,10 @@ fn isolines_of_a_cylinder_pass_the_cut_locus() {
         if y == 0.0 {
             continue;
         }
-        // Beyond the cut locus, at most the height of the boundary away: two lines around.
+        // The circle reaches the cut locus and both boundaries.
         for r in [4.0_f64, 4.2, 5.0, 5.5] {
             let isoline = field.isoline(r);
-            // The part on this side of the cut locus and between both boundaries.
+            // The part of the circle on this side of the cut locus and between both boundaries.
             let beyond = if r > half { (half / r).acos() } else { 0.0 };
             let outside = if r > y { (y / r).acos() } else { 0.0 };
             let expected = 4.0 * r * (PI / 2.0 - beyond - outside).max(0.0);
@@ -286,8 +291,8 @@ fn isolines_of_a_cylinder_pass_the_cut_locus() {
     }
 }
 
-/// The distances of some points of `lines` from `sources`, each by another solver on a mesh that
-/// has it as a vertex.
+/// The distances from `sources` to two points of every `every`-th arc of `lines`. Each is computed
+/// by another solver on a mesh with the point as a vertex.
 fn distances_along(
     mesh: &Mesh,
     sources: &[SurfacePoint],
@@ -312,10 +317,11 @@ fn distances_along(
     found
 }
 
-/// About how many arcs of an isoline are looked at.
+/// The approximate number of arcs that are checked per isoline.
 const MOST: usize = 12;
 
-/// Checks isolines of `mesh` at some distances, and returns the errors.
+/// Checks isolines of `mesh` at `levels` distances and returns a text for each error. `most_gap`
+/// bounds [`Isoline::gap`], relative to the distance plus the longest edge.
 fn faults(
     name: &str,
     mesh: &Mesh,
@@ -383,12 +389,12 @@ fn isolines_of_the_zoo_are_closed_and_at_their_distance() {
     report(&all);
 }
 
-/// Coordinates differ by up to 17 orders of magnitude, and circles cross faces without height at an
-/// angle of nothing, so that their ends are less certain than the distances there.
+/// Coordinates span up to 17 orders of magnitude, and circles cross faces without height at angles
+/// close to zero. So ends of arcs are less accurate than distances, and wider gaps are allowed.
 #[test]
 fn isolines_of_random_meshes_are_closed_and_at_their_distance() {
     let mut all = Vec::new();
-    // Of seed 117 the mesh with another vertex has other distances by 2e-8.
+    // Seed 117 is left out: inserting a vertex into its mesh changes distances by 2e-8.
     for seed in (0..300).filter(|&seed| seed != 117) {
         let nasty = nasty::mesh(seed);
         let Some(mesh) = mesh_of(&nasty.model) else {
@@ -428,7 +434,7 @@ fn sources_lie_anywhere() {
         ));
     }
     report(&all);
-    // Within one face, as many circles as sources.
+    // Sources in one face: a circle around each.
     let three = [[0.6, 0.2, 0.2], [0.2, 0.6, 0.2], [0.2, 0.2, 0.6]];
     let sources = three.map(|w| mesh.point_in_face(9.into(), w).unwrap());
     let isoline = DistanceField::new(&mesh, &sources).unwrap().isoline(1e-3);

@@ -1,4 +1,5 @@
-//! Arrays of `numpy`: read with one copy, or none.
+//! Reads NumPy arrays. Each is copied once; types that are not read directly are converted by
+//! NumPy first.
 
 use numpy::ndarray::ArrayView2;
 use numpy::{
@@ -10,7 +11,7 @@ use pyo3::prelude::*;
 
 use crate::errors::mesh_error;
 
-/// `value` as an array; other sequences are made one.
+/// `value` as an array. Other sequences are converted with `numpy.asarray`.
 fn array_of<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, PyUntypedArray>> {
     if let Ok(array) = value.cast::<PyUntypedArray>() {
         return Ok(array.clone());
@@ -47,7 +48,7 @@ fn shape_of(array: &Bound<'_, PyUntypedArray>) -> String {
     }
 }
 
-/// An array of another type of numbers, converted by `numpy`.
+/// The array converted by NumPy to the number type `to`.
 fn converted<'py>(
     array: &Bound<'py, PyUntypedArray>,
     to: &str,
@@ -68,10 +69,12 @@ fn views<'py, T: Element>(array: &Bound<'py, PyUntypedArray>) -> Option<PyReadon
     array.try_readonly().ok()
 }
 
-/// The rows of an array, or the place of one that has a number of no use, and that number.
+/// The rows of an array, or the index of the first row with a number that cannot be converted, and
+/// that number.
 type Rows<T, U> = Result<Vec<[U; 3]>, (usize, T)>;
 
-/// The rows of an `(n, 3)` array, each of its numbers by `convert`, or the first row that has none.
+/// The rows of an `(n, 3)` array with each number converted by `convert`. The outer error is a lack
+/// of memory, the inner one a number for which `convert` returns `None`.
 fn rows<T: Element + Copy, U: Copy + Default>(
     view: ArrayView2<'_, T>,
     convert: impl Fn(T) -> Option<U>,
@@ -92,7 +95,7 @@ fn rows<T: Element + Copy, U: Copy + Default>(
     Ok(Ok(rows))
 }
 
-/// Positions: an `(n, 3)` array of real numbers.
+/// Reads positions: an `(n, 3)` array of real numbers. `name` is the argument's, for messages.
 pub(crate) fn positions(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[f64; 3]>> {
     let mut array = array_of(value, name)?;
     check_triples(&array, name)?;
@@ -105,14 +108,14 @@ pub(crate) fn positions(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[f
         return Ok(rows(view.as_array(), |x| Some(f64::from(x)))?.unwrap_or_default());
     }
     if views::<f64>(&array).is_none() {
-        // Half or extended precision, or another order of bytes.
+        // Half or extended precision, or another byte order.
         array = converted(&array, "float64")?;
     }
     let view = views::<f64>(&array).ok_or_else(|| wrong_type(&array, name, "real numbers"))?;
     Ok(rows(view.as_array(), Some)?.unwrap_or_default())
 }
 
-/// Triangles: an `(m, 3)` array of the numbers of their corners.
+/// Reads triangles: an `(m, 3)` array of vertex numbers.
 pub(crate) fn triangles(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[u32; 3]>> {
     let mut array = array_of(value, name)?;
     if array.is_empty() && array.shape() == [0] {
@@ -143,7 +146,7 @@ pub(crate) fn triangles(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[u
     Err(wrong_type(&array, name, "integers"))
 }
 
-/// Distances: an `(n,)` array of real numbers, none of them NaN or negative.
+/// Reads distances: an array of one real number per vertex, none of them NaN or negative.
 pub(crate) fn distances(
     value: &Bound<'_, PyAny>,
     name: &str,

@@ -1,4 +1,4 @@
-//! Benchmarks in this process.
+//! Benchmarks that run in the Python process.
 
 use std::path::Path;
 use std::time::SystemTime;
@@ -25,7 +25,7 @@ use pyo3::prelude::*;
 use crate::interrupt;
 use crate::mesh::PyMesh;
 
-/// Ends a benchmark between two runs.
+/// Ends a benchmark between two runs once the [`Stop`] is set.
 struct UntilStopped(Stop);
 
 impl Listener for UntilStopped {
@@ -72,7 +72,7 @@ fn models(values: &[Bound<'_, PyAny>]) -> PyResult<Vec<ModelRef>> {
     }
 }
 
-/// Carries out a benchmark and returns the text of its result file.
+/// Runs a benchmark and returns its result file as JSON text.
 #[pyfunction]
 #[expect(
     clippy::too_many_arguments,

@@ -1,4 +1,4 @@
-//! Proofs of distances.
+//! Certified distances.
 
 use geodesic::certify::{Bound as ErrorBound, Place};
 use geodesic::{Certificate, CertificateError, OriginalFailure, Stop};
@@ -12,20 +12,22 @@ use crate::interrupt;
 use crate::points::ResolvedPoints;
 use crate::solver::mesh_of;
 
-/// By how much distances may be wrong, proven. It is true if they are right to the tolerance.
+/// A proven bound on the errors of distances. It is true if the bound is within the tolerance.
 #[pyclass(frozen, get_all, module = "geobench", name = "Certificate")]
 pub(crate) struct PyCertificate {
-    /// bool: whether every distance is right to the tolerance.
+    /// bool: whether the relative error of every distance is at most the tolerance.
     certified: bool,
-    /// float: by how much a distance may be wrong, in units of the mesh.
+    /// float: upper bound of the error of a distance, in units of the mesh.
     absolute: f64,
-    /// float: the same as a fraction of the distance.
+    /// float: upper bound of the error as a fraction of the distance.
     relative: f64,
     /// float: the relative error that is allowed.
     tolerance: f64,
-    /// list of (str, int, float): where it fails: "vertex" or "face", its number, and by how much.
+    /// list of (str, int, float): places where the error may exceed the tolerance: "vertex" or
+    /// "face", its number, and the amount in units of the mesh.
     failures: Vec<(&'static str, u32, f64)>,
-    /// (n,) float64: the distances that were proven.
+    /// (n,) float64: the distances of the proof, computed by `"mmp"`. Given distances are compared
+    /// with these.
     distances: Py<PyArray1<f64>>,
 }
 
@@ -49,23 +51,25 @@ impl PyCertificate {
     }
 }
 
-/// Proves distances exact, in interval arithmetic, or says where they are not.
+/// Proves in interval arithmetic how exact distances are, and finds the places of larger errors.
+///
+/// The distances of `"mmp"` are computed and proven. Given distances are compared with them.
 ///
 /// Parameters
 /// ----------
 /// mesh : Mesh
 /// source : int, Point or sequence of these
-///     Distances are from the nearest. A point that is no vertex splits the faces around it. The
-///     proof is for the mesh with these faces.
+///     One or several sources. Distances are from the nearest. A source that is not a vertex splits
+///     the faces around it; the proof is for the mesh with the split faces.
 /// distances : array_like, shape (n,), optional
-///     Distances to judge. Without them those of `"mmp"` are proven.
+///     Distances to check, in units of the mesh. By default the distances of `"mmp"` are checked.
 /// tolerance : float
-///     Relative error that is allowed.
+///     The largest relative error that is allowed.
 ///
 /// Returns
 /// -------
 /// Certificate
-///     True if every distance is right to the tolerance.
+///     True if the relative error of every distance is at most the tolerance.
 ///
 /// Raises
 /// ------
@@ -98,7 +102,7 @@ pub(crate) fn certify(
         let compared = given.map(|given| proof.compare(given.into_iter().enumerate()));
         Ok((proof, compared))
     };
-    // A proof takes far longer than a run.
+    // A proof takes far longer than a run, so it counts as a run on ten times the faces.
     let found = interrupt::call(py, faces.saturating_mul(10), &Stop::default(), work)?;
     let (mut proof, compared) = found.map_err(|error| match error {
         CertificateError::Solve(error) => unsolved(error),
@@ -127,7 +131,7 @@ pub(crate) fn certify(
         let wrong = wrong.filter(|&&(v, by)| by > tolerance * proof.distances[v]);
         failures.extend(wrong.map(|&(v, by)| ("vertex", v as u32, by)));
     }
-    // Without those of points that became vertices.
+    // Drop the distances of vertices that were inserted for sources.
     proof.distances.truncate(mesh.vertex_count());
     Ok(PyCertificate {
         certified: relative <= tolerance,

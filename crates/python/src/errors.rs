@@ -25,7 +25,7 @@ create_exception!(
     "Distances that floating-point numbers cannot tell well, beside faces that are far larger."
 );
 
-/// A `MeshError` with its defects.
+/// A `MeshError` for an invalid mesh. `place` precedes the message unless it is empty.
 pub(crate) fn invalid(py: Python<'_>, error: &InvalidMesh, place: &str) -> PyErr {
     let message = if place.is_empty() {
         error.to_string()
@@ -41,7 +41,7 @@ pub(crate) fn invalid(py: Python<'_>, error: &InvalidMesh, place: &str) -> PyErr
     mesh_error(py, message, defects)
 }
 
-/// A `MeshError` of this message.
+/// A `MeshError` with this message and this `defects` attribute.
 pub(crate) fn mesh_error(py: Python<'_>, message: String, defects: Vec<String>) -> PyErr {
     let error = MeshError::new_err(message);
     match error.value(py).setattr(intern!(py, "defects"), defects) {
@@ -50,7 +50,7 @@ pub(crate) fn mesh_error(py: Python<'_>, message: String, defects: Vec<String>) 
     }
 }
 
-/// The error of a file.
+/// The exception for a file that cannot be read or written.
 pub(crate) fn unreadable(py: Python<'_>, error: &FileError) -> PyErr {
     let message = error.to_string();
     match error {
@@ -64,7 +64,7 @@ pub(crate) fn unreadable(py: Python<'_>, error: &FileError) -> PyErr {
     }
 }
 
-/// The error of a run.
+/// The exception for a failed run.
 pub(crate) fn unsolved(error: SolveError) -> PyErr {
     let message = error.to_string();
     match error {
@@ -76,7 +76,7 @@ pub(crate) fn unsolved(error: SolveError) -> PyErr {
     }
 }
 
-/// The error of a path.
+/// The exception for a failed computation of paths.
 pub(crate) fn lost(error: PathError) -> PyErr {
     match error {
         PathError::Solve(error) => unsolved(error),
@@ -85,7 +85,7 @@ pub(crate) fn lost(error: PathError) -> PyErr {
     }
 }
 
-/// The error of a path that is traced back.
+/// The exception for a path that cannot be traced back to its source.
 pub(crate) fn untraced(error: TraceError) -> PyErr {
     PyRuntimeError::new_err(error.to_string())
 }

@@ -1,4 +1,4 @@
-//! Long calls: without the lock of the interpreter, and ended by Ctrl-C.
+//! Long calls, which release the lock of the interpreter and end on Ctrl-C.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -10,20 +10,20 @@ use geodesic::Stop;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 
-/// How often a long call looks for signals.
+/// Interval at which a long call checks for signals.
 const PERIOD: Duration = Duration::from_millis(20);
 
-/// How long a call that was interrupted waits for its work to end. Most of it ends within
-/// milliseconds; what does not goes on in its thread until it sees that it is to stop, or to its end
-/// if it takes no [`Stop`].
+/// How long an interrupted call waits for its work to end. Most work ends within milliseconds.
+/// Other work continues in its thread after the call: until it checks its [`Stop`], or to its end
+/// if it has none.
 const GRACE: Duration = Duration::from_millis(500);
 
-/// Calls with fewer faces than this, times the number of sources, take milliseconds. They are
-/// carried out in the calling thread.
+/// A call takes milliseconds if its number of faces times its number of sources is at most this. It
+/// then runs in the calling thread.
 pub(crate) const SHORT: usize = 2_000;
 
-/// The result of `work`, which runs in a thread of its own while this one looks for signals. Ctrl-C
-/// sets `stop` and raises `KeyboardInterrupt`.
+/// Runs `work` in a new thread, while this thread checks for signals. Returns its result. Ctrl-C
+/// sets `stop` and raises `KeyboardInterrupt`. A panic of `work` becomes a `RuntimeError`.
 pub(crate) fn long<T: Send + 'static>(
     py: Python<'_>,
     stop: &Stop,
@@ -33,12 +33,12 @@ pub(crate) fn long<T: Send + 'static>(
     thread::Builder::new()
         .name("geobench".to_owned())
         .spawn(move || {
-            // After an interruption the caller has gone.
+            // Sending fails if the caller was interrupted and no longer waits.
             let _ = sender.send(catch_unwind(AssertUnwindSafe(work)));
         })
         .map_err(|error| PyOSError::new_err(format!("no thread for the solver: {error}")))?;
     let mut wait = |time: Duration| {
-        // A receiver cannot be shared, so it goes there and back.
+        // A `Receiver` is not `Sync`, so the closure takes it and returns it.
         let there = std::mem::replace(&mut receiver, mpsc::channel().1);
         let (back, result) = py.detach(move || {
             let result = there.recv_timeout(time);
@@ -63,7 +63,8 @@ pub(crate) fn long<T: Send + 'static>(
     }
 }
 
-/// The result of `work` on so many faces, times the number of sources.
+/// Runs `work` and returns its result. `faces` is the number of faces times the number of sources;
+/// if it exceeds [`SHORT`], the call can be interrupted as in [`long`].
 pub(crate) fn call<T: Send + 'static>(
     py: Python<'_>,
     faces: usize,

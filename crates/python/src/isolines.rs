@@ -1,4 +1,4 @@
-//! Isolines of the distance.
+//! Isolines of the geodesic distance.
 
 use std::sync::Arc as Shared;
 
@@ -12,22 +12,22 @@ use crate::interrupt;
 use crate::path::triples;
 use crate::points::{Finder, several};
 
-/// The most isolines of one call.
+/// The maximum number of isolines that a step may ask for.
 const MOST_LEVELS: f64 = 10_000.0;
 
-/// How far chords may be from arcs by default, as a part of the distance.
+/// Default deviation of chords from arcs, as a fraction of the distance of the isoline.
 const TOLERANCE: f64 = 1e-3;
 
-/// The points of a surface at one distance from the nearest of some sources.
+/// The points of a surface at one distance from the nearest source.
 #[pyclass(frozen, module = "geobench", name = "Isoline")]
 pub(crate) struct PyIsoline {
     /// float: the distance, in units of the mesh.
     #[pyo3(get)]
     distance: f64,
-    /// float: the length of all lines, in units of the mesh.
+    /// float: the total length of the lines, in units of the mesh.
     #[pyo3(get)]
     length: f64,
-    /// list of IsolineLine: its loops, and lines between points of the boundary.
+    /// list of IsolineLine: its connected parts: loops, and lines between points of the boundary.
     #[pyo3(get)]
     lines: Vec<Py<PyLine>>,
 }
@@ -44,7 +44,7 @@ impl PyIsoline {
     }
 }
 
-/// A connected part of an isoline: arcs of circles, each in a face.
+/// A connected part of an isoline. It consists of circular arcs, each inside one face.
 #[pyclass(frozen, module = "geobench", name = "IsolineLine")]
 pub(crate) struct PyLine {
     mesh: Mesh,
@@ -66,24 +66,30 @@ impl PyLine {
         self.line.length()
     }
 
-    /// list of int: the faces of its arcs, in their order.
+    /// list of int: the face of each arc, in the order of the arcs.
     #[getter]
     fn faces(&self) -> Vec<u32> {
         self.line.arcs.iter().map(|arc| arc.face.raw()).collect()
     }
 
-    /// Positions along it, the first one again at the end of a loop. Nearer points of the surface
-    /// are on its left.
+    /// Positions along the line. A loop ends with its first position. Points of the surface that
+    /// are nearer to the source are on the left of the line.
     ///
     /// Parameters
     /// ----------
     /// tolerance : float, optional
-    ///     How far the chords between them may be from the arcs, in units of the mesh; by default a
-    ///     thousandth of the distance.
+    ///     The largest deviation of the chords between positions from the arcs, in units of the
+    ///     mesh. By default a thousandth of the distance of the isoline.
     ///
     /// Returns
     /// -------
     /// numpy.ndarray, shape (k, 3), float64
+    ///     In units of the mesh.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     The tolerance is not positive, or the mesh has no positions.
     #[pyo3(signature = (tolerance = None))]
     fn points(&self, py: Python<'_>, tolerance: Option<f64>) -> PyResult<Py<PyArray2<f64>>> {
         let tolerance = tolerance.unwrap_or(self.tolerance);
@@ -108,7 +114,7 @@ impl PyLine {
     }
 }
 
-/// The levels of a call.
+/// The requested levels: the multiples of a step, or a list.
 enum Levels {
     Every(f64),
     These(Vec<f64>),
@@ -130,7 +136,7 @@ fn levels(every: Option<f64>, levels: Option<Vec<f64>>) -> PyResult<Levels> {
     }
 }
 
-/// The isolines of `mesh` around `source`.
+/// The isolines of `mesh` around `source`, at the multiples of `every` or at the levels `given`.
 pub(crate) fn isolines(
     py: Python<'_>,
     mesh: &Mesh,

@@ -1,7 +1,7 @@
-//! The compiled part of the Python package `geobench`; `python/geobench` is the rest.
+//! The compiled part of the Python package `geobench`. The rest is in `python/geobench`.
 //!
-//! Arrays come in with one copy and go out with none. Long calls release the lock of the
-//! interpreter and end with Ctrl-C ([`interrupt`]).
+//! Arrays of the caller are copied once, distances are returned without a copy. Long calls release
+//! the lock of the interpreter and end on Ctrl-C ([`interrupt`]).
 
 use std::alloc::System;
 
@@ -20,14 +20,15 @@ mod points;
 mod solver;
 mod voronoi;
 
-/// Counts the bytes of the solvers on the heap, for `run`; as the command line does.
+/// Counts bytes on the heap for the memory figures of `run`, as the command line does.
 #[global_allocator]
 static ALLOCATOR: &PeakMemAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 #[pymodule(name = "_core")]
 fn core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
-    // What is loaded later could be interrupted by Ctrl-C, which would be a panic.
+    // Load NumPy and its C interface now. A Ctrl-C while they are loaded on first use would cause a
+    // panic.
     py.import("numpy")?;
     numpy::PyArray1::<f64>::from_vec(py, Vec::new());
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;

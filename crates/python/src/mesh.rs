@@ -1,4 +1,4 @@
-//! The mesh.
+//! The class `Mesh`, and the functions that read and generate meshes.
 
 use std::path::{Path, PathBuf};
 
@@ -18,19 +18,19 @@ use crate::points::{Finder, single};
 use crate::solver::{Algorithm, one_path, selection};
 use crate::voronoi::PyVoronoi;
 
-/// A triangle mesh, checked once and never changed. Vertices keep their numbers.
+/// An immutable triangle mesh, validated when it is made. Vertices keep their numbers.
 ///
 /// Surfaces need not be closed, connected or manifold at every vertex. Edges with more than two
-/// faces and surfaces that cannot be oriented are refused.
+/// faces and non-orientable surfaces are rejected.
 ///
 /// Parameters
 /// ----------
 /// vertices : array_like, shape (n, 3), real
-///     Positions. Distances have their unit.
+///     Positions. Their unit is the unit of all distances.
 /// faces : array_like, shape (m, 3), integer
-///     The numbers of the corners of each triangle, from 0.
+///     The vertex numbers of the corners of each triangle, counted from 0.
 /// name : str, optional
-///     Its name in the tables of `run`.
+///     The name of the mesh in the tables of `run`.
 ///
 /// Raises
 /// ------
@@ -92,15 +92,28 @@ impl PyMesh {
         )
     }
 
-    /// A surface that is known by the lengths of its edges alone, which need not fit into space.
+    /// Makes a mesh from edge lengths alone. The surface need not be embeddable in space.
     ///
     /// Parameters
     /// ----------
     /// n : int
     ///     Number of vertices.
     /// faces : array_like, shape (m, 3), integer
+    ///     The vertex numbers of the corners of each triangle, counted from 0.
     /// lengths : array_like, shape (m, 3), real
-    ///     Of the edges from the first corner to the second, from there to the third, and back.
+    ///     For each face, the lengths of the edges from the first corner to the second, from the
+    ///     second to the third, and from the third to the first.
+    /// name : str, optional
+    ///     The name of the mesh in the tables of `run`.
+    ///
+    /// Returns
+    /// -------
+    /// Mesh
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     The mesh cannot be used. The message names the vertices and faces.
     #[staticmethod]
     #[pyo3(signature = (n, faces, lengths, *, name = "mesh"))]
     fn from_lengths(
@@ -117,14 +130,15 @@ impl PyMesh {
         Ok(Self::of(mesh, &report, name.to_owned()))
     }
 
-    /// (n, 3) float64: the positions of the vertices, a copy; (0, 3) if only lengths are known.
+    /// (n, 3) float64: a copy of the positions of the vertices; shape (0, 3) if the mesh was made
+    /// from lengths.
     #[getter]
     fn vertices(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f64>>> {
         triples(py, self.mesh.positions())
     }
 
-    /// (m, 3) uint32: the corners of the faces, a copy. Faces that were turned over are as they
-    /// are used.
+    /// (m, 3) uint32: a copy of the corners of the faces. Faces whose orientation was repaired have
+    /// the new orientation.
     #[getter]
     fn faces(&self, py: Python<'_>) -> PyResult<Py<PyArray2<u32>>> {
         let corners = |face| self.mesh.face_vertices(face).map(VertexId::raw);
@@ -132,7 +146,7 @@ impl PyMesh {
         triples(py, &rows)
     }
 
-    /// int: number of vertices, those in no face included.
+    /// int: number of vertices, including isolated ones.
     #[getter]
     fn n_vertices(&self) -> usize {
         self.mesh.vertex_count()
@@ -144,13 +158,14 @@ impl PyMesh {
         self.mesh.face_count()
     }
 
-    /// str: its name in tables.
+    /// str: the name of the mesh in the tables of `run`.
     #[getter]
     fn name(&self) -> &str {
         &self.name
     }
 
-    /// list of str: what was repaired or is worth knowing, a sentence for each kind.
+    /// list of str: the defects that were repaired or that the mesh still has, one sentence for
+    /// each kind.
     #[getter]
     fn defects(&self) -> Vec<String> {
         self.defects.clone()
@@ -158,7 +173,8 @@ impl PyMesh {
 
     /// Counts and sizes: a dictionary with `vertices`, `faces`, `edges`, `boundary_edges`,
     /// `boundary_loops`, `components`, `genus`, `saddles`, `euler_characteristic`, `area`,
-    /// `anisotropy`, and the `min`, `mean` and `max` of `_edge_length`.
+    /// `anisotropy`, `min_edge_length`, `mean_edge_length` and `max_edge_length`. Lengths are in
+    /// units of the mesh.
     fn info<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let measures = py.detach(|| MeshMeasures::of(&self.mesh));
         let row = PyDict::new(py);
@@ -179,18 +195,22 @@ impl PyMesh {
         Ok(row)
     }
 
-    /// Where a point is.
+    /// Locates a point on the surface.
+    ///
+    /// Parameters
+    /// ----------
+    /// point : int or Point
     ///
     /// Returns
     /// -------
     /// face : int
-    ///     A face that contains it; -1 for an isolated vertex.
+    ///     A face that contains the point; -1 for an isolated vertex.
     /// barycentric : tuple of three floats
-    ///     Its coordinates there.
+    ///     Its barycentric coordinates in that face.
     /// position : tuple of three floats or None
-    ///     Its position in space; `None` if the mesh has none.
+    ///     Its position in space; `None` if the mesh has no positions.
     /// distance : float
-    ///     How far it is from the position that `at` asks for; 0 for other points.
+    ///     For a point made by `at`, its distance from the position that was given; otherwise 0.
     fn locate(&self, point: &Bound<'_, PyAny>) -> PyResult<Located> {
         let spec = single(point, "point")?;
         let (found, distance) = Finder::new(&self.mesh).find_from(spec, "point")?;
@@ -202,8 +222,8 @@ impl PyMesh {
         Ok((face, weights.into(), position.map(Into::into), distance))
     }
 
-    /// The vertex nearest to a position among the corners of the face in which the nearest point of
-    /// the surface is.
+    /// The number of a vertex near the position `(x, y, z)`: the nearest corner of the face that
+    /// contains the nearest point of the surface. Another vertex can be nearer to the position.
     fn nearest_vertex(&self, x: f64, y: f64, z: f64) -> PyResult<u32> {
         let spec = crate::points::at(x, y, z)?.0;
         let found = Finder::new(&self.mesh).find(spec, "position")?;
@@ -231,32 +251,33 @@ impl PyMesh {
             .ok_or_else(|| PyValueError::new_err("position: no vertex is near it"))
     }
 
-    /// Distances from the nearest of the sources. It sets the algorithm up for this one question;
-    /// keep a `Solver` for more.
+    /// Distances from the nearest source. The algorithm is set up for this call; a `Solver` keeps
+    /// its set-up for several calls.
     ///
     /// Parameters
     /// ----------
     /// source : int, Point or sequence of these
-    ///     Vertices, or points of the surface (`vertex`, `edge`, `face`, `at`).
+    ///     One or several sources: vertices, or points of the surface (`vertex`, `edge`, `face`,
+    ///     `at`).
     /// radius : float, optional
-    ///     Distances beyond it are infinite. The search ends there. In units of the mesh.
+    ///     The search ends at this distance, in units of the mesh. Greater distances are `inf`.
     /// targets : int, Point or sequence of these, optional
-    ///     The only points whose distances are wanted. The search ends when all are reached.
+    ///     Compute only the distances of these points. The search ends when all are reached.
     /// algorithm : str
-    ///     A name of `algorithms()`.
+    ///     A name from `algorithms()`.
     ///
     /// Returns
     /// -------
     /// numpy.ndarray, shape (n,), float64
     ///     The distance of each of the n vertices, or of each target, in units of the mesh; `inf`
-    ///     where no path leads or the radius ends.
+    ///     if it is unreachable or beyond the radius.
     ///
     /// Raises
     /// ------
     /// IndexError
     ///     A vertex or face does not exist.
     /// ValueError, TypeError
-    ///     An argument is out of range or of another type.
+    ///     An argument is out of range or has the wrong type.
     #[pyo3(signature = (source, *, radius = None, targets = None, algorithm = "vtp-fast"))]
     fn distance<'py>(
         &self,
@@ -270,20 +291,21 @@ impl PyMesh {
             .distance(py, source, radius, targets)
     }
 
-    /// Distances from each of the sources: one row a source.
+    /// Distances from each source separately, one row per source.
     ///
     /// Parameters
     /// ----------
     /// sources : sequence of int or Point
     /// threads : int
-    ///     Sources that are solved at the same time.
+    ///     The number of sources that are solved at the same time. If it is at least twice the
+    ///     number of sources, a parallel algorithm uses several threads per source.
     /// radius, targets, algorithm
-    ///     As of `distance`.
+    ///     As for `distance`.
     ///
     /// Returns
     /// -------
     /// numpy.ndarray, shape (k, n), float64
-    ///     Row i has the distances from source i, of the n vertices or of the targets, in units of
+    ///     Row i has the distances of the n vertices, or of the targets, from source i, in units of
     ///     the mesh.
     #[pyo3(signature = (sources, *, threads = 1, radius = None, targets = None,
                         algorithm = "vtp-fast"))]
@@ -300,18 +322,19 @@ impl PyMesh {
         algorithm.distances(py, sources, threads, radius, targets)
     }
 
-    /// The shortest path from the nearest of the sources to `target`.
+    /// The shortest path from the nearest source to `target`.
     ///
     /// Parameters
     /// ----------
     /// source : int, Point or sequence of these
     /// target : int or Point
     /// algorithm : str
+    ///     A name from `algorithms()`.
     ///
     /// Returns
     /// -------
     /// Path or None
-    ///     `None` if no path leads there.
+    ///     `None` if the target is unreachable.
     #[pyo3(signature = (source, target, *, algorithm = "vtp-fast"))]
     fn path(
         &self,
@@ -323,8 +346,8 @@ impl PyMesh {
         one_path(&self.algorithm(algorithm)?, py, source, target)
     }
 
-    /// The shortest paths from the nearest of the sources to each of the targets, of one search: a
-    /// list of `Path`, and `None` where no path leads.
+    /// The shortest paths from the nearest source to each target, from one search: a list with a
+    /// `Path` for each target, or `None` if it is unreachable.
     #[pyo3(signature = (source, targets, *, algorithm = "vtp-fast"))]
     fn paths(
         &self,
@@ -337,34 +360,50 @@ impl PyMesh {
             .paths(py, source, targets, "targets")
     }
 
-    /// The geodesic Voronoi diagram of points: which of them is the nearest, everywhere on the
-    /// surface.
+    /// The geodesic Voronoi diagram of sources. Its cells are the regions of the surface with the
+    /// same nearest source.
     ///
     /// Parameters
     /// ----------
     /// sources : sequence of int or Point
-    ///     Points at different places.
+    ///     Distinct points.
+    ///
+    /// Returns
+    /// -------
+    /// Voronoi
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     Two sources are at the same place.
     fn voronoi(&self, py: Python<'_>, sources: &Bound<'_, PyAny>) -> PyResult<PyVoronoi> {
         PyVoronoi::new(py, &self.mesh, sources)
     }
 
-    /// The points at some distances from the nearest of the sources, as exact arcs.
+    /// Isolines of the distance from the nearest source, as exact circular arcs.
     ///
-    /// It keeps all windows of MMP, which takes several times as long as distances of vertices, and
-    /// much more memory: about a gigabyte for 300,000 faces.
+    /// MMP runs and keeps all its windows. This takes several times as long as the distances of
+    /// vertices, and much more memory: about a gigabyte for 300,000 faces. Exactly one of `every`
+    /// and `levels` is required.
     ///
     /// Parameters
     /// ----------
     /// source : int, Point or sequence of these
     /// every : float
-    ///     The levels are its multiples, up to the farthest point. In units of the mesh.
+    ///     Return the isolines at all multiples of this distance up to the farthest point, in units
+    ///     of the mesh.
     /// levels : sequence of float
-    ///     The levels, instead.
+    ///     Return the isolines at these distances, in units of the mesh.
     ///
     /// Returns
     /// -------
     /// list of Isoline
-    ///     One for each level.
+    ///     One for each distance.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     A distance is not positive, or `every` asks for more than 10,000 isolines.
     #[pyo3(signature = (source, *, every = None, levels = None))]
     fn isolines(
         &self,
@@ -376,21 +415,21 @@ impl PyMesh {
         isolines(py, &self.mesh, source, every, levels)
     }
 
-    /// A new mesh of the same surface with evenly spread vertices: the dual of the geodesic Voronoi
-    /// diagram of points spread by farthest point sampling.
+    /// A new mesh of the same surface with evenly distributed vertices. It is the dual of the
+    /// geodesic Voronoi diagram of sites that are chosen by farthest point sampling.
     ///
-    /// Its components, genus and boundary loops are those of the mesh.
+    /// The new mesh has the same components, genus and boundary loops.
     ///
     /// Parameters
     /// ----------
     /// sites : int
-    ///     The number of vertices to make. There can be more: on a boundary, or where the dual
-    ///     would be no triangulation.
+    ///     The number of sites, the vertices of the new mesh. More sites are added to components
+    ///     and boundary loops that have too few, and where the dual would not be a triangulation.
     /// lloyd : int
-    ///     Steps of Lloyd's algorithm, each of which moves the points to the centres of their
+    ///     The number of steps of Lloyd's algorithm. Each moves the sites to the centres of their
     ///     cells.
     /// seed : int
-    ///     Draws the first point.
+    ///     Seed that draws the first site of a surface without boundary.
     ///
     /// Returns
     /// -------
@@ -399,8 +438,8 @@ impl PyMesh {
     /// Raises
     /// ------
     /// ValueError
-    ///     There are fewer vertices than `sites`, the mesh has no positions, or so few points make
-    ///     no triangulation of the surface.
+    ///     The mesh has fewer vertices than `sites` or no positions, or the dual is not a
+    ///     triangulation of the surface.
     #[pyo3(signature = (sites, *, lloyd = 5, seed = 0))]
     fn remesh(&self, py: Python<'_>, sites: usize, lloyd: usize, seed: u64) -> PyResult<Self> {
         let mesh = self.mesh.clone();
@@ -411,7 +450,8 @@ impl PyMesh {
         Self::new(py, made.soup(), self.name.clone(), "the new mesh")
     }
 
-    /// Writes the mesh to an OBJ or a PLY file, by its ending, compressed if that is `.gz`.
+    /// Writes the mesh to a file. Its extension selects the format: `.obj`, `.ply`, `.off` or
+    /// `.stl`, each also with `.gz` for compression.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         if self.mesh.positions().is_empty() {
             return Err(PyValueError::new_err("the mesh has no positions to write"));
@@ -435,18 +475,19 @@ impl PyMesh {
     }
 }
 
-/// A face, the barycentric coordinates there, the position and the distance from where it was
-/// looked for.
+/// A face, barycentric coordinates in it, the position, and the distance from the position that was
+/// given.
 type Located = (i64, (f64, f64, f64), Option<(f64, f64, f64)>, f64);
 
-/// Reads an OBJ, PLY (text and binary), OFF or STL file, compressed with gzip or not.
+/// Reads a mesh from an OBJ, PLY (text or binary), OFF or STL file, with or without gzip
+/// compression.
 ///
 /// Raises
 /// ------
 /// OSError
 ///     The file cannot be read.
 /// MeshError
-///     It holds no mesh that can be used. The message names the line or the elements.
+///     The file holds no usable mesh. The message names the line or the elements.
 #[pyfunction]
 pub(crate) fn read(py: Python<'_>, path: PathBuf) -> PyResult<PyMesh> {
     let soup = py
@@ -455,7 +496,7 @@ pub(crate) fn read(py: Python<'_>, path: PathBuf) -> PyResult<PyMesh> {
     PyMesh::new(py, soup, stem(&path), &path.display().to_string())
 }
 
-/// The name of a file without its endings.
+/// The name of a file without its extension and `.gz`.
 fn stem(path: &Path) -> String {
     let name = path
         .file_name()
@@ -466,7 +507,8 @@ fn stem(path: &Path) -> String {
         .to_owned()
 }
 
-/// Makes a model, such as `"torus,faces=5000"`, `"sphere,subdiv=4"` or `"terrain,n=100,seed=1"`.
+/// Generates a mesh from a description such as `"torus,faces=5000"`, `"sphere,subdiv=4"` or
+/// `"terrain,n=100,seed=1"`.
 #[pyfunction]
 #[pyo3(name = "generate")]
 pub(crate) fn generated(py: Python<'_>, spec: &str) -> PyResult<PyMesh> {

@@ -5,8 +5,9 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// A shortest path over a surface: its points in order from the source, one for each edge that it
-/// crosses and each vertex that it passes. Between two of them it is straight.
+/// A shortest path on a surface. Its points are, in order, the source, a point for each edge that
+/// the path crosses and each vertex that it passes, and the target. The path is straight between
+/// them.
 #[pyclass(frozen, module = "geobench", name = "Path")]
 pub(crate) struct PyPath {
     /// float: its length, in units of the mesh.
@@ -15,13 +16,13 @@ pub(crate) struct PyPath {
     /// (k, 3) float64: the positions of its points, in units of the mesh.
     #[pyo3(get)]
     points: Py<PyArray2<f64>>,
-    /// (k,) int64: for each point a face that contains it; -1 for an isolated vertex.
+    /// (k,) int64: a face that contains each point; -1 for an isolated vertex.
     #[pyo3(get)]
     faces: Py<PyArray1<i64>>,
     /// (k, 3) float64: the barycentric coordinates of each point in that face.
     #[pyo3(get)]
     barycentric: Py<PyArray2<f64>>,
-    /// (k,) int64: the vertex that each point is, or -1.
+    /// (k,) int64: the number of the vertex at each point; -1 if the point is not a vertex.
     #[pyo3(get)]
     vertices: Py<PyArray1<i64>>,
     count: usize,
@@ -48,7 +49,7 @@ impl PyPath {
     }
 }
 
-/// An `(n, 3)` array.
+/// A new `(n, 3)` array with a copy of `rows`.
 pub(crate) fn triples<T: numpy::Element + Copy>(
     py: Python<'_>,
     rows: &[[T; 3]],

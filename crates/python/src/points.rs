@@ -1,4 +1,4 @@
-//! Sources and targets, as Python gives them.
+//! Sources and targets that are passed from Python.
 
 use geobench::exec::source::{Locator, PointSpec};
 use geodesic::{Mesh, Refined, SurfacePoint, VertexId};
@@ -6,8 +6,8 @@ use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
 
-/// A point of a surface: what `vertex`, `edge`, `face` and `at` return. A source or target is one
-/// of these or the number of a vertex.
+/// A point of a surface, made by `vertex`, `edge`, `face` or `at`. Sources and targets are points
+/// or numbers of vertices.
 #[pyclass(frozen, eq, module = "geobench", from_py_object)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Point(pub(crate) PointSpec);
@@ -35,7 +35,7 @@ impl Point {
     }
 }
 
-/// The number of an element, with a message that names the argument.
+/// Reads the number of a vertex or face. Error messages name the argument.
 fn number(value: &Bound<'_, PyAny>, name: &str) -> PyResult<u32> {
     let is_number = value.hasattr("__index__")? && !value.is_instance_of::<PyBool>();
     let number = match value.extract::<i64>() {
@@ -54,13 +54,14 @@ fn number(value: &Bound<'_, PyAny>, name: &str) -> PyResult<u32> {
     })
 }
 
-/// Vertex `v`; the number itself does as well.
+/// The point at vertex `v`. Sources and targets can also be given by the number alone.
 #[pyfunction]
 pub(crate) fn vertex(v: &Bound<'_, PyAny>) -> PyResult<Point> {
     Ok(Point(PointSpec::Vertex(number(v, "v")?)))
 }
 
-/// The point on the edge from vertex `a` to vertex `b`, a part `t` of the way, from 0 to 1.
+/// The point on the edge between vertices `a` and `b` at the fraction `t` of its length from `a`,
+/// between 0 and 1.
 #[pyfunction]
 pub(crate) fn edge(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, t: f64) -> PyResult<Point> {
     let ends = [number(a, "a")?, number(b, "b")?];
@@ -72,8 +73,8 @@ pub(crate) fn edge(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, t: f64) -> PyResu
     Ok(Point(PointSpec::Edge(ends, t)))
 }
 
-/// The point of face `f` with barycentric coordinates `u`, `v`, `w`, in the order of its corners.
-/// Their sum is 1.
+/// The point of face `f` with barycentric coordinates `u`, `v`, `w`, in the order of the corners of
+/// the face. Their sum must be 1.
 #[pyfunction]
 pub(crate) fn face(f: &Bound<'_, PyAny>, u: f64, v: f64, w: f64) -> PyResult<Point> {
     for (name, x) in [("u", u), ("v", v), ("w", w)] {
@@ -99,7 +100,8 @@ pub(crate) fn at(x: f64, y: f64, z: f64) -> PyResult<Point> {
     Ok(Point(PointSpec::At([x, y, z])))
 }
 
-/// One point: a number of a vertex or a `Point`.
+/// Reads one point, the number of a vertex or a `Point`; `None` if `value` is neither, and may be a
+/// sequence.
 fn one(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<PointSpec>> {
     if let Ok(point) = value.cast::<Point>() {
         return Ok(Some(point.get().0));
@@ -108,7 +110,7 @@ fn one(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<PointSpec>> {
         return Err(not_a_point(value, name));
     }
     if value.hasattr("__index__")? {
-        // Arrays have `__index__`, too, and fail where they have several numbers.
+        // Arrays have `__index__`, too. Those with several numbers cannot be extracted.
         let Ok(vertex) = value.extract::<i64>() else {
             return Ok(None);
         };
@@ -131,7 +133,7 @@ fn not_a_point(value: &Bound<'_, PyAny>, name: &str) -> PyErr {
     ))
 }
 
-/// One point or a sequence of them.
+/// Reads one point or a sequence of points.
 pub(crate) fn several(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<PointSpec>> {
     if let Some(point) = one(value, name)? {
         return Ok(vec![point]);
@@ -152,7 +154,7 @@ pub(crate) fn several(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Poin
     Ok(points)
 }
 
-/// One point.
+/// Reads one point.
 pub(crate) fn single(value: &Bound<'_, PyAny>, name: &str) -> PyResult<PointSpec> {
     one(value, name)?.ok_or_else(|| not_a_point(value, name))
 }
@@ -175,7 +177,7 @@ impl<'m> Finder<'m> {
         Ok(self.find_from(spec, name)?.0)
     }
 
-    /// The point, and its distance from the position that was asked for.
+    /// The point, and its distance from the position that was given; 0 for points given otherwise.
     pub(crate) fn find_from(
         &mut self,
         spec: PointSpec,
@@ -204,11 +206,15 @@ impl<'m> Finder<'m> {
     }
 }
 
-/// Sources and targets as vertices of a mesh that has one at each.
+/// Sources and targets as vertices of a refined mesh.
 pub(crate) struct ResolvedPoints {
+    /// The sources, then the targets, as points of the original mesh.
     pub(crate) points: Vec<SurfacePoint>,
+    /// The mesh with a vertex inserted at each of `points`.
     pub(crate) refined: Refined,
+    /// The sources as vertices of `refined`.
     pub(crate) sources: Vec<VertexId>,
+    /// The targets as vertices of `refined`, if targets were given.
     pub(crate) targets: Option<Vec<VertexId>>,
 }
 

@@ -1,4 +1,4 @@
-//! Distances and paths.
+//! Solvers: distances, paths, counters and profiles.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -18,11 +18,13 @@ use crate::mesh::PyMesh;
 use crate::path::PyPath;
 use crate::points::ResolvedPoints;
 
-/// An algorithm on one mesh, with the solvers of it that are set up and not in use.
+/// An algorithm on one mesh, with a pool of solvers. Each solver is set up once and reused.
 pub(crate) struct SolverPool {
     selection: Selection,
     mesh: Mesh,
+    /// The solvers that are set up and not in use.
     idle: Mutex<Vec<Box<dyn Solve>>>,
+    /// The length of the longest edge of the mesh, computed on first use.
     longest_edge: OnceLock<f64>,
 }
 
@@ -36,8 +38,8 @@ impl SolverPool {
         })
     }
 
-    /// A warning about the precision of distances. Looking at all faces takes some percent of a
-    /// run, so they are looked at only if the longest edge gives cause.
+    /// The text of a warning if `distances` are imprecise. Checking all faces takes a few percent
+    /// of a run, so it is skipped if the longest edge shows that it cannot find anything.
     fn doubt(&self, distances: &[f64]) -> Option<String> {
         let longest = *self.longest_edge.get_or_init(|| {
             let lengths = self.mesh.half_edges().map(|h| self.mesh.length(h));
@@ -47,8 +49,8 @@ impl SolverPool {
         precision::doubt(&self.mesh, distances).map(|doubt| doubt.to_string())
     }
 
-    /// What `work` does with a solver, which is set up if there is none. A solver that panics is
-    /// dropped.
+    /// Calls `work` with an idle solver, or with a new one if none is idle. A solver that panics
+    /// does not return to the pool.
     fn with<T>(&self, work: impl FnOnce(&mut dyn Solve) -> T) -> T {
         let idle = || self.idle.lock().unwrap_or_else(PoisonError::into_inner);
         let ready = idle().pop();
@@ -59,7 +61,7 @@ impl SolverPool {
     }
 }
 
-/// The algorithm of this name, such as `fwp-mmp{kmax=5000}`.
+/// The algorithm with this name and parameters, for example `fwp-mmp{kmax=5000}`.
 pub(crate) fn selection(name: &str, threads: Option<u32>, simd: &str) -> PyResult<Selection> {
     let named = |error| PyValueError::new_err(format!("algorithm: {error}"));
     let selection = registry::select_one(name).map_err(named)?;
@@ -88,7 +90,8 @@ fn check_threads(threads: u32) -> PyResult<usize> {
     )))
 }
 
-/// What is asked for: distances up to `radius`, those of `targets`.
+/// The goal of a search: distances up to `radius`, of `targets` or of all vertices. Setting `stop`
+/// ends the search.
 fn goal(radius: Option<f64>, targets: Option<&[VertexId]>, stop: &Stop) -> PyResult<Goal> {
     let mut goal = match targets {
         Some(targets) => Goal::targets(targets.iter().copied()),
@@ -105,9 +108,11 @@ fn goal(radius: Option<f64>, targets: Option<&[VertexId]>, stop: &Stop) -> PyRes
     Ok(goal.unless(stop))
 }
 
-/// A row of distances, of the targets or of the vertices of the mesh, and a doubt about them.
+/// Distances of the targets or of all vertices, and the text of a warning about their precision.
 type Row = (Vec<f64>, Option<String>);
 
+/// Computes the distances from the nearest of `sources`, of the targets of `goal` or of the first
+/// `vertices` vertices. Those that follow were inserted for sources and targets.
 fn row(
     kit: &SolverPool,
     sources: &[VertexId],
@@ -126,7 +131,9 @@ fn row(
     Ok((distances, doubt))
 }
 
-/// A row for each source, one after the other.
+/// Computes a row of distances for each source in `workers` threads. The rows stand one after the
+/// other in `all`, whose memory is reserved by the caller. Once `stop` is set, the remaining rows
+/// stay infinite.
 fn matrix(
     kit: &SolverPool,
     sources: &[VertexId],
@@ -183,10 +190,12 @@ fn warn(py: Python<'_>, doubt: Option<String>) -> PyResult<()> {
     PyErr::warn(py, &py.get_type::<PrecisionWarning>(), &message, 1)
 }
 
-/// Where solvers come from: kept ones for the mesh, or new ones.
+/// An algorithm on a mesh. Sources and targets that are not vertices need solvers on a refined
+/// mesh.
 #[derive(Clone)]
 pub(crate) struct Algorithm {
     pub(crate) mesh: Mesh,
+    /// The solvers on `mesh`, which are kept from call to call.
     pub(crate) kept: Arc<SolverPool>,
 }
 
@@ -198,7 +207,8 @@ impl Algorithm {
         }
     }
 
-    /// The kit for the mesh of a question.
+    /// The solvers for the refined mesh of a call: the kept ones if no vertex was inserted, else a
+    /// new pool.
     fn kit(&self, question: &ResolvedPoints) -> Arc<SolverPool> {
         if question.refined.mesh.vertex_count() == self.mesh.vertex_count() {
             return Arc::clone(&self.kept);
@@ -241,7 +251,7 @@ impl Algorithm {
         let workers = threads.min(question.sources.len());
         let mut kit = self.kit(&question);
         if threads / workers > 1 {
-            // A parallel algorithm gets the remaining threads.
+            // A parallel algorithm uses several threads for each source.
             let selection = self.kept.selection.clone().with_threads(threads / workers);
             if selection.threads() > 1 {
                 kit = SolverPool::new(&selection, &kit.mesh);
@@ -277,7 +287,7 @@ impl Algorithm {
         PyArray1::from_vec(py, all).reshape([rows, columns])
     }
 
-    /// The shortest paths from the nearest of the sources to each target; `None` where none leads.
+    /// The shortest paths from the nearest source to each target; `None` for unreachable targets.
     pub(crate) fn paths(
         &self,
         py: Python<'_>,
@@ -318,23 +328,23 @@ impl Algorithm {
     }
 }
 
-/// An algorithm that is set up for a mesh, which is done once. It can be asked for one source after
-/// another, from several threads too.
+/// An algorithm that is set up once for a mesh and reused for any number of calls. Several threads
+/// may use it at the same time.
 ///
 /// Parameters
 /// ----------
 /// mesh : Mesh
 /// algorithm : str
-///     A name of `algorithms()`, with parameters such as `"fwp-mmp{kmax=5000}"`.
+///     A name from `algorithms()`, optionally with parameters: `"fwp-mmp{kmax=5000}"`.
 /// threads : int, optional
-///     Threads of a parallel algorithm (`"pvtp"`).
+///     Number of threads of a parallel algorithm (`"pvtp"`).
 /// simd : {"auto", "scalar", "avx2", "avx512"}
-///     Vector instructions.
+///     The widest vector instructions to use. `"auto"` is the widest that the processor has.
 ///
 /// Raises
 /// ------
 /// ValueError
-///     There is no such algorithm.
+///     The algorithm does not exist, or a parameter, `threads` or `simd` is out of range.
 #[pyclass(frozen, module = "geobench", name = "Solver")]
 pub(crate) struct PySolver {
     algorithm: Algorithm,
@@ -356,7 +366,7 @@ impl PySolver {
         let selection = selection(algorithm, threads, simd)?;
         let solver = Algorithm::new(&mesh.get().mesh, &selection);
         let kit = Arc::clone(&solver.kept);
-        // The set-up, now.
+        // Set up the first solver now and put it into the pool.
         let faces = solver.mesh.face_count();
         interrupt::call(py, faces, &Stop::default(), move || kit.with(|_| ()))?;
         Ok(Self {
@@ -365,41 +375,49 @@ impl PySolver {
         })
     }
 
-    /// The mesh.
+    /// Mesh: the mesh of the solver.
     #[getter]
     fn mesh(&self, py: Python<'_>) -> Py<PyMesh> {
         self.mesh.clone_ref(py)
     }
 
-    /// The name of the algorithm, with the parameters that are not the defaults.
+    /// str: the name of the algorithm, with the parameters that differ from the defaults.
     #[getter]
     fn algorithm(&self) -> &str {
         self.algorithm.kept.selection.label()
     }
 
-    /// Whether its distances are exact up to rounding.
+    /// bool: whether its distances are exact up to rounding.
     #[getter]
     fn exact(&self) -> bool {
         self.algorithm.kept.selection.algorithm().exact
     }
 
-    /// Distances from the nearest of the sources.
+    /// Distances from the nearest source.
     ///
     /// Parameters
     /// ----------
     /// source : int, Point or sequence of these
-    ///     Vertices, or points of the surface (`vertex`, `edge`, `face`, `at`). For points that are
-    ///     no vertices the algorithm is set up anew.
+    ///     One or several sources: vertices, or points of the surface (`vertex`, `edge`, `face`,
+    ///     `at`). If a source or target is not a vertex, the algorithm is set up again for this
+    ///     call.
     /// radius : float, optional
-    ///     Distances beyond it are infinite. The search ends there. In units of the mesh.
+    ///     The search ends at this distance, in units of the mesh. Greater distances are `inf`.
     /// targets : int, Point or sequence of these, optional
-    ///     The only points whose distances are wanted. The search ends when all are reached.
+    ///     Compute only the distances of these points. The search ends when all are reached.
     ///
     /// Returns
     /// -------
     /// numpy.ndarray, shape (n,), float64
     ///     The distance of each of the n vertices, or of each target, in units of the mesh; `inf`
-    ///     where no path leads or the radius ends.
+    ///     if it is unreachable or beyond the radius.
+    ///
+    /// Raises
+    /// ------
+    /// IndexError
+    ///     A vertex or face does not exist.
+    /// ValueError, TypeError
+    ///     An argument is out of range or has the wrong type.
     #[pyo3(signature = (source, *, radius = None, targets = None))]
     fn distance<'py>(
         &self,
@@ -411,20 +429,22 @@ impl PySolver {
         self.algorithm.distance(py, source, radius, targets)
     }
 
-    /// Distances from each of the sources: one row a source.
+    /// Distances from each source separately, one row per source.
     ///
     /// Parameters
     /// ----------
     /// sources : sequence of int or Point
     /// threads : int
-    ///     Sources that are solved at the same time.
+    ///     The number of sources that are solved at the same time. If it is at least twice the
+    ///     number of sources, a parallel algorithm uses several threads per source.
     /// radius, targets
-    ///     As of `distance`.
+    ///     As for `distance`.
     ///
     /// Returns
     /// -------
     /// numpy.ndarray, shape (k, n), float64
-    ///     Row i has the distances from source i, of the n vertices or of the targets.
+    ///     Row i has the distances of the n vertices, or of the targets, from source i, in units of
+    ///     the mesh.
     #[pyo3(signature = (sources, *, threads = 1, radius = None, targets = None))]
     fn distances<'py>(
         &self,
@@ -438,8 +458,7 @@ impl PySolver {
             .distances(py, sources, threads, radius, targets)
     }
 
-    /// The shortest path from the nearest of the sources to `target`, or `None` if none leads
-    /// there.
+    /// The shortest path from the nearest source to `target`; `None` if it is unreachable.
     fn path(
         &self,
         py: Python<'_>,
@@ -449,8 +468,8 @@ impl PySolver {
         one_path(&self.algorithm, py, source, target)
     }
 
-    /// The shortest paths from the nearest of the sources to each of the targets, of one search: a
-    /// list of `Path` and `None`.
+    /// The shortest paths from the nearest source to each target, from one search: a list with a
+    /// `Path` for each target, or `None` if it is unreachable.
     fn paths(
         &self,
         py: Python<'_>,
@@ -460,13 +479,18 @@ impl PySolver {
         self.algorithm.paths(py, source, targets, "targets")
     }
 
-    /// Distances from the nearest of the sources with the events of the search counted.
+    /// Distances from the nearest source, and counts of the operations of the search.
+    ///
+    /// Parameters
+    /// ----------
+    /// source : int, Point or sequence of these
     ///
     /// Returns
     /// -------
     /// distances : numpy.ndarray, shape (n,), float64
     /// counters : dict of str to int
-    ///     Those that the algorithm has, such as `propagated`, the windows propagated.
+    ///     The counters that the algorithm supports, for example `propagated`, the number of
+    ///     windows propagated.
     fn count<'py>(
         &self,
         py: Python<'py>,
@@ -490,13 +514,18 @@ impl PySolver {
         Ok((PyArray1::from_vec(py, distances), dictionary))
     }
 
-    /// Distances from the nearest of the sources with the phases of the search sampled.
+    /// Distances from the nearest source, and the time in each phase of the search. A sampler
+    /// estimates the times.
+    ///
+    /// Parameters
+    /// ----------
+    /// source : int, Point or sequence of these
     ///
     /// Returns
     /// -------
     /// distances : numpy.ndarray, shape (n,), float64
     /// seconds : dict of str to float
-    ///     Of `propagation`, `pruning` and `management`.
+    ///     The time spent in `propagation`, `pruning` and `management`, in seconds.
     fn profile<'py>(
         &self,
         py: Python<'py>,
@@ -532,7 +561,7 @@ impl PySolver {
     }
 }
 
-/// The one path to a target.
+/// The shortest path to one target; an error if `target` is a sequence.
 pub(crate) fn one_path(
     algorithm: &Algorithm,
     py: Python<'_>,
@@ -544,7 +573,7 @@ pub(crate) fn one_path(
     Ok(paths.pop().flatten())
 }
 
-/// The mesh that an argument is.
+/// Reads an argument that must be a mesh.
 pub(crate) fn mesh_of<'a, 'py>(value: &'a Bound<'py, PyAny>) -> PyResult<&'a Bound<'py, PyMesh>> {
     value.cast::<PyMesh>().map_err(|_| {
         PyTypeError::new_err(format!(
@@ -557,8 +586,8 @@ pub(crate) fn mesh_of<'a, 'py>(value: &'a Bound<'py, PyAny>) -> PyResult<&'a Bou
     })
 }
 
-/// The algorithms: a list of dictionaries with `name`, `family`, `paper`, `exact`, `summary` and
-/// `choose` (when to choose it).
+/// The available algorithms: a list of dictionaries with `name`, `family`, `paper`, `exact`,
+/// `summary` and `choose` (when to choose the algorithm).
 #[pyfunction]
 pub(crate) fn algorithms(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     let rows = registry::algorithms().iter().map(|algorithm| {

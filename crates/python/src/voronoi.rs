@@ -18,53 +18,57 @@ use crate::mesh::PyMesh;
 use crate::path::triples;
 use crate::points::{Point, ResolvedPoints, several};
 
-/// A geodesic Voronoi diagram: which of several sources is the nearest, everywhere on a surface.
+/// A geodesic Voronoi diagram. Its cells are the regions of a surface with the same nearest source.
 #[pyclass(frozen, module = "geobench", name = "Voronoi")]
 pub(crate) struct PyVoronoi {
     diagram: Shared<Diagram>,
     surface: Shared<Surface>,
-    /// (n,) int64: for each vertex the index of its nearest source; -1 where no path leads.
+    /// (n,) int64: for each vertex the index of its nearest source; -1 if it is unreachable.
     #[pyo3(get)]
     labels: Py<PyArray1<i64>>,
-    /// (n,) float64: for each vertex the distance from its nearest source.
+    /// (n,) float64: for each vertex the distance from its nearest source, in units of the mesh;
+    /// `inf` if it is unreachable.
     #[pyo3(get)]
     distances: Py<PyArray1<f64>>,
 }
 
-/// The mesh, and the one on which its sources are vertices.
+/// A mesh, its sources, and the refined mesh on which these are vertices.
 struct Surface {
     mesh: Mesh,
     refined: Refined,
+    /// The sources as vertices of `refined`.
     sources: Vec<VertexId>,
+    /// The sources as points of `mesh`.
     points: Vec<SurfacePoint>,
-    /// As they were given.
+    /// The sources as the caller gave them.
     specs: Vec<PointSpec>,
 }
 
 impl Surface {
-    /// The vertex that a source is, if it is one.
+    /// The number of the vertex at a source; `None` if the source is not a vertex of `mesh`.
     fn vertex(&self, source: usize) -> Option<u32> {
         let vertex = self.sources[source];
         (vertex.index() < self.mesh.vertex_count()).then(|| vertex.raw())
     }
 }
 
-/// All points that are nearer to one source than to any other.
+/// The region of a surface that is nearer to one source than to any other.
 #[pyclass(frozen, get_all, module = "geobench", name = "Cell")]
 pub(crate) struct PyCell {
     /// int: index of its source.
     source: usize,
-    /// int or None: the vertex that its source is; `None` for a point elsewhere.
+    /// int or None: the number of the vertex at its source; `None` if its source is not a vertex.
     vertex: Option<u32>,
     /// float: its area, in square units of the mesh.
     area: f64,
-    /// float: the length of its border, that of the surface included.
+    /// float: the length of its border, including the boundary of the surface, in units of the
+    /// mesh.
     perimeter: f64,
-    /// list of int: the cells with which it shares a border, ascending.
+    /// list of int: the indices of the cells with which it shares a border, in ascending order.
     neighbours: Vec<u32>,
-    /// bool: whether it is a disc, and not a ring or in several pieces.
+    /// bool: whether it is a disc: connected and without holes.
     is_disc: bool,
-    /// int: its Euler characteristic.
+    /// int: the Euler characteristic of its interior, 1 for a disc.
     euler: i64,
 }
 
@@ -99,25 +103,26 @@ impl PyArc {
 
 #[pymethods]
 impl PyArc {
-    /// int: the face.
+    /// int: the number of the face that contains it.
     #[getter]
     fn face(&self) -> u32 {
         self.surface.refined.parent(self.arc().face).raw()
     }
 
-    /// tuple of two ints: the cells on its left and on its right.
+    /// tuple of two ints: the indices of the cells on its left and on its right.
     #[getter]
     fn sources(&self) -> (u32, u32) {
         self.arc().sources.into()
     }
 
-    /// tuple of two ints: the points at which it begins and ends; arcs that share one meet there.
+    /// tuple of two ints: the numbers of its start node and its end node. Arcs that meet at a point
+    /// have the same node there.
     #[getter]
     fn nodes(&self) -> (u32, u32) {
         self.arc().nodes.into()
     }
 
-    /// str: "line" or "hyperbola".
+    /// str: its shape, "line" or "hyperbola".
     #[getter]
     fn kind(&self) -> &'static str {
         if self.arc().is_line() {
@@ -133,11 +138,22 @@ impl PyArc {
         self.arc().length()
     }
 
-    /// Positions along it, from its beginning to its end: a line has two, a hyperbola `parts + 1`.
+    /// Positions along the arc from its start to its end.
+    ///
+    /// Parameters
+    /// ----------
+    /// parts : int
+    ///     The number of chords that approximate a hyperbola.
     ///
     /// Returns
     /// -------
     /// numpy.ndarray, shape (k, 3), float64
+    ///     Two positions of a line, `parts + 1` of a hyperbola, in units of the mesh.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     The mesh has no positions.
     #[pyo3(signature = (parts = 8))]
     fn points(&self, py: Python<'_>, parts: usize) -> PyResult<Py<PyArray2<f64>>> {
         let arc = self.arc();
@@ -165,15 +181,15 @@ impl PyArc {
 /// A point at which three cells or more meet.
 #[pyclass(frozen, get_all, module = "geobench", name = "VoronoiVertex")]
 pub(crate) struct PyVoronoiVertex {
-    /// tuple of three floats or None: its position; `None` if the mesh has none.
+    /// tuple of three floats or None: its position; `None` if the mesh has no positions.
     position: Option<(f64, f64, f64)>,
-    /// int: its face.
+    /// int: the number of a face that contains it.
     face: u32,
-    /// tuple of three floats: its barycentric coordinates there.
+    /// tuple of three floats: its barycentric coordinates in that face.
     barycentric: (f64, f64, f64),
-    /// list of int: the cells around it, counter-clockwise.
+    /// list of int: the indices of the cells around it, counter-clockwise.
     sources: Vec<u32>,
-    /// float: its distance from their sources.
+    /// float: its distance from the sources of these cells, in units of the mesh.
     distance: f64,
 }
 
@@ -214,7 +230,7 @@ impl PyVoronoi {
         };
         let made = interrupt::call(py, faces, &Stop::default(), work)?;
         let (diagram, mut distances) = made.map_err(unsolved)?;
-        // Without those of points that became vertices.
+        // Drop the distances of vertices that were inserted for sources.
         let vertices = mesh.vertex_count();
         distances.truncate(vertices);
         let label = |&label: &u32| {
@@ -236,7 +252,7 @@ impl PyVoronoi {
 
 #[pymethods]
 impl PyVoronoi {
-    /// list of int or Point: the sources; numbers of vertices where they are vertices.
+    /// list of int or Point: the sources. A source at a vertex is the number of the vertex.
     #[getter]
     fn sources(&self, py: Python<'_>) -> PyResult<Vec<Py<PyAny>>> {
         let specs = self.surface.specs.iter().enumerate();
@@ -248,7 +264,7 @@ impl PyVoronoi {
             .collect()
     }
 
-    /// list of Cell: one for each source, in their order.
+    /// list of Cell: one cell for each source, in the order of the sources.
     #[getter]
     fn cells(&self) -> Vec<PyCell> {
         let cells = self.diagram.cells().iter().enumerate();
@@ -265,7 +281,7 @@ impl PyVoronoi {
             .collect()
     }
 
-    /// list of Arc: the borders between cells, piece by piece.
+    /// list of Arc: the pieces of the borders between cells, each inside one face.
     #[getter]
     fn arcs(&self) -> Vec<PyArc> {
         let places = 0..self.diagram.arcs().len();
@@ -278,7 +294,7 @@ impl PyVoronoi {
             .collect()
     }
 
-    /// list of VoronoiVertex: where three cells or more meet.
+    /// list of VoronoiVertex: the points at which three cells or more meet.
     #[getter]
     fn vertices(&self) -> Vec<PyVoronoiVertex> {
         let (diagram, surface) = (&self.diagram, &self.surface);
@@ -300,14 +316,20 @@ impl PyVoronoi {
             .collect()
     }
 
-    /// The geodesic Delaunay triangulation: a mesh with the sources as vertices, in their order,
-    /// and a face for each Voronoi vertex.
+    /// The dual of the diagram, the geodesic Delaunay triangulation: a mesh with the sources as
+    /// vertices, in their order, and a face for each Voronoi vertex, or several where more than
+    /// three cells meet.
+    ///
+    /// Returns
+    /// -------
+    /// Mesh
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     The dual is no triangulation, because a cell is no disc or two cells share two borders.
-    ///     The message names them; more sources there help.
+    ///     The mesh has no positions, or the dual is not a triangulation, for example because a
+    ///     cell is no disc or two cells share several borders. The message names the cells. More
+    ///     sources there help.
     fn dual(&self, py: Python<'_>) -> PyResult<PyMesh> {
         let positions = self.diagram.mesh().positions();
         if positions.is_empty() {

@@ -1,4 +1,4 @@
-"""Models and programs that the tests share."""
+"""Fixtures and paths that the tests share."""
 
 import os
 import subprocess
@@ -13,12 +13,12 @@ REPOSITORY = Path(__file__).resolve().parents[3]
 
 
 def shared():
-    """Models that lie beside the repository, or where GEOBENCH_SHARED says."""
+    """The folder of shared files: $GEOBENCH_SHARED, or `shared` beside the repository."""
     return Path(os.environ.get("GEOBENCH_SHARED", REPOSITORY.parent / "shared"))
 
 
 def model(name):
-    """A shared model; the test is skipped where there are none."""
+    """The path of a shared model. The test is skipped if the file does not exist."""
     path = shared() / "models" / name
     if not path.exists():
         pytest.skip(f"no {path}")
@@ -27,7 +27,7 @@ def model(name):
 
 @pytest.fixture(scope="session")
 def command():
-    """Runs the command line: $GEOBENCH, or the debug build of the workspace."""
+    """A function that runs the program $GEOBENCH, or the debug build of the workspace."""
     program = os.environ.get("GEOBENCH")
     if program is None:
         target = os.environ.get("CARGO_TARGET_DIR", REPOSITORY / "target")
@@ -47,7 +47,7 @@ def command():
 
 @pytest.fixture(scope="session")
 def square():
-    """A unit square of two triangles, and a vertex that belongs to neither."""
+    """A unit square of two triangles, and an isolated vertex."""
     vertices = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [5, 5, 5]], dtype=float)
     return gb.Mesh(vertices, np.array([[0, 1, 2], [0, 2, 3]]))
 

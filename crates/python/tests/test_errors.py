@@ -1,4 +1,4 @@
-"""What is wrong is named: the argument, the vertex, the face."""
+"""Error messages name the argument, the vertex or the face."""
 
 import numpy as np
 import pytest

@@ -12,7 +12,7 @@ MODEL = "gen:holes"
 
 @pytest.fixture(scope="module", params=["reachable", "unreachable"])
 def field(request, command, tmp_path_factory):
-    """A field in every form: of a generated model, or of one with an isolated vertex."""
+    """A distance field in every file format, with or without an unreachable vertex."""
     folder = tmp_path_factory.mktemp("files")
     model = MODEL
     if request.param == "unreachable":
@@ -43,7 +43,7 @@ def test_vtk_in_meshio(field, tmp_path):
     np.testing.assert_array_equal(read.cells_dict["triangle"], mesh.faces)
     np.testing.assert_array_equal(read.point_data["distance"].ravel(), d)
     np.testing.assert_array_equal(read.point_data["reached"].ravel(), np.isfinite(d))
-    # And back: what meshio writes has the same field.
+    # A file that meshio writes has the same field.
     read.write(tmp_path / "again.vtu")
     again = meshio.read(tmp_path / "again.vtu")
     np.testing.assert_array_equal(again.point_data["distance"].ravel(), d)
@@ -70,7 +70,7 @@ def test_ply_in_meshio(field):
 
 def test_ply_in_pyvista(field):
     folder, mesh, d = field
-    # VTK reads texture coordinates, in single precision, and no other scalars.
+    # From PLY, VTK reads texture coordinates in single precision and no other scalars.
     read = pyvista.read(folder / "d.ply")
     assert read.n_cells == mesh.n_faces
     np.testing.assert_array_equal(read.active_texture_coordinates[:, 0], d.astype(np.float32))

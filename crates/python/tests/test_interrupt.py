@@ -1,4 +1,4 @@
-"""Long calls: the lock is released, and Ctrl-C ends them."""
+"""Long calls release the lock of the interpreter and end on Ctrl-C."""
 
 import signal
 import subprocess
@@ -26,7 +26,7 @@ CALLS = {
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals between processes")
 @pytest.mark.parametrize("name", CALLS)
 def test_ctrl_c_ends_a_call(name):
-    """The calls take seconds to minutes; each is to end within a few after the signal."""
+    """The calls take seconds to minutes. Each must end within 10 seconds of the signal."""
     program = f"""
         import signal
         import geobench as gb

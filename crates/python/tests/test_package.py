@@ -1,4 +1,4 @@
-"""The package: its stubs, docstrings, version and page."""
+"""The package: its stubs, docstrings and version, and the code of its documentation page."""
 
 import re
 import subprocess
@@ -61,7 +61,7 @@ def test_the_versions_are_in_step():
 
 
 def recipes():
-    """The code of each part of the page."""
+    """The code of each section of the documentation page."""
     parts = re.split(r"^## ", PAGE.read_text(), flags=re.MULTILINE)
     for part in parts:
         code = re.findall(r"^```python\n(.*?)^```", part, re.MULTILINE | re.DOTALL)

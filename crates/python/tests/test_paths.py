@@ -1,4 +1,4 @@
-"""Paths and Voronoi diagrams."""
+"""Paths, isolines, remeshing and Voronoi diagrams."""
 
 import numpy as np
 import pytest
@@ -54,7 +54,7 @@ def test_isolines_are_at_their_distance(torus):
             points = line.points()
             assert line.closed and (points[0] == points[-1]).all()
             targets = [gb.at(*p) for p in points[:40]]
-            # Chords are off the arcs by a thousandth of the distance at most.
+            # Chords deviate from the arcs by at most a thousandth of the distance.
             found = torus.distance(0, targets=targets)
             np.testing.assert_allclose(found, isoline.distance, rtol=2e-3)
             short = np.linalg.norm(np.diff(line.points(1e-6), axis=0), axis=1).sum()
@@ -73,12 +73,12 @@ def test_a_circle_has_its_length():
 def test_remesh_keeps_the_surface(torus):
     even = torus.remesh(100, lloyd=2)
     assert even.n_vertices == 100
-    # A torus: as many faces as twice the vertices.
+    # On a torus, F = 2 V.
     assert even.n_faces == 200
     assert even.remesh(50, lloyd=0, seed=3).n_vertices >= 50
     with pytest.raises(ValueError, match="sites are asked for"):
         torus.remesh(10**6)
-    # One cell is no disc here, so that sites are added.
+    # A single cell of a torus is no disc, so sites are added.
     assert torus.remesh(1, lloyd=0).n_vertices > 3
 
 

@@ -1,4 +1,4 @@
-"""Benchmarks, their rows and frames; proofs."""
+"""Benchmarks with their rows and frames, and certificates."""
 
 import numpy as np
 import pytest
@@ -50,7 +50,7 @@ def test_the_command_line_reads_them(table, command, tmp_path):
     command("run", "--algo", "vtp", "--repeat", "2", "gen:torus,faces=500", "-o", "s.json", cwd=tmp_path)
     frame = gb.read_results(tmp_path / "s.json")
     assert frame["algorithm"].tolist() == ["vtp"] and frame["faces"].tolist() == [500]
-    # The columns of the CSV form are among those of the frame.
+    # The frame has all columns of the CSV format, except lists and the machine.
     command("run", "--algo", "vtp", "--repeat", "2", "gen:torus,faces=500", "-o", "s.csv", cwd=tmp_path)
     columns = (tmp_path / "s.csv").read_text().splitlines()[0].split(",")
     missing = set(columns) - set(frame.columns) - {"time_samples", "time_places", "time_solves", "machine"}

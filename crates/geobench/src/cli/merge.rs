@@ -16,8 +16,8 @@ use crate::schema::{ResultFile, result_file};
     after_help = "The exit status is that of the whole run: 1 if a cell failed, 2 if a model was refused."
 )]
 pub(super) struct MergeOptions {
-    /// Result files (.json) of all parts, in any order, or of different runs, of which the first has
-    /// the cells that several have
+    /// Result files (.json) of all parts, in any order, or of different runs, of which the first
+    /// has the cells that several have
     #[arg(value_name = "PART", required = true)]
     pub(super) parts: Vec<PathBuf>,
 
@@ -32,7 +32,7 @@ pub(super) struct MergeOptions {
 pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<Verdict> {
     let outputs = options.csv_rows.outputs(&options.output)?;
     let files = result_file::read_all(&options.parts)?;
-    // The parts of one run, or different runs.
+    // Files of shards are merged as one benchmark; other files are joined as different runs.
     let is_part = |(_, file): &(String, ResultFile)| {
         file.plan.as_ref().is_some_and(|plan| plan.shard.is_some())
     };

@@ -386,8 +386,8 @@ impl JournalHeader {
 }
 
 /// The settings of `plan` that must be the same in `other` so that their runs can be combined:
-/// those of the groups that both plans have, with the models and algorithms that both have. Sources
-/// and numbers of runs may differ.
+/// isolation, shard, and the settings of the groups that both plans have, with the models and
+/// algorithms that both have. Sources and numbers of timed runs may differ.
 fn conditions(plan: &PlanRecord, other: &PlanRecord) -> PlanRecord {
     let pairs = plan.groups.iter().filter_map(|group| {
         let same = other.groups.iter().find(|other| other.name == group.name);

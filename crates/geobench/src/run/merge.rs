@@ -28,6 +28,7 @@ struct ShardFile {
 }
 
 impl ShardFile {
+    /// The error that this part belongs to another benchmark than `first`.
     fn differs_from(&self, first: &Self, difference: &str) -> anyhow::Error {
         anyhow!(
             "{}: not a part of the same benchmark as {}: {difference}",
@@ -83,6 +84,11 @@ pub fn is_of_one_machine(file: &ResultFile) -> bool {
     pairs.all(|pair| pair[0].host.is_same_machine(&pair[1].host))
 }
 
+/// Takes the plan and the cells out of the file of a shard.
+///
+/// # Errors
+///
+/// If the file is not of a shard.
 fn part(name: String, mut file: ResultFile) -> anyhow::Result<ShardFile> {
     let plan = file.plan.take();
     let whole = |shard: &Shard| (1..=shard.count).contains(&shard.index);

@@ -154,8 +154,8 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_RUNS)))]
     pub(super) repeat: Option<u32>,
 
-    /// Repeat until the 95 % interval of the median time lies within this share of the median;
-    /// short solves are timed in batches [default: 3%]
+    /// Repeat until the 95 % interval of the median time lies within this share of the median; short
+    /// solves are timed in batches [default: 3%]
     #[arg(long, value_name = "P", conflicts_with = "repeat")]
     pub(super) precision: Option<Share>,
 
@@ -365,8 +365,8 @@ pub(super) struct ExtraOptions {
     #[arg(long)]
     pub(super) wavefront: bool,
 
-    /// Count the instructions of one solve of each cell under Valgrind, which takes some fifty
-    /// times as long as the solve (row `instructions`)
+    /// Count the instructions of one solve of each cell under Valgrind, which takes some fifty times
+    /// as long as the solve (row `instructions`)
     #[arg(long)]
     pub(super) instructions: bool,
 }

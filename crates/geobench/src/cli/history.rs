@@ -32,8 +32,7 @@ pub(super) struct RecordOptions {
     #[arg(long, value_name = "HASH")]
     pub(super) commit: Option<String>,
 
-    /// The suite; records of different suites are not compared [default: the name of the suite
-    /// file]
+    /// The suite; records of different suites are not compared [default: the name of the suite file]
     #[arg(long, value_name = "NAME")]
     pub(super) suite: Option<String>,
 

@@ -16,8 +16,8 @@ use crate::schema::{ResultFile, result_file};
     after_help = "The exit status is that of the whole run: 1 if a cell failed, 2 if a model was refused."
 )]
 pub(super) struct MergeOptions {
-    /// Result files (.json) of all parts, in any order, or of different runs, of which the first
-    /// has the cells that several have
+    /// Result files (.json) of all parts, in any order, or of different runs, of which the first has
+    /// the cells that several have
     #[arg(value_name = "PART", required = true)]
     pub(super) parts: Vec<PathBuf>,
 

@@ -433,7 +433,7 @@ fn open_journal(
 }
 
 /// Shows progress, and prints and stores the results of each finished model, so that a killed run
-/// loses the current model at most.
+/// loses only unfinished models.
 pub(super) struct Reporter {
     pub(super) progress: Progress,
     pub(super) format: Format,

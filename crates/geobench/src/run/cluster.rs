@@ -1,5 +1,5 @@
 //! A benchmark as a Slurm job array: each shard of the plan is a job, and one more job merges the
-//! files of the shards. Options, messages and types call a shard a *part*.
+//! files of the shards. Messages and types call a shard a *part*.
 //!
 //! Slurm schedules the jobs; this module writes their scripts. A directory visible to all nodes
 //! holds the scripts, the journals, the files of the parts and a record of the submissions. A part

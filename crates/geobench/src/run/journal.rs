@@ -106,7 +106,7 @@ fn lock(file: &File) -> Result<(), TryLockError> {
 
 impl Journal {
     /// Opens and locks the journal of the benchmark that `header` describes, and adds `session`. A
-    /// missing or empty file, or one with a part of this header, becomes a new journal.
+    /// missing or empty file becomes a new journal, and so does one that ends within this header.
     ///
     /// # Errors
     ///

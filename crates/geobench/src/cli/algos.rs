@@ -139,8 +139,8 @@ fn overview(algorithms: &[Algorithm]) -> Table {
     plain(heads, algorithms.iter().map(row).collect())
 }
 
-/// The first paper of a citation in short form. More than two authors become the first one and `et
-/// al.`: `Mitchell et al. 1987`.
+/// The first paper of a citation in short form: authors and year. If there are more than two
+/// authors, only the first is named: `Mitchell et al. 1987`.
 fn short(paper: &str) -> String {
     let first = paper.split(';').next().unwrap_or_default();
     let is_digit = |c: char| c.is_ascii_digit();

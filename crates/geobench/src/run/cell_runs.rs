@@ -170,6 +170,7 @@ impl<'p> CellRuns<'p> {
         }
         let (mut samples, mut solves, mut setup) = (Vec::new(), Vec::new(), None);
         let mut extraction = None;
+        // `claimed` are the times that an external program reports, `outside` those by our clock.
         let (mut outside, mut claimed, mut doubted) = (Vec::new(), Vec::new(), false);
         for ((pass, _), outcome) in self.outcomes {
             let observation = outcome.observation;
@@ -207,6 +208,7 @@ impl<'p> CellRuns<'p> {
         if solves.iter().all(|&solves| solves == 1) {
             solves.clear();
         }
+        // Only a program with a protocol reports its own times; a command does not.
         let speaks = |program: &Arc<Program>| program.lifetime != ProcessLifetime::Command;
         if !outside.is_empty() && self.algorithm.program().is_some_and(speaks) {
             claimed.clone_from(&samples);
@@ -241,6 +243,7 @@ impl<'p> CellRuns<'p> {
     /// its runs were checked.
     fn check(&self) -> Check {
         let outcomes = || self.outcomes.values();
+        // A run without a comparison ranks below all others.
         let badness = |check: &Check| match check.reference {
             Some(_) => check.max_rel.unwrap_or(f64::INFINITY),
             None => -1.0,

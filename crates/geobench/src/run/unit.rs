@@ -464,6 +464,7 @@ impl<'p> UnitPlan<'p> {
         let mut solves = 1;
         if pass == Pass::Time {
             solves = cell.solves();
+            // Only the minimum number of runs was planned.
             if round >= self.plan.sampling.fewest() {
                 context.log.listener().more(1);
             }

@@ -50,7 +50,7 @@ const ADVICE: [(&str, &str); 7] = [
     ),
 ];
 
-/// Width of the output if it is not a terminal.
+/// Width in columns of the output if that is not a terminal.
 const WIDTH: usize = 80;
 
 pub(super) fn algos(options: &AlgosOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
@@ -79,7 +79,8 @@ pub(super) fn algos(options: &AlgosOptions, terminal: Terminal) -> anyhow::Resul
     Ok(Verdict::Passed)
 }
 
-/// The algorithms of the list, each once regardless of its parameters. All without a list.
+/// The algorithms of the list, each once even if listed with several parameters. All algorithms
+/// without a list.
 fn chosen(options: &AlgosOptions) -> Vec<&Algorithm> {
     let Some(list) = &options.list else {
         return registry::algorithms().iter().collect();
@@ -101,7 +102,7 @@ struct CounterEntry {
     definition: &'static str,
 }
 
-/// Every counter of the result file.
+/// Every counter of result files, including the one that is sampled.
 fn counters() -> Vec<CounterEntry> {
     let counted = Counter::ALL.iter().map(|c| (c.key(), c.definition()));
     let sampled = (
@@ -120,7 +121,7 @@ fn counters() -> Vec<CounterEntry> {
 /// A row for each algorithm.
 fn overview(algorithms: &[Algorithm]) -> Table {
     let row = |algorithm: &Algorithm| {
-        // Parameters that are off by default are left out.
+        // A default of `none` means that the parameter is off; such parameters are not listed.
         let defaults = algorithm.parameters.iter();
         let defaults = defaults.filter(|p| p.default != Value::Word("none"));
         let defaults: Vec<String> = defaults
@@ -138,7 +139,8 @@ fn overview(algorithms: &[Algorithm]) -> Table {
     plain(heads, algorithms.iter().map(row).collect())
 }
 
-/// The first paper of a citation with at most two authors: `Mitchell et al. 1987`.
+/// The first paper of a citation in short form: authors and year. If there are more than two
+/// authors, only the first is named: `Mitchell et al. 1987`.
 fn short(paper: &str) -> String {
     let first = paper.split(';').next().unwrap_or_default();
     let is_digit = |c: char| c.is_ascii_digit();
@@ -160,7 +162,7 @@ fn advice() -> Table {
     )
 }
 
-/// A block for each algorithm.
+/// The facts about each algorithm, as a block of rows.
 fn facts(algorithms: &[&Algorithm]) -> Table {
     let mut rows: Vec<[String; 2]> = Vec::new();
     for algorithm in algorithms {
@@ -203,7 +205,7 @@ fn facts(algorithms: &[&Algorithm]) -> Table {
     plain(["", ""], rows)
 }
 
-/// A table of texts.
+/// A table whose entries are plain text.
 fn plain<const N: usize>(heads: [&str; N], rows: Vec<[impl Into<String>; N]>) -> Table {
     let row = |row: [_; N]| row.map(Entry::new).into();
     Table::new(

@@ -1,5 +1,6 @@
-//! The command line: its commands, the options of those that work on models, and what options of
-//! several commands share. The options of the other commands stand in their files.
+//! Definition of the command line: the commands, the options of the commands that work on models,
+//! and groups of options that several commands share. Options of the other commands are defined in
+//! the files of these commands.
 
 use std::path::{Path, PathBuf};
 
@@ -28,7 +29,7 @@ use crate::schema::Shard;
 use crate::table::output::{self, OutputFile};
 use crate::table::{self, Format};
 
-/// Help text on models, for every command that takes some.
+/// Help text on models, for all commands that take models.
 pub(super) const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, each also .gz), a directory (searched \
     recursively) or a generated model such as gen:sphere,subdiv=5 or gen:terrain,n=100,seed=1.";
 
@@ -298,7 +299,7 @@ pub(super) struct GoalOptions {
 }
 
 impl SourceOptions {
-    /// All sources, if any are named.
+    /// All given sources as one list; `None` if none are given.
     pub(super) fn sources(&self) -> Result<Option<SourceSpec>, UsageError> {
         if self.source.is_empty() {
             return Ok(None);
@@ -340,7 +341,7 @@ enum CsvRows {
 }
 
 impl CsvOptions {
-    /// `format`, with these rows if it is CSV.
+    /// `format`, with these kinds of rows if it is CSV.
     pub(super) fn of(self, format: Format) -> Format {
         match (format, self.csv) {
             (Format::Csv, CsvRows::Samples) => Format::Samples,
@@ -348,7 +349,7 @@ impl CsvOptions {
         }
     }
 
-    /// The same for the files at `paths`.
+    /// The output files at `paths` with their formats; CSV files get these kinds of rows.
     pub(super) fn outputs(self, paths: &[PathBuf]) -> anyhow::Result<Vec<(Format, OutputFile)>> {
         let outputs = output::prepare(paths)?.into_iter();
         Ok(outputs
@@ -708,7 +709,7 @@ pub(super) struct ReportOptions {
 }
 
 impl ReportOptions {
-    /// The forms of files with their directories.
+    /// The requested forms of report files, each with its directory.
     pub(super) fn files(&self) -> anyhow::Result<Vec<(Form, &Path)>> {
         let pairs = self.format.chunks_exact(2);
         pairs
@@ -743,7 +744,7 @@ pub(super) enum ListFormat {
     Json,
 }
 
-/// A list of algorithms; a type of its own because clap takes a `Vec` for a repeated option.
+/// A list of algorithms. This is a separate type because clap treats a `Vec` as a repeated option.
 #[derive(Clone, Debug)]
 pub(super) struct Algorithms(pub(super) Vec<Selection>);
 
@@ -751,7 +752,7 @@ pub(super) fn algorithms(list: &str) -> Result<Algorithms, UsageError> {
     registry::select(list).map(Algorithms)
 }
 
-/// A distance that is not negative.
+/// Parses a distance that is at least 0.
 fn radius(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(radius) if radius >= 0.0 && radius.is_finite() => Ok(radius),
@@ -759,7 +760,7 @@ fn radius(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A distance above 0.
+/// Parses a distance above 0.
 fn positive_distance(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(distance) if distance > 0.0 && distance.is_finite() => Ok(distance),
@@ -775,7 +776,7 @@ fn row(name: &str) -> Result<String, UsageError> {
     table::figure(name).map(|figure| figure.key.to_owned())
 }
 
-/// A number of threads.
+/// The parser of a number of threads.
 fn threads() -> RangedI64ValueParser<u32> {
     value_parser!(u32).range(1..=i64::from(MOST_THREADS))
 }

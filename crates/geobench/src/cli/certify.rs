@@ -22,7 +22,7 @@ pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     if options.format == CertificateFormat::Text {
         points.print_notes()?;
     }
-    // A file that cannot be read is told before the work.
+    // The file is read before the long computation, so that an unreadable file is reported at once.
     let given = options.distances.as_ref().map(|path| {
         let label = &points.sources[0].0;
         Expected::File(path.clone()).find(path, label, mesh.vertex_count())
@@ -39,17 +39,20 @@ pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::of(certificate.certified))
 }
 
-/// What is printed.
+/// The result of the command, in the form of its JSON output.
 #[derive(Serialize)]
 struct Document {
     schema: &'static str,
     certified: bool,
-    /// Bounds of the error of all distances; null if infinite.
+    /// Bound of the absolute error of all distances, in the units of the model; null if infinite.
+    /// `relative` is a bound of the relative error.
     absolute: Option<f64>,
     relative: Option<f64>,
     faces: usize,
+    /// Number of envelope pieces on all edges, which measures the size of the proof.
     pieces: usize,
     failures: Vec<Failure>,
+    /// Further lines of the text output.
     #[serde(skip)]
     details: Vec<String>,
 }
@@ -57,14 +60,14 @@ struct Document {
 #[derive(Serialize)]
 struct Failure {
     face: Option<u32>,
-    /// The ends of the edge of the face to which distances are too long.
+    /// End vertices of the edge of `face` at which distances are too long.
     edge: Option<[u32; 2]>,
     vertex: Option<u32>,
-    /// Null if infinite.
+    /// Amount of the violation, in the units of the model; null if infinite.
     violation: Option<f64>,
 }
 
-/// Failures that are printed as text.
+/// Maximum number of failures in the text output.
 const SHOWN: usize = 10;
 
 impl Document {
@@ -159,6 +162,7 @@ impl Document {
     }
 }
 
+/// The absolute and the relative bound.
 fn shown(bound: &Bound) -> String {
     format!(
         "{:.1e}, {:.1e} of a distance",

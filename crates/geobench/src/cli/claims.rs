@@ -74,7 +74,7 @@ pub(super) fn claims(options: &ClaimsOptions, terminal: Terminal) -> anyhow::Res
     Ok(Verdict::Passed)
 }
 
-/// The file, or the files of this ending in the directory, sorted by name.
+/// The file itself, or the files with this extension in the directory, sorted by name.
 fn files(given: &Path, ending: &str) -> anyhow::Result<Vec<PathBuf>> {
     if !given.is_dir() {
         return Ok(vec![given.to_owned()]);

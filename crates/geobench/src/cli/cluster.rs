@@ -87,7 +87,8 @@ pub(super) fn cluster(options: &ClusterOptions, terminal: Terminal) -> anyhow::R
     start(&directory, options)
 }
 
-/// Writes the scripts of a benchmark and submits them.
+/// Writes the record and the scripts of a benchmark, and submits them unless `--no-submit` is
+/// given.
 fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Result<Verdict> {
     let Some(parts) = options.shards else {
         bail!("--shards is missing: the number of parts, each of which is a job");
@@ -118,7 +119,7 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     let here = std::env::current_dir().context("cannot tell the current directory")?;
     let placement = Placement::find(directory, &program, &here, &files(&run, &plans))?;
     let mut resources = Resources::of(&plans, parts);
-    // As many cells run at the same time.
+    // `Resources::of` assumes one cell at a time; `--jobs` cells run concurrently.
     resources.cores *= run.jobs as usize;
     resources.memory_bytes = resources
         .memory_bytes
@@ -165,13 +166,14 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     Ok(Verdict::Passed)
 }
 
-/// Options as the shell takes them.
+/// Options quoted for the shell.
 fn in_shell(options: &[String]) -> String {
     let words: Vec<String> = options.iter().map(|word| shell(word)).collect();
     words.join(" ")
 }
 
-/// The options of the `run` that the parts carry out.
+/// Parses the arguments of the `run` command of the parts. Rejects options that are set for each
+/// part separately.
 fn run_options(words: &[String]) -> anyhow::Result<RunOptions> {
     let all = std::iter::once("geobench").chain(words.iter().map(String::as_str));
     let arguments = Arguments::try_parse_from(all).map_err(|error| {
@@ -209,7 +211,7 @@ fn files(run: &RunOptions, plans: &[Plan]) -> Vec<PathBuf> {
     files
 }
 
-/// What a job asks for, in words.
+/// Describes the resources that each job requests.
 fn asked(resources: &Resources) -> String {
     let cores = match resources.cores {
         1 => "1 core".to_owned(),
@@ -229,7 +231,7 @@ fn asked(resources: &Resources) -> String {
     format!("each part asks for {cores}, {memory} and {time}")
 }
 
-/// The last submission, in words.
+/// Describes the jobs of the last submission, one per line.
 fn submitted(record: &ClusterRecord) -> Vec<String> {
     let Some(last) = record.submissions.last() else {
         return Vec::new();
@@ -242,7 +244,8 @@ fn submitted(record: &ClusterRecord) -> Vec<String> {
         .collect()
 }
 
-/// Resubmits the shards that are neither done nor queued.
+/// Submits the parts that are neither done nor queued, and the merge job. If all parts are done and
+/// only the merged file is missing, submits the merge job alone.
 fn resume(directory: &ClusterDirectory) -> anyhow::Result<Verdict> {
     let mut record = directory.record()?;
     let states = directory.states(&record)?;
@@ -264,7 +267,7 @@ fn resume(directory: &ClusterDirectory) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
-/// Shows the state of each part.
+/// Prints the number of parts in each state, and a table of the parts that are not done.
 fn status(directory: &ClusterDirectory, terminal: Terminal) -> anyhow::Result<Verdict> {
     let record = directory.record()?;
     let states = directory.states(&record)?;

@@ -13,7 +13,7 @@ use crate::schema::result_file;
 use crate::table::output;
 use crate::table::{ComparisonFormat, Look};
 
-/// Help text on rules, for `compare`.
+/// Help text of `compare` on rules.
 const RULES_HELP: &str = "A rule is NAME=LIMIT, such as time=10%,propagated=0,heap_peak_bytes=5%. `time` is broken if the \
     95 % interval of the ratio of the times lies wholly beyond the limit. A counter (`geobench algos \
     --counters`) may change by no more than the limit in either direction, or, with a plus as in \
@@ -59,7 +59,7 @@ pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::R
     let outputs = output::prepare::<ComparisonFormat>(&options.output)?;
     let mut paths = options.files.clone();
     if let Some(baseline) = &options.baseline {
-        // Named among the files or beside them.
+        // The baseline may also be among the files. It must come first, once.
         paths.retain(|path| path != baseline);
         paths.insert(0, baseline.clone());
     }

@@ -74,7 +74,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
-/// The threads that share the reading, the set-up and the writing; none if there is one.
+/// The thread pool for reading, set-up, solving and writing; `None` for a single thread.
 fn pool_of(threads: u32) -> anyhow::Result<Option<ThreadPool>> {
     let pool = || {
         ThreadPoolBuilder::new()
@@ -84,7 +84,7 @@ fn pool_of(threads: u32) -> anyhow::Result<Option<ThreadPool>> {
     Ok((threads > 1).then(pool).transpose()?)
 }
 
-/// Does `work` in a pool, if there is one.
+/// Runs `work` in the pool, or on this thread without one.
 fn within<R: Send>(pool: Option<&ThreadPool>, work: impl FnOnce() -> R + Send) -> R {
     match pool {
         Some(pool) => pool.install(work),
@@ -92,7 +92,7 @@ fn within<R: Send>(pool: Option<&ThreadPool>, work: impl FnOnce() -> R + Send) -
     }
 }
 
-/// What is written.
+/// The kind and format of the output.
 enum Form {
     StoredDistances(FieldFormat),
     Matrix(MatrixFormat),
@@ -105,7 +105,7 @@ struct Task {
     output: OutputFile,
 }
 
-/// A task for each of the different `sources`, with files named after `path`.
+/// One task for each of `sources`, with a file name made from `path` and the source.
 fn one_by_one(sources: &[(SourceLabel, VertexId)], path: &Path) -> anyhow::Result<Vec<Task>> {
     let task = |source: &(SourceLabel, VertexId)| {
         let path = path_of_source(path, &source.0);
@@ -118,7 +118,8 @@ fn one_by_one(sources: &[(SourceLabel, VertexId)], path: &Path) -> anyhow::Resul
     sources.iter().map(task).collect()
 }
 
-/// `path` with the source before its ending: the name by which `verify` looks for stored distances.
+/// `path` with `.s` and the source before its extension. `verify` finds stored distances by such
+/// names.
 fn path_of_source(path: &Path, source: &SourceLabel) -> PathBuf {
     let mut name = path.file_stem().map_or_else(OsString::new, Into::into);
     name.push(format!(".s{}", file_word(source)));
@@ -140,7 +141,8 @@ struct Request<'a> {
 }
 
 impl Request<'_> {
-    /// Writes a field of distances from all sources, or one from each.
+    /// Writes the distances from the nearest source, or with `--each` one file for each source.
+    /// Returns a summary of each file.
     fn fields(&self, format: FieldFormat, output: OutputFile) -> anyhow::Result<Vec<String>> {
         let tasks = if self.options.each {
             one_by_one(&self.points.sources, &self.options.output)?
@@ -170,7 +172,8 @@ impl Request<'_> {
         })
     }
 
-    /// Writes one matrix with a row for each source.
+    /// Writes one matrix with a row for each source and a column for each target or vertex. Returns
+    /// a summary.
     fn matrix(&self, format: MatrixFormat, output: &OutputFile) -> anyhow::Result<String> {
         let sources = &self.points.sources;
         let columns = match &self.points.targets {
@@ -207,11 +210,11 @@ impl Request<'_> {
         ))
     }
 
-    /// Carries out all `tasks`, as many at a time as there are threads, and returns a result for
-    /// each.
+    /// Executes all `tasks`, up to one per thread concurrently, and returns their results in order.
     ///
-    /// Each thread has a solver of its own, which is faster than several threads for one source. A
-    /// parallel algorithm gets the remaining threads. A single solver is set up by all.
+    /// Each concurrent task has its own solver, which is faster than several threads for one
+    /// source. If there are fewer tasks than threads, a parallel algorithm divides the threads
+    /// among its solvers. With a single solver, all threads take part in its set-up.
     fn carry_out<T: Sync, R: Send>(
         &self,
         tasks: &[T],
@@ -230,19 +233,21 @@ impl Request<'_> {
         within(self.pool, || {
             tasks
                 .par_iter()
-                // A solver is set up for each piece, not for each source.
+                // rayon calls `build` for each piece of the tasks. Longer pieces mean fewer
+                // set-ups.
                 .with_min_len(tasks.len() / (4 * workers))
                 .map_init(build, |solver, task| work(&algorithm, &mut **solver, task))
                 .collect()
         })
     }
 
-    /// The distances of the targets, or of the vertices of the model.
+    /// The distances of the targets, or of all vertices of the model without targets. The refined
+    /// mesh has further vertices, which are left out.
     fn solve(&self, solver: &mut dyn Solver, sources: &[VertexId]) -> anyhow::Result<Vec<f64>> {
         let goal = self.points.goal(self.options.goal.radius);
         let mut distances = solver.solve_until(sources, &goal)?.distances;
         if let Some(doubt) = precision::doubt(&self.points.refined.mesh, &distances) {
-            // Printed even with `--quiet`: distances that may be wrong always come with a warning.
+            // Printed even with `--quiet`: a warning accompanies all distances that may be wrong.
             terminal::warning(&format!("{}: {doubt}", self.model));
         }
         if let Some((_, targets)) = &self.points.targets {

@@ -26,7 +26,7 @@ pub(super) struct GenOptions {
     pub(super) output: PathBuf,
 }
 
-/// Endings of the files that can be written.
+/// Extensions of the mesh files that can be written.
 const ENDINGS: [&str; 8] = [
     ".obj", ".ply", ".off", ".stl", ".obj.gz", ".ply.gz", ".off.gz", ".stl.gz",
 ];
@@ -39,7 +39,11 @@ pub(super) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
-/// The ending of a file for a model, if a model can be written with it.
+/// The extension of a mesh file to write, which determines its format.
+///
+/// # Errors
+///
+/// If meshes cannot be written in a file with this extension.
 pub(super) fn ending(path: &Path) -> anyhow::Result<&'static str> {
     let name = if path == Path::new(STANDARD) {
         format!(".{}", ending_of(path))

@@ -75,14 +75,15 @@ pub(super) fn record(options: &RecordOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
-/// The output of `git` with these arguments, in this directory.
+/// Standard output of `git` with these arguments, run in the current directory. `None` if it fails.
 fn git(arguments: &[&str]) -> Option<String> {
     let output = Command::new("git").args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     output.status.success().then_some(text)
 }
 
-/// When a commit of the repository here was made, RFC 3339 in UTC.
+/// Commit time in the repository of the current directory, RFC 3339 in UTC. `None` if the commit is
+/// unknown there.
 fn time_of(commit: &str) -> Option<String> {
     let seconds = git(&["show", "-s", "--format=%ct", "--end-of-options", commit])?;
     let seconds = Duration::from_secs(seconds.trim().parse().ok()?);
@@ -112,7 +113,7 @@ pub(super) fn trend(options: &TrendOptions, terminal: Terminal) -> anyhow::Resul
     Ok(Verdict::Passed)
 }
 
-/// Compares the newest record of a history with those of a range of commits.
+/// `compare --against`: compares the newest record of a history with those of a range of commits.
 pub(super) fn against(
     options: &CompareOptions,
     range: &str,

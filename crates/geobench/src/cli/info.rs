@@ -62,8 +62,8 @@ pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
     Ok(verdict)
 }
 
-/// A model as an object: its record as in result files, further measures, and its defects. A model
-/// that cannot be used has `usable` false and its `error`.
+/// A model as a JSON object: its record as in result files, further measures, and its defects. For
+/// a model that cannot be used, `usable` is false and `error` is the reason.
 fn in_json(model: &ModelRef, loaded: &Result<LoadedModel, ModelError>) -> Value {
     let defects = |report: &Report| -> Vec<Value> {
         let summaries = report.summaries();
@@ -177,7 +177,7 @@ fn describe_unusable(model: &ModelRef, error: &ModelError) -> String {
     text
 }
 
-/// Every kind of defect with its first elements, the fatal ones first.
+/// One line for each kind of defect, with its first elements. Fatal defects come first.
 fn defects(report: &Report) -> String {
     let summaries = report.summaries();
     if summaries.is_empty() {

@@ -1,4 +1,4 @@
-//! Options of several commands: where cells run, and their limits.
+//! Options that several commands share: process isolation, limits, and how models are read.
 
 use std::path::PathBuf;
 use std::thread;
@@ -103,7 +103,12 @@ enum Isolate {
 }
 
 impl IsolationOptions {
-    /// Refuses limits that this isolation cannot enforce, and several jobs that it cannot separate.
+    /// Checks the options for consistency.
+    ///
+    /// # Errors
+    ///
+    /// If the isolation cannot enforce a given limit or separate concurrent jobs, or if this
+    /// process may not run on the processors of `--cpu`.
     pub(super) fn check(&self, jobs: u32) -> anyhow::Result<()> {
         if self.isolate == Isolate::None && jobs > 1 {
             bail!(
@@ -128,7 +133,8 @@ impl IsolationOptions {
         Ok(())
     }
 
-    /// The outside programs of the files; the first file wins if a name repeats.
+    /// The external programs of the `--ext` files. If a name repeats, the first file takes
+    /// precedence.
     pub(super) fn programs(&self) -> anyhow::Result<Programs> {
         let mut programs = Programs::default();
         for path in &self.ext {
@@ -142,7 +148,7 @@ impl IsolationOptions {
         self.isolate == Isolate::Process
     }
 
-    /// The limits, with defaults.
+    /// The limits, with defaults for options that are not given.
     pub(super) fn limits(&self) -> Limits {
         Limits {
             timeout: self.timeout.unwrap_or(Timeout::USUAL),
@@ -151,8 +157,8 @@ impl IsolationOptions {
         }
     }
 
-    /// A warning if the threads of `jobs` cells of one of `algorithms` cannot all run at the same
-    /// time.
+    /// A warning if `jobs` concurrent cells of the algorithm with the most threads have more
+    /// threads than there are processors.
     pub(super) fn crowding<'a>(
         &self,
         algorithms: impl IntoIterator<Item = &'a Selection>,
@@ -176,7 +182,7 @@ impl IsolationOptions {
         })
     }
 
-    /// The record in result files.
+    /// The isolation as recorded in result files.
     pub(super) fn record(&self, jobs: u32) -> IsolationRecord {
         IsolationRecord {
             process: self.isolate == Isolate::Process,
@@ -185,7 +191,8 @@ impl IsolationOptions {
         }
     }
 
-    /// The backend of the options. `shared` is whether all algorithms of the suite have one child.
+    /// The backend for these options. With `shared`, one child process serves all algorithms of
+    /// this program. Without isolation, pins this process to the processors of `--cpu`.
     pub(super) fn backend(&self, limits: Limits, shared: bool) -> anyhow::Result<Isolated> {
         let here = self.isolate == Isolate::None;
         if let (true, Some(cpus)) = (here, &self.cpu) {

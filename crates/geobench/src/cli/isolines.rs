@@ -17,16 +17,16 @@ use crate::report::Scene;
 use crate::table::isoline_formats::{IsolineFormat, IsolineSet};
 use crate::table::{FileFormat, counted};
 
-/// The most levels of which the summary has a line each.
+/// Maximum number of isolines for which the summary has a line each.
 const LINES: usize = 20;
 
-/// The most levels of one run.
+/// Maximum number of levels that `--every` may result in.
 const MOST_LEVELS: f64 = 10_000.0;
 
-/// The gap in a line, as a part of its distance, of which the user is told.
+/// Gap in an isoline, relative to its distance, above which a warning is printed.
 const GAP: f64 = 1e-6;
 
-/// The default of `--tolerance`, as a part of the size of the model.
+/// Default of `--tolerance`, relative to the diagonal of the bounding box of the model.
 const TOLERANCE: f64 = 1e-4;
 
 pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
@@ -89,7 +89,7 @@ pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
-/// The diagonal of the box around `mesh`.
+/// Diagonal of the bounding box of `mesh`.
 fn size(mesh: &Mesh) -> f64 {
     let extent = |k: usize| {
         let along = mesh.positions().iter().map(|p| p[k]);

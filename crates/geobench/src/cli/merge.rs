@@ -32,7 +32,7 @@ pub(super) struct MergeOptions {
 pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<Verdict> {
     let outputs = options.csv_rows.outputs(&options.output)?;
     let files = result_file::read_all(&options.parts)?;
-    // The parts of one run, or different runs.
+    // Files of shards are merged as one benchmark; other files are joined as different runs.
     let is_part = |(_, file): &(String, ResultFile)| {
         file.plan.as_ref().is_some_and(|plan| plan.shard.is_some())
     };

@@ -1,4 +1,4 @@
-//! The command line: commands, exit statuses and errors in one line.
+//! The command line: dispatch to commands, exit statuses, and errors as single lines.
 
 mod algos;
 mod args;
@@ -43,21 +43,21 @@ use crate::exec::{interrupt, isolate, model};
 use crate::measure::instructions;
 use crate::table;
 
-/// The result of a command that did its work.
+/// The result of a command that completed, from which the exit status follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
-    /// Everything done, every check passed.
+    /// All work is done and every check passed.
     Passed,
-    /// A check, a comparison or a cell failed; the others are reported.
+    /// A check, a comparison or a cell failed. The others are reported.
     Failed,
-    /// Some input could not be used; the rest is reported.
+    /// Some input could not be used. Results of the rest are reported.
     BadInput,
-    /// Interrupted; finished work is reported.
+    /// A signal ended the command. Finished work is reported.
     Interrupted,
 }
 
 impl Verdict {
-    /// That of a command with one check.
+    /// The verdict of a command with one check.
     const fn of(has_passed: bool) -> Self {
         if has_passed {
             Self::Passed
@@ -67,7 +67,8 @@ impl Verdict {
     }
 }
 
-/// Runs the command of the arguments.
+/// Runs the command that the arguments of the process name, and returns its exit status. With the
+/// arguments of a child, serves the parent process instead.
 pub fn main() -> ExitCode {
     report_panics_in_one_line();
     match isolate::wanted(std::env::args_os()) {
@@ -87,7 +88,7 @@ fn cell(model: &OsStr, settings: &str) -> ExitCode {
     }
 }
 
-/// Runs a command of the user.
+/// Parses the arguments and runs a command for the user.
 fn command() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
@@ -131,7 +132,7 @@ fn command() -> ExitCode {
         Ok(Verdict::Failed) => ExitCode::from(1),
         Ok(Verdict::BadInput) => ExitCode::from(2),
         Ok(Verdict::Interrupted) => ExitCode::from(interrupt::EXIT_STATUS),
-        // The reader of standard output has gone; not an error.
+        // The reader of standard output, such as `head`, has ended. That is not an error.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             terminal::error(&format!("{error:#}"));
@@ -140,7 +141,7 @@ fn command() -> ExitCode {
     }
 }
 
-/// The one solve whose instructions callgrind counts.
+/// The hidden command that callgrind runs: one solve, whose instructions are counted.
 fn count_one_solve(options: &CountOneSolveOptions) -> anyhow::Result<()> {
     let selection = instructions::announce(&options.algorithm, options.simd.as_deref())?;
     let mesh = model::only(&options.model)?.mesh_within(DecompressionLimit::default())?;
@@ -167,7 +168,7 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
     })
 }
 
-/// Prints help if asked for, else the error in one line.
+/// Prints the help if it was requested, else the error as a single line. Returns the exit status.
 fn usage(error: &clap::Error) -> ExitCode {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
@@ -182,7 +183,7 @@ fn usage(error: &clap::Error) -> ExitCode {
         _ => {
             let text = error.to_string();
             let text = text.strip_prefix("error: ").unwrap_or(&text);
-            // The text after `Usage` repeats the help.
+            // The usage that clap appends is cut off; the message refers to --help.
             let text = text.split("\nUsage:").next().unwrap_or(text);
             let text = text.split("\nFor more information").next().unwrap_or(text);
             let text = text.replace("\n\n  tip: ", "; ");
@@ -193,7 +194,7 @@ fn usage(error: &clap::Error) -> ExitCode {
     }
 }
 
-/// Reports a panic, a defect of this program, in one line.
+/// Installs a hook that reports a panic, which is a defect of this program, as a single line.
 fn report_panics_in_one_line() {
     std::panic::set_hook(Box::new(|panic| {
         let text = panic.to_string();
@@ -207,7 +208,7 @@ fn report_panics_in_one_line() {
 mod tests {
     use super::*;
 
-    /// Runs the hidden command with these arguments.
+    /// Runs the hidden command that counts instructions, with these arguments.
     fn count(arguments: &str) -> anyhow::Result<()> {
         let line = ["geobench", instructions::COMMAND].into_iter();
         let arguments = Arguments::parse_from(line.chain(arguments.split(' ')));

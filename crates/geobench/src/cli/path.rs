@@ -18,7 +18,7 @@ use crate::schema::SourceLabel;
 use crate::table::FileFormat;
 use crate::table::path_formats::{FoundPath, PathFormat, PathSet};
 
-/// The most paths of which the summary has a line each.
+/// Maximum number of paths for which the summary has a line each.
 const LINES: usize = 20;
 
 pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
@@ -64,7 +64,7 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     let mut verdict = Verdict::Passed;
     let mut totals = Totals::default();
     let mut found: Vec<FoundPath> = Vec::new();
-    // Those of all vertices may take gigabytes.
+    // Paths to all vertices may take gigabytes. They are kept only if they are written or listed.
     let keeps_all = output.is_some() || targets.len() <= LINES;
     for (target, vertex) in targets {
         match paths.to(vertex) {
@@ -89,7 +89,7 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
             paths: &found,
         };
         let contents = if format.is_picture() {
-            // Colours need the distances of all vertices.
+            // The colours of the picture need the distances of all vertices.
             let distances = solver.solve(&sources)?.distances;
             let lines = found.iter().filter_map(|found| found.path.as_ref());
             let lines: Vec<_> = lines.map(|(_, path)| path.polyline(mesh)).collect();
@@ -111,14 +111,15 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
 }
 
 impl Points {
-    /// `path` of the refined mesh in points of `mesh`, and the source from which it comes.
+    /// Converts `path` from the refined mesh to points of `mesh`. Returns the label of its source
+    /// as well.
     fn told(&self, mesh: &Mesh, path: Path) -> (SourceLabel, Path) {
         let start = path.points.first().and_then(Point::vertex);
         let source = self
             .sources
             .iter()
             .find(|(_, vertex)| Some(*vertex) == start);
-        // Every path starts at a source.
+        // Every path starts at a source, so the fallback is not used.
         let label = source.map_or(SourceLabel::Other(String::new()), |(label, _)| {
             label.clone()
         });
@@ -129,7 +130,7 @@ impl Points {
     }
 }
 
-/// What is told of many paths.
+/// Totals over all paths, for the summary.
 #[derive(Default)]
 struct Totals {
     paths: usize,
@@ -155,7 +156,7 @@ impl Totals {
         }
     }
 
-    /// A line for each of `paths`, or one for all if they are many.
+    /// One line for each of `paths`, or a single line with totals for more than [`LINES`] paths.
     fn summary(&self, paths: &[FoundPath]) -> String {
         if self.paths <= LINES {
             return lines(paths);
@@ -180,7 +181,7 @@ fn lines(paths: &[FoundPath]) -> String {
         let _ = match &found.path {
             None => writeln!(text, "{}: unreachable", target.in_words()),
             Some((source, path)) => {
-                // The ends may be vertices or not.
+                // The end points are not counted, although they may be vertices.
                 let inner = path.points.get(1..path.points.len().saturating_sub(1));
                 let inner = inner.unwrap_or_default().iter();
                 writeln!(

@@ -1,4 +1,4 @@
-//! Sources and targets of a command, found on a mesh.
+//! Locates the sources and targets of a command on a mesh.
 
 use std::path::Path;
 use std::{fs, io};
@@ -13,15 +13,16 @@ use crate::exec::goal::{GoalSpec, targets_in};
 use crate::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
 use crate::schema::SourceLabel;
 
-/// A target, and its line if it is from a file.
+/// A target as specified by the user, and its file and line if it was read from a file.
 pub(super) type WantedTarget = (TargetSpec, Option<String>);
 
 impl GoalOptions {
-    /// The targets of the options and of the file, `-` for standard input; `None` for all vertices.
+    /// The targets of the options and of the targets file, where `-` is standard input. `None` if
+    /// there are none, which means all vertices.
     ///
     /// # Errors
     ///
-    /// When the file cannot be read, or a line in it is not a target.
+    /// If the file cannot be read, has no targets, or has a line that is not a target.
     pub(super) fn wanted(&self) -> anyhow::Result<Option<Vec<WantedTarget>>> {
         let named = self.target.iter().map(|target| (target.clone(), None));
         let mut all: Vec<WantedTarget> = named.collect();
@@ -38,7 +39,7 @@ impl GoalOptions {
         Ok((!all.is_empty()).then_some(all))
     }
 
-    /// What runs are to find.
+    /// The goal of the runs.
     ///
     /// # Errors
     ///
@@ -53,25 +54,27 @@ impl GoalOptions {
     }
 }
 
-/// Sources and targets as vertices of a refined mesh.
+/// Sources and targets as vertices of a refined mesh. The refined mesh is the mesh of the model
+/// with further vertices at the points that are not vertices.
 pub(super) struct Points {
     pub(super) refined: Refined,
-    /// The places of all, in the order of `refined.vertices`.
+    /// The points on the mesh of the model, in the order of `refined.vertices`: sources, then
+    /// targets.
     pub(super) places: Vec<SurfacePoint>,
     pub(super) sources: Vec<(SourceLabel, VertexId)>,
-    /// `None` for all vertices of the model.
+    /// Labels and vertices of the targets; `None` for all vertices of the model.
     pub(super) targets: Option<(Vec<SourceLabel>, Vec<VertexId>)>,
-    /// What the user should know about their places.
+    /// Messages to the user, for example on a point that was moved onto the mesh.
     pub(super) notes: Vec<String>,
 }
 
 impl Points {
-    /// Finds the points; `wanted` are the targets, `None` for all vertices. `model` names the mesh in
-    /// messages.
+    /// Locates the sources and the targets `wanted`, which are `None` for all vertices. `model` is
+    /// the name of the mesh in messages.
     ///
     /// # Errors
     ///
-    /// When one does not exist, or a source is named twice.
+    /// If a point does not exist, or if a source is named twice.
     pub(super) fn new(
         mesh: &Mesh,
         sources: &[SourceSpec],
@@ -117,7 +120,7 @@ impl Points {
         self.sources.iter().map(|(_, vertex)| *vertex).collect()
     }
 
-    /// The names of the sources.
+    /// The labels of the sources.
     pub(super) fn source_labels(&self) -> Vec<SourceLabel> {
         self.sources
             .iter()
@@ -125,7 +128,8 @@ impl Points {
             .collect()
     }
 
-    /// The distances of the targets, or of all vertices, up to `radius`.
+    /// The goal of a solver: the distances of the targets, or of all vertices without targets, up
+    /// to `radius`.
     pub(super) fn goal(&self, radius: Option<f64>) -> Goal {
         let goal = GoalSpec {
             targets: None,
@@ -134,18 +138,18 @@ impl Points {
         goal.of_solver(self.targets.as_ref().map(|(_, vertices)| &vertices[..]))
     }
 
-    /// Prints the notes, one in each line.
+    /// Prints the notes, one per line.
     pub(super) fn print_notes(&self) -> anyhow::Result<()> {
         let mut notes = self.notes.iter();
         notes.try_for_each(|note| terminal::print(&format!("{note}\n")))
     }
 
-    /// The names of the targets.
+    /// The labels of the targets; `None` for all vertices.
     pub(super) fn labels(&self) -> Option<&[SourceLabel]> {
         self.targets.as_ref().map(|(labels, _)| &labels[..])
     }
 
-    /// Where the sources are in space; empty for a mesh without positions.
+    /// Coordinates of the sources; empty for a mesh without positions.
     pub(super) fn positions(&self, mesh: &Mesh) -> Vec<[f64; 3]> {
         let places = self.places.iter().take(self.sources.len());
         places.filter_map(|place| mesh.position_of(place)).collect()

@@ -1,4 +1,4 @@
-//! Progress of a run, on standard error if that is a terminal.
+//! Progress of a benchmark, on standard error if that is a terminal.
 
 use std::fmt::Write;
 use std::time::Duration;
@@ -10,21 +10,23 @@ use crate::exec::{Pass, Step};
 use crate::schema::Status;
 use crate::table::escape::printable;
 
-/// The row of the model under way, and a bar over all runs below it. Only calls draw, and they come
-/// between runs: nothing is drawn while a run is timed, and nothing in a child.
+/// A row for the current model and source, and below it a bar over all runs. Drawing happens only
+/// in calls, which come between runs, so it does not disturb timed runs. There is no drawing
+/// thread, and child processes do not draw.
 #[derive(Debug)]
 pub(super) struct Progress {
     bar: ProgressBar,
-    /// Runs started or skipped.
+    /// Number of runs started or skipped.
     started: usize,
-    /// Model and source of the row.
+    /// Model and source of the current row.
     place: String,
-    /// Label and last result of the algorithms on it.
+    /// Labels and last results of the algorithms on this model and source.
     results: Vec<(String, String)>,
 }
 
 impl Progress {
-    /// Shows `runs` runs, or nothing unless `shown`.
+    /// Progress over `runs` runs. Nothing is drawn unless `shown` and standard error is a terminal
+    /// that can redraw lines.
     pub(super) fn new(runs: usize, shown: bool) -> Self {
         Self::on(
             if shown && terminal::standard_error_can_move() {
@@ -40,7 +42,7 @@ impl Progress {
         let style = "{wide_msg}\n{elapsed_precise} [{wide_bar}] {pos}/{len}{left}";
         let style = ProgressStyle::with_template(style);
         let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
-        // Nothing while it is unknown.
+        // indicatif reports 0 while the remaining time is unknown; nothing is shown then.
         let left = |state: &ProgressState, out: &mut dyn Write| {
             let left = state.eta();
             if left.as_secs() > 0 {
@@ -80,7 +82,7 @@ impl Progress {
         self.started += 1;
     }
 
-    /// Notes the result of a run for the next row.
+    /// Stores the result of a run, which the next drawn row shows.
     pub(super) fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
         self.turn_to(step);
         let result = match outcome {
@@ -103,25 +105,25 @@ impl Progress {
         self.draw(&format!("{model}: counting instructions of {algorithm}"));
     }
 
-    /// Skips runs.
+    /// Counts `runs` runs that are not executed.
     pub(super) fn skip(&mut self, runs: usize) {
         self.started = self.started.saturating_add(runs);
-        // Skipped runs take no time. They do not count towards the estimate.
+        // Skipped runs take no time, so the estimate of the remaining time starts anew.
         self.bar.update(|state| state.set_pos(self.started as u64));
         self.bar.reset_eta();
     }
 
-    /// Adds runs that were not planned.
+    /// Adds runs to the total that were not planned.
     pub(super) fn more(&mut self, runs: usize) {
         self.bar.inc_length(runs as u64);
     }
 
-    /// Clears the display while `work` writes to the terminal.
+    /// Clears row and bar while `work` writes to the terminal.
     pub(super) fn suspend<T>(&mut self, work: impl FnOnce() -> T) -> T {
         self.bar.suspend(work)
     }
 
-    /// Starts the row of another model or source.
+    /// Starts a new row if the step has another model or source.
     fn turn_to(&mut self, step: &Step<'_>) {
         let place = format!("{}, source {}", step.model, step.source.label());
         if self.place != place {
@@ -132,7 +134,8 @@ impl Progress {
 
     fn draw(&self, row: &str) {
         let bar = self.bar.clone().with_message(printable(row).into_owned());
-        // The other calls draw some twenty times a second at most.
+        // indicatif limits its other drawing calls to about 20 per second, which could drop this
+        // row.
         bar.force_draw();
     }
 }
@@ -153,14 +156,14 @@ mod tests {
     use crate::plan::Plan;
     use crate::run::mock::plan;
 
-    /// Progress of 40 runs on a terminal of this width.
+    /// Progress over 40 runs on an in-memory terminal with this number of columns.
     fn progress(columns: u16) -> (InMemoryTerm, Progress) {
         let terminal = InMemoryTerm::new(8, columns);
         let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
         (terminal, Progress::on(target, 40))
     }
 
-    /// What the terminal shows, in the first second.
+    /// The contents of the terminal, with the elapsed seconds replaced by zero.
     fn shown(terminal: &InMemoryTerm) -> String {
         let contents = terminal.contents();
         let lines = contents

@@ -18,10 +18,10 @@ use crate::table::diagram_formats;
 use crate::table::ending_of;
 use crate::table::output::OutputFile;
 
-/// Points of each surface whose distance from the other one is measured.
+/// Number of sample points on each surface for its distance from the other one.
 const SAMPLES: usize = 100_000;
 
-/// The colour of the new mesh in the picture.
+/// Colour of the faces of the new mesh in the picture, RGB.
 const PLAIN: [u8; 3] = [222, 226, 233];
 
 pub(super) fn remesh(options: &RemeshOptions) -> anyhow::Result<Verdict> {
@@ -41,7 +41,7 @@ pub(super) fn remesh(options: &RemeshOptions) -> anyhow::Result<Verdict> {
     let start = Instant::now();
     let new = geobench_voronoi::remesh(mesh, &sites).with_context(|| model.path.clone())?;
     let seconds = start.elapsed().as_secs_f64();
-    // Everything is made before anything is written.
+    // All outputs are computed before any is written, so that a failure leaves no partial set.
     let soup = new.soup();
     let picture = match picture {
         Some((png, output)) => Some((draw(&new, png, &model.name)?, output)),
@@ -61,7 +61,7 @@ pub(super) fn remesh(options: &RemeshOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
-/// Whether a picture is one in pixels, by the ending of its file.
+/// Whether a picture is a PNG, else an SVG, by the extension of its file.
 fn is_png(path: &Path) -> anyhow::Result<bool> {
     match ending_of(path).to_ascii_lowercase().as_str() {
         "png" => Ok(true),
@@ -70,7 +70,7 @@ fn is_png(path: &Path) -> anyhow::Result<bool> {
     }
 }
 
-/// The model coloured by cell, with the sites, and the new mesh with its edges.
+/// A picture of the model, coloured by cell and with the sites, beside the new mesh with its edges.
 fn draw(new: &Remeshed, png: bool, model: &str) -> anyhow::Result<Vec<u8>> {
     let before = new.diagram.mesh();
     let flat = vec![0.0; before.vertex_count().max(new.mesh.vertex_count())];

@@ -31,7 +31,7 @@ pub(super) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
             result,
         });
     }
-    // One table of all, if their models agree.
+    // Several files become one table if their models and goals agree.
     if let [first, _, ..] = &inputs[..] {
         let name = |input: &Input| input.path.display().to_string();
         let files = inputs.iter().map(|i| (name(i), i.result.clone())).collect();

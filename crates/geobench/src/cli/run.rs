@@ -118,7 +118,8 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     Ok(verdict)
 }
 
-/// Number of cells of all plans together, if known.
+/// Number of cells of all plans together. `all` counts as one source, because the number of
+/// vertices is not known here.
 fn cells(plans: &[Plan]) -> usize {
     let cells = plans.iter().map(|plan| plan.runs() / plan.runs_per_cell());
     cells.fold(0, usize::saturating_add)
@@ -132,7 +133,8 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// Counts cells. A cell that was to be checked and could not be has failed.
+    /// Counts `cells` by result. If they are `checked`, a cell without a comparison counts as
+    /// failed.
     pub(super) fn of<'c>(checked: bool, cells: impl IntoIterator<Item = &'c Cell>) -> Self {
         let mut tally = Self {
             cells: 0,
@@ -153,7 +155,8 @@ impl Tally {
     }
 }
 
-/// The verdict on all cells: failures come before unusable input.
+/// The verdict on all cells. Failed cells take precedence over refused models. Prints the number of
+/// failed cells.
 pub(super) fn verdict(tallies: &[Tally]) -> Verdict {
     let sum = |of: fn(&Tally) -> usize| tallies.iter().map(of).sum::<usize>();
     let failed = sum(|tally| tally.failed);
@@ -170,7 +173,7 @@ pub(super) fn verdict(tallies: &[Tally]) -> Verdict {
     }
 }
 
-/// The plans of the suite file and the options.
+/// The plans of the suite file, with the settings of the options, which take precedence.
 fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let suite = options.config.as_deref().map(Suite::read).transpose()?;
     let mut programs = options.isolation.programs()?;
@@ -222,7 +225,12 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     Ok(plans)
 }
 
-/// The plans, with warnings about models that are left out.
+/// The plans as they can be executed: without optional models that are missing, without limits that
+/// cannot be enforced, and only the shard of this process. The notes tell what was changed.
+///
+/// # Errors
+///
+/// If a setting is invalid, or if there is nothing to run.
 pub(super) fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let Plans {
         mut plans,
@@ -241,7 +249,7 @@ pub(super) fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
         if options.ratios_to.is_some() {
             bail!("{problem}; name it in --algo");
         }
-        // The suite asks for ratios to an algorithm that the options leave out.
+        // The suite requests ratios to an algorithm that the options leave out. That is no error.
         notes.push(problem);
     }
     notes.extend(options.isolation.crowding(algorithms(), options.jobs));
@@ -259,7 +267,8 @@ pub(super) fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     Ok(Plans { plans, notes })
 }
 
-/// Removes limits that this isolation cannot enforce, with a note if the user asked for them.
+/// Removes limits of time and memory, which need process isolation. Adds a note for each group with
+/// limits other than the default.
 fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
     for plan in plans {
         let Limits {
@@ -279,7 +288,8 @@ fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
     }
 }
 
-/// What goes to standard output, and the files to write.
+/// The format of standard output, and the files to write with their formats. An output `-` sets the
+/// format of standard output. The file of `--add-to` is among the files.
 fn outputs(options: &RunOptions) -> anyhow::Result<(Format, Vec<(Format, OutputFile)>)> {
     let mut format = options.csv_rows.of(options.format);
     let mut outputs = options.csv_rows.outputs(&options.output)?;
@@ -300,7 +310,8 @@ fn outputs(options: &RunOptions) -> anyhow::Result<(Format, Vec<(Format, OutputF
     Ok((format, outputs))
 }
 
-/// The result file of `plan` before the first cell. `session` is the last of `sessions`.
+/// A result file of `plan` without cells. `session`, that of this process, is the last of
+/// `sessions`.
 fn empty(plan: PlanRecord, session: SessionRecord, sessions: Vec<SessionRecord>) -> ResultFile {
     ResultFile {
         schema: SCHEMA.to_owned(),
@@ -320,7 +331,7 @@ fn empty(plan: PlanRecord, session: SessionRecord, sessions: Vec<SessionRecord>)
     }
 }
 
-/// The record of this process.
+/// The session record of this process.
 fn session(options: &RunOptions) -> SessionRecord {
     SessionRecord {
         shard: options.shard,
@@ -334,7 +345,13 @@ fn session(options: &RunOptions) -> SessionRecord {
     }
 }
 
-/// The file that results are added to, with its name.
+/// Reads the file of `--add-to`. Returns its name and contents.
+///
+/// # Errors
+///
+/// If the file cannot be read, or if results of `plans` cannot be combined with it: it is from
+/// another machine and times would be added, it is a part of a benchmark, or it has other goals or
+/// vector instructions.
 fn earlier(path: &Path, plans: &[Plan]) -> anyhow::Result<(String, ResultFile)> {
     let name = path.display().to_string();
     let file = result_file::read(path)?;
@@ -389,7 +406,7 @@ fn earlier(path: &Path, plans: &[Plan]) -> anyhow::Result<(String, ResultFile)> 
     Ok((name, file))
 }
 
-/// Opens the journal and prints how many runs it holds.
+/// Opens the journal. Warns, unless `quiet`, if some of its sessions ran on another machine.
 fn open_journal(
     path: &Path,
     outputs: &[(Format, OutputFile)],
@@ -415,25 +432,26 @@ fn open_journal(
     Ok(journal)
 }
 
-/// Shows and stores the results of each finished model, so that an interrupted run loses little.
+/// Shows progress, and prints and stores the results of each finished model, so that a killed run
+/// loses only unfinished models.
 pub(super) struct Reporter {
     pub(super) progress: Progress,
     pub(super) format: Format,
     pub(super) terminal: Terminal,
     /// Whether to count instructions.
     pub(super) instructions: bool,
-    /// What the runs of the group are to find.
+    /// The goal of the runs of the current group.
     pub(super) goal: GoalSpec,
-    /// Whether to print failures only.
+    /// Whether to suppress the warnings about successful cells and about the earlier file.
     pub(super) quiet: bool,
     pub(super) outputs: Vec<(Format, OutputFile)>,
     pub(super) result: ResultFile,
-    /// The file that the results are added to, with its name.
+    /// Name and contents of the file of `--add-to`.
     pub(super) earlier: Option<(String, ResultFile)>,
 }
 
 impl Reporter {
-    /// A group begins.
+    /// Starts the group of `plan`: adds its record and prints its heading.
     pub(super) fn begin(&mut self, plan: &Plan) -> anyhow::Result<()> {
         let Limits {
             timeout, memory, ..
@@ -444,7 +462,7 @@ impl Reporter {
             memory_limit: memory.0,
             ..plan.group.clone()
         });
-        // A shard may have no cell of a group.
+        // A shard may have no cells of a group.
         if plan.runs() == 0 {
             return Ok(());
         }
@@ -452,13 +470,13 @@ impl Reporter {
         self.show(&table::group_heading(&plan.group, look))
     }
 
-    /// A group is done.
+    /// Ends a group: prints its table of ratios.
     pub(super) fn end(&mut self, group: &GroupRecord) -> anyhow::Result<()> {
         let look = self.terminal.look();
         self.show(&table::ratio_table(group, &self.result, look))
     }
 
-    /// Prints a part of the tables, if the format is a table.
+    /// Prints text of a table above the progress, if the format of standard output is a table.
     fn show(&mut self, text: &str) -> anyhow::Result<()> {
         if self.format == Format::Table && !text.is_empty() {
             self.progress.suspend(|| terminal::print_rendered(text))?;
@@ -466,8 +484,8 @@ impl Reporter {
         Ok(())
     }
 
-    /// Writes the results so far to all regular files. A failed write is retried at the end and
-    /// does not stop the run.
+    /// Writes the results so far to all regular files. A failed write causes a warning only,
+    /// because `store_all` writes again.
     fn store(&mut self) -> anyhow::Result<()> {
         self.note_time();
         let whole = self.whole()?.file;
@@ -480,7 +498,12 @@ impl Reporter {
         Ok(())
     }
 
-    /// Writes the final results to all files, and to a temporary file if one cannot be written.
+    /// Writes the final results to all files.
+    ///
+    /// # Errors
+    ///
+    /// If one of them cannot be written. The results are then saved in a temporary file, which the
+    /// error names.
     pub(super) fn store_all(&mut self) -> anyhow::Result<()> {
         self.note_time();
         let mut failed = Vec::new();
@@ -500,7 +523,7 @@ impl Reporter {
         bail!("{}; {rescued}", failed.join("; "));
     }
 
-    /// The results together with those of the earlier file.
+    /// The results so far, together with those of the file of `--add-to`.
     fn whole(&self) -> anyhow::Result<Joined> {
         let new = self.result.clone();
         match &self.earlier {
@@ -512,6 +535,7 @@ impl Reporter {
         }
     }
 
+    /// Sets the end time of the results and of this session to now.
     fn note_time(&mut self) {
         self.result.finished = now();
         if let Some(session) = self.result.sessions.last_mut() {
@@ -538,7 +562,7 @@ impl Listener for Reporter {
         model: &ModelRecord,
         cell: &Cell,
     ) -> Option<InstructionCounter> {
-        // Valgrind cannot separate the solve of an outside program from its other work.
+        // Valgrind cannot separate the solve of an external program from the rest of its work.
         if !self.instructions || cell.algorithm.starts_with("ext:") {
             return None;
         }
@@ -584,7 +608,7 @@ impl Listener for Reporter {
             if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
                 let look = self.terminal.look();
                 let mut text = table::model_table(group, model, cells, look);
-                // The last column stays free: some terminals break the line there.
+                // The last column stays free, because some terminals wrap a line that fills it.
                 let width = look.width.map(|width| width.saturating_sub(1));
                 text += &width.map_or_else(String::new, |width| {
                     table::model_bars(group, model, cells, width)
@@ -601,8 +625,8 @@ impl Listener for Reporter {
     }
 }
 
-/// Prints to standard error why a model was refused and, for formats other than tables, which cells
-/// failed and, unless `quiet`, the messages of the others.
+/// Prints the messages of cells to standard error: each refusal once, failures, and, unless
+/// `quiet`, messages of successful cells. For tables only refusals are printed.
 fn remark(cells: &[Cell], format: Format, quiet: bool) {
     let mut last_refusal = None;
     for cell in cells {
@@ -615,7 +639,7 @@ fn remark(cells: &[Cell], format: Format, quiet: bool) {
                 last_refusal = Some(message);
             }
             Status::Refused => {}
-            // Tables show it in their notes.
+            // Tables have these messages in their notes.
             _ if format == Format::Table => {}
             status => {
                 let source = cell.source.clone().unwrap_or(SourceLabel::Vertex(0));
@@ -630,8 +654,8 @@ fn remark(cells: &[Cell], format: Format, quiet: bool) {
     }
 }
 
-/// Saves results that could not be written to a temporary file, and returns a message with its
-/// path.
+/// Saves results in a temporary file after writing them elsewhere has failed. Returns a message
+/// with the path, or with the error.
 fn rescue(json: &str) -> String {
     let save = || -> std::io::Result<std::path::PathBuf> {
         let mut file = tempfile::Builder::new()

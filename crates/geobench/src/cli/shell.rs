@@ -1,4 +1,4 @@
-//! `geobench completions` and `geobench man`, generated from the definition of `--help`.
+//! `geobench completions` and `geobench man`, both generated from the clap definition.
 
 use anyhow::bail;
 use clap::{Args, CommandFactory};
@@ -36,7 +36,8 @@ pub(super) fn completions(options: &CompletionsOptions) -> anyhow::Result<Verdic
 
 pub(super) fn man(options: &ManOptions) -> anyhow::Result<Verdict> {
     let mut program = Arguments::command();
-    // Names commands `geobench-run` and adds the global options to each.
+    // `build` sets the names of the pages, such as `geobench-run`, and adds the global options to
+    // each command.
     program.build();
     let page = match &options.command {
         None => program,

@@ -13,7 +13,7 @@ use crate::table::escape::{for_terminal, printable};
 pub(super) struct Terminal {
     /// Whether tables on standard output use colour.
     pub(super) styled: bool,
-    /// Columns of standard output, if it is a terminal.
+    /// Width of standard output in columns; `None` if it is not a terminal.
     pub(super) width: Option<usize>,
 }
 
@@ -22,7 +22,7 @@ impl Terminal {
         let styled = match color {
             ColorChoice::Always => true,
             ColorChoice::Never => false,
-            // https://no-color.org: set and not empty.
+            // https://no-color.org: no colour if `NO_COLOR` is set and not empty.
             ColorChoice::Auto => {
                 io::stdout().is_terminal()
                     && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
@@ -33,7 +33,7 @@ impl Terminal {
         Self { styled, width }
     }
 
-    /// How tables look on standard output.
+    /// Style and width of tables on standard output.
     pub(super) const fn look(self) -> Look {
         Look {
             styled: self.styled,
@@ -47,22 +47,23 @@ pub(super) fn standard_error_can_move() -> bool {
     io::stderr().is_terminal() && !is_dumb()
 }
 
-/// Whether the terminal has no cursor movement.
+/// Whether the terminal cannot move the cursor, by the variable `TERM`.
 fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|term| term == "dumb")
 }
 
-/// Writes `text` to standard output in one call, with control characters escaped.
+/// Writes `text` to standard output in one call. Control characters are escaped.
 ///
 /// # Errors
 ///
-/// When standard output is closed or full.
+/// If standard output is closed or full.
 pub(super) fn print(text: &str) -> anyhow::Result<()> {
     write(&for_terminal(text, false))
 }
 
-/// Writes final text to standard output in one call: a table, which may have colours, or text for a
-/// program. Other control characters are escaped on a terminal and kept in files.
+/// Writes rendered text to standard output in one call: a table, or text that programs read. On a
+/// terminal, control characters other than those of colours are escaped. Elsewhere the text is
+/// unchanged.
 ///
 /// # Errors
 ///
@@ -82,12 +83,12 @@ fn write(text: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes an error to standard error, in one line.
+/// Writes an error to standard error as a single line.
 pub(super) fn error(message: &str) {
     note("error", message);
 }
 
-/// Writes a warning to standard error, in one line.
+/// Writes a warning to standard error as a single line.
 pub(super) fn warning(message: &str) {
     note("warning", message);
 }
@@ -101,6 +102,6 @@ pub(super) fn warnings(messages: &[String]) {
 
 fn note(kind: &str, message: &str) {
     let message = printable(message);
-    // A failure of standard error cannot be reported.
+    // Write errors are ignored: there is no other place to report them.
     let _ = writeln!(io::stderr(), "geobench: {kind}: {message}");
 }

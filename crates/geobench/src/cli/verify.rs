@@ -19,10 +19,10 @@ use crate::run::asked::Asked;
 use crate::run::check::{self, Deviation};
 use crate::schema::ModelRecord;
 
-/// The reference; it runs even if it is not asked for.
+/// The reference algorithm. It runs even if it is not selected.
 const REFERENCE: &str = "mmp-fast";
 
-/// The algorithm with a proof.
+/// The algorithm that returns only distances that it has proven.
 const CERTIFICATE: &str = "certificate";
 
 pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
@@ -103,11 +103,11 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     })
 }
 
-/// Those of the algorithms that end early.
+/// Removes the algorithms that cannot end early, and prints which.
 ///
 /// # Errors
 ///
-/// When one that does not is named.
+/// If the user has named such an algorithm.
 fn able_to_end_early(
     mut algorithms: Vec<Selection>,
     options: &VerifyOptions,
@@ -126,14 +126,16 @@ fn able_to_end_early(
     Ok(algorithms)
 }
 
+/// Counts over all models, sources and algorithms.
 #[derive(Default)]
 struct Tally {
     answers: usize,
     wrong: usize,
+    /// Whether a model, a source or a file of stored distances could not be used.
     bad_input: bool,
 }
 
-/// One loaded model.
+/// The check of all algorithms on one loaded model.
 struct LoadedModelCheck<'a> {
     options: &'a VerifyOptions,
     algorithms: &'a [Selection],
@@ -143,6 +145,7 @@ struct LoadedModelCheck<'a> {
 }
 
 impl LoadedModelCheck<'_> {
+    /// Checks the model from the requested sources, and from those with stored distances.
     fn verify(&self, session: &mut dyn Session, tally: &mut Tally) -> anyhow::Result<()> {
         let vertices = self.record.vertex_count();
         let sources = SourceSpec::of_all(self.options.source.iter().cloned());
@@ -166,14 +169,16 @@ impl LoadedModelCheck<'_> {
         Ok(())
     }
 
-    /// Whether `algorithm` was not named and would take hours on this model.
+    /// Whether to skip `algorithm`: it was not selected with `--algo`, and the model has more faces
+    /// than it solves in about a minute.
     fn is_too_slow(&self, algorithm: &Selection) -> bool {
         let faces = self.record.faces.unwrap_or(0);
         let comfortable = algorithm.algorithm().comfortable_faces;
         self.options.algo.is_none() && comfortable.is_some_and(|most| faces > most)
     }
 
-    /// The distances from `source` that are stored beside the model.
+    /// The distances from `source` that are stored beside the model; `None` if there are none, or
+    /// if they cannot be read, which is reported.
     fn stored(
         &self,
         source: PointSpec,
@@ -198,7 +203,7 @@ impl LoadedModelCheck<'_> {
         }
     }
 
-    /// Says that an algorithm was not run.
+    /// Prints that an algorithm was skipped because the model is too large.
     fn tell_left_out(&self, algorithm: &Selection, source: PointSpec) -> anyhow::Result<()> {
         if self.options.quiet {
             return Ok(());
@@ -210,6 +215,8 @@ impl LoadedModelCheck<'_> {
         ))
     }
 
+    /// Runs all algorithms from `source` and prints one line for each. If answers disagree, prints
+    /// which of them agree.
     fn verify_source(
         &self,
         source: PointSpec,
@@ -249,6 +256,7 @@ impl LoadedModelCheck<'_> {
                 Err(failure) => verdict.wrong(&failure.message),
                 Ok(observation) => {
                     let found = observation.distances;
+                    // The note is about the position of the source. One line with it is enough.
                     verdict
                         .remarks
                         .extend(observation.note.filter(|_| reference.is_none()));
@@ -316,7 +324,7 @@ impl LoadedModelCheck<'_> {
         Ok(())
     }
 
-    /// Says which of the answers agree with proven distances.
+    /// Computes proven distances with [`CERTIFICATE`] and describes which answers agree with them.
     fn prove(
         &self,
         source: &SourceSpec,
@@ -361,7 +369,8 @@ impl LoadedModelCheck<'_> {
         format!("proven right: {}", names.join(", "))
     }
 
-    /// Which answers the stored distances of a file agree with.
+    /// Stored distances of a file as a vote. They may lack some vertices, so they join the first
+    /// cluster that agrees at the vertices that they have.
     fn vote_of(
         &self,
         name: &str,
@@ -390,18 +399,19 @@ impl LoadedModelCheck<'_> {
 #[derive(Default)]
 struct Judgement {
     wrong: bool,
-    /// The answer may differ, but by a finite amount.
+    /// Whether the algorithm is approximate. Its answer may then differ by any finite amount.
     is_approximate: bool,
     remarks: Vec<String>,
 }
 
 impl Judgement {
+    /// Marks the answer as wrong, for the reason `why`.
     fn wrong(&mut self, why: &str) {
         self.wrong = true;
         self.remarks.push(why.to_owned());
     }
 
-    /// Compares an answer with the distances of a file, which may be of some vertices only.
+    /// Compares an answer with the stored distances of a file, which may lack some vertices.
     fn judge_by_stored(
         &mut self,
         field: &StoredDistances,
@@ -419,6 +429,7 @@ impl Judgement {
         self.judge(&name, &comparison, asked);
     }
 
+    /// Adds a remark on the comparison with `reference`, and marks a disagreement as wrong.
     fn judge(&mut self, reference: &str, comparison: &Deviation, asked: &Asked) {
         match &comparison.worst {
             Some(_) if self.is_approximate && comparison.max_rel.is_finite() => {
@@ -441,6 +452,7 @@ impl Judgement {
         }
     }
 
+    /// The verdict with its remarks. Only an answer of the reference has no remarks.
     fn text(&self) -> String {
         let word = if self.wrong { "WRONG" } else { "ok" };
         if self.remarks.is_empty() {

@@ -23,7 +23,7 @@ use crate::table::diagram_formats::{self, BorderFormat, DiagramFile, DiagramForm
 use crate::table::output::OutputFile;
 use crate::table::{FileFormat, no_coordinates};
 
-/// Obstacles that an error message names.
+/// Maximum number of obstacles to a dual triangulation that an error message names.
 const NAMED: usize = 4;
 
 pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
@@ -64,7 +64,7 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
         diagram: &diagram,
         stage_seconds: [windows, extraction],
     };
-    // Everything is made before anything is written.
+    // All outputs are computed before any is written, so that a failure leaves no partial set.
     let contents = if format.is_picture() {
         picture(&file, &sources, format == DiagramFormat::Png)?
     } else {
@@ -109,7 +109,7 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
-/// A picture of the cells with their borders and the sources.
+/// A picture of the cells with their borders and the sources, as PNG or SVG.
 fn picture(file: &DiagramFile<'_>, sources: &[VertexId], png: bool) -> anyhow::Result<Vec<u8>> {
     let mesh = file.diagram.mesh();
     let positions = mesh.positions();
@@ -125,7 +125,11 @@ fn picture(file: &DiagramFile<'_>, sources: &[VertexId], png: bool) -> anyhow::R
     scene.draw(png, file.model, "Voronoi diagram")
 }
 
-/// The dual as a mesh.
+/// The dual as a triangle mesh with the sources as vertices. `path` is its file, for messages.
+///
+/// # Errors
+///
+/// If the model has no coordinates, or if the dual is not a triangulation.
 fn dual_mesh(
     dual: &Dual,
     diagram: &Diagram,
@@ -159,7 +163,7 @@ fn dual_mesh(
     Ok(TriangleSoup::new(corners, dual.triangles.clone()))
 }
 
-/// A line for each source at the place of an earlier one.
+/// One line for each source that coincides with an earlier one. The cell of such a source is empty.
 fn coinciding(sources: &[(SourceLabel, VertexId)]) -> String {
     let mut text = String::new();
     let mut first: HashMap<VertexId, &SourceLabel> = HashMap::new();

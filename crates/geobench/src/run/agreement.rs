@@ -1,7 +1,8 @@
-//! Clusters of agreeing algorithms. They reveal a wrong reference.
+//! Clusters of agreeing answers, to detect a wrong reference.
 //!
-//! The answers for one model and source fall into clusters. An answer belongs to the first cluster
-//! with whose first answer it agrees. Cluster 0 is the cluster of the reference.
+//! The answers for one model and source are put into clusters. An answer joins the first cluster
+//! whose first answer it agrees with. Cluster 0 is that of the reference. If most answers are in
+//! another cluster, the reference is probably wrong.
 
 use std::collections::BTreeMap;
 
@@ -9,15 +10,17 @@ use crate::registry;
 use crate::run::check::{self, Deviation};
 use crate::schema::Cell;
 
-/// The first answer of each cluster, except that of the reference.
+/// The first answer of each cluster except cluster 0.
 #[derive(Debug, Default)]
 pub(crate) struct Clusters {
-    /// `None` if the answer came before an interruption and cannot be restored.
+    /// Distances by cluster, from cluster 1 on. `None` if the answer was given before an
+    /// interruption and could not be restored.
     first: Vec<Option<Vec<f64>>>,
 }
 
 impl Clusters {
-    /// The cluster of an answer that disagrees with the reference; a new one if needed.
+    /// The cluster of an answer that disagrees with the reference. Adds a cluster if the answer
+    /// agrees with none.
     pub(crate) fn place(&mut self, distances: &[f64], tolerance: f64) -> u32 {
         let known = self.find(|first| {
             check::compare(distances, first, tolerance).is_ok_and(|found| found.agrees())
@@ -28,7 +31,7 @@ impl Clusters {
         })
     }
 
-    /// The cluster whose first answer `agrees`.
+    /// The first cluster for whose first answer `agrees` returns true.
     pub(crate) fn find(&self, mut agrees: impl FnMut(&[f64]) -> bool) -> Option<u32> {
         let place = self.first.iter().position(|first| match first {
             Some(first) => agrees(first),
@@ -37,12 +40,12 @@ impl Clusters {
         place.map(|place| place as u32 + 1)
     }
 
-    /// A new cluster, for an answer that agrees with none.
+    /// The number that the next new cluster will have.
     pub(crate) fn next(&self) -> u32 {
         self.first.len() as u32 + 1
     }
 
-    /// Sets the first answer of a cluster that was found before an interruption.
+    /// Sets the first answer of a cluster from before an interruption. Cluster 0 is ignored.
     pub(crate) fn restore(&mut self, cluster: u32, distances: Option<Vec<f64>>) {
         let Some(place) = (cluster as usize).checked_sub(1) else {
             return;
@@ -57,13 +60,13 @@ impl Clusters {
 /// One answer and its cluster.
 #[derive(Clone, Debug)]
 pub(crate) struct Vote {
-    /// The algorithm or the file.
+    /// Name of the algorithm or path of the file.
     pub(crate) name: String,
-    /// Whether it is a file.
+    /// Whether the answer was read from a file.
     pub(crate) is_file: bool,
-    /// The cluster.
+    /// The cluster, 0 for that of the reference.
     pub(crate) cluster: u32,
-    /// Largest relative difference from the reference; none if it is not finite.
+    /// Largest relative difference from the reference; `None` if it is not finite.
     pub(crate) max_rel: Option<f64>,
     /// The vertex with that difference, if the answer does not agree with the reference.
     pub(crate) worst_vertex: Option<u64>,
@@ -81,7 +84,7 @@ impl Vote {
         }
     }
 
-    /// Adds the comparison with the reference.
+    /// Stores the comparison with the reference.
     pub(crate) fn compared(&mut self, comparison: &Deviation) {
         self.max_rel = Some(comparison.max_rel).filter(|size| size.is_finite());
         self.worst_vertex = comparison.worst.map(|worst| worst.vertex as u64);
@@ -91,19 +94,19 @@ impl Vote {
 /// The cluster of the reference.
 pub(crate) const REFERENCE: u32 = 0;
 
-/// The answers for one model and source.
+/// The answers for one model and source, by cluster.
 struct Ballot<'v> {
     votes: &'v [Vote],
     clusters: BTreeMap<u32, Vec<&'v Vote>>,
 }
 
-/// Describes the clusters, as a single line; `None` if all answers agree.
+/// Describes the clusters in a single line. `None` if all answers agree.
 pub(crate) fn summary(votes: &[Vote]) -> Option<String> {
     Ballot::of(votes).map(|ballot| ballot.summary())
 }
 
 impl<'v> Ballot<'v> {
-    /// `None` if all agree.
+    /// Groups the answers. `None` if all are in one cluster.
     fn of(votes: &'v [Vote]) -> Option<Self> {
         let mut clusters: BTreeMap<u32, Vec<&Vote>> = BTreeMap::new();
         for vote in votes {
@@ -112,7 +115,7 @@ impl<'v> Ballot<'v> {
         (clusters.len() > 1).then_some(Self { votes, clusters })
     }
 
-    /// Algorithms and files are counted apart.
+    /// What the answers are called: `algorithms`, or `answers` if files are among them.
     fn noun(&self) -> &'static str {
         if self.votes.iter().any(|vote| vote.is_file) {
             "answers"
@@ -130,7 +133,7 @@ impl<'v> Ballot<'v> {
         self.clusters.get(&cluster).map_or(0, Vec::len)
     }
 
-    /// The cluster that has more than half of the answers.
+    /// The cluster that has more than half of the answers, if one has.
     fn majority(&self) -> Option<u32> {
         let mut clusters = self.clusters.keys().copied();
         clusters.find(|&cluster| 2 * self.size(cluster) > self.votes.len())
@@ -181,7 +184,7 @@ impl<'v> Ballot<'v> {
         parts.join("; ")
     }
 
-    /// The answers of a cluster and how they differ from the reference.
+    /// Names the answers of a cluster and their largest difference from the reference.
     fn described(&self, cluster: u32) -> String {
         let members = &self.clusters[&cluster];
         let names = names(members);
@@ -214,7 +217,8 @@ impl<'v> Ballot<'v> {
         }
     }
 
-    /// Difference of a cluster from the reference, and the vertex.
+    /// Largest difference of a cluster from the reference, with its vertex. `None` without an
+    /// answer of the reference or without such a vertex.
     fn difference(&self, cluster: u32) -> Option<String> {
         self.reference()?;
         let size = |vote: &&&Vote| vote.max_rel.unwrap_or(f64::INFINITY);
@@ -227,7 +231,8 @@ impl<'v> Ballot<'v> {
         })
     }
 
-    /// Message for a cell of this cluster about the others.
+    /// Addition to the message of a cell in `cluster`: the sizes of this cluster and of that of the
+    /// reference.
     fn remark(&self, cluster: u32) -> String {
         let (all, noun) = (self.votes.len(), self.noun());
         let this = format!("{} with this one", self.size(cluster));
@@ -248,7 +253,7 @@ impl<'v> Ballot<'v> {
     }
 }
 
-/// Names in a sentence.
+/// The names as an enumeration: `a`, `b` and `c`, each in backquotes.
 fn names(votes: &[&Vote]) -> String {
     let names: Vec<String> = votes
         .iter()
@@ -261,7 +266,7 @@ fn names(votes: &[&Vote]) -> String {
     }
 }
 
-/// The answers that `cells` of one model and source have given, the reference's first.
+/// The answers of `cells`, which share a model and source. That of the reference comes first.
 fn votes(cells: &[Cell]) -> Vec<Vote> {
     let reference = cells
         .iter()
@@ -288,7 +293,10 @@ fn votes(cells: &[Cell]) -> Vec<Vote> {
     votes
 }
 
-/// Adds to the messages of `cells`, of one model and source, which answers agree, unless all do.
+/// Appends to the messages of `cells`, which share a model and source, which answers agree. Cells
+/// outside the cluster of the reference get the sizes of both clusters. The cell of the reference
+/// gets a description of all clusters, unless its own has the majority. If all answers agree,
+/// nothing changes.
 pub(crate) fn explain(cells: &mut [Cell]) {
     let votes = votes(cells);
     let Some(ballot) = Ballot::of(&votes) else {
@@ -309,7 +317,8 @@ pub(crate) fn explain(cells: &mut [Cell]) {
     }
 }
 
-/// Which answers agree, for each model and source of `cells` with disagreement.
+/// One line for each model and source of `cells` whose answers disagree: which of them agree.
+/// Cells of the same model and source must be adjacent.
 pub(crate) fn summaries(cells: &[Cell]) -> Vec<String> {
     let same = |a: &Cell, b: &Cell| (&a.model, &a.source) == (&b.model, &b.source);
     let summary = |cells: &[Cell]| {

@@ -1,4 +1,5 @@
-//! The layout of the answers of a goal, for comparing them.
+//! The layout of the answers of a goal, for comparisons. An *answer* is the list of distances that
+//! a run returns. A *place* is an index in it.
 
 use std::collections::HashMap;
 
@@ -7,7 +8,8 @@ use crate::exec::source::PointSpec;
 use crate::run::check::{self, Deviation, Disagreement};
 use crate::schema::SourceLabel;
 
-/// The layout of the answers of a goal: which vertex or point each distance belongs to.
+/// The layout of the answers of a goal: which vertex or point each distance belongs to, and the
+/// radius beyond which distances are infinite.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Asked {
     /// The targets; `None` for all vertices.
@@ -16,7 +18,8 @@ pub(crate) struct Asked {
 }
 
 impl Asked {
-    /// Of answers in a mesh of `vertices` vertices. Targets that do not exist have no answers.
+    /// The layout for a mesh of `vertices` vertices. If a target does not exist, answers are taken
+    /// to be empty.
     pub(crate) fn new(goal: &GoalSpec, vertices: usize) -> Self {
         Self {
             targets: goal.points(vertices).unwrap_or(Some(Vec::new())),
@@ -24,10 +27,16 @@ impl Asked {
         }
     }
 
-    /// Compares an answer at some places.
+    /// Compares the answer `found` with `expected`, which has places and their distances.
     ///
-    /// Where a distance lies within `tolerance` of the radius, rounding decides whether it is
-    /// known; an approximate answer may know any more or less. Such a place is left out.
+    /// With a radius, distances beyond it are infinite. Rounding decides on which side of the
+    /// radius a distance close to it lies. A place with one finite and one infinite distance is
+    /// therefore skipped if the finite one is at least `radius * (1 - tolerance)`. For an
+    /// approximate answer, every such place is skipped.
+    ///
+    /// # Panics
+    ///
+    /// If a place is not in `found`.
     pub(crate) fn compare(
         &self,
         found: &[f64],
@@ -49,7 +58,8 @@ impl Asked {
         check::compare_some(found, expected, tolerance)
     }
 
-    /// The distances that are stored for vertices, as those of an answer.
+    /// Stored distances of vertices, converted to places of an answer and cut at the radius. Places
+    /// without a stored distance are left out.
     pub(crate) fn of_stored(&self, stored: &[(usize, f64)]) -> Vec<(usize, f64)> {
         let cut = |d: f64| match self.radius {
             Some(radius) if d > radius => f64::INFINITY,
@@ -63,12 +73,12 @@ impl Asked {
         (0..targets.len()).filter_map(find).collect()
     }
 
-    /// Number of distances of an answer.
+    /// Number of distances of an answer, for a mesh of `vertices` vertices.
     pub(crate) fn count(&self, vertices: usize) -> usize {
         self.targets.as_ref().map_or(vertices, Vec::len)
     }
 
-    /// The vertex at a place of an answer, if it is one.
+    /// The vertex at a place of an answer. `None` for a point that is not a vertex.
     pub(crate) fn vertex(&self, place: usize) -> Option<usize> {
         match &self.targets {
             None => Some(place),
@@ -79,7 +89,7 @@ impl Asked {
         }
     }
 
-    /// What an answer holds, in the plural.
+    /// What the places of an answer are called: `vertices` or `targets`.
     pub(crate) const fn noun(&self) -> &'static str {
         match self.targets {
             None => "vertices",
@@ -87,7 +97,7 @@ impl Asked {
         }
     }
 
-    /// A disagreement in words.
+    /// Describes a disagreement. Its `vertex` is a place of an answer.
     pub(crate) fn describe(&self, worst: &Disagreement) -> String {
         let target = self.targets.as_ref();
         match (self.vertex(worst.vertex), target) {

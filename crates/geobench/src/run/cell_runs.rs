@@ -17,18 +17,18 @@ use crate::schema::{Cell, Check, Memory, Status, Time};
 /// The outcomes of the runs of a cell.
 #[derive(Debug)]
 pub(super) struct CellRuns<'p> {
-    /// Its place in the plan.
+    /// Index of its algorithm in the plan.
     pub(super) place: usize,
     pub(super) algorithm: &'p Selection,
     outcomes: BTreeMap<(Pass, usize), RunOutcome>,
-    /// Failure of the cell; no further runs are made.
+    /// First failure of a run, which fails the cell. No further runs are executed.
     failure: Option<Failure>,
-    /// Runs made by this process, without those from the journal.
+    /// Number of runs executed by this process.
     pub(super) made: usize,
     sampling: Sampling,
     /// Whether there are enough timed runs.
     has_time: bool,
-    /// The cell of an earlier file.
+    /// The same cell of the earlier file, if that has it.
     pub(super) earlier: Option<Cell>,
 }
 
@@ -50,7 +50,8 @@ impl<'p> CellRuns<'p> {
         self.failure.is_some()
     }
 
-    /// Whether a run is missing. Warm-ups are repeated if timed runs are missing.
+    /// Whether a run is missing. Every warm-up counts as missing while timed runs are missing,
+    /// because each process repeats it.
     pub(super) fn lacks(&self, pass: Pass, round: usize) -> bool {
         let is_wanted = match pass {
             Pass::Warmup => return self.wants_time(),
@@ -78,7 +79,8 @@ impl<'p> CellRuns<'p> {
         runs.map(|(_, outcome)| outcome)
     }
 
-    /// Decides whether the timed runs so far are enough.
+    /// Decides whether the timed runs so far are enough. If the times that an external program
+    /// reports are doubtful, those by the clock of the harness are used instead.
     pub(super) fn count_samples(&mut self) {
         let of = |found: &RunOutcome| {
             let seconds = found.observation.seconds?;
@@ -96,7 +98,8 @@ impl<'p> CellRuns<'p> {
         self.has_time = self.sampling.is_enough(samples, spent.iter().sum());
     }
 
-    /// Solves of a timed run, from the time of the first warm-up. Outside programs solve once.
+    /// Number of solves of a timed run, from the time of the first warm-up. External programs solve
+    /// once.
     pub(super) fn solves(&self) -> usize {
         if self.algorithm.program().is_some() {
             return 1;
@@ -106,7 +109,7 @@ impl<'p> CellRuns<'p> {
             .solves(warm.and_then(|outcome| outcome.observation.seconds))
     }
 
-    /// The cluster of an answer that differed from the reference, if one did.
+    /// The cluster of a run whose answer differed from the reference, if one did.
     pub(super) fn odd_cluster(&self) -> Option<u32> {
         let clusters = self
             .outcomes
@@ -117,7 +120,7 @@ impl<'p> CellRuns<'p> {
             .filter(|&cluster| cluster != agreement::REFERENCE)
     }
 
-    /// Short outcomes of the known runs.
+    /// Passes and short outcomes of the known runs.
     pub(super) fn summaries(&self) -> impl Iterator<Item = (Pass, Result<Option<f64>, Status>)> {
         let outcomes = self.outcomes.iter();
         outcomes.map(|(&(pass, _), outcome)| (pass, summary(outcome)))
@@ -126,11 +129,12 @@ impl<'p> CellRuns<'p> {
     /// Adds the outcome of a run.
     pub(super) fn add(&mut self, pass: Pass, round: usize, outcome: RunOutcome) {
         self.failure = self.failure.take().or_else(|| outcome.failure.clone());
-        // If warm-ups were repeated, the first one included the set-up.
+        // Of repeated warm-ups the first counts, because it included the set-up.
         self.outcomes.entry((pass, round)).or_insert(outcome);
     }
 
-    /// The record of the cell. `places` are the places of its timed runs in their rounds.
+    /// The record of the cell. `places` are the positions of its timed runs in their rounds. If the
+    /// earlier file has the cell with all these samples, returns that one unchanged.
     pub(super) fn finish(self, run: RunId, places: Vec<usize>, with_wavefront: bool) -> Cell {
         let all = self.timed().count();
         let samples = |cell: &Cell| cell.time.samples.len();
@@ -166,6 +170,7 @@ impl<'p> CellRuns<'p> {
         }
         let (mut samples, mut solves, mut setup) = (Vec::new(), Vec::new(), None);
         let mut extraction = None;
+        // `claimed` are the times that an external program reports, `outside` those by our clock.
         let (mut outside, mut claimed, mut doubted) = (Vec::new(), Vec::new(), false);
         for ((pass, _), outcome) in self.outcomes {
             let observation = outcome.observation;
@@ -173,7 +178,7 @@ impl<'p> CellRuns<'p> {
             if let Some(why) = outcome.unchecked {
                 cell.message = Some(format!("{NOT_CHECKED}{why}"));
             }
-            // The set-up of the counting run differs from that of the timed runs.
+            // Only the first set-up counts: it is that of the timed solver.
             setup = setup.or(observation.setup_seconds);
             extraction = extraction.or(observation.extraction_seconds);
             match pass {
@@ -193,8 +198,8 @@ impl<'p> CellRuns<'p> {
                 Pass::Profile => cell.phases = observation.phases.unwrap_or_default(),
             }
             if matches!(pass, Pass::Profile | Pass::Count) {
-                // Ours are measured in the profiled run; outside programs report them with the
-                // counts.
+                // Peaks of our algorithms are measured in the profiled run. External programs
+                // report them with the counts.
                 let Peaks { heap, rss } = observation.peaks;
                 cell.memory.heap_peak_bytes = cell.memory.heap_peak_bytes.or(heap);
                 cell.memory.rss_peak_bytes = cell.memory.rss_peak_bytes.or(rss);
@@ -203,6 +208,7 @@ impl<'p> CellRuns<'p> {
         if solves.iter().all(|&solves| solves == 1) {
             solves.clear();
         }
+        // Only a program with a protocol reports its own times; a command does not.
         let speaks = |program: &Arc<Program>| program.lifetime != ProcessLifetime::Command;
         if !outside.is_empty() && self.algorithm.program().is_some_and(speaks) {
             claimed.clone_from(&samples);
@@ -233,9 +239,11 @@ impl<'p> CellRuns<'p> {
         cell
     }
 
-    /// The worst comparison. A cell is checked if all its runs were.
+    /// The comparison with the largest relative difference. A cell counts as checked only if all
+    /// its runs were checked.
     fn check(&self) -> Check {
         let outcomes = || self.outcomes.values();
+        // A run without a comparison ranks below all others.
         let badness = |check: &Check| match check.reference {
             Some(_) => check.max_rel.unwrap_or(f64::INFINITY),
             None => -1.0,
@@ -267,14 +275,14 @@ impl<'p> CellRuns<'p> {
 }
 
 /// Minimum plausible ratio of the time that an external program reports to the time by the clock of
-/// the harness.
+/// the harness. Below it, the reported time is doubtful.
 const LEAST_CLAIM: f64 = 0.1;
 
 /// Tolerated relative difference between the clocks of a program and of the harness.
 const CLOCKS: f64 = 0.01;
 
 /// Whether a time that an external program reports exceeds the time by the clock of the harness, or
-/// is a small part of it.
+/// is less than [`LEAST_CLAIM`] of it.
 fn is_doubtful(claimed: &[f64], outside: &[f64]) -> bool {
     let mut pairs = claimed.iter().zip(outside);
     pairs.any(|(&claimed, &outside)| {
@@ -282,7 +290,7 @@ fn is_doubtful(claimed: &[f64], outside: &[f64]) -> bool {
     })
 }
 
-/// A short outcome: the status of a failure, or the seconds of a timed run.
+/// A short outcome: the status of a failure, or the seconds of the solve, if measured.
 pub(super) fn summary(outcome: &RunOutcome) -> Result<Option<f64>, Status> {
     match &outcome.failure {
         Some(failure) => Err(failure.status),
@@ -290,5 +298,5 @@ pub(super) fn summary(outcome: &RunOutcome) -> Result<Option<f64>, Status> {
     }
 }
 
-/// Bytes of a window in the memory figures of the papers.
+/// Bytes per window that the papers assume in their memory figures.
 const PAPERS_WINDOW_BYTES: u64 = 80;

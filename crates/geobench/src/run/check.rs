@@ -1,4 +1,4 @@
-//! Comparing distances with those of a reference.
+//! Comparison of distances with those of a reference.
 
 use std::fmt;
 
@@ -7,24 +7,25 @@ use anyhow::ensure;
 /// How distances differ from a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deviation {
-    /// Largest absolute difference, in the units of the model; infinite where one side reaches a
-    /// vertex and the other does not, or where a distance is not a number.
+    /// Largest absolute difference, in the units of the model. Infinite if only one side reaches
+    /// some vertex, or if a distance is NaN.
     pub max_abs: f64,
-    /// Largest relative difference: of a pair a, b it is |a - b| / max(|a|, |b|), and 0 if they
-    /// are equal.
+    /// Largest relative difference. That of a and b is |a - b| / max(|a|, |b|), 0 if they are
+    /// equal, and infinite where the absolute difference is.
     pub max_rel: f64,
-    /// Mean of the errors relative to the reference, over vertices that it reaches and that are no
-    /// sources of it; infinite where the answer does not reach them.
+    /// Mean relative error |found - expected| / expected, over the vertices whose reference
+    /// distance is positive and finite. Infinite if the answer does not reach one of them; 0 if
+    /// there are none.
     pub mean_rel: f64,
-    /// Root of the mean square of the same errors.
+    /// Root mean square of the same errors.
     pub rms_rel: f64,
-    /// Vertices that the answer leaves unreachable.
+    /// Number of infinite distances in the answer, at vertices that were not compared, too.
     pub unreachable: usize,
-    /// Vertices that were compared.
+    /// Number of vertices that were compared.
     pub compared: usize,
-    /// Vertices that differ by more than the tolerance.
+    /// Number of compared vertices that differ by more than the tolerance.
     pub disagreeing: usize,
-    /// The vertex of the largest relative difference beyond the tolerance.
+    /// The vertex with the largest relative difference, if that exceeds the tolerance.
     pub worst: Option<Disagreement>,
 }
 
@@ -47,7 +48,7 @@ impl Deviation {
 }
 
 impl Disagreement {
-    /// In words, at a place of this name.
+    /// Describes the disagreement. `place` is the name of the vertex or point.
     pub(crate) fn at(&self, place: &str) -> String {
         let (abs, rel) = difference(self.found, self.expected);
         format!(
@@ -63,19 +64,19 @@ impl fmt::Display for Disagreement {
     }
 }
 
-/// Compares `found` with `expected`, vertex by vertex; distances agree when they differ by at
-/// most `tolerance` relative, and two infinite ones agree.
+/// Compares `found` with `expected`, vertex by vertex. Two distances agree if they differ by at
+/// most `tolerance` relative, or if both are infinite. NaN agrees with nothing.
 ///
 /// # Errors
 ///
-/// When the numbers of distances differ.
+/// If the numbers of distances differ.
 pub fn compare(found: &[f64], expected: &[f64], tolerance: f64) -> anyhow::Result<Deviation> {
     check_length(found, expected.len())?;
     let expected = expected.iter().copied().enumerate();
     Ok(compare_some(found, expected, tolerance))
 }
 
-/// Checks that there are `expected` distances.
+/// Checks that there are `expected` distances, and fails otherwise.
 pub(crate) fn check_length(found: &[f64], expected: usize) -> anyhow::Result<()> {
     let found = found.len();
     ensure!(
@@ -85,7 +86,11 @@ pub(crate) fn check_length(found: &[f64], expected: usize) -> anyhow::Result<()>
     Ok(())
 }
 
-/// As [`compare`], at the vertices of `expected` only, which must exist in `found`.
+/// As [`compare`], but only at the vertices that `expected` has, with their distances.
+///
+/// # Panics
+///
+/// If a vertex is not in `found`.
 pub fn compare_some(
     found: &[f64],
     expected: impl IntoIterator<Item = (usize, f64)>,
@@ -135,7 +140,8 @@ pub fn compare_some(
     result
 }
 
-/// Absolute and relative difference; both infinite if one side is infinite or not a number.
+/// Absolute and relative difference. Both are infinite if only one side is infinite, or if one is
+/// NaN.
 fn difference(a: f64, b: f64) -> (f64, f64) {
     if a == b {
         return (0.0, 0.0);

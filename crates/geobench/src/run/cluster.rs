@@ -1,10 +1,10 @@
-//! A benchmark as a job array: every shard of the plan is a job, and one more job merges their
-//! files.
+//! A benchmark as a Slurm job array: each shard of the plan is a job, and one more job merges the
+//! files of the shards. Messages and types call a shard a *part*.
 //!
 //! Slurm schedules the jobs; this module writes their scripts. A directory visible to all nodes
-//! holds the scripts, the journals, the files of the shards and a record of the submissions. A
-//! shard is done once its file has its final name and holds the results of a completed run. The
-//! missing shards thus follow from the directory and the queue.
+//! holds the scripts, the journals, the files of the parts and a record of the submissions. A part
+//! is done when its file has its final name and holds the results of a completed run. The state of
+//! each part therefore follows from the directory and the queue; it is not stored.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -25,27 +25,27 @@ use crate::table::json_lines;
 use crate::table::output::OutputFile;
 use crate::usage::check_schema;
 
-/// The schema of the record.
+/// Schema of `cluster.json`.
 const SCHEMA: &str = "geobench-cluster/1";
 
-/// Memory of the process that starts the cells.
+/// Memory in bytes that a job needs besides its cells, for the process that starts them.
 const OWN_MEMORY: u64 = 256 << 20;
 
-/// What each job of the array asks for.
+/// Resources that each job of the array requests.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Resources {
-    /// Processors: the threads of the widest cell.
+    /// Number of cores: the largest number of threads of a cell.
     pub cores: usize,
-    /// Main memory in bytes: the memory limit of the cells and what the program itself takes; null
-    /// if some cells have no limit, and then Slurm's default holds.
+    /// Main memory in bytes: the largest memory limit of a cell plus the memory of the program
+    /// itself. Null if some cells have no limit; then Slurm's default applies.
     pub memory_bytes: Option<u64>,
-    /// Time in seconds: that of all cells of the largest part, if each takes its time limit; null
-    /// if some cells have no limit.
+    /// Time in seconds that the largest part takes if each of its cells takes its time limit. Null
+    /// if some cells have no limit; then Slurm's default applies.
     pub seconds: Option<u64>,
 }
 
 impl Resources {
-    /// Those of the largest of `parts` parts of `plans`.
+    /// The resources that each of `parts` parts of `plans` needs at most, with one cell at a time.
     pub fn of(plans: &[Plan], parts: u32) -> Self {
         let algorithms = plans.iter().flat_map(|plan| &plan.algorithms);
         let limit = |plan: &Plan| plan.limits.timeout.0;
@@ -80,7 +80,7 @@ impl Resources {
         }
     }
 
-    /// The options of `sbatch`.
+    /// The options of `sbatch` that request the resources.
     fn options(&self) -> Vec<String> {
         let mut options = vec![format!("--cpus-per-task={}", self.cores)];
         if let Some(bytes) = self.memory_bytes {
@@ -97,16 +97,16 @@ fn whole_seconds(duration: Duration) -> u64 {
     duration.as_secs() + u64::from(duration.subsec_nanos() > 0)
 }
 
-/// A submission: the parts, their job array and the job that joins them.
+/// A submission: the parts, their job array and the merge job.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Submission {
-    /// When, RFC 3339 in UTC.
+    /// Time of the submission, RFC 3339 in UTC.
     pub submitted: String,
-    /// The parts.
+    /// Indices of the submitted parts, from 1.
     pub parts: Vec<u32>,
-    /// The job of the array; null if only the joining was missing.
+    /// Slurm's ID of the job array; null if only the merge job was submitted.
     pub array: Option<String>,
-    /// The job that joins the files of all parts.
+    /// Slurm's ID of the job that merges the files of all parts; empty if Slurm refused it.
     pub merge: String,
 }
 
@@ -119,28 +119,28 @@ pub struct ClusterRecord {
     pub parts: u32,
     /// The program that the nodes start.
     pub program: PathBuf,
-    /// The directory that they start it in.
+    /// The working directory of the program.
     pub directory: PathBuf,
-    /// The command after the name of the program, without part, journal and files.
+    /// Arguments of the program, without those for the part, the journal and the result file.
     pub run: Vec<String>,
-    /// What each job asks for.
+    /// Resources that each job of the array requests.
     pub resources: Resources,
     /// Further options of `sbatch`, for all jobs.
     pub options: Vec<String>,
-    /// What was submitted, in order.
+    /// The submissions, in order.
     pub submissions: Vec<Submission>,
 }
 
 /// State of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PartState {
-    /// Its file is complete.
+    /// The file of the part is complete.
     Done,
-    /// It waits or runs.
+    /// The job of the part waits or runs.
     Queued(QueuedPart),
-    /// It ended without its file, with the last line of its log.
+    /// The job ended without a complete file. Holds the last line of its log.
     Failed(String),
-    /// It has never been submitted.
+    /// The part has never been submitted.
     New,
 }
 
@@ -151,11 +151,11 @@ pub struct ClusterDirectory {
 }
 
 impl ClusterDirectory {
-    /// The directory at `path`, which need not exist yet.
+    /// The directory at `path`. It is not accessed and need not exist.
     ///
     /// # Errors
     ///
-    /// When it cannot be made absolute.
+    /// If the path cannot be made absolute.
     pub fn new(path: &Path) -> anyhow::Result<Self> {
         let path = std::path::absolute(path)
             .with_context(|| format!("{}: no path of a directory", path.display()))?;
@@ -166,7 +166,7 @@ impl ClusterDirectory {
         self.path.join("cluster.json")
     }
 
-    /// The file of all parts together.
+    /// Path of the merged result file.
     pub fn result(&self) -> PathBuf {
         self.path.join("result.json")
     }
@@ -179,11 +179,11 @@ impl ClusterDirectory {
         self.path.join("logs").join(format!("{name}.log"))
     }
 
-    /// Creates the directory with its subfolders.
+    /// Creates the directory and its subdirectories.
     ///
     /// # Errors
     ///
-    /// When it has a benchmark already, or cannot be written.
+    /// If the directory has a benchmark already, or cannot be created.
     pub fn create(&self) -> anyhow::Result<()> {
         if self.record_path().exists() {
             bail!(
@@ -203,7 +203,7 @@ impl ClusterDirectory {
     ///
     /// # Errors
     ///
-    /// When there is none, or another version wrote it.
+    /// If there is no record, it cannot be parsed, or it has another schema.
     pub fn record(&self) -> anyhow::Result<ClusterRecord> {
         let path = self.record_path();
         let text = fs::read_to_string(&path).with_context(|| {
@@ -222,7 +222,7 @@ impl ClusterDirectory {
     ///
     /// # Errors
     ///
-    /// When one cannot be written.
+    /// If one of them cannot be written, or if a path in the scripts is not UTF-8.
     pub fn write(&self, record: &ClusterRecord) -> anyhow::Result<()> {
         let files = [
             (self.path.join("part.sh"), self.part_script(record)?),
@@ -237,8 +237,8 @@ impl ClusterDirectory {
 
     /// The script of a part.
     ///
-    /// A part that Slurm starts again goes on from its journal. The journal belongs to the node, so
-    /// that all times of a part are of one node.
+    /// A part that Slurm restarts resumes from its journal. The name of the journal includes that
+    /// of the node. On another node the part starts anew, so all its times are from one node.
     fn part_script(&self, record: &ClusterRecord) -> anyhow::Result<String> {
         let [dir, program, start] =
             [&self.path, &record.program, &record.directory].map(|p| in_shell(p));
@@ -264,7 +264,7 @@ impl ClusterDirectory {
         ))
     }
 
-    /// The script that joins the parts.
+    /// The script that merges the files of the parts that are done.
     fn merge_script(&self, record: &ClusterRecord) -> anyhow::Result<String> {
         let (dir, program) = (in_shell(&self.path)?, in_shell(&record.program)?);
         let count = record.parts;
@@ -279,11 +279,11 @@ impl ClusterDirectory {
         ))
     }
 
-    /// The state of every part, the first one first.
+    /// The state of each part, that of part 1 first.
     ///
     /// # Errors
     ///
-    /// When Slurm does not answer.
+    /// If Slurm's queue cannot be read. It is not queried if all parts are done.
     pub fn states(&self, record: &ClusterRecord) -> anyhow::Result<Vec<PartState>> {
         let done: Vec<bool> = (1..=record.parts)
             .map(|index| is_complete(&self.part(index)))
@@ -316,7 +316,7 @@ impl ClusterDirectory {
             .collect())
     }
 
-    /// The last line of the log `name`.
+    /// The last line of the log `name` that is not blank; empty if there is none.
     pub fn log_tail(&self, name: &str) -> String {
         let text = fs::read(self.log(name)).unwrap_or_default();
         let text = String::from_utf8_lossy(&text).into_owned();
@@ -324,8 +324,8 @@ impl ClusterDirectory {
         lines.next_back().unwrap_or_default().to_owned()
     }
 
-    /// The commands that submit `parts` and the joining, as words after `sbatch`; the second one
-    /// waits for the job that takes the place of `ARRAY`.
+    /// The options of the two `sbatch` commands that submit `parts` and the merge job. The script
+    /// and the dependency of the merge job are not included.
     pub fn commands(&self, record: &ClusterRecord, parts: &[u32]) -> [Vec<String>; 2] {
         let log = |name: &str| format!("--output={}", self.log(name).display());
         let mut array = vec![
@@ -333,7 +333,7 @@ impl ClusterDirectory {
             format!("--array={}", ranges(parts)),
             "--nodes=1".to_owned(),
             "--ntasks=1".to_owned(),
-            // A part whose node fails starts again on another.
+            // Slurm restarts a part whose node fails, on another node.
             "--requeue".to_owned(),
             "--open-mode=append".to_owned(),
             log("%a"),
@@ -351,11 +351,13 @@ impl ClusterDirectory {
         [array, merge]
     }
 
-    /// Submits `parts` and, behind them, the joining of all. Without parts the joining alone.
+    /// Submits `parts` as a job array, and a merge job that waits for them. Without parts, submits
+    /// only the merge job. Adds the submission, with the time `now`, to the record and writes that.
     ///
     /// # Errors
     ///
-    /// When Slurm refuses. Jobs that it has taken by then are in the record.
+    /// If Slurm refuses a job, or if the record cannot be written. If Slurm refuses the merge job,
+    /// the record still has the job array.
     pub fn submit(
         &self,
         record: &mut ClusterRecord,
@@ -368,7 +370,8 @@ impl ClusterDirectory {
             _ => Some(slurm::submit(&self.path.join("part.sh"), &array)?),
         };
         if let Some(job) = &array {
-            // Also when parts fail, for its log then says which.
+            // `afterany`: the merge job runs after failures, too, and its log names the missing
+            // parts.
             merge.push(format!("--dependency=afterany:{job}"));
         }
         let joining = slurm::submit(&self.path.join("merge.sh"), &merge);
@@ -383,27 +386,29 @@ impl ClusterDirectory {
     }
 }
 
-/// The option of exclusive nodes.
+/// The `sbatch` option that keeps other jobs off a node. The merge job does not use it.
 pub const EXCLUSIVE: &str = "--exclusive";
 
-/// Where the nodes find program and models.
+/// Where the nodes find the program and the models.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Placement {
-    /// The program.
+    /// The executable.
     pub program: PathBuf,
-    /// The directory that relative paths start from.
+    /// The working directory of the jobs, to which paths of models are relative.
     pub directory: PathBuf,
-    /// What was copied and what not, for the user.
+    /// Messages to the user on what was copied and what is used in place.
     pub notes: Vec<String>,
 }
 
 impl Placement {
-    /// Leaves `program` and `files` where they are if they are on the file system of `to`, and
-    /// copies them below it otherwise. Relative paths start from `here`.
+    /// Decides whether the nodes use `program` and `files` in place. The program is copied to `to`
+    /// if it is on another file system. All files are copied to `to` if one of them is on another
+    /// file system. Paths of files are relative to `here`.
     ///
     /// # Errors
     ///
-    /// When a file to copy has an absolute path or is outside `here`, or cannot be copied.
+    /// If a file to copy has an absolute path or is outside `here`, or if a file cannot be read or
+    /// copied.
     pub fn find(
         to: &ClusterDirectory,
         program: &Path,
@@ -478,8 +483,8 @@ impl Placement {
     }
 }
 
-/// Whether the file at `path` has the results of a run that came to its end: only then are there
-/// the conditions of the machine.
+/// Whether the result file at `path` is of a completed run. Only a completed run records the
+/// conditions of the machine.
 fn is_complete(path: &Path) -> bool {
     #[derive(Deserialize)]
     struct Head {
@@ -489,14 +494,15 @@ fn is_complete(path: &Path) -> bool {
     serde_json::from_slice::<Head>(&text).is_ok_and(|head| head.conditions.is_some())
 }
 
-/// The file system of the file at `path`.
+/// ID of the device, and thus of the file system, of the file at `path`.
 fn device(path: &Path) -> anyhow::Result<u64> {
     let metadata =
         fs::metadata(path).with_context(|| format!("{}: cannot be read", path.display()))?;
     Ok(metadata.dev())
 }
 
-/// `path` without `.` and `..`, if it is relative and stays inside the directory it starts from.
+/// `path` without `.` and `..`. `None` if it is absolute or leaves the directory that it starts
+/// from.
 fn inside(path: &Path) -> Option<PathBuf> {
     let mut inside = PathBuf::new();
     for component in path.components() {
@@ -510,7 +516,7 @@ fn inside(path: &Path) -> Option<PathBuf> {
     Some(inside)
 }
 
-/// Ascending numbers in Slurm's notation: `1-3,7`.
+/// Ascending numbers in Slurm's notation for job arrays, such as `1-3,7`.
 pub fn ranges(parts: &[u32]) -> String {
     let runs = parts.chunk_by(|a, b| a + 1 == *b);
     let runs = runs.map(|run| match run {
@@ -531,7 +537,7 @@ fn in_shell(path: &Path) -> anyhow::Result<String> {
 }
 
 impl ClusterRecord {
-    /// A benchmark that has not been submitted.
+    /// The record of a benchmark before its first submission.
     pub fn new(
         parts: u32,
         placement: &Placement,

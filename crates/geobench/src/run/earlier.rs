@@ -1,4 +1,5 @@
-//! An earlier result file to which a run adds cells. Its runs count as if they were in a journal.
+//! An earlier result file to which a benchmark adds cells (`--add-to`). Its runs are treated as if
+//! they were in the journal.
 
 use std::collections::HashMap;
 
@@ -7,7 +8,7 @@ use crate::measure::memory::Peaks;
 use crate::run::journal::{RunId, RunOutcome};
 use crate::schema::{Cell, CellPlace, ModelRecord, ResultFile, Status};
 
-/// The start of the message of a cell that could not be checked.
+/// Prefix of the message of a cell that could not be checked.
 pub(super) const NOT_CHECKED: &str = "not checked: ";
 
 /// Models and cells of an earlier result file.
@@ -32,7 +33,7 @@ impl Earlier {
         self.models.get(name)
     }
 
-    /// The cell of a run, if it has this number of threads.
+    /// The cell of a run, if the file has it with this number of threads.
     pub(super) fn cell(&self, run: &RunId, threads: usize) -> Option<&Cell> {
         self.cells.get(&(
             run.group.clone(),
@@ -44,7 +45,8 @@ impl Earlier {
     }
 }
 
-/// The outcome of a run of `cell`, if it had that run.
+/// The outcome of a run, reconstructed from the record of its `cell`. `None` if the cell lacks the
+/// run.
 pub(super) fn outcome(cell: &Cell, pass: Pass, round: usize) -> Option<RunOutcome> {
     let unchecked = cell
         .message
@@ -59,7 +61,8 @@ pub(super) fn outcome(cell: &Cell, pass: Pass, round: usize) -> Option<RunOutcom
         place: cell.time.places.get(round).copied(),
     };
     if cell.status != Status::Ok {
-        // One run holds the failure of the cell.
+        // The record does not tell which run failed. The failure is attributed to the first
+        // warm-up.
         return (pass == Pass::Warmup && round == 0).then(|| RunOutcome {
             check: cell.check.clone(),
             failure: Some(Failure::new(

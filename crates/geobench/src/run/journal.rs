@@ -1,15 +1,17 @@
-//! The journal of a benchmark: the outcome of every run, synced to disk before the next one starts,
-//! so that a killed benchmark loses at most the run under way.
+//! The journal of a benchmark. The outcome of each run is synced to disk before the next run
+//! starts, so a killed benchmark loses at most the run in progress.
 //!
-//! A journal is a file of JSON lines. The first is the [`JournalHeader`] with program and plan.
-//! Only the same program under the same conditions continues a journal. Its plan may have other
-//! models, algorithms, sources and numbers of runs; then a line holds the new plan, and runs that
-//! it does not have are left alone. The other lines hold a session, a model, an instruction count
-//! or a run. An incomplete last line is cut off. Any other malformed
-//! line is an error, because the rest of the file cannot be trusted then.
+//! A journal is a file of JSON lines. The first line is the [`JournalHeader`] with program and
+//! plan. Each further line holds a session, a model, an instruction count, a run or a new plan. An
+//! incomplete last line is cut off. Any other malformed line is an error, because the rest of the
+//! file cannot be trusted then.
 //!
-//! A run has one line. Warm-ups are the exception: a later process repeats them before its timed
-//! runs. It also repeats the run of the reference, whose answer is needed for checks and is too
+//! A process may continue a journal only if the program and the conditions are the same. Its plan
+//! may have other models, algorithms, sources and numbers of runs. Then a line with the new plan is
+//! appended. Runs that the new plan does not have stay in the file and are ignored.
+//!
+//! A run has one line. Warm-ups are an exception: a later process repeats them before its timed
+//! runs. It also repeats the run of the reference, because checks need the answer, which is too
 //! large to store.
 
 use std::collections::HashMap;
@@ -35,33 +37,34 @@ mod tests;
 /// Identifies a run within a plan.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct RunId {
-    /// Name of the group; none if that has none.
+    /// Name of the group; null for a group without a name.
     pub group: Option<String>,
     /// Name of the model.
     pub model: String,
-    /// The source, or several together.
+    /// The source, or several sources together.
     pub source: SourceLabel,
     /// Label of the algorithm.
     pub algorithm: String,
-    /// Its purpose.
+    /// Purpose of the run.
     #[serde(rename = "purpose")]
     pub pass: Pass,
-    /// Index among the runs of this pass.
+    /// Index among the runs of this pass, from 0.
     pub round: usize,
 }
 
 /// The outcome of a run, after the check of its answer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunOutcome {
-    /// The figures, without the distances.
+    /// The measurements. The distances are not stored.
     pub observation: Observation,
     /// Comparison of the distances with the reference.
     pub check: Check,
-    /// Why there was no reference although one is wanted.
+    /// Why there was no reference answer although one was requested.
     pub unchecked: Option<String>,
     /// Failure of the run, which fails the cell.
     pub failure: Option<Failure>,
-    /// Index of a timed run in its round; null for others, and in journals of older programs.
+    /// Position of a timed run in its round. Null for other runs, for concurrent cells, and in
+    /// journals of older versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<usize>,
 }
@@ -71,7 +74,7 @@ pub struct RunOutcome {
 pub struct Journal {
     path: PathBuf,
     file: File,
-    /// Bytes of complete lines.
+    /// Length of all complete lines in bytes.
     length: u64,
     /// The plan of the first line, and of later ones.
     plans: Vec<PlanRecord>,
@@ -81,16 +84,16 @@ pub struct Journal {
     instructions: HashMap<RunId, InstructionCount>,
 }
 
-/// Time to wait for the lock.
+/// Maximum time to wait for the lock.
 const LOCK_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Interval of attempts.
+/// Time between two attempts to lock.
 const PAUSE: Duration = Duration::from_millis(10);
 
 /// Locks a journal, waiting up to [`LOCK_TIMEOUT`].
 ///
-/// If a process is killed while it starts a child, the child holds the lock until exec. Waiting
-/// prevents that a resumed run is refused for that reason.
+/// If a process is killed while it starts a child, the child holds the lock until exec. Without the
+/// wait, a run that is resumed immediately would be refused.
 fn lock(file: &File) -> Result<(), TryLockError> {
     let deadline = Instant::now() + LOCK_TIMEOUT;
     loop {
@@ -102,13 +105,13 @@ fn lock(file: &File) -> Result<(), TryLockError> {
 }
 
 impl Journal {
-    /// Opens the journal of the run that `header` describes and adds `session`. A missing or empty
-    /// file becomes a new journal.
+    /// Opens and locks the journal of the benchmark that `header` describes, and adds `session`. A
+    /// missing or empty file becomes a new journal, and so does one that ends within this header.
     ///
     /// # Errors
     ///
-    /// When the file cannot be written, is in use, is not a journal, belongs to another run or is
-    /// damaged. The file is then unchanged.
+    /// If the file cannot be written, is in use, is not a journal, belongs to another benchmark or
+    /// is damaged. Unless writing failed, the file is unchanged.
     pub fn open(
         path: &Path,
         header: &JournalHeader,
@@ -151,7 +154,7 @@ impl Journal {
         read.with_context(|| failed("read"))?;
         let first = header.line();
         let begun = if bytes.len() < first.len() && first.as_bytes().starts_with(&bytes) {
-            // New, or the first line is incomplete.
+            // The file is new, or its first line is incomplete.
             journal.plans.push(header.plan.clone());
             journal.start(&first)
         } else {
@@ -167,7 +170,7 @@ impl Journal {
         });
         let noted = begun.and_then(|()| journal.append(&JournalLine::Session(session.clone())));
         if noted.is_err() && !existed {
-            // It is empty, so a failure to remove it does no harm.
+            // The file is useless but harmless, so a failure to remove it is ignored.
             let _ = fs::remove_file(path);
         }
         noted.with_context(|| failed("written"))?;
@@ -175,7 +178,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// The sessions so far, this one last.
+    /// The sessions so far; that of this process is last.
     pub fn sessions(&self) -> &[SessionRecord] {
         &self.sessions
     }
@@ -195,7 +198,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Reads all complete lines.
+    /// Reads and checks all complete lines.
     fn read(&mut self, bytes: &[u8], header: &JournalHeader) -> anyhow::Result<()> {
         let name = self.path.display().to_string();
         let mut lines = bytes.split_inclusive(|&byte| byte == b'\n');
@@ -232,7 +235,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Stores what a line holds.
+    /// Stores the contents of a line in memory.
     fn take_in(&mut self, line: JournalLine) -> Result<(), String> {
         match line {
             JournalLine::Plan(plan) => self.plans.push(plan),
@@ -260,8 +263,8 @@ impl Journal {
         problem.map_or(Ok(()), Err)
     }
 
-    /// Stores the outcome of a run. Of repeated warm-ups the first counts, which set the algorithm
-    /// up, unless a later one failed.
+    /// Stores the outcome of a run. Of repeated warm-ups the first counts, because it includes the
+    /// set-up, unless a later one failed.
     fn note(&mut self, id: RunId, found: RunOutcome) -> Result<(), String> {
         match self.outcomes.get_mut(&id) {
             None => {
@@ -298,17 +301,17 @@ impl Journal {
             .and_then(|()| self.file.sync_data());
         match written {
             Ok(()) => self.length += line.len() as u64,
-            // Removes the incomplete line, which the next process would cut off.
+            // Removes the incomplete line, so that later lines stay readable.
             Err(_) => self.cut()?,
         }
         written
     }
 
-    /// Writes a line and stores what it holds.
+    /// Writes a line to the file and stores its contents in memory.
     ///
     /// # Errors
     ///
-    /// When the file cannot be written, which ends the benchmark.
+    /// If the file cannot be written. The benchmark must end then.
     pub(super) fn keep(&mut self, line: JournalLine) -> anyhow::Result<()> {
         self.append(&line).map_err(|error| {
             anyhow!(
@@ -329,7 +332,7 @@ impl Journal {
         self.outcomes.get(run)
     }
 
-    /// The instruction count of a cell, named by its counted run.
+    /// The instruction count of a cell. `run` is the counting run of that cell.
     pub(super) fn instructions(&self, run: &RunId) -> Option<&InstructionCount> {
         self.instructions.get(run)
     }
@@ -338,16 +341,16 @@ impl Journal {
 /// Identifies the benchmark of a journal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct JournalHeader {
-    /// Always the schema of result files.
+    /// Schema of the records, the same as that of result files.
     journal: String,
-    /// The program that measures.
+    /// Version and build of the program.
     tool: Tool,
     /// The plan, with the hashes of the model files.
     plan: PlanRecord,
 }
 
 impl JournalHeader {
-    /// The first line of a journal of `tool` running `plan`.
+    /// The header of a journal in which `tool` runs `plan`.
     pub fn new(tool: Tool, plan: PlanRecord) -> Self {
         Self {
             journal: SCHEMA.to_owned(),
@@ -356,15 +359,15 @@ impl JournalHeader {
         }
     }
 
-    /// The line itself.
+    /// The header as a line of JSON.
     fn line(&self) -> String {
         let mut line = serde_json::to_string(self).unwrap_or_default();
         line.push('\n');
         line
     }
 
-    /// The first difference from `now` for which the runs of one benchmark cannot be used in the
-    /// other, with both values.
+    /// Describes the first difference from `now` that prevents runs of one benchmark from being
+    /// used in the other. `None` if there is none.
     fn difference(&self, now: &Self) -> Option<String> {
         let value = |header: &Self, other: &Self| {
             let plan = conditions(&header.plan, &other.plan);
@@ -382,9 +385,9 @@ impl JournalHeader {
     }
 }
 
-/// The parts of `plan` that must be the same in `other` for the runs of both to belong together:
-/// the conditions of the groups that both have, with the models and algorithms that both have.
-/// Sources and numbers of runs may differ.
+/// The settings of `plan` that must be the same in `other` so that their runs can be combined:
+/// isolation, shard, and the settings of the groups that both plans have, with the models and
+/// algorithms that both have. Sources and numbers of timed runs may differ.
 fn conditions(plan: &PlanRecord, other: &PlanRecord) -> PlanRecord {
     let pairs = plan.groups.iter().filter_map(|group| {
         let same = other.groups.iter().find(|other| other.name == group.name);
@@ -399,7 +402,7 @@ fn conditions(plan: &PlanRecord, other: &PlanRecord) -> PlanRecord {
             group
                 .algorithms
                 .retain(|one| other.algorithms.iter().any(|a| a.label == one.label));
-            // In any order.
+            // The order of models and algorithms may differ.
             group.models.sort_by(|a, b| a.name.cmp(&b.name));
             group.algorithms.sort_by(|a, b| a.label.cmp(&b.label));
             PlannedGroup {
@@ -452,7 +455,7 @@ fn check(plan: &PlanRecord, run: &RunId) -> Result<(), String> {
 #[serde(rename_all = "snake_case")]
 #[expect(clippy::large_enum_variant, reason = "there is but one at a time")]
 pub(super) enum JournalLine {
-    /// The plan from here on.
+    /// A plan that differs from the earlier ones. It applies from this line on.
     Plan(PlanRecord),
     /// A process started.
     Session(SessionRecord),
@@ -460,7 +463,7 @@ pub(super) enum JournalLine {
     Model(ModelRecord),
     /// The instructions of a cell were counted.
     Instructions {
-        /// The run that counts in that cell.
+        /// The counting run of that cell.
         id: RunId,
         /// The count and the kind of instructions.
         #[serde(flatten)]
@@ -476,7 +479,7 @@ pub(super) enum JournalLine {
 }
 
 impl JournalLine {
-    /// The run that the line is about.
+    /// The run that the line refers to, if any.
     const fn run(&self) -> Option<&RunId> {
         match self {
             Self::Plan(_) | Self::Session(_) | Self::Model(_) => None,

@@ -2,15 +2,16 @@
 
 use geobench_voronoi::NO_SOURCE;
 
-/// The nearest sources of every vertex, as bits.
+/// The nearest sources of every vertex, as a bit set per vertex. Ties count as nearest.
 #[derive(Debug)]
 pub(super) struct NearestSources {
+    /// Words of 64 bits per vertex.
     words: usize,
     bits: Vec<u64>,
 }
 
 impl NearestSources {
-    /// For so many vertices and sources; none is near yet.
+    /// Empty sets for these numbers of vertices and sources.
     pub(super) fn new(vertices: usize, sources: usize) -> Self {
         let words = sources.div_ceil(64);
         Self {
@@ -19,8 +20,9 @@ impl NearestSources {
         }
     }
 
-    /// Adds a source with its distances, where no other one is nearer by more than `tolerance`
-    /// relative; `least` are the distances from the nearest source.
+    /// Adds a source to the set of each vertex that it reaches, where its distance exceeds the
+    /// least one by at most `tolerance` relative. `distances` are those from this source, for all
+    /// vertices. `least` has vertices with their distances from the nearest source.
     pub(super) fn add(
         &mut self,
         source: usize,
@@ -38,8 +40,8 @@ impl NearestSources {
         }
     }
 
-    /// The vertices whose label is not one of the nearest sources. One that no source reaches has
-    /// none.
+    /// The vertices whose label is not one of their nearest sources. The right label of a vertex
+    /// that no source reaches is [`NO_SOURCE`].
     pub(super) fn wrong<'s>(&'s self, labels: &'s [u32]) -> impl Iterator<Item = usize> + 's {
         let near = self.bits.chunks_exact(self.words);
         let wrong = near.zip(labels).map(|(near, &label)| {

@@ -1,11 +1,11 @@
-//! Journal and listener of a run.
+//! Journal and listener of a benchmark.
 
 use std::sync::{Mutex, MutexGuard};
 
 use crate::exec::{Listener, lock};
 use crate::run::journal::{Journal, JournalLine};
 
-/// Journal and listener of a run, for all cells that run at the same time.
+/// Journal and listener, shared by concurrent cells.
 pub(super) struct RunLog<'l> {
     journal: Mutex<Option<&'l mut Journal>>,
     listener: Mutex<&'l mut dyn Listener>,
@@ -29,7 +29,7 @@ impl<'l> RunLog<'l> {
         lock(&self.listener)
     }
 
-    /// Whether to stop.
+    /// Whether a signal asks to stop.
     pub(super) fn interrupted(&self) -> bool {
         self.listener().interrupted()
     }

@@ -1,8 +1,9 @@
-//! Merges the shards of one benchmark that ran on different machines, or one after the other.
+//! Merges the result files of the shards of one benchmark. Shards may run on different machines, or
+//! one after the other. Messages call a shard a *part*.
 //!
-//! Cells are merged in the order of an unsplit run: by group, model, source and algorithm. Every
-//! shard holds the whole plan, from which its cells follow; so missing and interrupted shards are
-//! detected and named.
+//! Cells are merged in the order of an unsplit run: by group, model, source and algorithm. The file
+//! of a shard has the whole plan, which determines the cells of the shard. Missing and interrupted
+//! shards are therefore detected and named.
 
 use anyhow::{anyhow, bail};
 use serde_json::json;
@@ -12,21 +13,22 @@ use crate::measure::conditions;
 use crate::schema::difference::first_difference;
 use crate::schema::{Cell, ModelRecord, PlanRecord, PlannedGroup, ResultFile, Shard};
 
-/// Greatest number of missing parts that are named.
+/// Maximum number of missing parts that a message names.
 const MOST_NAMED: usize = 20;
 
 /// The file of one shard.
 struct ShardFile {
     name: String,
-    /// The rest of the file.
+    /// The file, without its plan and cells.
     file: ResultFile,
     plan: PlanRecord,
     shard: Shard,
-    /// Its cells, the next one last.
+    /// The cells that are not merged yet, in reverse order.
     cells: Vec<Cell>,
 }
 
 impl ShardFile {
+    /// The error that this part belongs to another benchmark than `first`.
     fn differs_from(&self, first: &Self, difference: &str) -> anyhow::Error {
         anyhow!(
             "{}: not a part of the same benchmark as {}: {difference}",
@@ -36,11 +38,13 @@ impl ShardFile {
     }
 }
 
-/// Joins `parts`, each with the name of its file, in any order.
+/// Merges `parts`, the files of all shards of a benchmark, each with its name. Their order is
+/// irrelevant.
 ///
 /// # Errors
 ///
-/// When they are not the complete shards of one benchmark, each once.
+/// If a file is not of a shard, if a shard is missing, incomplete or given twice, or if the shards
+/// differ in program, plan or models.
 pub fn merge(parts: Vec<(String, ResultFile)>) -> anyhow::Result<ResultFile> {
     let mut parts = parts
         .into_iter()
@@ -80,6 +84,11 @@ pub fn is_of_one_machine(file: &ResultFile) -> bool {
     pairs.all(|pair| pair[0].host.is_same_machine(&pair[1].host))
 }
 
+/// Takes the plan and the cells out of the file of a shard.
+///
+/// # Errors
+///
+/// If the file is not of a shard.
 fn part(name: String, mut file: ResultFile) -> anyhow::Result<ShardFile> {
     let plan = file.plan.take();
     let whole = |shard: &Shard| (1..=shard.count).contains(&shard.index);
@@ -97,7 +106,7 @@ fn part(name: String, mut file: ResultFile) -> anyhow::Result<ShardFile> {
     })
 }
 
-/// Checks that the sorted parts are those of one benchmark, each once.
+/// Checks that `parts`, sorted by index, are the shards of one benchmark, each exactly once.
 fn check_together(parts: &[ShardFile]) -> anyhow::Result<()> {
     for pair in parts.windows(2) {
         let (first, part) = (&parts[0], &pair[1]);
@@ -151,7 +160,7 @@ fn differs(first: &ShardFile, part: &ShardFile) -> Option<String> {
     ))
 }
 
-/// The cells of all parts in the order of the plan.
+/// Moves the cells out of all parts, in the order of the plan.
 fn cells(plan: &PlanRecord, parts: &mut [ShardFile]) -> anyhow::Result<Vec<Cell>> {
     let mut all = Vec::new();
     let mut first_unit = 0_u128;
@@ -169,7 +178,7 @@ fn cells(plan: &PlanRecord, parts: &mut [ShardFile]) -> anyhow::Result<Vec<Cell>
                 let holder = parts.iter_mut().find(|part| part.shard.holds(unit));
                 let Some(part) = holder else { continue };
                 let taken = take_unit(group, &model.name, part, &mut all);
-                // The random sources of a refused model share one cell for each algorithm.
+                // The unknown sources of a refused model share one cell for each algorithm.
                 if taken == Some(Taken::AllSources) {
                     break;
                 }
@@ -188,7 +197,8 @@ fn cells(plan: &PlanRecord, parts: &mut [ShardFile]) -> anyhow::Result<Vec<Cell>
     Ok(all)
 }
 
-/// Number of sources in a model if all vertices are among them, from the record of the model.
+/// Number of sources in a model if the sources include `all`, which stands for all vertices. Their
+/// number is in the record of the model. A model that was refused has one unit.
 fn units_of_all(spec: &SourceSpec, model: &str, parts: &[ShardFile]) -> u128 {
     let models = parts.iter().flat_map(|part| &part.file.models);
     let mut known = models.filter(|record| record.name == model);
@@ -197,14 +207,16 @@ fn units_of_all(spec: &SourceSpec, model: &str, parts: &[ShardFile]) -> u128 {
     points.map_or(1, |points| points.len() as u128)
 }
 
-/// The sources of the next cells of a part.
+/// What the cells that [`take_unit`] has moved belong to.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Taken {
     OneSource,
+    /// The unknown sources of a refused model, all together.
     AllSources,
 }
 
-/// Moves the cells of a model and one source, one for each algorithm, if they come next.
+/// Moves the next cells of `part`, one for each algorithm, to `all`. `None` if they are not cells
+/// of this group and model with one source, in the order of the plan; then nothing is moved.
 fn take_unit(
     group: &PlannedGroup,
     model: &str,
@@ -230,7 +242,7 @@ fn take_unit(
     })
 }
 
-/// The models of all parts in the order of the plan, each once.
+/// The records of the models of all parts, in the order of the plan, each once.
 fn models(plan: &PlanRecord, parts: &[ShardFile]) -> anyhow::Result<Vec<ModelRecord>> {
     let mut models: Vec<ModelRecord> = Vec::new();
     for name in plan
@@ -263,7 +275,7 @@ fn models(plan: &PlanRecord, parts: &[ShardFile]) -> anyhow::Result<Vec<ModelRec
     Ok(models)
 }
 
-/// The first or the last of the times of all parts. RFC 3339 times sort as text.
+/// The earliest or latest time of all parts. RFC 3339 times in UTC sort as text.
 fn extreme(
     parts: &[ShardFile],
     of: fn(&ResultFile) -> &String,

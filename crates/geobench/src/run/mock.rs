@@ -15,7 +15,7 @@ use crate::schema::{GroupRecord, Host, ResultFile, SCHEMA, Tool};
 
 /// A plan for models that do not exist.
 pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
-    // Scalar, so that snapshots do not depend on the machine.
+    // Scalar instructions, so that snapshots do not depend on the machine.
     let simd = SimdChoice::AtMost(Instructions::Scalar);
     let algorithms = registry::select(algorithms).unwrap();
     let algorithms: Vec<_> = algorithms.into_iter().map(|a| a.with_simd(simd)).collect();
@@ -48,7 +48,7 @@ pub(crate) struct NullListener;
 
 impl Listener for NullListener {}
 
-/// Carries out `plan` with a mock backend.
+/// Executes `plan` with a mock backend.
 pub(crate) fn run_mock(plan: &Plan, backend: &MockBackend) -> Records {
     run(plan, backend, None, None, &mut NullListener, 1).unwrap()
 }

@@ -1,4 +1,6 @@
-//! Executes a [`Plan`], model by model. `unit` runs the cells of one model and source.
+//! Executes a [`Plan`], model by model. A *cell* is one algorithm on one model from one source, or
+//! from several together. A *unit* has the cells of one model and source; the module `unit`
+//! executes it.
 
 pub mod agreement;
 pub(crate) mod asked;
@@ -46,19 +48,19 @@ pub struct Records {
     pub cells: Vec<Cell>,
 }
 
-/// Carries out `plan`, model by model. Runs in `journal` and in `earlier` are not repeated, and a
-/// model with all runs in them is not loaded. After an interruption the records cover the finished
-/// runs.
+/// Executes `plan`, model by model. Runs in `journal` or `earlier` are not repeated, except the
+/// warm-ups and the reference run before timed runs. A model whose runs are all known is not
+/// loaded. After an interruption the records cover the finished models and cells.
 ///
-/// With one job, the runs of a model and source are interleaved. With more, so many cells run at
-/// the same time, each from its first run to its last; the reference of a model and source comes
-/// before its cells. Records are in the order of the plan.
+/// With one job, the runs of a model and source are interleaved. With more, up to `jobs` cells run
+/// concurrently, each from its first run to its last. The reference run of a model and source
+/// precedes its cells. Records are in the order of the plan.
 ///
 /// # Errors
 ///
-/// Errors of the journal and the listener, and a model that differs from that of the journal or of
-/// the earlier file.
-/// Failures of runs are in the records of their cells.
+/// If the journal cannot be written, the listener fails, the threads of the jobs cannot be started,
+/// or a model differs from that of the journal or of the earlier file. Failures of runs are no
+/// errors; they are in the records of their cells.
 pub fn run(
     plan: &Plan,
     backend: &dyn Backend,
@@ -105,8 +107,8 @@ pub fn run(
     Ok(finished.records)
 }
 
-/// Does `work` on all items: one after the other, or as many at the same time as this pool has
-/// threads. Items are begun in order; none after an error.
+/// Calls `work` for all items, sequentially or concurrently on the threads of the current pool.
+/// Items are started in order, and none is started after an error.
 fn each<T: Send>(
     mut items: impl Iterator<Item = T> + Send,
     is_parallel: bool,
@@ -119,19 +121,20 @@ fn each<T: Send>(
     }
 }
 
-/// The models that are done.
+/// Results of the finished models, put into the order of the plan.
 #[derive(Default)]
 struct Finished {
     records: Records,
-    /// Models before which others are not done yet, by their number.
+    /// Finished models that wait for an earlier one, by their number.
     waiting: BTreeMap<usize, (ModelRecord, Vec<Cell>)>,
-    /// Number of the model that comes next.
+    /// Number of the next model to deliver.
     next: usize,
 }
 
 impl Finished {
-    /// Adds the waiting models to the records, in order, up to the first that is not done; past it
-    /// if none `is_last`.
+    /// Moves waiting models to the records and reports them to the listener, in order. Stops at the
+    /// first model that is not finished. With `is_last`, no more models will finish, and unfinished
+    /// ones are skipped.
     fn deliver(&mut self, is_last: bool, log: &RunLog<'_>) -> anyhow::Result<()> {
         while let Some(first) = self.waiting.first_entry() {
             if !is_last && *first.key() != self.next {
@@ -160,7 +163,7 @@ pub fn is_known(plan: &Plan, earlier: &Earlier) -> bool {
     with_units.all(|place| known(plan, place, past, true).is_some())
 }
 
-/// The record and all cells of the model at `place`, if every run of them is in `past`.
+/// The record and all cells of the model with index `place`, if every run of them is in `past`.
 fn known(
     plan: &Plan,
     place: usize,
@@ -169,7 +172,8 @@ fn known(
 ) -> Option<(ModelRecord, Vec<Cell>)> {
     let model = &plan.models[place];
     let (found, file_sha256) = past.model(&model.name)?;
-    // A journal refuses changed files when it is opened.
+    // `Journal::open` has refused changed model files. Those of an earlier result file are compared
+    // here. Generated models have no file.
     if file_sha256.is_some() && model.file_sha256() != file_sha256 && model.spec().is_none() {
         return None;
     }
@@ -184,7 +188,7 @@ fn known(
     })
 }
 
-/// The sources of this shard in the model at `place`.
+/// The sources that this shard has in the model with index `place`.
 fn sources(plan: &Plan, place: usize, model: &ModelRecord) -> Result<Vec<SourceSpec>, UsageError> {
     let vertices = model.vertex_count();
     let all = plan.units_in(vertices)?.into_iter().enumerate();
@@ -216,7 +220,7 @@ impl Benchmark<'_, '_> {
         self.log.listener().loading(&model.name);
         match self.backend.open(model) {
             Ok(session) => self.run_loaded(session),
-            // The interruption may have caused the refusal.
+            // A signal may have caused the refusal, so it is not recorded.
             Err(_) if self.log.interrupted() => Ok((model.record(), Vec::new())),
             Err(refusal) => {
                 let record = model.record();
@@ -226,7 +230,7 @@ impl Benchmark<'_, '_> {
         }
     }
 
-    /// Adds the instructions of a cell, from the journal or counted now.
+    /// Adds the instruction count of a successful cell, from the journal or counted now.
     fn count_instructions(&self, model: &ModelRecord, cell: &mut Cell) -> anyhow::Result<()> {
         let (Status::Ok, Some(source), None) =
             (cell.status, cell.source.clone(), cell.instructions)
@@ -265,7 +269,7 @@ impl Benchmark<'_, '_> {
         Ok(())
     }
 
-    /// The cells of `model` from `source`, with the runs that are done.
+    /// The unit of `model` and `source`, with the known runs.
     fn unit<'m>(
         &'m self,
         model: &'m ModelRecord,
@@ -279,7 +283,7 @@ impl Benchmark<'_, '_> {
         Unit::new(self.plan, model, source, past, !self.is_parallel)
     }
 
-    /// All cells of the model, if the journal or the earlier file knows every run of them.
+    /// The record and all cells of the model, if the journal or the earlier file has every run.
     fn known(&self) -> Option<(ModelRecord, Vec<Cell>)> {
         let journal = self.log.journal();
         let past = Past {
@@ -329,7 +333,13 @@ impl Benchmark<'_, '_> {
         Ok((model, cells))
     }
 
-    /// The record of the model that was found: that of the journal, if it has one.
+    /// The record of the loaded model. If the journal has a record of it, returns that one, else
+    /// writes `found` to the journal.
+    ///
+    /// # Errors
+    ///
+    /// If the hash differs from that in the journal or the earlier file, or if the journal cannot
+    /// be written.
     fn recorded(&self, found: &ModelRecord) -> anyhow::Result<ModelRecord> {
         let same = |known: &ModelRecord, whose: &str| {
             if known.sha256 == found.sha256 {
@@ -355,8 +365,9 @@ impl Benchmark<'_, '_> {
         Ok(found.clone())
     }
 
-    /// The cells of a model that cannot be used or lacks a source. Random sources are then unknown
-    /// and have one cell together.
+    /// Refused cells of a model that is unusable or lacks a requested source. Sources that depend
+    /// on the mesh, such as random ones, are unknown then: all sources share one cell per
+    /// algorithm.
     fn refused(&self, message: &str) -> Vec<Cell> {
         let plan = self.plan;
         let runs = plan.runs_of_model(self.place);

@@ -14,14 +14,14 @@ use crate::schema::SourceLabel;
 /// be repeated.
 #[derive(Clone, Debug)]
 pub(crate) struct RunOrder {
-    /// The algorithm of each part of the square.
+    /// The algorithm for each symbol of the square.
     parts: Vec<usize>,
     /// The rows of the square, in order of use.
     rows: Vec<usize>,
 }
 
 impl RunOrder {
-    /// The order of `algorithms` algorithms in a model from a source.
+    /// The order of `algorithms` algorithms on a model from a source.
     pub(crate) fn new(seed: u64, model: &str, source: &SourceLabel, algorithms: usize) -> Self {
         let source = match source {
             SourceLabel::Vertex(vertex) => vertex.to_le_bytes().to_vec(),
@@ -32,7 +32,8 @@ impl RunOrder {
             SplitMix64::new(seed ^ u64::from(byte)).next()
         });
         let mut random = SplitMix64::new(seed);
-        // An odd number of algorithms needs the square and its mirror image.
+        // For an odd number of algorithms only the square and its mirror image together are
+        // balanced.
         let rows = algorithms * (1 + algorithms % 2);
         Self {
             parts: shuffled(algorithms, &mut random),
@@ -40,13 +41,13 @@ impl RunOrder {
         }
     }
 
-    /// The place of an algorithm in `round`.
+    /// Position of an algorithm in `round`, from 0.
     pub(super) fn place(&self, round: usize, algorithm: usize) -> Option<usize> {
         let mut order = self.round(round).into_iter();
         order.position(|other| other == algorithm)
     }
 
-    /// The algorithms in their order in `round`, counted from 0.
+    /// Indices of the algorithms in their order in `round`. Rounds are numbered from 0.
     pub(crate) fn round(&self, round: usize) -> Vec<usize> {
         let n = self.parts.len();
         if n == 0 {
@@ -54,7 +55,8 @@ impl RunOrder {
         }
         let row = self.rows[round % self.rows.len()];
         let mut order: Vec<usize> = (0..n)
-            // The first row is 0, n - 1, 1, n - 2, ...: neighbours differ by every amount once.
+            // The first row is 0, n - 1, 1, n - 2, ...: each difference of neighbours modulo n
+            // occurs once.
             .map(|k| if k % 2 == 0 { k / 2 } else { n - k.div_ceil(2) })
             .map(|part| self.parts[(part + row) % n])
             .collect();

@@ -1,4 +1,4 @@
-//! The reference answer of a group, and comparison with it.
+//! The reference answer for one model and source, and the comparison of answers with it.
 
 use crate::exec::Failure;
 use crate::run::agreement::{self, Clusters};
@@ -9,13 +9,13 @@ use crate::schema::{Check, Status};
 /// The reference answer, or why there is none.
 #[derive(Debug, Default)]
 pub(super) struct ReferenceCheck {
-    /// The expected answer.
+    /// The reference answer.
     pub(super) answer: Option<Answer>,
-    /// Why there is no expected answer although one is wanted.
+    /// Why there is no reference answer although one was requested.
     pub(super) unchecked: Option<String>,
-    /// Answers that differ from the expected one.
+    /// Clusters of the answers that differ from the reference.
     pub(super) clusters: Clusters,
-    /// What answers hold.
+    /// Layout of the answers.
     pub(super) asked: Asked,
 }
 
@@ -23,7 +23,9 @@ pub(super) struct ReferenceCheck {
 #[derive(Debug)]
 pub(super) struct Answer {
     pub(super) name: String,
+    /// Places in the answer and their distances. A file may lack some places.
     pub(super) distances: Vec<(usize, f64)>,
+    /// Number of distances that an answer must have.
     pub(super) vertices: usize,
 }
 
@@ -39,8 +41,8 @@ impl Answer {
 }
 
 impl ReferenceCheck {
-    /// Compares an answer with the reference. Returns the comparison and the failure of the cell,
-    /// if it fails. Approximate answers belong to no cluster.
+    /// Compares an answer with the reference. Returns the comparison, and a failure if the answer
+    /// differs by more than `tolerance`. Approximate answers are not put into clusters.
     pub(super) fn judge(
         &mut self,
         distances: &[f64],
@@ -73,7 +75,7 @@ impl ReferenceCheck {
                 let expected = answer.distances.iter().copied();
                 (self.asked).compare(distances, expected, tolerance, is_approximate)
             }
-            // Without a reference, NaN still counts as wrong.
+            // Without a reference, only NaN is wrong. It is compared with itself and never agrees.
             None => check::compare_some(
                 distances,
                 distances

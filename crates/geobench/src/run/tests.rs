@@ -1,4 +1,4 @@
-//! The runner, with made-up runs.
+//! Tests of the runner with a mock backend.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -47,7 +47,7 @@ fn runs_are_interleaved_and_the_reference_goes_first() {
 fn without_a_number_each_cell_repeats_until_it_is_precise() {
     let mut plan = plan(&["horse"], "mmp,ich,vtp", "0");
     plan.sampling = Sampling::UntilPrecise(Precision::USUAL);
-    // mmp: always the same; ich: between 50 and 150 % of the median; vtp: short and the same.
+    // mmp: constant times; ich: between 50 and 150 % of the median; vtp: constant and short.
     let backend = MockBackend {
         time: Some(|name, nth| match name {
             "mmp" => 1.0,
@@ -60,14 +60,14 @@ fn without_a_number_each_cell_repeats_until_it_is_precise() {
     let time = |name| &cell(&records.cells, name).time;
     assert_eq!(time("mmp").samples.len(), 5);
     assert!(time("mmp").solves.is_empty() && !time("mmp").is_imprecise());
-    // The time ends before the number of runs.
+    // The maximum time of 20 s is reached before the maximum number of runs.
     let spent: f64 = time("ich").samples.iter().sum();
     assert!((20.0..22.0).contains(&spent) && time("ich").solves.is_empty());
     assert!(time("ich").is_imprecise());
-    // The least time in batches of a twentieth of it.
+    // The minimum time of 0.2 s, in batches of a twentieth of it.
     assert_eq!(time("vtp").solves, [10; 20]);
     assert_eq!(time("vtp").precision, Some(0.03));
-    // Every cell takes part in the rounds from the first on, so that samples form pairs.
+    // Every cell has a run in each of the first rounds, so that samples form pairs.
     let timed = backend
         .log()
         .into_iter()
@@ -242,7 +242,7 @@ fn without_a_check_only_what_is_no_number_is_wrong() {
     assert_eq!(run_mock(&plan, &backend).cells[0].status, Status::Wrong);
 }
 
-/// Asks to stop after a number of runs.
+/// Requests an interruption after this number of runs.
 struct Impatient(usize);
 
 impl Listener for Impatient {
@@ -273,7 +273,8 @@ fn who_asks_to_stop_gets_what_is_done() {
         (records.models.len(), cells.join(", "))
     };
     let cow = "cow mmp ok, cow ich crashed, cow vtp ok";
-    // Three warm-ups, one round of three, four rounds of two, two runs to count and two to clock.
+    // Three warm-ups, one round of three runs, four rounds of two, two profiled and two counting
+    // runs.
     let runs_of_cow = 3 + 3 + 4 * 2 + 2 + 2;
     for (runs, models, cells) in [
         (runs_of_cow, 1, cow.to_owned()),
@@ -290,7 +291,7 @@ fn who_asks_to_stop_gets_what_is_done() {
     }
 }
 
-/// Everything but the times, cell by cell.
+/// The cells without their times, which differ from run to run.
 fn essence(cells: &[Cell]) -> Vec<Cell> {
     let timeless = |cell: &Cell| Cell {
         time: crate::schema::Time {
@@ -302,7 +303,7 @@ fn essence(cells: &[Cell]) -> Vec<Cell> {
     cells.iter().map(timeless).collect()
 }
 
-/// Carries out `plan` with so many cells at the same time.
+/// Executes `plan` with up to `jobs` concurrent cells.
 fn run_jobs(plan: &Plan, backend: &MockBackend, jobs: usize) -> Records {
     run(plan, backend, None, None, &mut NullListener, jobs).unwrap()
 }
@@ -333,7 +334,7 @@ fn cells_at_the_same_time_have_the_results_of_one_after_the_other_in_the_same_or
                 log
             };
             assert_eq!(sorted(&together), sorted(&alone), "the same runs");
-            // There are no rounds.
+            // Concurrent cells have no common rounds.
             assert!(found.cells.iter().all(|cell| cell.time.places.is_empty()));
         }
     }
@@ -366,7 +367,7 @@ fn an_interruption_ends_the_cells_that_run_at_the_same_time() {
         let backend = MockBackend::default();
         let mut listener = Impatient(runs);
         let records = run(&plan, &backend, None, None, &mut listener, 4).unwrap();
-        // Runs under way are finished.
+        // Runs in progress are finished.
         assert!((runs..runs + 4).contains(&backend.log().len()), "{runs}");
         assert!(records.cells.iter().all(|cell| cell.status == Status::Ok));
         assert!(records.cells.len() <= runs / 8, "{runs}");

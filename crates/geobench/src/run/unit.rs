@@ -24,10 +24,10 @@ use crate::run::reference_check::{Answer, ReferenceCheck};
 use crate::schema::{Cell, ModelRecord, Status};
 
 /// The cells of one model and source. Unless several cells run concurrently, their runs are
-/// interleaved, so that drift of the machine affects all algorithms alike.
+/// interleaved, so that a drift of clock frequency or temperature affects all algorithms alike.
 pub(crate) struct Unit<'p> {
     plan: UnitPlan<'p>,
-    /// One for each algorithm.
+    /// One for each algorithm of the plan, in its order.
     cells: Vec<CellRuns<'p>>,
 }
 
@@ -35,13 +35,13 @@ pub(crate) struct Unit<'p> {
 struct UnitPlan<'p> {
     plan: &'p Plan,
     model: &'p ModelRecord,
-    /// The source, or several together.
+    /// The source, or several sources together.
     source: SourceSpec,
     order: RunOrder,
     is_interleaved: bool,
 }
 
-/// The runs that are done.
+/// Where runs of earlier processes are recorded.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Past<'p> {
     pub(crate) journal: Option<&'p Journal>,
@@ -49,7 +49,7 @@ pub(crate) struct Past<'p> {
 }
 
 impl<'p> Past<'p> {
-    /// The record of a model, and its hash if it is of an earlier file.
+    /// The record of a model, and its SHA-256 if the record is from the earlier file.
     pub(crate) fn model(self, name: &str) -> Option<(&'p ModelRecord, Option<String>)> {
         if let Some(model) = self.journal.and_then(|journal| journal.model(name)) {
             return Some((model, None));
@@ -60,7 +60,8 @@ impl<'p> Past<'p> {
 }
 
 impl<'p> Unit<'p> {
-    /// The cells of `plan` in `model` from `source`, with the runs in `past`.
+    /// The cells of `plan` for `model` and `source`, with the outcomes in `past`. The journal takes
+    /// precedence over the earlier file.
     pub(crate) fn new(
         plan: &'p Plan,
         model: &'p ModelRecord,
@@ -112,7 +113,7 @@ impl<'p> Unit<'p> {
         self.cells.iter().all(CellRuns::is_complete)
     }
 
-    /// Carries out the runs that are missing, those of all cells interleaved.
+    /// Executes the missing runs of all cells, interleaved.
     ///
     /// # Errors
     ///
@@ -140,9 +141,9 @@ impl<'p> Unit<'p> {
         Ok(())
     }
 
-    /// Carries out the runs that are missing. As many cells run at the same time as this pool has
-    /// threads, each in a session of its own; the reference comes before them. One cell has
-    /// `first`, a session of the model that has made no run, if there is one.
+    /// Executes the missing runs: first that of the reference, then those of the cells, which run
+    /// concurrently on the threads of the current pool, each in its own session. `first` is an
+    /// unused session of the model, if there is one. It serves the reference and then one cell.
     ///
     /// # Errors
     ///
@@ -167,7 +168,7 @@ impl<'p> Unit<'p> {
         Ok(())
     }
 
-    /// Tells the listener of the runs that are known.
+    /// Reports the known runs to the listener.
     fn begin(&self, log: &RunLog<'_>) {
         for cell in &self.cells {
             for (pass, outcome) in cell.summaries() {
@@ -177,7 +178,7 @@ impl<'p> Unit<'p> {
         }
     }
 
-    /// Tells the listener of the planned runs that were not made.
+    /// Reports to the listener how many planned runs were not executed.
     fn end(&self, log: &RunLog<'_>) {
         let planned = self.plan.plan.runs_per_cell();
         let skipped = self.cells.iter().map(|e| planned.saturating_sub(e.made));
@@ -198,7 +199,8 @@ impl<'p> Unit<'p> {
             .filter(|(cell, _)| cell.is_complete())
             .map(|(cell, id)| {
                 let placed = cell.timed().enumerate().filter_map(|(round, outcome)| {
-                    // In journals of older programs every round has all algorithms.
+                    // Journals of older versions do not store the position. In their runs every
+                    // round has all algorithms, so it follows from the order.
                     let in_round = || self.plan.place(round, cell.place);
                     outcome.place.or_else(in_round)
                 });
@@ -215,7 +217,7 @@ impl<'p> Unit<'p> {
             .map(|(place, cell)| (place, cell.message.clone()))
             .collect();
         agreement::explain(&mut cells);
-        // These were explained when they were made.
+        // Cells from the earlier file have these remarks already.
         for (place, message) in unchanged {
             cells[place].message = message;
         }
@@ -224,7 +226,7 @@ impl<'p> Unit<'p> {
 }
 
 impl<'p> UnitPlan<'p> {
-    /// Carries out the runs that are missing of cells at the same time.
+    /// Executes the missing runs of concurrent cells.
     fn make_runs_of_cells<'s>(
         &self,
         cells: &mut [CellRuns<'p>],
@@ -243,7 +245,8 @@ impl<'p> UnitPlan<'p> {
             checks: &checks,
         };
         let warmed = self.prepare(cells, &mut context)?;
-        // Its session goes on with the cell that it has warmed up.
+        // The session of the reference run continues with the cell that it warmed up, or else with
+        // the first cell.
         let heir = warmed.unwrap_or_default();
         let session = Mutex::new(Some(session));
         each(cells.iter_mut(), true, |cell| {
@@ -270,7 +273,7 @@ impl<'p> UnitPlan<'p> {
         })
     }
 
-    /// Ends cells whose model could not be opened again.
+    /// Marks incomplete cells as refused, after a session of their model could not be opened.
     fn refuse(
         &self,
         cells: &mut [CellRuns<'p>],
@@ -290,7 +293,7 @@ impl<'p> UnitPlan<'p> {
         Ok(())
     }
 
-    /// What answers are compared with, before the first.
+    /// The state of the checks before the first run.
     fn checks(&self) -> Checks {
         let vertices = self.model.vertex_count();
         Checks {
@@ -302,8 +305,8 @@ impl<'p> UnitPlan<'p> {
         }
     }
 
-    /// Makes the runs that come before those of the cells. Returns the place of the cell whose
-    /// first warm-up was one of them.
+    /// Executes the runs that the checks need before those of the cells. Returns the index of the
+    /// cell whose first warm-up was one of them.
     fn prepare(
         &self,
         cells: &mut [CellRuns<'p>],
@@ -313,8 +316,8 @@ impl<'p> UnitPlan<'p> {
         self.find_reference(cells, context)
     }
 
-    /// Makes the runs of these cells, interleaved. The cell at place `warmed` has had its first
-    /// warm-up.
+    /// Executes the missing runs of these cells, interleaved. The cell with index `warmed` has had
+    /// its first warm-up.
     fn make_runs(
         &self,
         cells: &mut [CellRuns<'p>],
@@ -338,8 +341,8 @@ impl<'p> UnitPlan<'p> {
                 }
             }
         }
-        // Profile precedes Count: the storage of the counters fragments the heap, after which
-        // memory of later runs could not be measured.
+        // Profile precedes Count: the storage of the counters fragments the heap, and the peak
+        // memory of a later run could not be measured.
         for pass in [Pass::Profile, Pass::Count] {
             for cell in &mut *cells {
                 self.step(cell, pass, 0, context)?;
@@ -348,14 +351,15 @@ impl<'p> UnitPlan<'p> {
         Ok(())
     }
 
-    /// The place of the cell at `place` in a round of timed runs, if there are rounds.
+    /// Position of the cell with index `place` in a round of timed runs. `None` for concurrent
+    /// cells, which have no common rounds.
     fn place(&self, round: usize, place: usize) -> Option<usize> {
         let place = self.order.place(round, place);
         place.filter(|_| self.is_interleaved)
     }
 
-    /// Determines the reference answer. If that takes a run of an algorithm of the plan, the run
-    /// counts as its warm-up and the index of its cell is returned.
+    /// Determines the reference answer, from a file or by a run. If the reference is an algorithm
+    /// of the plan, the run counts as its first warm-up, and the index of its cell is returned.
     fn find_reference(
         &self,
         cells: &mut [CellRuns<'p>],
@@ -395,7 +399,7 @@ impl<'p> UnitPlan<'p> {
         let failure = |journal: &Journal| journal.outcome(&run)?.failure.clone();
         let known = context.log.journal().as_deref().and_then(failure);
         if let Some(failure) = known {
-            // The reference is not tried again.
+            // The journal has a failure of the reference. The run is not repeated.
             context.check().unchecked = failed(&failure);
             return Ok(None);
         }
@@ -411,20 +415,21 @@ impl<'p> UnitPlan<'p> {
             Err(failure) => context.check().unchecked = failed(failure),
         }
         let Some(cell) = cell else {
-            // Not a cell of the plan. The journal keeps a failure, so that it is not tried again.
+            // The reference is not an algorithm of the plan. Its outcome goes to the journal, so
+            // that a failure is not repeated.
             let found = self.judge(reference, done, &mut context.check());
             context.log.keep(JournalLine::Run { id: run, found })?;
             return Ok(None);
         };
-        // Else its timed runs are done. The new answer serves checks only.
+        // Otherwise the cell has all timed runs or has failed. The answer serves only the checks.
         if cell.lacks(Pass::Warmup, 0) {
             self.take_in(cell, Pass::Warmup, 0, done, context)?;
         }
         Ok(Some(cell.place))
     }
 
-    /// Repeats runs whose answers differed from the reference before an interruption, so that later
-    /// answers can be compared with them.
+    /// Repeats one run of each cluster that differed from the reference before an interruption. The
+    /// journal does not store answers, and later answers are compared with them.
     fn restore_clusters(
         &self,
         cells: &[CellRuns<'p>],
@@ -445,7 +450,7 @@ impl<'p> UnitPlan<'p> {
         Ok(())
     }
 
-    /// Makes a run, unless it is done or its cell has failed.
+    /// Executes a run, unless it is done, its cell has enough timed runs, or its cell has failed.
     fn step(
         &self,
         cell: &mut CellRuns<'p>,
@@ -459,6 +464,7 @@ impl<'p> UnitPlan<'p> {
         let mut solves = 1;
         if pass == Pass::Time {
             solves = cell.solves();
+            // Only the minimum number of runs was planned.
             if round >= self.plan.sampling.fewest() {
                 context.log.listener().more(1);
             }
@@ -467,7 +473,7 @@ impl<'p> UnitPlan<'p> {
         self.take_in(cell, pass, round, done, context)
     }
 
-    /// Checks the result of a run, writes it to the journal and adds it to its cell.
+    /// Checks the answer of a run, writes the outcome to the journal and adds it to its cell.
     fn take_in(
         &self,
         cell: &mut CellRuns<'p>,
@@ -511,7 +517,8 @@ impl<'p> UnitPlan<'p> {
         Ok(())
     }
 
-    /// Compares labels with one run of the reference from each source.
+    /// Checks that each label names a nearest source of its vertex. The nearest sources come from
+    /// one run of the reference per source, executed when the first labels arrive.
     fn judge_labels(
         &self,
         labels: &[u32],
@@ -540,8 +547,8 @@ impl<'p> UnitPlan<'p> {
         Ok(())
     }
 
-    /// The nearest sources of every vertex. `None` if nothing is checked, for a single source, and
-    /// for more than [`MOST_SOURCES`].
+    /// The nearest sources of every vertex. `None` if the reference is not an algorithm, if a run
+    /// fails, for a single source, and for more than [`MOST_SOURCES`].
     fn find_nearest(
         &self,
         context: &mut RunContext<'_, '_>,
@@ -589,8 +596,8 @@ impl<'p> UnitPlan<'p> {
                     reference_check.judge(&distances, tolerance, is_approximate);
                 check.doubt = (self.model.longest_edge)
                     .and_then(|longest| precision::doubtful_by(longest, &distances));
-                // An approximate answer may differ by a finite amount, or by its proven bound if it
-                // has one.
+                // An approximate answer may differ by any finite amount. With a proven bound, the
+                // bound is part of the tolerance instead.
                 let may_differ = is_approximate && bound.is_none();
                 let failure = failure.filter(|_| !may_differ || check.max_rel.is_none());
                 RunOutcome {
@@ -641,7 +648,7 @@ struct RunContext<'s, 'l> {
     checks: &'s Checks,
 }
 
-/// What the answers of the cells are compared with; cells that run at the same time share it.
+/// The state of the checks, shared by concurrent cells.
 struct Checks {
     /// The reference, and the answers that differ from it.
     reference: Mutex<ReferenceCheck>,
@@ -651,7 +658,7 @@ struct Checks {
 /// The nearest sources of every vertex.
 #[derive(Default)]
 enum Nearest {
-    /// No labels have come yet.
+    /// No run has returned labels yet.
     #[default]
     NotSought,
     /// Labels are not checked.
@@ -659,12 +666,12 @@ enum Nearest {
     Known(NearestSources),
 }
 
-/// A signal arrived.
+/// A signal stopped the runs.
 #[derive(Debug, thiserror::Error)]
 #[error("interrupted")]
 struct Interrupted;
 
-/// A signal ends the runs without an error.
+/// Turns [`Interrupted`] into success, because an interruption is not an error.
 fn stopped_or(done: anyhow::Result<()>) -> anyhow::Result<()> {
     match done {
         Err(error) if error.is::<Interrupted>() => Ok(()),
@@ -677,7 +684,12 @@ impl<'s> RunContext<'s, '_> {
         lock(&self.checks.reference)
     }
 
-    /// Makes a run, unless a signal arrives first.
+    /// Executes a run.
+    ///
+    /// # Errors
+    ///
+    /// The outer error: a signal arrived before the run, or a signal arrived and the run failed.
+    /// The inner result is that of the run.
     fn execute(&mut self, step: &Step<'_>) -> Result<Result<Observation, Failure>, Interrupted> {
         if self.log.interrupted() {
             return Err(Interrupted);

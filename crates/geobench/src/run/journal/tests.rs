@@ -1,4 +1,4 @@
-//! Journals of made-up runs.
+//! Tests of the journal with a mock backend.
 
 use std::fs;
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ use crate::schema::{
 };
 use tempfile::TempDir;
 
-/// A directory with a journal in it.
+/// A temporary directory for a journal.
 struct Desk {
     directory: TempDir,
 }
@@ -42,19 +42,19 @@ impl Desk {
         Journal::open(&self.path(), &header(plan), &session())
     }
 
-    /// Opens the journal and carries out the plan.
+    /// Opens the journal and executes the plan.
     fn run(&self, plan: &Plan, backend: &MockBackend) -> Records {
         self.run_jobs(plan, backend, 1)
     }
 
-    /// Opens the journal and carries out the plan, with so many cells at the same time.
+    /// Opens the journal and executes the plan, with up to `jobs` concurrent cells.
     fn run_jobs(&self, plan: &Plan, backend: &MockBackend, jobs: usize) -> Records {
         let mut journal = self.open(plan).unwrap();
         let listener = &mut NullListener;
         run(plan, backend, Some(&mut journal), None, listener, jobs).unwrap()
     }
 
-    /// The message with which the journal is refused, in which the path is `J`.
+    /// The error message of opening the journal, with `J` for its path.
     fn refused(&self, plan: &Plan) -> String {
         let before = fs::read(self.path()).unwrap();
         let message = format!("{:#}", self.open(plan).unwrap_err());
@@ -115,7 +115,7 @@ fn small() -> Plan {
     plan
 }
 
-/// All but the times.
+/// The cells as JSON, without their times, which differ from run to run.
 fn essence(records: &Records) -> String {
     let mut records = records.clone();
     for cell in &mut records.cells {
@@ -135,7 +135,7 @@ fn what_is_complete_is_not_repeated_and_not_even_loaded() {
     let first = MockBackend::default();
     let whole = desk.run(&small(), &first);
     let lines = desk.text().lines().count();
-    // A header, a session, two models, and every run.
+    // One line each for the header, the session, the two models and every run.
     assert_eq!(lines, 2 + 2 + first.log().len());
 
     let second = MockBackend {
@@ -152,7 +152,7 @@ fn what_is_complete_is_not_repeated_and_not_even_loaded() {
     assert_eq!(desk.text().lines().count(), lines + 1, "one more session");
 }
 
-/// Cuts the journal at every line, and within it, and goes on from there.
+/// Truncates the journal after every line and within it, and resumes from there.
 #[test]
 fn wherever_a_run_is_killed_it_goes_on_to_the_same_result() {
     for alter in [None, Some(spoil_vtp as _), Some(crash_ich as _)] {
@@ -221,7 +221,7 @@ fn cells_that_ran_at_the_same_time_are_not_repeated() {
     }
 }
 
-/// Counts instructions, and its own calls.
+/// Returns made-up instruction counts. Holds the number of calls.
 #[derive(Default)]
 struct Counting(u64);
 
@@ -262,7 +262,7 @@ fn a_cell_that_failed_is_not_tried_again() {
         ..MockBackend::default()
     };
     desk.run(&plan, &crashing);
-    // Killed after ich has failed in the first round.
+    // As if killed after ich failed in the first round.
     let text = desk.text();
     let end = text.find("crashed").unwrap();
     let end = end + text[end..].find('\n').unwrap() + 1;
@@ -359,19 +359,19 @@ fn a_journal_grows_by_algorithms_models_sources_and_runs() {
         };
         let grown = records.cells.iter().find(same).unwrap();
         assert_eq!(grown.time.samples[..2], cell.time.samples);
-        // The order of the first rounds was that of three algorithms.
+        // The first two rounds keep the positions of the old plan, which had three algorithms.
         assert_eq!(grown.time.places[..2], cell.time.places);
         assert_eq!(grown.time.samples.len(), 3);
         assert_eq!(grown.time.places.len(), 3);
     }
-    // Of the six old cells a run each, of the 18 new ones three.
+    // One run of each of the 6 old cells, three of each of the 18 new ones.
     let timed = second
         .log()
         .into_iter()
         .filter(|run| run.starts_with("time"));
     assert_eq!(timed.count(), 6 + 18 * 3);
 
-    // Both plans go on from there without a run.
+    // The journal has all runs of both plans now.
     let text = desk.text();
     let third = MockBackend::default();
     assert_eq!(desk.run(&larger, &third).cells, records.cells);
@@ -422,7 +422,7 @@ fn only_the_last_line_may_be_torn() {
     let last = lines.len() - 1;
     for (line, torn) in [(6, &lines[6][..20]), (last, "{\"run\":\n"), (6, "\n")] {
         let message = refused(line, torn);
-        // A line without its end has become one with the next.
+        // A line without its line break is joined with the next one.
         assert!(
             message.starts_with(&format!("journal J, line {}: not a line", line + 1)),
             "{message}"
@@ -471,8 +471,8 @@ fn a_journal_is_written_by_one_process_at_a_time() {
     assert_eq!(desk.open(&small()).unwrap().sessions().len(), 2);
 }
 
-/// The child of a killed process holds the lock for a moment. A run that was resumed at once was
-/// then refused, about once in a hundred times.
+/// The child of a killed process holds the lock until exec. Before `open` waited for the lock, a
+/// run that was resumed at once was refused about once in a hundred times.
 #[test]
 fn a_journal_that_is_let_go_of_soon_is_waited_for() {
     let desk = Desk::new();

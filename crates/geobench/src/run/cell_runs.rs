@@ -254,8 +254,10 @@ impl<'p> CellRuns<'p> {
         let unreachable = outcomes()
             .rev()
             .find_map(|outcome| outcome.check.unreachable);
-        let doubt = outcomes().find_map(|outcome| outcome.check.doubt);
-        let wrong_labels = outcomes().find_map(|outcome| outcome.check.wrong_labels);
+        let doubts = outcomes().filter_map(|outcome| outcome.check.doubt);
+        let doubt = doubts.reduce(f64::max);
+        let wrong_labels = outcomes().filter_map(|outcome| outcome.check.wrong_labels);
+        let wrong_labels = wrong_labels.max();
         if outcomes().any(|outcome| outcome.unchecked.is_some()) {
             return Check {
                 unreachable,

@@ -40,6 +40,41 @@ pub(crate) struct Line {
     pub(crate) seconds: f64,
 }
 
+/// Why `failed` are not certified: which of both directions is not proven to a fraction of each
+/// distance, and whether all distances are right to that fraction of the farthest one.
+fn causes(failed: &[&Line]) -> String {
+    let fails = |bound: Option<f64>| bound.is_none_or(|bound| bound > TOLERANCE);
+    let is_close = |line: &Line| {
+        let limit = TOLERANCE * line.farthest;
+        line.absolute.is_some_and(|absolute| absolute <= limit)
+    };
+    let mut text = String::from(
+        "\n| not proven | right to 1e-9 of the farthest distance | zoo | slivers |\n|---|---|--:|--:|\n",
+    );
+    for close in [true, false] {
+        for (name, long, short) in [
+            ("not too long", true, false),
+            ("not too short", false, true),
+            ("both", true, true),
+        ] {
+            let is_one = |line: &&&Line| {
+                is_close(line) == close
+                    && fails(line.too_long) == long
+                    && fails(line.too_short) == short
+            };
+            let [zoo, slivers] = ["zoo", "slivers"].map(|set| {
+                let of_set = failed.iter().filter(|line| line.set == set);
+                of_set.filter(is_one).count()
+            });
+            if zoo + slivers > 0 {
+                let close = if close { "yes" } else { "no" };
+                let _ = writeln!(text, "| {name} | {close} | {zoo} | {slivers} |");
+            }
+        }
+    }
+    text
+}
+
 /// The tables of `results/certificates.md`.
 pub(crate) fn table(record: &Record) -> String {
     let shown = |x: Option<f64>| x.map_or("none".to_owned(), |x| format!("{x:.1e}"));
@@ -84,6 +119,7 @@ pub(crate) fn table(record: &Record) -> String {
         );
     }
     let rest: Vec<&Line> = lines().filter(|line| !line.certified).collect();
+    text.push_str(&causes(&rest));
     if !rest.is_empty() {
         text.push_str(
             "\n| not certified | too long | too short | worst place |\n|---|--:|--:|---|\n",

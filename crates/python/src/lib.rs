@@ -1,7 +1,7 @@
 //! The compiled part of the Python package `geobench`. The rest is in `python/geobench`.
 //!
 //! Arrays of the caller are copied once, distances are returned without a copy. Long calls release
-//! the lock of the interpreter and end on Ctrl-C ([`interrupt`]).
+//! the lock of the interpreter and end on Ctrl-C (`interrupt`).
 
 use std::alloc::System;
 

@@ -51,7 +51,7 @@ pub struct ListPropagation<S, M, P, E> {
     /// Vertices that have had their turn.
     passed: Vec<bool>,
     distances: Vec<f64>,
-    lookout: EndCheck,
+    end_check: EndCheck,
     levels: Levels,
     kept: KeptWindows,
     /// Children narrower than this are dropped.
@@ -80,7 +80,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             exits: E::new(faces),
             passed: Vec::new(),
             distances: Vec::new(),
-            lookout: EndCheck::default(),
+            end_check: EndCheck::default(),
             levels: Levels::default(),
             kept,
             threshold: 0.0,
@@ -110,7 +110,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
 
     /// Clears the state of the last run, and the windows that still waited at its end.
     fn reset(&mut self) {
-        self.lookout.clear();
+        self.end_check.clear();
         self.schedule.reset();
         self.front.reset();
         self.exits.reset();
@@ -128,7 +128,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     fn ends<B: Probe>(&mut self, d: f64, probe: &mut B) -> bool {
         let distance = |v| self.distances[self.numbering.new_vertex(v).index()];
         let windows = || self.front.windows().map(|w| w.min_distance());
-        self.lookout
+        self.end_check
             .ends(probe, d, distance, || windows().chain([d]))
     }
 
@@ -253,7 +253,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         );
         probe.add(Counter::Parents, self.active.len as u64);
         if B::STOPS {
-            self.lookout.advance(self.active.len);
+            self.end_check.advance(self.active.len);
         }
         if self.active.len > arrived {
             let alive = (self.front.waiting() + self.active.len) as u64;

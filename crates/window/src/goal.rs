@@ -329,18 +329,18 @@ mod tests {
     fn a_lookout_looks_again_after_as_many_windows_as_it_saw() {
         let goal = Goal::targets([0]);
         let mut until = Until::new((), &goal);
-        let mut lookout = EndCheck::default();
+        let mut end_check = EndCheck::default();
         let mut looks = 0;
-        let mut ends = |lookout: &mut EndCheck, waiting: [f64; 2]| {
-            lookout.ends(&mut until, 8.0, known([5.0; 3]), || {
+        let mut ends = |end_check: &mut EndCheck, waiting: [f64; 2]| {
+            end_check.ends(&mut until, 8.0, known([5.0; 3]), || {
                 looks += 1;
                 waiting.into_iter()
             })
         };
-        assert!(!ends(&mut lookout, [4.0, 9.0]));
-        assert!(!ends(&mut lookout, [9.0, 9.0]));
-        lookout.advance(2);
-        assert!(ends(&mut lookout, [9.0, 8.0]));
+        assert!(!ends(&mut end_check, [4.0, 9.0]));
+        assert!(!ends(&mut end_check, [9.0, 9.0]));
+        end_check.advance(2);
+        assert!(ends(&mut end_check, [9.0, 8.0]));
         assert_eq!(looks, 2);
     }
 }

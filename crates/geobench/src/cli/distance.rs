@@ -31,12 +31,12 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     let form = if options.matrix {
         Form::Matrix(MatrixFormat::of_path(&options.output)?)
     } else {
-        Form::StoredDistances(FieldFormat::of_path(&options.output)?)
+        Form::Field(FieldFormat::of_path(&options.output)?)
     };
     let output = OutputFile::prepare(&options.output)?;
     let model = model::only(&options.model)?;
     let wanted = options.goal.wanted()?;
-    if let (Form::StoredDistances(format), Some(_)) = (&form, &wanted)
+    if let (Form::Field(format), Some(_)) = (&form, &wanted)
         && format.is_mesh()
     {
         bail!(
@@ -64,7 +64,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     };
     let summaries = match form {
         Form::Matrix(format) => vec![request.matrix(format, &output)?],
-        Form::StoredDistances(format) => request.fields(format, output)?,
+        Form::Field(format) => request.fields(format, output)?,
     };
     for summary in summaries {
         if !options.quiet && options.output != Path::new("-") {
@@ -94,7 +94,7 @@ fn within<R: Send>(pool: Option<&ThreadPool>, work: impl FnOnce() -> R + Send) -
 
 /// The kind and format of the output.
 enum Form {
-    StoredDistances(FieldFormat),
+    Field(FieldFormat),
     Matrix(MatrixFormat),
 }
 

@@ -78,7 +78,7 @@ struct State<Q> {
     prefilter: Prefilter,
     thin: ThinFaces,
     eviction: Eviction,
-    lookout: EndCheck,
+    end_check: EndCheck,
     retention: Retention,
     /// Number of waiting windows. Counted runs only.
     waiting: usize,
@@ -100,7 +100,7 @@ impl<Q: Discipline> Batched<Q> {
                     order.new_half_edge(h).index()
                 }),
                 eviction: Eviction::default(),
-                lookout: EndCheck::default(),
+                end_check: EndCheck::default(),
                 retention: Retention::default(),
                 waiting: 0,
             },
@@ -155,7 +155,7 @@ impl<Q: Discipline> Batched<Q> {
         }
         probe.enter(Phase::Propagation);
         if P::STOPS {
-            state.lookout.advance(taken.windows.len());
+            state.end_check.advance(taken.windows.len());
         }
         if P::COUNTS {
             state.waiting -= taken.windows.len();
@@ -254,7 +254,7 @@ impl<Q: Discipline> State<Q> {
     fn ends<P: Probe>(&mut self, label: f64, probe: &mut P) -> bool {
         let surface = &self.surface;
         let distance = |v| surface.distance(v);
-        self.queue.ends(label, &mut self.lookout, distance, probe)
+        self.queue.ends(label, &mut self.end_check, distance, probe)
     }
 
     /// Offers `v` a path of length `d`. Only pseudo-sources are queued, unless the discipline
@@ -517,7 +517,7 @@ impl<Q: Discipline> Propagate for Batched<Q> {
         state.store.clear(P::COUNTS);
         state.queue.clear();
         state.eviction.clear();
-        state.lookout.clear();
+        state.end_check.clear();
         state.waiting = 0;
         probe.add(Counter::WindowBytes, Store::WINDOW_BYTES as u64);
         for &s in sources {

@@ -75,7 +75,7 @@ pub(crate) struct Wavefront {
     cuts: Cuts,
     levels: Levels,
     pub(crate) kept: KeptWindows,
-    lookout: EndCheck,
+    end_check: EndCheck,
     /// The faces that have joined, in runs that may end early.
     joined: Vec<u32>,
 }
@@ -101,7 +101,7 @@ impl Wavefront {
             cuts: Cuts::default(),
             levels: Levels::default(),
             kept: layout.kept.clone(),
-            lookout: EndCheck::default(),
+            end_check: EndCheck::default(),
             joined: Vec::new(),
         }
     }
@@ -133,7 +133,7 @@ impl Wavefront {
             vertices.chain(windows)
         };
         let nearest = self.buckets.end_of(bucket);
-        self.lookout.ends(probe, nearest, distance, waiting)
+        self.end_check.ends(probe, nearest, distance, waiting)
     }
 
     /// Removes all windows, which wait on the border of the traversed area.
@@ -157,7 +157,7 @@ impl Wavefront {
         let vertices = self.origins.len();
         self.buckets.reset();
         self.nearest.clear();
-        self.lookout.clear();
+        self.end_check.clear();
         self.joined.clear();
         self.turn.clear();
         self.levels.clear();
@@ -531,7 +531,7 @@ impl Wavefront {
         probe.add(Counter::Filtered, (arrived - found.kept) as u64);
         probe.add(Counter::Parents, found.kept as u64);
         if P::STOPS {
-            self.lookout.advance(found.kept);
+            self.end_check.advance(found.kept);
         }
         if probe.wants_sample(found.kept as u64) {
             probe.sample(self.store.windows().map(|w| w.min_distance()));

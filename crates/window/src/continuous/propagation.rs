@@ -63,7 +63,7 @@ pub struct Continuous<W, Q> {
     pub(super) policy: W,
     pub(super) queue: Q,
     lookahead: Lookahead,
-    lookout: EndCheck,
+    end_check: EndCheck,
     /// Children narrower than this are dropped.
     threshold: f64,
     /// The fraction ε/(1+ε) of a straight path that the value of its end vertex omits; see
@@ -80,7 +80,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             policy,
             queue,
             lookahead: Lookahead::default(),
-            lookout: EndCheck::default(),
+            end_check: EndCheck::default(),
             threshold: 0.0,
             advantage: 0.0,
         }
@@ -192,8 +192,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             let value = surface.distance(v);
             if W::RELAYS { value * scale } else { value }
         };
-        self.lookout.advance(1);
-        self.queue.ends(label, &mut self.lookout, distance, probe)
+        self.end_check.advance(1);
+        self.queue.ends(label, &mut self.end_check, distance, probe)
     }
 
     /// Offers `v` a path of length `d` and returns whether it is the shortest so far. Only vertices
@@ -539,7 +539,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     pub(super) fn begin_run<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) {
         self.queue.clear();
         self.lookahead.clear();
-        self.lookout.clear();
+        self.end_check.clear();
         probe.add(Counter::WindowBytes, W::WINDOW_BYTES as u64);
         for &s in sources {
             self.surface.offer(s, 0.0);

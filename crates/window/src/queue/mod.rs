@@ -115,13 +115,13 @@ pub trait Discipline: Send {
     fn ends<P: Probe>(
         &self,
         label: f64,
-        lookout: &mut EndCheck,
+        end_check: &mut EndCheck,
         distance: impl Fn(VertexId) -> f64,
         probe: &mut P,
     ) -> bool {
         let Some(bound) = self.bound(label) else {
             let waiting = || self.events().map(|(label, _)| label).chain([label]);
-            return lookout.ends(probe, label, distance, waiting);
+            return end_check.ends(probe, label, distance, waiting);
         };
         let ends = probe.is_reached(bound, distance);
         if ends {

@@ -1,6 +1,7 @@
 //! The diagram: cells, the arcs between them, the vertices in which arcs meet.
 
 mod arrange;
+mod border;
 mod curve;
 mod dual;
 mod line;

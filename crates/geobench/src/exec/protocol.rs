@@ -99,6 +99,14 @@ impl Reply {
         (sound(line.seconds) && sound(line.setup_seconds)).then_some(line)
     }
 
+    /// Maximum number of bytes of a line with at most `answers` distances and labels.
+    pub(crate) const fn longest(answers: usize) -> usize {
+        const REST: usize = 1 << 20;
+        // 8 bytes are at most 11 characters of base64. A label has at most 10 digits and a comma.
+        const EACH: usize = 11 + 11;
+        REST.saturating_add(answers.saturating_mul(EACH))
+    }
+
     /// The result of a run with these distances.
     pub(crate) fn observation(self, distances: Vec<f64>) -> Observation {
         Observation {
@@ -256,6 +264,18 @@ mod tests {
                 |o: &Observation| o.distances.iter().map(|d| d.to_bits()).collect::<Vec<_>>();
             assert_eq!(bits(&back), bits(&observation));
         }
+    }
+
+    #[test]
+    fn a_reply_with_many_labels_is_not_too_long() {
+        let answers = 500_000;
+        let reply = Reply {
+            distances: Some(vec![f64::MAX; answers]),
+            labels: Some(vec![u32::MAX; answers]),
+            ..Reply::default()
+        };
+        let line = serde_json::to_vec(&reply).unwrap();
+        assert!(line.len() <= Reply::longest(answers), "{}", line.len());
     }
 
     #[test]

@@ -331,7 +331,7 @@ fn reading(result: &ResultFile) -> String {
 }
 
 /// Downloads of the result as JSON and CSV. Files up to [`MOST_EMBEDDED`] are embedded as data
-/// URLs.
+/// URLs. A larger result file is linked, a larger CSV left out.
 fn raw_numbers(input: &Input) -> Vec<Link> {
     let stem = stem(&input.path);
     let mut links = Vec::new();

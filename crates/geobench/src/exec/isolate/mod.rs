@@ -141,9 +141,6 @@ impl Isolated {
     }
 }
 
-/// Maximum number of bytes of a reply, without distances.
-const LONGEST: usize = 1 << 20;
-
 /// The child processes of one model.
 struct ChildPool<'b> {
     options: &'b Isolated,
@@ -336,7 +333,7 @@ impl<'b> ChildPool<'b> {
             child.process.watch();
             return Ok((child, None));
         }
-        let reply = child.ask("", LONGEST, DOING)?;
+        let reply = child.ask("", Reply::longest(0), DOING)?;
         if !reply.ready {
             return Err(ChildError::Garbage("not \"ready\": true".into()).failure(DOING));
         }
@@ -583,9 +580,8 @@ impl Child {
             (None, Pass::Count) => "being counted",
             (None, Pass::Profile) => "being profiled",
         };
-        // 8 bytes are at most 11 characters of base64.
         let targets = step.goal.targets.as_ref().map_or(0, TargetSpec::count);
-        let longest = LONGEST + 11 * vertices.saturating_add(targets);
+        let longest = Reply::longest(vertices.saturating_add(targets));
         let mut reply = self.ask(&self.request(step), longest, doing)?;
         if reply.ready && self.solves_once() {
             reply = self.ask("", longest, doing)?;

@@ -54,6 +54,8 @@ mod jump;
 mod length;
 mod shape;
 
+use std::collections::HashSet;
+
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
 use boundary::windows_from_inside;
@@ -297,17 +299,18 @@ impl<'a> Claim<'a> {
     /// `path` returns a path from a source to a vertex. It is called for each vertex with a finite
     /// distance that is not a source. Without a path the bound is infinite.
     ///
-    /// Takes O(n) time for n points of all paths together, with a small number of sources.
+    /// Takes O(n) time for n points of all paths together.
     pub fn not_too_short(&self, mut path: impl FnMut(VertexId) -> Option<Vec<PathPoint>>) -> Bound {
+        let sources: HashSet<VertexId> = self.sources.iter().copied().collect();
         let mut bound = Bound::default();
         for v in self.mesh.vertices() {
             let d = self.distances[v.index()];
-            if !d.is_finite() || self.sources.contains(&v) {
+            if !d.is_finite() || sources.contains(&v) {
                 continue;
             }
             let points = path(v).unwrap_or_default();
             bound.pieces += points.len();
-            let length = length::greatest_length(self.mesh, &points, self.sources, v);
+            let length = length::greatest_length(self.mesh, &points, &sources, v);
             let excess = length.map_or(f64::INFINITY, |l| (l - d).next_up().max(0.0));
             bound.absolute = bound.absolute.max(excess);
             bound.relative = bound

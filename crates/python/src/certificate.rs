@@ -7,7 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::arrays;
-use crate::errors::unsolved;
+use crate::errors::solve_error;
 use crate::interrupt;
 use crate::points::ResolvedPoints;
 use crate::solver::mesh_of;
@@ -105,7 +105,7 @@ pub(crate) fn certify(
     // A proof takes far longer than a run, so it counts as a run on ten times the faces.
     let found = interrupt::call(py, faces.saturating_mul(10), &Stop::default(), work)?;
     let (mut proof, compared) = found.map_err(|error| match error {
-        CertificateError::Solve(error) => unsolved(error),
+        CertificateError::Solve(error) => solve_error(error),
         other => PyValueError::new_err(other.to_string()),
     })?;
     let (mut absolute, mut relative) = (proof.absolute(), proof.relative());

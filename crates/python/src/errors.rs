@@ -65,7 +65,7 @@ pub(crate) fn unreadable(py: Python<'_>, error: &FileError) -> PyErr {
 }
 
 /// The exception for a failed run.
-pub(crate) fn unsolved(error: SolveError) -> PyErr {
+pub(crate) fn solve_error(error: SolveError) -> PyErr {
     let message = error.to_string();
     match error {
         SolveError::NoSuchVertex { .. } | SolveError::NoSuchTarget { .. } => {
@@ -77,15 +77,15 @@ pub(crate) fn unsolved(error: SolveError) -> PyErr {
 }
 
 /// The exception for a failed computation of paths.
-pub(crate) fn lost(error: PathError) -> PyErr {
+pub(crate) fn path_error(error: PathError) -> PyErr {
     match error {
-        PathError::Solve(error) => unsolved(error),
-        PathError::Trace(error) => untraced(error),
+        PathError::Solve(error) => solve_error(error),
+        PathError::Trace(error) => trace_error(error),
         other => PyRuntimeError::new_err(other.to_string()),
     }
 }
 
 /// The exception for a path that cannot be traced back to its source.
-pub(crate) fn untraced(error: TraceError) -> PyErr {
+pub(crate) fn trace_error(error: TraceError) -> PyErr {
     PyRuntimeError::new_err(error.to_string())
 }

@@ -7,7 +7,7 @@ use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::errors::unsolved;
+use crate::errors::solve_error;
 use crate::interrupt;
 use crate::path::triples;
 use crate::points::{Finder, several};
@@ -168,7 +168,7 @@ pub(crate) fn isolines(
     };
     let found = interrupt::call(py, mesh.face_count(), &Stop::default(), work)?;
     let found = found.map_err(|error| match error {
-        FieldError::Solve(error) => unsolved(error),
+        FieldError::Solve(error) => solve_error(error),
         other => PyValueError::new_err(format!("source: {other}")),
     })?;
     let found = found.map_err(|count| {

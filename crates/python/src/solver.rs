@@ -1,7 +1,6 @@
 //! Solvers: distances, paths, counters and profiles.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 
 use geobench::registry::{self, MOST_THREADS, Selection, SimdChoice};
@@ -12,7 +11,7 @@ use pyo3::exceptions::{PyMemoryError, PyOSError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::errors::{PrecisionWarning, lost, unsolved};
+use crate::errors::{PrecisionWarning, path_error, solve_error};
 use crate::interrupt;
 use crate::mesh::PyMesh;
 use crate::path::PyPath;
@@ -52,7 +51,7 @@ impl SolverPool {
     /// Calls `work` with an idle solver, or with a new one if none is idle. A solver that panics
     /// does not return to the pool.
     fn with<T>(&self, work: impl FnOnce(&mut dyn Solve) -> T) -> T {
-        let idle = || self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+        let idle = || lock(&self.idle);
         let ready = idle().pop();
         let mut solver = ready.unwrap_or_else(|| self.selection.build(&self.mesh));
         let result = work(&mut *solver);
@@ -114,15 +113,15 @@ type Row = (Vec<f64>, Option<String>);
 /// Computes the distances from the nearest of `sources`, of the targets of `goal` or of the first
 /// `vertices` vertices. Those that follow were inserted for sources and targets.
 fn row(
-    kit: &SolverPool,
+    pool: &SolverPool,
     sources: &[VertexId],
     goal: &Goal,
     vertices: usize,
 ) -> Result<Row, SolveError> {
-    let mut distances = kit
+    let mut distances = pool
         .with(|solver| solver.solve_until(sources, goal))?
         .distances;
-    let doubt = kit.doubt(&distances);
+    let doubt = pool.doubt(&distances);
     if let Some(targets) = goal.vertices() {
         let of_targets = targets.iter().map(|v| distances[v.index()]).collect();
         return Ok((of_targets, doubt));
@@ -133,9 +132,9 @@ fn row(
 
 /// Computes a row of distances for each source in `workers` threads. The rows stand one after the
 /// other in `all`, whose memory is reserved by the caller. Once `stop` is set, the remaining rows
-/// stay infinite.
+/// stay infinite. Once a row has failed, no other is begun.
 fn matrix(
-    kit: &SolverPool,
+    pool: &SolverPool,
     sources: &[VertexId],
     goal: &Goal,
     vertices: usize,
@@ -148,26 +147,22 @@ fn matrix(
     let rows = Mutex::new(all.chunks_mut(columns.max(1)).zip(sources));
     let failed = Mutex::new(None);
     let doubts = Mutex::new(None);
-    let solved = AtomicUsize::new(0);
     let work = || {
         loop {
-            let next = rows.lock().unwrap_or_else(PoisonError::into_inner).next();
-            let Some((place, &source)) = next else { break };
-            if stop.is_set() {
+            if stop.is_set() || lock(&failed).is_some() {
                 break;
             }
-            match row(kit, &[source], goal, vertices) {
+            let Some((place, &source)) = lock(&rows).next() else {
+                break;
+            };
+            match row(pool, &[source], goal, vertices) {
                 Ok((distances, doubt)) => {
                     place.copy_from_slice(&distances);
-                    solved.fetch_add(1, Ordering::Relaxed);
                     if let Some(doubt) = doubt {
-                        *doubts.lock().unwrap_or_else(PoisonError::into_inner) = Some(doubt);
+                        *lock(&doubts) = Some(doubt);
                     }
                 }
-                Err(error) => {
-                    *failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
-                    break;
-                }
+                Err(error) => *lock(&failed) = Some(error),
             }
         }
     };
@@ -182,6 +177,11 @@ fn matrix(
     }
     let doubt = doubts.into_inner().unwrap_or_else(PoisonError::into_inner);
     Ok((all, doubt))
+}
+
+/// The guarded value. A panic in another thread does not make it unusable.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn warn(py: Python<'_>, doubt: Option<String>) -> PyResult<()> {
@@ -209,11 +209,11 @@ impl Algorithm {
 
     /// The solvers for the refined mesh of a call: the kept ones if no vertex was inserted, else a
     /// new pool.
-    fn kit(&self, question: &ResolvedPoints) -> Arc<SolverPool> {
-        if question.refined.mesh.vertex_count() == self.mesh.vertex_count() {
+    fn pool(&self, points: &ResolvedPoints) -> Arc<SolverPool> {
+        if points.refined.mesh.vertex_count() == self.mesh.vertex_count() {
             return Arc::clone(&self.kept);
         }
-        SolverPool::new(&self.kept.selection, &question.refined.mesh)
+        SolverPool::new(&self.kept.selection, &points.refined.mesh)
     }
 
     pub(crate) fn distance<'py>(
@@ -224,13 +224,13 @@ impl Algorithm {
         targets: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let targets = targets.map(|targets| (targets, "targets"));
-        let question = ResolvedPoints::new(&self.mesh, source, "source", targets)?;
+        let points = ResolvedPoints::new(&self.mesh, source, "source", targets)?;
         let stop = Stop::default();
-        let goal = goal(radius, question.targets.as_deref(), &stop)?;
-        let kit = self.kit(&question);
+        let goal = goal(radius, points.targets.as_deref(), &stop)?;
+        let pool = self.pool(&points);
         let (vertices, faces) = (self.mesh.vertex_count(), self.mesh.face_count());
-        let work = move || row(&kit, &question.sources, &goal, vertices);
-        let (distances, doubt) = interrupt::call(py, faces, &stop, work)?.map_err(unsolved)?;
+        let work = move || row(&pool, &points.sources, &goal, vertices);
+        let (distances, doubt) = interrupt::call(py, faces, &stop, work)?.map_err(solve_error)?;
         warn(py, doubt)?;
         Ok(PyArray1::from_vec(py, distances))
     }
@@ -245,21 +245,21 @@ impl Algorithm {
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let threads = check_threads(threads)?;
         let targets = targets.map(|targets| (targets, "targets"));
-        let question = ResolvedPoints::new(&self.mesh, sources, "sources", targets)?;
+        let points = ResolvedPoints::new(&self.mesh, sources, "sources", targets)?;
         let stop = Stop::default();
-        let goal = goal(radius, question.targets.as_deref(), &stop)?;
-        let workers = threads.min(question.sources.len());
-        let mut kit = self.kit(&question);
+        let goal = goal(radius, points.targets.as_deref(), &stop)?;
+        let workers = threads.min(points.sources.len());
+        let mut pool = self.pool(&points);
         if threads / workers > 1 {
             // A parallel algorithm uses several threads for each source.
             let selection = self.kept.selection.clone().with_threads(threads / workers);
             if selection.threads() > 1 {
-                kit = SolverPool::new(&selection, &kit.mesh);
+                pool = SolverPool::new(&selection, &pool.mesh);
             }
         }
         let (vertices, faces) = (self.mesh.vertex_count(), self.mesh.face_count());
-        let rows = question.sources.len();
-        let columns = question.targets.as_ref().map_or(vertices, Vec::len);
+        let rows = points.sources.len();
+        let columns = points.targets.as_ref().map_or(vertices, Vec::len);
         let mut all = Vec::new();
         if all.try_reserve_exact(rows.saturating_mul(columns)).is_err() {
             return Err(PyMemoryError::new_err(format!(
@@ -269,20 +269,10 @@ impl Algorithm {
         }
         let work = {
             let stop = stop.clone();
-            move || {
-                matrix(
-                    &kit,
-                    &question.sources,
-                    &goal,
-                    vertices,
-                    workers,
-                    &stop,
-                    all,
-                )
-            }
+            move || matrix(&pool, &points.sources, &goal, vertices, workers, &stop, all)
         };
         let work_faces = faces.saturating_mul(rows);
-        let (all, doubt) = interrupt::call(py, work_faces, &stop, work)?.map_err(unsolved)?;
+        let (all, doubt) = interrupt::call(py, work_faces, &stop, work)?.map_err(solve_error)?;
         warn(py, doubt)?;
         PyArray1::from_vec(py, all).reshape([rows, columns])
     }
@@ -296,28 +286,29 @@ impl Algorithm {
         targets_name: &str,
     ) -> PyResult<Vec<Option<PyPath>>> {
         let targets = Some((targets, targets_name));
-        let question = ResolvedPoints::new(&self.mesh, source, "source", targets)?;
+        let points = ResolvedPoints::new(&self.mesh, source, "source", targets)?;
         let stop = Stop::default();
-        let goal = goal(None, question.targets.as_deref(), &stop)?;
-        let kit = self.kit(&question);
+        let goal = goal(None, points.targets.as_deref(), &stop)?;
+        let pool = self.pool(&points);
         let mesh = self.mesh.clone();
         let work = move || -> Result<Vec<Option<Path>>, PathError> {
             let found =
-                kit.with(|solver| Paths::find(solver, &kit.mesh, &question.sources, &goal))?;
-            let is_refined = kit.mesh.vertex_count() > mesh.vertex_count();
+                pool.with(|solver| Paths::find(solver, &pool.mesh, &points.sources, &goal))?;
+            let is_refined = pool.mesh.vertex_count() > mesh.vertex_count();
             let of_original = |path: Path| {
                 if is_refined {
-                    path.of_original(&mesh, &question.refined, &question.points)
+                    path.of_original(&mesh, &points.refined, &points.points)
                 } else {
                     path
                 }
             };
-            let targets = question.targets.iter().flatten();
+            let targets = points.targets.iter().flatten();
             targets
                 .map(|&target| Ok(found.to(target)?.map(of_original)))
                 .collect()
         };
-        let paths = interrupt::call(py, self.mesh.face_count(), &stop, work)?.map_err(lost)?;
+        let paths =
+            interrupt::call(py, self.mesh.face_count(), &stop, work)?.map_err(path_error)?;
         let paths = paths.into_iter();
         paths
             .map(|path| {
@@ -365,10 +356,10 @@ impl PySolver {
         let mesh = mesh_of(mesh)?;
         let selection = selection(algorithm, threads, simd)?;
         let solver = Algorithm::new(&mesh.get().mesh, &selection);
-        let kit = Arc::clone(&solver.kept);
+        let pool = Arc::clone(&solver.kept);
         // Set up the first solver now and put it into the pool.
         let faces = solver.mesh.face_count();
-        interrupt::call(py, faces, &Stop::default(), move || kit.with(|_| ()))?;
+        interrupt::call(py, faces, &Stop::default(), move || pool.with(|_| ()))?;
         Ok(Self {
             algorithm: solver,
             mesh: mesh.clone().unbind(),
@@ -496,13 +487,13 @@ impl PySolver {
         py: Python<'py>,
         source: &Bound<'py, PyAny>,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyDict>)> {
-        let question = ResolvedPoints::new(&self.algorithm.mesh, source, "source", None)?;
+        let points = ResolvedPoints::new(&self.algorithm.mesh, source, "source", None)?;
         let stop = Stop::default();
         let goal = goal(None, None, &stop)?;
-        let kit = self.algorithm.kit(&question);
-        let work = move || kit.with(|solver| solver.count_until(&question.sources, &goal));
+        let pool = self.algorithm.pool(&points);
+        let work = move || pool.with(|solver| solver.count_until(&points.sources, &goal));
         let faces = self.algorithm.mesh.face_count();
-        let (solution, counters) = interrupt::call(py, faces, &stop, work)?.map_err(unsolved)?;
+        let (solution, counters) = interrupt::call(py, faces, &stop, work)?.map_err(solve_error)?;
         let dictionary = PyDict::new(py);
         for &counter in Counter::ALL {
             if let Some(value) = counters.get(counter) {
@@ -531,17 +522,17 @@ impl PySolver {
         py: Python<'py>,
         source: &Bound<'py, PyAny>,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyDict>)> {
-        let question = ResolvedPoints::new(&self.algorithm.mesh, source, "source", None)?;
-        let kit = self.algorithm.kit(&question);
+        let points = ResolvedPoints::new(&self.algorithm.mesh, source, "source", None)?;
+        let pool = self.algorithm.pool(&points);
         let work = move || {
             let mut sampler = PhaseSampler::start()?;
-            let solution = kit.with(|solver| solver.profile(&question.sources, &mut sampler));
+            let solution = pool.with(|solver| solver.profile(&points.sources, &mut sampler));
             Ok((solution, sampler.phases()))
         };
         let faces = self.algorithm.mesh.face_count();
         let result: Result<_, std::io::Error> = interrupt::call(py, faces, &Stop::default(), work)?;
         let (solution, phases) = result.map_err(|error| PyOSError::new_err(error.to_string()))?;
-        let mut distances = solution.map_err(unsolved)?.distances;
+        let mut distances = solution.map_err(solve_error)?.distances;
         distances.truncate(self.algorithm.mesh.vertex_count());
         let seconds = PyDict::new(py);
         seconds.set_item("propagation", phases.propagation.as_secs_f64())?;

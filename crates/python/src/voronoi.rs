@@ -12,7 +12,7 @@ use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::errors::unsolved;
+use crate::errors::solve_error;
 use crate::interrupt;
 use crate::mesh::PyMesh;
 use crate::path::triples;
@@ -229,7 +229,7 @@ impl PyVoronoi {
             Ok((diagram, field.distances().to_vec()))
         };
         let made = interrupt::call(py, faces, &Stop::default(), work)?;
-        let (diagram, mut distances) = made.map_err(unsolved)?;
+        let (diagram, mut distances) = made.map_err(solve_error)?;
         // Drop the distances of vertices that were inserted for sources.
         let vertices = mesh.vertex_count();
         distances.truncate(vertices);

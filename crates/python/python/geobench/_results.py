@@ -23,7 +23,7 @@ _SAMPLES = ("time_samples", "time_places", "time_solves")
 
 
 def _flat(record: Row, prefix: str = "") -> Row:
-    """A dictionary without dictionaries in it; names are joined by `_`, as in the CSV form."""
+    """Flattens nested dictionaries. Their keys are joined by `_`, as in the CSV form."""
     row: Row = {}
     for name, value in record.items():
         if isinstance(value, dict):
@@ -34,7 +34,10 @@ def _flat(record: Row, prefix: str = "") -> Row:
 
 
 def _rows(result: Row) -> list[Row]:
-    """A row a cell, with the columns of its model: those that a cell has too get `model_`."""
+    """One row per cell, with the columns of its model.
+
+    A column of the model that the cell has too gets the prefix `model_`.
+    """
     models = {model["name"]: model for model in result["models"]}
     rows: list[Row] = []
     for cell in result["cells"]:
@@ -47,7 +50,7 @@ def _rows(result: Row) -> list[Row]:
 
 
 def _sample_rows(result: Row) -> list[Row]:
-    """A row a sample."""
+    """One row per sample."""
     rows: list[Row] = []
     for cell in _rows(result):
         places, solves = cell.get("time_places") or [], cell.get("time_solves") or []
@@ -79,7 +82,7 @@ def _frame(rows: list[Row]) -> pandas.DataFrame:
 
 
 class Table(Sequence[Row]):
-    """The cells of a benchmark: a sequence of rows, each a dictionary.
+    """The cells of a benchmark, as a sequence of rows. Each row is a dictionary.
 
     The keys are the columns of the CSV form: ``model``, ``algorithm``, ``source``, ``status``,
     ``time_median`` (seconds), ``counters_propagated``, ``memory_heap_peak_bytes`` and so on, and
@@ -113,13 +116,13 @@ class Table(Sequence[Row]):
         return "\n".join(lines)
 
     def to_pandas(self, samples: bool = False) -> pandas.DataFrame:
-        """A frame with one row a cell, or one row a sample.
+        """A frame with one row per cell, or one row per sample.
 
         Parameters
         ----------
         samples : bool
-            Whether each timed run is a row: ``sample``, ``seconds``, ``place`` in the order of the
-            runs, and ``solves``, of which ``seconds`` is the mean.
+            Whether to return one row per timed run: ``sample``, ``seconds``, ``place`` in the
+            order of runs, and the number of ``solves`` whose mean time ``seconds`` is.
 
         Returns
         -------
@@ -138,7 +141,7 @@ class Table(Sequence[Row]):
 
 
 def _words(value: Any, name: str) -> str:
-    """Names, separated by commas, of a string or a sequence of strings."""
+    """Joins names by commas. A string is returned as it is."""
     if isinstance(value, str):
         return value
     try:
@@ -154,7 +157,7 @@ def _words(value: Any, name: str) -> str:
 
 
 def _sources(value: Any) -> str:
-    """Sources in the form of the command line."""
+    """The sources as text of the command line, such as ``"0,edge:4-9,0.25"``."""
     if isinstance(value, str):
         return value
     if isinstance(value, _core.Point) or hasattr(value, "__index__"):
@@ -187,9 +190,9 @@ def run(
 ) -> Table:
     """Measures algorithms on models, in this process, and checks every answer.
 
-    The runs are those of the command ``geobench run``: in turns, with warm-ups, one run with its
-    events counted and one with its memory and phases measured. Limits of time and memory need
-    processes of their own, which only the command has. Ctrl-C ends a benchmark.
+    The algorithms run in turns, with warm-ups, as with the command ``geobench run``. One more run
+    counts events, and one measures memory and phases. Limits of time and memory need a process per
+    cell, which only the command has. Ctrl-C ends a benchmark.
 
     Parameters
     ----------
@@ -198,16 +201,16 @@ def run(
     models : Mesh, path or str, or a sequence of these
         Meshes, files, directories or ``"gen:torus,faces=5000"``.
     sources : int, Point, str or a sequence of these
-        Each is a cell of its own; ``"random:5"`` draws vertices.
+        Each source is a cell of its own. ``"random:5"`` draws five vertices.
     sources_together : bool
         Whether each run starts from all sources together.
     repeat : int, optional
-        Timed runs of a cell; by default as many as the median takes to be known to 3 %.
+        Timed runs of a cell. By default, runs are repeated until the median is known to 3 %.
     warmup : int
-        Runs before those.
+        Untimed runs before the timed ones.
     check : str, optional
-        The algorithm whose answers the others must match, or ``"none"``; by default ``mmp-fast``
-        if it runs, else the first one.
+        The algorithm whose answers the others must match, or ``"none"``. The default is
+        ``mmp-fast`` if it is among the algorithms, else the first one.
     tolerance : float
         Largest relative difference that passes.
     threads : int
@@ -218,7 +221,7 @@ def run(
     Returns
     -------
     Table
-        A row a cell. A wrong answer is a row of status ``"wrong"`` and never a time.
+        One row per cell. A wrong answer is a row of status ``"wrong"`` and never a time.
     """
     if isinstance(models, (str, os.PathLike, _core.Mesh)):
         models = [models]
@@ -249,13 +252,13 @@ def read_results(path: _Path, samples: bool = False) -> pandas.DataFrame:
     ----------
     path : path
     samples : bool
-        Whether each timed run is a row, and not each cell.
+        Whether to return one row per timed run instead of one per cell.
 
     Returns
     -------
     pandas.DataFrame
-        One row a cell, named as in the CSV form, with the columns of its model joined; or one row
-        a sample. Times are in seconds, memory in bytes.
+        One row per cell, with the columns of the CSV form and those of its model, or one row per
+        sample. Times are in seconds, memory in bytes.
     """
     with open(path, encoding="utf-8") as file:
         try:

@@ -10,7 +10,7 @@
 //! use geobench_mesh::Mesh;
 //! use std::f64::consts::PI;
 //!
-//! // A square from 0 to 1, and its middle.
+//! // A square, and a point near its middle.
 //! let mesh = Mesh::generate("grid,n=8")?;
 //! let side = mesh.positions().iter().map(|p| p[0]).fold(0.0, f64::max);
 //! let (middle, _) = mesh.nearest_point([0.43 * side, 0.55 * side, 0.0])?;

@@ -9,8 +9,8 @@ use crate::face::ChainLink;
 /// A chain that passes node `n` adds `own[n]`. A chain that crosses face `f` adds `in_face[f]`. A
 /// chain crosses each face once, and passes each node in one run. On a cycle the order is unknown,
 /// so all nodes of a strongly connected component, and all faces between them, add up.
-pub(crate) fn greatest_sums(own: &[f64], ways: &[ChainLink], in_face: &[f64]) -> Vec<f64> {
-    let graph = Graph::new(own.len(), ways);
+pub(crate) fn greatest_sums(own: &[f64], links: &[ChainLink], in_face: &[f64]) -> Vec<f64> {
+    let graph = Graph::new(own.len(), links);
     let (component, order) = graph.components();
     let count = order
         .last()
@@ -20,10 +20,10 @@ pub(crate) fn greatest_sums(own: &[f64], ways: &[ChainLink], in_face: &[f64]) ->
     for (n, &lost) in own.iter().enumerate() {
         loss[component[n] as usize] += lost;
     }
-    let inside = |way: &&ChainLink| component[way.from as usize] == component[way.to as usize];
-    let inside = ways.iter().filter(inside);
+    let inside = |link: &&ChainLink| component[link.from as usize] == component[link.to as usize];
+    let inside = links.iter().filter(inside);
     let mut inside: Vec<(u32, u32)> = inside
-        .map(|way| (component[way.from as usize], way.face.raw()))
+        .map(|link| (component[link.from as usize], link.face.raw()))
         .collect();
     inside.sort_unstable();
     inside.dedup();
@@ -35,10 +35,10 @@ pub(crate) fn greatest_sums(own: &[f64], ways: &[ChainLink], in_face: &[f64]) ->
     for n in order.into_iter().rev() {
         let here = component[n as usize] as usize;
         let sum = before[here] + loss[here];
-        for way in graph.of(n) {
-            let there = component[way.to as usize] as usize;
+        for link in graph.of(n) {
+            let there = component[link.to as usize] as usize;
             if there != here {
-                before[there] = before[there].max(sum + in_face[way.face.index()]);
+                before[there] = before[there].max(sum + in_face[link.face.index()]);
             }
         }
     }
@@ -49,7 +49,7 @@ pub(crate) fn greatest_sums(own: &[f64], ways: &[ChainLink], in_face: &[f64]) ->
 /// The outgoing links of each node.
 struct Graph {
     starts: Vec<usize>,
-    ways: Vec<OutLink>,
+    links: Vec<OutLink>,
 }
 
 /// The target of a link, and the face that it crosses.
@@ -61,10 +61,10 @@ struct OutLink {
 
 impl Graph {
     /// Counting sort by the node that a link leaves. O(nodes + links).
-    fn new(nodes: usize, ways: &[ChainLink]) -> Self {
+    fn new(nodes: usize, links: &[ChainLink]) -> Self {
         let mut starts = vec![0; nodes + 1];
-        for way in ways {
-            starts[way.from as usize] += 1;
+        for link in links {
+            starts[link.from as usize] += 1;
         }
         let mut end = 0;
         for start in &mut starts {
@@ -75,24 +75,24 @@ impl Graph {
             to: 0,
             face: FaceId::new(0),
         };
-        let mut sorted = vec![none; ways.len()];
+        let mut sorted = vec![none; links.len()];
         // Fills the range of each node from its end to its start.
-        for way in ways.iter().rev() {
-            let start = &mut starts[way.from as usize];
+        for link in links.iter().rev() {
+            let start = &mut starts[link.from as usize];
             *start -= 1;
             sorted[*start] = OutLink {
-                to: way.to,
-                face: way.face,
+                to: link.to,
+                face: link.face,
             };
         }
         Self {
             starts,
-            ways: sorted,
+            links: sorted,
         }
     }
 
     fn of(&self, n: u32) -> &[OutLink] {
-        &self.ways[self.starts[n as usize]..self.starts[n as usize + 1]]
+        &self.links[self.starts[n as usize]..self.starts[n as usize + 1]]
     }
 
     /// The strongly connected component of each node (R. Tarjan, 1972), and the nodes in the order
@@ -121,13 +121,13 @@ impl Graph {
                     next_met += 1;
                     open.push(n);
                 }
-                if let Some(way) = self.of(n).get(done) {
-                    let to = way.to as usize;
+                if let Some(link) = self.of(n).get(done) {
+                    let to = link.to as usize;
                     if met[to] == NONE {
                         // Looks at this link again after the target is done. The target then has an
                         // index.
                         path.push((n, done + 1));
-                        path.push((way.to, 0));
+                        path.push((link.to, 0));
                         continue;
                     }
                     if component[to] == NONE {
@@ -162,7 +162,7 @@ mod tests {
 
     use super::*;
 
-    fn way(from: u32, to: u32, face: u32) -> ChainLink {
+    fn link(from: u32, to: u32, face: u32) -> ChainLink {
         ChainLink {
             from,
             to,
@@ -173,27 +173,27 @@ mod tests {
 
     #[test]
     fn losses_add_up_along_the_worst_chain() {
-        let ways = [way(0, 1, 0), way(1, 2, 1), way(0, 2, 2)];
-        let sums = greatest_sums(&[0.5, 0.0, 0.0], &ways, &[1.0, 2.0, 4.0]);
+        let links = [link(0, 1, 0), link(1, 2, 1), link(0, 2, 2)];
+        let sums = greatest_sums(&[0.5, 0.0, 0.0], &links, &[1.0, 2.0, 4.0]);
         assert_eq!(sums, [0.5, 1.5, 4.5]);
     }
 
     #[test]
     fn a_cycle_loses_each_of_its_faces_once() {
-        let ways = [way(0, 1, 0), way(1, 0, 0), way(0, 1, 1), way(1, 2, 2)];
-        let sums = greatest_sums(&[0.25, 0.0, 0.0], &ways, &[1.0, 2.0, 4.0]);
+        let links = [link(0, 1, 0), link(1, 0, 0), link(0, 1, 1), link(1, 2, 2)];
+        let sums = greatest_sums(&[0.25, 0.0, 0.0], &links, &[1.0, 2.0, 4.0]);
         assert_eq!(sums, [3.25, 3.25, 7.25]);
     }
 
     /// Reference by exhaustive search: the greatest sum on a chain that ends in `n`, each face
     /// once.
-    fn greatest(n: u32, ways: &[ChainLink], in_face: &[f64], used: u32) -> f64 {
-        let before = ways.iter().filter(|way| way.to == n);
-        let unused = before.filter(|way| used & (1 << way.face.raw()) == 0);
+    fn greatest(n: u32, links: &[ChainLink], in_face: &[f64], used: u32) -> f64 {
+        let before = links.iter().filter(|link| link.to == n);
+        let unused = before.filter(|link| used & (1 << link.face.raw()) == 0);
         unused
-            .map(|way| {
-                let face = way.face.raw();
-                in_face[face as usize] + greatest(way.from, ways, in_face, used | (1 << face))
+            .map(|link| {
+                let face = link.face.raw();
+                in_face[face as usize] + greatest(link.from, links, in_face, used | (1 << face))
             })
             .fold(0.0, f64::max)
     }
@@ -204,11 +204,11 @@ mod tests {
             ends in prop::collection::vec((0..6u32, 0..6u32, 0..8u32), 0..10),
         ) {
             let ends = ends.into_iter().filter(|(from, to, _)| from != to);
-            let ways: Vec<ChainLink> = ends.map(|(from, to, face)| way(from, to, face)).collect();
+            let links: Vec<ChainLink> = ends.map(|(from, to, face)| link(from, to, face)).collect();
             let in_face: Vec<f64> = (0..8).map(|i| f64::from(1 << i)).collect();
-            let sums = greatest_sums(&[0.0; 6], &ways, &in_face);
+            let sums = greatest_sums(&[0.0; 6], &links, &in_face);
             for n in 0..6 {
-                prop_assert!(sums[n as usize] >= greatest(n, &ways, &in_face, 0));
+                prop_assert!(sums[n as usize] >= greatest(n, &links, &in_face, 0));
             }
         }
     }

@@ -25,15 +25,15 @@ impl Distance {
     }
 
     /// The abscissa of `t` relative to the image, and the distance from the image to `t`.
-    fn way(&self, t: f64) -> [Interval; 2] {
+    fn relative(&self, t: f64) -> [Interval; 2] {
         let x = Interval::exact(t) - self.image[0];
         [x, norm([x, self.image[1]])]
     }
 }
 
-/// The slope of a distance function, given the result of [`Distance::way`]; between -1 and 1.
-fn slope([x, way]: [Interval; 2]) -> Interval {
-    let quotient = x / way;
+/// The slope of a distance function, given the result of [`Distance::relative`]; between -1 and 1.
+fn slope([x, length]: [Interval; 2]) -> Interval {
+    let quotient = x / length;
     Interval {
         lo: quotient.lo.max(-1.0),
         hi: quotient.hi.min(1.0),
@@ -49,26 +49,29 @@ pub(crate) struct RoundedDistance {
 
 impl RoundedDistance {
     pub(crate) fn at(&self, t: f64) -> f64 {
-        self.sigma + self.way(t)[1]
+        self.sigma + self.relative(t)[1]
     }
 
-    /// As [`Distance::way`].
-    fn way(&self, t: f64) -> [f64; 2] {
+    /// As [`Distance::relative`].
+    fn relative(&self, t: f64) -> [f64; 2] {
         let [x, y] = [t - self.image[0], self.image[1]];
         [x, (x * x + y * y).sqrt()]
     }
 
     /// The slope at abscissa `t`; 0 at the image.
     pub(crate) fn slope(&self, t: f64) -> f64 {
-        let [x, way] = self.way(t);
-        if way > 0.0 { x / way } else { 0.0 }
+        let [x, length] = self.relative(t);
+        if length > 0.0 { x / length } else { 0.0 }
     }
 
     /// The value and the slope at abscissa `t`. The function is convex, so it lies nowhere below
     /// this tangent, except by rounding.
     pub(crate) fn tangent(&self, t: f64) -> [f64; 2] {
-        let [x, way] = self.way(t);
-        [self.sigma + way, if way > 0.0 { x / way } else { 0.0 }]
+        let [x, length] = self.relative(t);
+        [
+            self.sigma + length,
+            if length > 0.0 { x / length } else { 0.0 },
+        ]
     }
 
     /// An upper bound of the difference to `other` on the whole line, by the triangle inequality:
@@ -83,15 +86,16 @@ impl RoundedDistance {
     /// An upper bound of the difference to `other` over `from <= t <= to`, up to rounding and twice
     /// the length `tiny`.
     pub(crate) fn excess(&self, other: &Self, from: f64, to: f64, tiny: f64) -> f64 {
-        let ways = [from, to].map(|t| [self.way(t), other.way(t)]);
+        let at_both = [from, to].map(|t| [self.relative(t), other.relative(t)]);
         let sigma = self.sigma - other.sigma;
-        let [first, last] = ways.map(|[ours, theirs]| sigma + (ours[1] - theirs[1]));
+        let [first, last] = at_both.map(|[ours, theirs]| sigma + (ours[1] - theirs[1]));
         let at_ends = greater(first, last);
         // An image within `tiny` of an end has no reliable slope there. Inside the interval the
         // slope is 1 or -1, except on a part no longer than `tiny`.
-        let slope = |[x, way]: [f64; 2], otherwise| if way > tiny { x / way } else { otherwise };
-        let rises = slope(ways[0][0], 1.0) - slope(ways[0][1], 1.0);
-        let falls = slope(ways[1][0], -1.0) - slope(ways[1][1], -1.0);
+        let slope =
+            |[x, length]: [f64; 2], otherwise| if length > tiny { x / length } else { otherwise };
+        let rises = slope(at_both[0][0], 1.0) - slope(at_both[0][1], 1.0);
+        let falls = slope(at_both[1][0], -1.0) - slope(at_both[1][1], -1.0);
         // See [`greatest_difference`].
         if rises <= 0.0 || falls >= 0.0 {
             return at_ends;
@@ -122,7 +126,7 @@ impl Chord {
 
     /// Whether the distance from the middle of the interval to the image exceeds the interval's
     /// length.
-    pub(crate) fn is_shorter_than_way(&self, distance: &RoundedDistance) -> bool {
+    pub(crate) fn is_shorter_than_distance(&self, distance: &RoundedDistance) -> bool {
         let [x, y] = [self.middle - distance.image[0], distance.image[1]];
         x * x + y * y > 4.0 * self.half * self.half
     }
@@ -137,11 +141,11 @@ impl Chord {
     pub(crate) fn is_below(&self, distance: &RoundedDistance, clear: f64) -> bool {
         let [x, y] = [self.middle - distance.image[0], distance.image[1]];
         let square = x * x + y * y;
-        let way = square.sqrt();
+        let length = square.sqrt();
         let rise = x * self.half;
         let [a, b] = self.at_ends;
         let more = clear - distance.sigma;
-        (a + more) * way + rise < square && (b + more) * way - rise < square
+        (a + more) * length + rise < square && (b + more) * length - rise < square
     }
 }
 
@@ -161,7 +165,7 @@ const BISECTIONS: u32 = 100;
 pub(crate) const CLOSE: f64 = 2e-15;
 
 fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -> f64 {
-    let ways = |t| [f.way(t), g.way(t)];
+    let relatives = |t| [f.relative(t), g.relative(t)];
     let values = |[of_f, of_g]: [[Interval; 2]; 2]| [f.sigma + of_f[1], g.sigma + of_g[1]];
     // Rounding is harmless here: `close` only decides when a bound is good enough.
     let close = CLOSE * (f.rounded().at(from) + g.rounded().at(from));
@@ -172,20 +176,19 @@ fn bound(f: &Distance, g: &Distance, from: f64, to: f64, bisections: &mut u32) -
     if !is_point && peak.abs() <= close {
         return peak;
     }
-    let first = ways(from);
+    let first = relatives(from);
     let [f0, g0] = values(first);
     if is_point {
         return ((f0 - g0).hi + change).next_up();
     }
-    let last = ways(to);
+    let last = relatives(to);
     let [f1, g1] = values(last);
     let differences = [(f0 - g0).hi, (f1 - g1).hi];
     let at_ends = lesser(greater(differences[0], differences[1]), peak);
     if peak - at_ends <= close {
         return peak;
     }
-    let ways = [first, last];
-    let [[f0, g0], [f1, g1]] = ways.map(|ways| ways.map(slope));
+    let [[f0, g0], [f1, g1]] = [first, last].map(|of_both| of_both.map(slope));
     let (rises, falls) = (f0 - g0, f1 - g1);
     // There is at most one critical point. The difference is monotone, or it has a minimum inside.
     if falls.lo >= 0.0 || rises.hi <= 0.0 {

@@ -53,8 +53,8 @@ impl EnvelopePiece {
     /// The value and the slope; the slope is NaN at the image.
     fn at_with_slope(&self, t: f64) -> [f64; 2] {
         let [x, y] = [t - self.image[0], self.image[1]];
-        let way = (x * x + y * y).sqrt();
-        [self.sigma + way, x / way]
+        let length = (x * x + y * y).sqrt();
+        [self.sigma + length, x / length]
     }
 
     fn is_same_function(&self, other: &Self) -> bool {

@@ -467,9 +467,9 @@ impl SidePair<'_> {
     /// Whether all segments between two parts have a detour above `clear`, judged by the segment
     /// between their beginnings. The change from there is bounded by the widths of the parts.
     fn is_far(&self, part: &SidePiece, other: &SidePiece) -> bool {
-        let way = self.near.way(part.from, other.from);
+        let length = self.near.distance(part.from, other.from);
         let widths = (part.to - part.from) + (other.to - other.from);
-        let excess = other.at_ends()[0] - part.at_ends()[0] - way;
+        let excess = other.at_ends()[0] - part.at_ends()[0] - length;
         excess + 2.0 * widths + self.margin <= -self.clear
     }
 

@@ -14,18 +14,18 @@ const ERROR: f64 = 1e-28;
 
 /// An upper bound of the jump from `a` to `b` at abscissa `t`.
 pub(crate) fn jump(a: &EnvelopePiece, b: &EnvelopePiece, t: f64) -> f64 {
-    let [way_a, way_b] = [a, b].map(|piece| way(piece, t));
+    let [of_a, of_b] = [a, b].map(|piece| image_distance(piece, t));
     let mut sum = two_sum(a.sigma, -b.sigma);
-    for x in [way_a.0, -way_b.0, way_a.1, -way_b.1] {
+    for x in [of_a.0, -of_b.0, of_a.1, -of_b.1] {
         let (high, low) = two_sum(sum.0, x);
         sum = two_sum(high, low + sum.1);
     }
-    let size = a.sigma + b.sigma + way_a.0 + way_b.0;
+    let size = a.sigma + b.sigma + of_a.0 + of_b.0;
     ((sum.0 + sum.1).abs() + ERROR * size).next_up()
 }
 
 /// The distance to the image.
-fn way(piece: &EnvelopePiece, t: f64) -> (f64, f64) {
+fn image_distance(piece: &EnvelopePiece, t: f64) -> (f64, f64) {
     let x = two_sum(t, -piece.image[0]);
     let y = piece.image[1];
     let xx = two_product(x.0, x.0);

@@ -234,13 +234,13 @@ impl<'a> Claim<'a> {
         let farthest = finite.fold(0.0, f64::max);
         let mut clear = CLEAR * farthest;
         // `clear` must be at least the total of all violations. Few claims need a second round.
-        let (in_face, sides, ways, total) = loop {
-            let (in_face, sides, ways) = self.violations(&field, clear);
+        let (in_face, sides, links, total) = loop {
+            let (in_face, sides, links) = self.violations(&field, clear);
             // The rounding error of a sum of n non-negative numbers is at most n ulps.
             let generous = 1.0 + (in_face.len() + own.len()) as f64 * f64::EPSILON;
             let total = in_face.iter().chain(&own).sum::<f64>() * generous;
             if total <= clear || !total.is_finite() {
-                break (in_face, sides, ways, total);
+                break (in_face, sides, links, total);
             }
             clear = 2.0 * total;
         };
@@ -259,7 +259,7 @@ impl<'a> Claim<'a> {
         }
         failures.sort_by(|a, b| b.violation.total_cmp(&a.violation));
         let (absolute, relative) = if total.is_finite() {
-            self.add_up(&field, own, &in_face, ways, total)
+            self.add_up(&field, own, &in_face, links, total)
         } else {
             (f64::INFINITY, f64::INFINITY)
         };
@@ -418,13 +418,13 @@ impl<'a> Claim<'a> {
         field: &EdgeField<'_>,
         own: Vec<f64>,
         in_face: &[f64],
-        mut ways: Vec<ChainLink>,
+        mut links: Vec<ChainLink>,
         total: f64,
     ) -> (f64, f64) {
-        if ways.len() > MOST_LINKS {
+        if links.len() > MOST_LINKS {
             return (total, self.add_up_by_distance(&own, in_face, total));
         }
-        ways.retain(|way| f64::from(way.excess) >= -total);
+        links.retain(|link| f64::from(link.excess) >= -total);
         let pieces = field.pieces.len();
         // Inside the neighbourhood of a vertex, a path may cross all faces around the vertex.
         let mut losses = vec![0.0; pieces];
@@ -435,7 +435,7 @@ impl<'a> Claim<'a> {
             }
         }
         let generous = 1.0 + (in_face.len() + losses.len()) as f64 * f64::EPSILON;
-        let sums = greatest_sums(&losses, &ways, in_face);
+        let sums = greatest_sums(&losses, &links, in_face);
         let greatest = sums.iter().copied().fold(0.0, f64::max);
         let absolute = (greatest * generous).min(total);
         let mut relative = 0.0_f64;

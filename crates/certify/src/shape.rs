@@ -177,8 +177,8 @@ impl RoundedTransform {
         self.unit.iter().all(|x| x.is_finite())
     }
 
-    /// The way between points of the two sides.
-    pub(crate) fn way(&self, from: f64, to: f64) -> f64 {
+    /// The distance between points of the two sides.
+    pub(crate) fn distance(&self, from: f64, to: f64) -> f64 {
         let [x, y] = self.map([from, 0.0]);
         ((x - to) * (x - to) + y * y).sqrt()
     }
@@ -262,7 +262,7 @@ impl LeastDistance {
             return false;
         }
         let distance = &self.distances[k];
-        chord.is_shorter_than_way(distance) && chord.is_below(distance, clear)
+        chord.is_shorter_than_distance(distance) && chord.is_below(distance, clear)
     }
 
     /// How much `other` is above each of the three, up to rounding; minus infinity where it lies

@@ -207,7 +207,7 @@ impl Pch {
 
     /// Step 2 of a round, for one window.
     fn settle<P: Probe>(&mut self, waiting: &WaitingWindow, step: &mut Examination, probe: &mut P) {
-        if step.way == CrossingKind::Void {
+        if step.kind == CrossingKind::Stale {
             probe.add(Counter::Filtered, 1);
             return;
         }
@@ -224,11 +224,11 @@ impl Pch {
             let way = Way::of(&waiting.window, &self.surface.faces().frame(h));
             probe.reach(apex, h.prev(), way);
         }
-        if step.way == CrossingKind::Covers {
-            step.way = match self.angles.split(h, step.d, step.entry) {
+        if step.kind == CrossingKind::Covers {
+            step.kind = match self.angles.split(h, step.d, step.entry) {
                 Split::Occupies => CrossingKind::Occupies,
                 Split::Ties => CrossingKind::Covers,
-                Split::Only(side) => CrossingKind::Past(side),
+                Split::Only(side) => CrossingKind::OneSide(side),
             };
             // Even if only one child is left, it is one of a window that covers the apex.
             step.covers = true;
@@ -276,14 +276,14 @@ fn is_beaten(
         && (kept.is_empty() || is_beaten_beside_thin_faces(h, window, kept, surface))
 }
 
-/// The way in which a window crosses a face.
+/// How a window crosses a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum CrossingKind {
     /// Not at all: the window is stale.
     #[default]
-    Void,
-    /// On one side of the apex.
-    Past(Side),
+    Stale,
+    /// On one side of the apex only.
+    OneSide(Side),
     /// On both sides.
     Covers,
     /// On both sides, as the new occupant of the angle.
@@ -297,7 +297,7 @@ struct Examination {
     d: f64,
     /// The fraction of the half-edge at which its ray to the apex enters, if it covers the apex.
     entry: f64,
-    way: CrossingKind,
+    kind: CrossingKind,
     covers: bool,
 }
 
@@ -316,7 +316,7 @@ impl Examination {
             return Self {
                 d: crossing.straight_distance(),
                 entry: crossing.entry(),
-                way: CrossingKind::Covers,
+                kind: CrossingKind::Covers,
                 covers: true,
             };
         }
@@ -324,7 +324,7 @@ impl Examination {
         Self {
             d: crossing.bent_distance(&view.exit(side)),
             entry: 0.0,
-            way: CrossingKind::Past(side),
+            kind: CrossingKind::OneSide(side),
             covers: false,
         }
     }
@@ -361,19 +361,19 @@ impl TaskChildren {
         kept: &KeptWindows,
     ) {
         let WaitingWindow { h, window, lineage } = waiting;
-        if step.way == CrossingKind::Void {
+        if step.kind == CrossingKind::Stale {
             return;
         }
         let view = surface.faces().face_view(*h);
         let crossing = Crossing::new(&view.frame, window);
-        let heir = Lineage {
+        let inherited = Lineage {
             level: lineage.level + 1,
             ..*lineage
         };
         for side in [Side::Left, Side::Right] {
             let exit = view.exit(side);
-            let takes = match step.way {
-                CrossingKind::Past(only) => only == side,
+            let takes = match step.kind {
+                CrossingKind::OneSide(only) => only == side,
                 _ => true,
             };
             // For a window that passes the apex on one side, the other exit counts as tried as
@@ -387,11 +387,11 @@ impl TaskChildren {
                 Side::Left => crossing.left_child(&exit),
                 Side::Right => crossing.right_child(&exit),
             };
-            let guard = match step.way {
+            let guard = match step.kind {
                 CrossingKind::Occupies => Guard::new(*h, step.entry, side),
-                _ => heir.guard,
+                _ => inherited.guard,
             };
-            self.send(child, &exit, Lineage { guard, ..heir }, surface, kept);
+            self.send(child, &exit, Lineage { guard, ..inherited }, surface, kept);
         }
     }
 

@@ -239,10 +239,15 @@ impl Policy for Splitting {
         &mut self,
         angle: HalfEdgeId,
         crossing: &Crossing<'_>,
-        heir: Lineage,
+        inherited: Lineage,
         _: &Surface,
     ) -> [Option<Lineage>; 2] {
-        self.split_at(angle, crossing.entry(), crossing.straight_distance(), heir)
+        self.split_at(
+            angle,
+            crossing.entry(),
+            crossing.straight_distance(),
+            inherited,
+        )
     }
 
     #[inline]
@@ -251,16 +256,16 @@ impl Policy for Splitting {
         angle: HalfEdgeId,
         entry: f64,
         d: f64,
-        heir: Lineage,
+        inherited: Lineage,
     ) -> [Option<Lineage>; 2] {
         match self.angles.split(angle, d, entry) {
             Split::Occupies => [Side::Left, Side::Right].map(|side| {
                 let guard = Guard::new(angle, entry, side);
-                Some(Lineage { guard, ..heir })
+                Some(Lineage { guard, ..inherited })
             }),
-            Split::Ties => [Some(heir); 2],
-            Split::Only(Side::Left) => [Some(heir), None],
-            Split::Only(Side::Right) => [None, Some(heir)],
+            Split::Ties => [Some(inherited); 2],
+            Split::Only(Side::Left) => [Some(inherited), None],
+            Split::Only(Side::Right) => [None, Some(inherited)],
         }
     }
 }

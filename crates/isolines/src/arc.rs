@@ -90,8 +90,8 @@ impl CircleArc {
         let from = sub(self.ends[0], self.centre);
         for i in (1_u32..).map(f64::from).take_while(|&i| i < parts) {
             let (sin, cos) = (angle * i / parts).sin_cos();
-            let way = [cos * from[0] - sin * from[1], sin * from[0] + cos * from[1]];
-            points.push(add(self.centre, way));
+            let spoke = [cos * from[0] - sin * from[1], sin * from[0] + cos * from[1]];
+            points.push(add(self.centre, spoke));
         }
         points.push(self.ends[1]);
         points

@@ -8,7 +8,7 @@ use crate::plane::{Point, add, cross, dot, norm, scale, sub, turned};
 /// A point outside a cone counts as inside if the sine of its angle to the cone is at most this.
 /// Rounding leaves gaps between windows that touch. A path that bends by so small an angle is
 /// longer by less than 1e-20 of its length.
-const BESIDE: f64 = 1e-10;
+const CONE_SLACK: f64 = 1e-10;
 
 /// Relative difference up to which two distances of a point count as equal.
 const ROUNDING: f64 = 1e-13;
@@ -63,7 +63,7 @@ impl Cone {
     /// The cone with apex `centre` between two vectors, the right and the left side; `None` if
     /// `angle` is not positive.
     fn new(centre: Point, sigma: f64, sides: [Point; 2], angle: f64, nearest: f64) -> Option<Self> {
-        let [right, left] = sides.map(|way| scale(way, 1.0 / norm(way)));
+        let [right, left] = sides.map(|side| scale(side, 1.0 / norm(side)));
         (angle > 0.0).then_some(Self {
             centre,
             sigma,
@@ -77,14 +77,14 @@ impl Cone {
     /// The point of the circle of `radius` at `angle` from the right side.
     pub(crate) fn at(&self, angle: f64, radius: f64) -> Point {
         let (sin, cos) = angle.sin_cos();
-        let way = add(scale(self.right, cos), scale(turned(self.right), sin));
-        add(self.centre, scale(way, radius))
+        let direction = add(scale(self.right, cos), scale(turned(self.right), sin));
+        add(self.centre, scale(direction, radius))
     }
 
     /// The angle from the right side to the direction of `x`.
     fn angle_of(&self, x: Point) -> f64 {
-        let way = sub(x, self.centre);
-        cross(self.right, way).atan2(dot(self.right, way))
+        let ray = sub(x, self.centre);
+        cross(self.right, ray).atan2(dot(self.right, ray))
     }
 
     /// The radius of the circle of points at distance `level`; not positive if there is none.
@@ -97,11 +97,11 @@ impl Cone {
         self.sigma + norm(sub(x, self.centre))
     }
 
-    /// Whether `x` is in the cone, or outside by no more than rounding ([`BESIDE`]).
+    /// Whether `x` is in the cone, or outside by no more than rounding ([`CONE_SLACK`]).
     fn sees(&self, x: Point) -> bool {
-        let way = sub(x, self.centre);
-        let slack = -BESIDE * norm(way);
-        cross(self.right, way) >= slack && cross(way, self.left) >= slack
+        let ray = sub(x, self.centre);
+        let slack = -CONE_SLACK * norm(ray);
+        cross(self.right, ray) >= slack && cross(ray, self.left) >= slack
     }
 
     /// The intersections of its circle of `radius` with the line through `through`. `direction` has
@@ -120,15 +120,15 @@ impl Cone {
 
     /// The intersections of its circle of `radius` with the circle of `other` of `its_radius`.
     fn meets_circle(&self, radius: f64, other: &Self, its_radius: f64) -> [Option<Point>; 2] {
-        let way = sub(other.centre, self.centre);
-        let apart = norm(way);
+        let between = sub(other.centre, self.centre);
+        let apart = norm(between);
         let along = (apart * apart + (radius - its_radius) * (radius + its_radius)) / (2.0 * apart);
         let half = (radius - along) * (radius + along);
         // NaN if both have the same centre.
         if half.is_nan() || half < 0.0 {
             return [None; 2];
         }
-        let unit = scale(way, 1.0 / apart);
+        let unit = scale(between, 1.0 / apart);
         let foot = add(self.centre, scale(unit, along));
         let half = half.sqrt();
         [half, -half].map(|t| Some(add(foot, scale(turned(unit), t))))
@@ -301,8 +301,8 @@ impl FaceCones {
         };
         for k in 0..3 {
             let [from, to] = [self.corners[k], self.corners[(k + 1) % 3]];
-            let way = sub(to, from);
-            let direction = scale(way, 1.0 / norm(way));
+            let side = sub(to, from);
+            let direction = scale(side, 1.0 / norm(side));
             let found = cone.meets_line(radius, from, direction);
             found.into_iter().flatten().for_each(&mut cut);
         }

@@ -3,10 +3,10 @@
 use geobench_window::Window;
 
 /// The widest gap across which two intervals are joined, as a fraction of the edge. Rounding leaves
-/// such gaps between windows that touch. `PARTED` applies if both intervals end with their windows,
-/// `BESIDE` if one of them ends where its window reaches the level.
-const PARTED: f64 = 1e-6;
-const BESIDE: f64 = 1e-9;
+/// such gaps between windows that touch. `GAP_BETWEEN_WINDOWS` applies if both intervals end with their windows,
+/// `GAP_AT_LEVEL` if one of them ends where its window reaches the level.
+const GAP_BETWEEN_WINDOWS: f64 = 1e-6;
+const GAP_AT_LEVEL: f64 = 1e-9;
 
 /// An interval of an edge whose points are nearer than the level, by one window or one vertex.
 #[derive(Clone, Copy)]
@@ -71,9 +71,9 @@ pub(crate) fn crossings(
     for part in parts {
         if let Some(last) = joined.last_mut() {
             let gap = match (last.cut[1], part.cut[0]) {
-                (true, true) => PARTED,
+                (true, true) => GAP_BETWEEN_WINDOWS,
                 (false, false) => 0.0,
-                _ => BESIDE,
+                _ => GAP_AT_LEVEL,
             };
             if part.from <= last.to + gap * l {
                 if part.to > last.to {

@@ -362,13 +362,13 @@ struct Ends {
 }
 
 /// Lists up to this length are searched linearly.
-const FEW: usize = 24;
+const LINEAR_SEARCH: usize = 24;
 
 impl Ends {
     fn set(&mut self, ends: impl Iterator<Item = u32>) {
         self.list.clear();
         self.list.extend(ends);
-        if self.list.len() > FEW {
+        if self.list.len() > LINEAR_SEARCH {
             self.sorted.clear();
             self.sorted.extend(self.list.iter().copied().zip(0..));
             self.sorted.sort_unstable();
@@ -379,7 +379,7 @@ impl Ends {
     #[inline]
     fn only(&self, x: u32) -> Found {
         let (mut count, mut place) = (0, 0);
-        if self.list.len() > FEW {
+        if self.list.len() > LINEAR_SEARCH {
             let first = self.sorted.partition_point(|entry| entry.0 < x);
             for entry in self.sorted[first..].iter().take_while(|entry| entry.0 == x) {
                 count += 1;

@@ -8,7 +8,7 @@ use crate::path::{Path, Place, Point};
 /// Greatest distance of a vertex from the straight line to an image at which the path may pass
 /// through the vertex, as a fraction of the length of the line. It exceeds the error that unfolding
 /// adds to the image.
-const BESIDE: f64 = 1e-11;
+const LINE_SLACK: f64 = 1e-11;
 
 /// Greatest difference between the length of a path and its distance, relative to the distance of
 /// the target.
@@ -80,20 +80,20 @@ pub struct Paths {
     distances: Vec<f64>,
     origins: Origins,
     /// The record of every half-edge; empty if few paths are expected.
-    steps: Vec<Step>,
+    entries: Vec<FaceEntry>,
 }
 
 /// The data of a half-edge that a path needs to enter its face. They form one record, because paths
 /// access memory in random order.
 #[derive(Clone, Copy, Debug)]
-struct Step {
+struct FaceEntry {
     /// The apex in the frame of the half-edge, in units of its length.
     apex: [f64; 2],
     tail: VertexId,
     twin: Option<HalfEdgeId>,
 }
 
-impl Step {
+impl FaceEntry {
     fn new(mesh: &Mesh, h: HalfEdgeId, apex: [f64; 2]) -> Self {
         let l = mesh.length(h);
         Self {
@@ -106,7 +106,7 @@ impl Step {
 
 /// The records of all half-edges are computed in advance if there is more than one target for this
 /// many half-edges.
-const FEW: usize = 64;
+const HALF_EDGES_PER_TARGET: usize = 64;
 
 impl Paths {
     /// Runs `solver`, which is set up for `mesh`, until `goal` is reached, and records the origins
@@ -123,19 +123,19 @@ impl Paths {
         goal: &Goal,
     ) -> Result<Self, SolveError> {
         let (solution, origins) = solver.trace(&sources.into_vertices(), goal)?;
-        let few = mesh.half_edge_count() / FEW;
-        let steps = |f: FaceId| {
+        let few = mesh.half_edge_count() / HALF_EDGES_PER_TARGET;
+        let entries = |f: FaceId| {
             let apexes = mesh.apexes(f).into_iter();
             apexes
                 .zip(0..)
-                .map(move |(apex, k)| Step::new(mesh, f.half_edge(k), apex))
+                .map(move |(apex, k)| FaceEntry::new(mesh, f.half_edge(k), apex))
         };
-        let steps = match goal.vertices() {
+        let entries = match goal.vertices() {
             Some(targets) if targets.len() <= few => Vec::new(),
-            _ => mesh.faces().flat_map(steps).collect(),
+            _ => mesh.faces().flat_map(entries).collect(),
         };
         Ok(Self {
-            steps,
+            entries,
             mesh: mesh.clone(),
             distances: solution.distances,
             origins,
@@ -194,17 +194,17 @@ impl Paths {
     }
 
     #[inline]
-    fn step(&self, h: HalfEdgeId) -> Step {
-        let known = self.steps.get(h.index());
+    fn entry(&self, h: HalfEdgeId) -> FaceEntry {
+        let known = self.entries.get(h.index());
         known
             .copied()
-            .unwrap_or_else(|| Step::new(&self.mesh, h, self.mesh.apex(h)))
+            .unwrap_or_else(|| FaceEntry::new(&self.mesh, h, self.mesh.apex(h)))
     }
 
     #[inline]
     fn tail(&self, h: HalfEdgeId) -> VertexId {
-        let known = self.steps.get(h.index());
-        known.map_or_else(|| self.mesh.tail(h), |step| step.tail)
+        let known = self.entries.get(h.index());
+        known.map_or_else(|| self.mesh.tail(h), |entry| entry.tail)
     }
 
     /// Follows the straight line from `v`, the apex of `h`, to `image`, in the frame of `h`. The
@@ -268,10 +268,10 @@ impl Paths {
     ) -> Option<VertexId> {
         let distance = self.distances[v.index()];
         let start = self.mesh.apex(h);
-        let way = sub(image, start);
-        let length = norm(way);
-        let beside = BESIDE * length;
-        let along = way.map(|x| x / length);
+        let to_image = sub(image, start);
+        let length = norm(to_image);
+        let slack = LINE_SLACK * length;
+        let along = to_image.map(|x| x / length);
         let turned = |p: [f64; 2]| {
             let [x, y] = sub(p, start);
             [along[0] * x + along[1] * y, along[0] * y - along[1] * x]
@@ -287,7 +287,7 @@ impl Paths {
         let mut right = (turned([0.0; 2]), self.tail(h));
         let mut left = (turned([self.mesh.length(h), 0.0]), self.tail(h.next()));
         for (at, v) in [right, left] {
-            if at[1].abs() <= beside && meets(at, v) {
+            if at[1].abs() <= slack && meets(at, v) {
                 path.length += norm(at);
                 path.points.push(Point::at_vertex(&self.mesh, v));
                 return Some(v);
@@ -303,12 +303,12 @@ impl Paths {
             // The abscissa of the crossing. Beyond the image, the line has missed the vertex of the
             // image.
             let x = a[0] + t * (b[0] - a[0]);
-            if x.is_nan() || x > length + beside {
+            if x.is_nan() || x > length + slack {
                 return None;
             }
             path.points.push(on_edge(out, [right.1, left.1], t));
-            let g = self.step(out).twin?;
-            let [along, across] = self.step(g).apex;
+            let g = self.entry(out).twin?;
+            let [along, across] = self.entry(g).apex;
             if !(across > THIN && across < 1.0 / THIN) {
                 return None;
             }
@@ -318,7 +318,7 @@ impl Paths {
                 b[1] + along * edge[1] + across * edge[0],
             ];
             let corner = self.tail(g.prev());
-            if apex[1].abs() <= beside && meets(apex, corner) {
+            if apex[1].abs() <= slack && meets(apex, corner) {
                 path.length += norm(apex);
                 path.points.push(Point::at_vertex(&self.mesh, corner));
                 return Some(corner);
@@ -349,7 +349,7 @@ impl Paths {
             image,
             distance,
             sigma: distance - length,
-            beside: BESIDE * length,
+            slack: LINE_SLACK * length,
             tolerance,
             longest: 0.0,
             best: None,
@@ -374,7 +374,7 @@ impl Paths {
             let [x, y] = self.mesh.apex(g);
             let at = to + (from - to) * (x / self.mesh.length(g));
             line.consider([at, -y], self.mesh.apex_vertex(g), self);
-            if y <= line.beside {
+            if y <= line.slack {
                 ahead.extend([(g.next(), [from, at]), (g.prev(), [at, to])]);
             }
         }
@@ -403,7 +403,7 @@ impl Paths {
             self.consider_behind(h, line);
         }
         // The negation also catches NaN.
-        if !(s >= -line.beside && s <= l + line.beside) {
+        if !(s >= -line.slack && s <= l + line.slack) {
             return Err(h.face());
         }
         let s = s.clamp(0.0, l);
@@ -424,7 +424,7 @@ impl Paths {
                 return Ok(line.go(apex, corner, self, path));
             }
             let to_image = sub(line.image, line.here);
-            let left = if square(to_image) > line.beside * line.beside {
+            let left = if square(to_image) > line.slack * line.slack {
                 cross(to_image, sub(apex, line.here)) <= 0.0
             } else {
                 // The image is on this edge: it is a corner of another face, which has no area.
@@ -445,7 +445,7 @@ impl Paths {
             let unit = [along, up].map(|x| x / size);
             let before = cross(unit, sub(line.here, from)).min(0.0);
             let behind = cross(unit, sub(line.image, from));
-            if behind.is_nan() || behind < -line.beside {
+            if behind.is_nan() || behind < -line.slack {
                 return Err(g.face());
             }
             let share = (before / (before - behind.max(0.0))).clamp(0.0, 1.0);
@@ -498,7 +498,7 @@ struct ImageRay {
     distance: f64,
     sigma: f64,
     /// Greatest distance of a vertex from the line at which the path passes the vertex.
-    beside: f64,
+    slack: f64,
     /// Greatest difference between the length of the path and the distance.
     tolerance: f64,
     /// The longest edge so far.
@@ -523,7 +523,7 @@ struct Best {
     /// there to the vertex.
     points: usize,
     length: f64,
-    way: f64,
+    straight: f64,
 }
 
 impl ImageRay {
@@ -534,7 +534,7 @@ impl ImageRay {
         if size > self.longest {
             let slack = 4.0 * f64::EPSILON * (size - self.longest);
             self.longest = size;
-            self.beside += slack;
+            self.slack += slack;
             self.tolerance += slack;
         }
     }
@@ -573,9 +573,9 @@ impl ImageRay {
         let (to_corner, to_image) = (sub(corner, self.here), sub(self.image, self.here));
         let (across, rest) = (cross(to_image, to_corner), square(to_image));
         let along = to_image[0] * to_corner[0] + to_image[1] * to_corner[1];
-        let beside = self.beside * self.beside;
+        let slack = self.slack * self.slack;
         let is_beside =
-            square(to_corner) <= beside || (across * across <= beside * rest && along >= 0.0);
+            square(to_corner) <= slack || (across * across <= slack * rest && along >= 0.0);
         if !is_beside && !self.is_careful {
             return false;
         }
@@ -584,8 +584,8 @@ impl ImageRay {
         if known >= self.distance {
             return false;
         }
-        let way = norm(to_corner);
-        let excess = way + known - (rest.sqrt() + self.sigma);
+        let straight = norm(to_corner);
+        let excess = straight + known - (rest.sqrt() + self.sigma);
         if self.is_careful {
             self.consider(corner, v, paths);
             if self.best.as_ref().is_none_or(|best| excess < best.excess) {
@@ -594,7 +594,7 @@ impl ImageRay {
                     excess,
                     points: path.points.len(),
                     length: path.length,
-                    way,
+                    straight,
                 });
             }
         }
@@ -621,7 +621,7 @@ impl ImageRay {
         let best = best.filter(|best| best.excess <= self.tolerance)?;
         path.points.truncate(best.points);
         path.points.push(Point::at_vertex(&paths.mesh, best.vertex));
-        path.length = best.length + best.way;
+        path.length = best.length + best.straight;
         Some(best.vertex)
     }
 

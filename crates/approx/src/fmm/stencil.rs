@@ -188,8 +188,11 @@ fn in_frame(from: [f64; 2], to: [f64; 2], apex: [f64; 2]) -> Option<(f64, [f64; 
     let base = minus(to, from);
     let length = length(base);
     let along = base.map(|x| x / length);
-    let way = minus(apex, from);
-    let position = [dot(way, along), along[0] * way[1] - along[1] * way[0]];
+    let to_apex = minus(apex, from);
+    let position = [
+        dot(to_apex, along),
+        along[0] * to_apex[1] - along[1] * to_apex[0],
+    ];
     let is_usable = length > 0.0 && position.iter().all(|x| x.is_finite());
     is_usable.then_some((length, [position[0], position[1].abs()]))
 }

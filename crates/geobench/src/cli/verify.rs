@@ -15,7 +15,7 @@ use crate::measure::number::scientific;
 use crate::plan::{self, suite};
 use crate::registry::{self, Selection};
 use crate::run::agreement::{self, Clusters, Vote};
-use crate::run::asked::Asked;
+use crate::run::answer_layout::AnswerLayout;
 use crate::run::check::{self, Deviation};
 use crate::schema::ModelRecord;
 
@@ -225,8 +225,8 @@ impl LoadedModelCheck<'_> {
     ) -> anyhow::Result<()> {
         let vertices = self.record.vertex_count();
         let stored = self.stored(source, vertices, tally);
-        let asked = Asked::new(self.goal, vertices);
-        let count = asked.count(vertices);
+        let layout = AnswerLayout::new(self.goal, vertices);
+        let count = layout.count(vertices);
         let spec = SourceSpec::from(source);
         let mut reference: Option<Vec<f64>> = None;
         let mut clusters = Clusters::default();
@@ -270,8 +270,8 @@ impl LoadedModelCheck<'_> {
                                 let expected = reference.iter().copied().enumerate();
                                 let is_approximate = verdict.is_approximate;
                                 let comparison =
-                                    asked.compare(&found, expected, tolerance, is_approximate);
-                                verdict.judge(REFERENCE, &comparison, &asked);
+                                    layout.compare(&found, expected, tolerance, is_approximate);
+                                verdict.judge(REFERENCE, &comparison, &layout);
                                 vote.compared(&comparison);
                                 agrees = comparison.agrees();
                             }
@@ -280,12 +280,12 @@ impl LoadedModelCheck<'_> {
                     }
                     if !verdict.is_approximate {
                         if !agrees {
-                            vote.cluster = clusters.place(&found, tolerance);
+                            vote.cluster = clusters.assign(&found, tolerance);
                         }
                         votes.push(vote);
                     }
                     if let Some(field) = stored.as_ref().filter(|_| found.len() == count) {
-                        verdict.judge_by_stored(field, &found, &asked, tolerance);
+                        verdict.judge_by_stored(field, &found, &layout, tolerance);
                     }
                     if algorithm.label() == REFERENCE {
                         reference = Some(found);
@@ -309,7 +309,7 @@ impl LoadedModelCheck<'_> {
             && reference.len() == count
         {
             let name = field.path.display().to_string();
-            let expected = asked.of_stored(&field.distances);
+            let expected = layout.of_stored(&field.distances);
             votes.push(self.vote_of(&name, &expected, reference, &clusters));
         }
         if let Some(summary) = agreement::summary(&votes) {
@@ -416,21 +416,21 @@ impl Judgement {
         &mut self,
         field: &StoredDistances,
         found: &[f64],
-        asked: &Asked,
+        layout: &AnswerLayout,
         tolerance: f64,
     ) {
-        let expected = asked.of_stored(&field.distances);
-        let comparison = asked.compare(found, expected, tolerance, self.is_approximate);
+        let expected = layout.of_stored(&field.distances);
+        let comparison = layout.compare(found, expected, tolerance, self.is_approximate);
         let mut name = field.path.display().to_string();
         if comparison.compared < found.len() {
-            let (compared, count, noun) = (comparison.compared, found.len(), asked.noun());
+            let (compared, count, noun) = (comparison.compared, found.len(), layout.noun());
             name = format!("{name} at {compared} of {count} {noun}");
         }
-        self.judge(&name, &comparison, asked);
+        self.judge(&name, &comparison, layout);
     }
 
     /// Adds a remark on the comparison with `reference`, and marks a disagreement as wrong.
-    fn judge(&mut self, reference: &str, comparison: &Deviation, asked: &Asked) {
+    fn judge(&mut self, reference: &str, comparison: &Deviation, layout: &AnswerLayout) {
         match &comparison.worst {
             Some(_) if self.is_approximate && comparison.max_rel.is_finite() => {
                 self.remarks.push(format!(
@@ -440,10 +440,10 @@ impl Judgement {
             }
             Some(worst) => self.wrong(&format!(
                 "differs from {reference}: {}; {} of {} {} differ",
-                asked.describe(worst),
+                layout.describe(worst),
                 comparison.disagreeing,
                 comparison.compared,
-                asked.noun()
+                layout.noun()
             )),
             None => self.remarks.push(format!(
                 "agrees with {reference}, largest relative difference {}",

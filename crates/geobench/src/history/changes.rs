@@ -33,7 +33,7 @@ const NORMAL_MAD: f64 = 0.674_489_750_196_081_7;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelChange {
     /// Index of the first value of the new level.
-    pub place: usize,
+    pub index: usize,
     /// Median of the piece before.
     pub before: f64,
     /// Median of the piece from there on.
@@ -74,7 +74,7 @@ pub fn changes(values: &[f64], least: f64) -> Vec<LevelChange> {
         let after = level(piece);
         if (after / before).ln().abs() >= (1.0 + least).ln() {
             found.push(LevelChange {
-                place: piece.0,
+                index: piece.0,
                 before,
                 after,
             });
@@ -92,14 +92,14 @@ fn noise(values: &[f64]) -> f64 {
 
 /// The values, with each outlier replaced by the median of its neighbourhood.
 fn without_outliers(values: &[f64], noise: f64) -> Vec<f64> {
-    let clean = |place: usize| {
-        let start = place.saturating_sub(NEIGHBOURS);
-        let end = (place + NEIGHBOURS + 1).min(values.len());
+    let clean = |index: usize| {
+        let start = index.saturating_sub(NEIGHBOURS);
+        let end = (index + NEIGHBOURS + 1).min(values.len());
         let level = median(&values[start..end]);
-        if (values[place] - level).abs() > FAR * noise {
+        if (values[index] - level).abs() > FAR * noise {
             level
         } else {
-            values[place]
+            values[index]
         }
     };
     (0..values.len()).map(clean).collect()
@@ -133,10 +133,10 @@ fn partition(values: &[f64], noise: f64) -> Vec<usize> {
         }
     }
     let mut cuts = Vec::new();
-    let mut place = best[n].1;
-    while place > 0 {
-        cuts.push(place);
-        place = best[place].1;
+    let mut index = best[n].1;
+    while index > 0 {
+        cuts.push(index);
+        index = best[index].1;
     }
     cuts.reverse();
     cuts
@@ -230,12 +230,12 @@ mod tests {
         let mut near = 0;
         for _ in 0..trials {
             let mut values = series(&mut random, normal);
-            let place = 3 + random.below(194);
-            for value in &mut values[place..] {
+            let index = 3 + random.below(194);
+            for value in &mut values[index..] {
                 *value *= 1.2;
             }
             let found = changes(&values, 0.02);
-            near += usize::from(found.len() == 1 && found[0].place.abs_diff(place) <= 1);
+            near += usize::from(found.len() == 1 && found[0].index.abs_diff(index) <= 1);
         }
         assert!(near >= 95, "{near}");
     }
@@ -246,16 +246,16 @@ mod tests {
         values[17..].fill(1.01e9);
         let found = changes(&values, 0.005);
         assert_eq!(found.len(), 1);
-        assert_eq!((found[0].place, found[0].before), (17, 1e9));
+        assert_eq!((found[0].index, found[0].before), (17, 1e9));
         assert!((found[0].ratio() - 1.01).abs() < 1e-12);
-        // Two commits do not confirm a step. No earlier commit is reported in their place.
+        // Two commits do not confirm a step. No earlier commit is reported in their index.
         values.fill(1e9);
         values[18..].fill(1.01e9);
         assert_eq!(changes(&values, 0.005), []);
         // A step up and a step down are two changes. A single slow commit is none.
         values.fill(1e9);
         values[8..12].fill(1.01e9);
-        let places: Vec<usize> = changes(&values, 0.005).iter().map(|c| c.place).collect();
+        let places: Vec<usize> = changes(&values, 0.005).iter().map(|c| c.index).collect();
         assert_eq!(places, [8, 12]);
         values.fill(1e9);
         values[8] = 2e9;

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::measure::conditions;
 use crate::schema::difference::first_difference;
-use crate::schema::{Cell, CellPlace, GroupRecord, ResultFile};
+use crate::schema::{Cell, CellId, GroupRecord, ResultFile};
 
 /// A joined file.
 #[derive(Clone, Debug)]
@@ -35,7 +35,7 @@ pub fn join(files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
     };
     for (name, file) in rest {
         check_machine(&joined.file, &first, &name, &file)?;
-        let kept = add(&mut joined, &first, &name, file, Winner::Joined)?;
+        let kept = add(&mut joined, &first, &name, file, Preferred::Joined)?;
         if kept > 0 {
             joined.notes.push(format!(
                 "{name}: {kept} of its cells are in the files before it, whose times are kept"
@@ -62,12 +62,12 @@ pub fn extend(
     };
     let is_timed_before = |cell: &Cell| {
         let mut known = joined.file.cells.iter();
-        known.any(|known| known.place() == cell.place() && known.time == cell.time)
+        known.any(|known| known.id() == cell.id() && known.time == cell.time)
     };
     if !new.cells.iter().all(is_timed_before) {
         check_machine(&joined.file, earlier_name, new_name, &new)?;
     }
-    add(&mut joined, earlier_name, new_name, new, Winner::Added)?;
+    add(&mut joined, earlier_name, new_name, new, Preferred::Added)?;
     Ok(joined)
 }
 
@@ -80,18 +80,18 @@ pub fn extend(
 /// group differ.
 pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
     let mut names = Vec::new();
-    for place in 1..files.len() {
-        let (before, rest) = files.split_at_mut(place);
+    for index in 1..files.len() {
+        let (before, rest) = files.split_at_mut(index);
         let (name, file) = &mut rest[0];
         for (first, known) in before {
             rename_models(known, first, name, file)?;
         }
     }
-    let mut holders: HashMap<CellPlace, usize> = HashMap::new();
+    let mut holders: HashMap<CellId, usize> = HashMap::new();
     for (name, file) in &files {
         names.push(name.clone());
         for cell in &file.cells {
-            *holders.entry(cell.place()).or_default() += 1;
+            *holders.entry(cell.id()).or_default() += 1;
         }
     }
     let stem = |name: &str| {
@@ -99,11 +99,11 @@ pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
         stem.map_or_else(|| name.to_owned(), |s| s.to_string_lossy().into_owned())
     };
     let stems: Vec<String> = names.iter().map(|name| stem(name)).collect();
-    for (place, (name, file)) in files.iter_mut().enumerate() {
-        let is_unique = stems.iter().filter(|stem| **stem == stems[place]).count() == 1;
-        let shown = if is_unique { &stems[place] } else { &*name };
+    for (index, (name, file)) in files.iter_mut().enumerate() {
+        let is_unique = stems.iter().filter(|stem| **stem == stems[index]).count() == 1;
+        let shown = if is_unique { &stems[index] } else { &*name };
         for cell in &mut file.cells {
-            if holders[&cell.place()] > 1 {
+            if holders[&cell.id()] > 1 {
                 cell.algorithm = format!("{} ({shown})", cell.algorithm);
             }
         }
@@ -121,7 +121,7 @@ pub fn beside(mut files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
                 file.host.in_words()
             ));
         }
-        add(&mut joined, &first, &name, file, Winner::Joined)?;
+        add(&mut joined, &first, &name, file, Preferred::Joined)?;
     }
     Ok(joined)
 }
@@ -171,7 +171,7 @@ fn check_goals(
 
 /// The file whose cell is kept if both files have it.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Winner {
+enum Preferred {
     Joined,
     Added,
 }
@@ -182,7 +182,7 @@ fn add(
     first: &str,
     name: &str,
     mut file: ResultFile,
-    wins: Winner,
+    preferred: Preferred,
 ) -> anyhow::Result<usize> {
     let whole = &mut joined.file;
     check_goals(whole, first, name, &file)?;
@@ -217,12 +217,12 @@ fn add(
     }
     let mut in_both = 0;
     for cell in file.cells {
-        let same = cell.place();
-        match whole.cells.iter().position(|known| known.place() == same) {
-            Some(place) => {
+        let same = cell.id();
+        match whole.cells.iter().position(|known| known.id() == same) {
+            Some(index) => {
                 in_both += 1;
-                if wins == Winner::Added {
-                    whole.cells[place] = cell;
+                if preferred == Preferred::Added {
+                    whole.cells[index] = cell;
                 }
             }
             // Behind the other cells of its group, model and source, or else at the end.
@@ -231,7 +231,7 @@ fn add(
                 .iter()
                 .rposition(|known| is_beside(known, &cell))
             {
-                Some(place) => whole.cells.insert(place + 1, cell),
+                Some(index) => whole.cells.insert(index + 1, cell),
                 None => whole.cells.push(cell),
             },
         }

@@ -120,7 +120,7 @@ impl Record {
     /// Adds the cells of a later run of the same commit. If both runs solved a cell, its samples
     /// are concatenated, and its other figures come from the later run. If one failed, the later
     /// cell is kept.
-    fn take_in(&mut self, later: Self) {
+    fn merge(&mut self, later: Self) {
         for cell in later.cells {
             match self.cells.iter_mut().find(|known| known.cell == cell.cell) {
                 Some(known) if known.status == Status::Ok && cell.status == Status::Ok => {
@@ -163,7 +163,7 @@ pub fn add(directory: &Path, record: Record) -> anyhow::Result<PathBuf> {
     let path = directory.join(record.file_name());
     let record = if path.exists() {
         let mut known = read(&path)?;
-        known.take_in(record);
+        known.merge(record);
         known
     } else {
         record

@@ -127,17 +127,17 @@ fn point(record: &Record, cell: &CellRecord, figure: &str) -> Option<TrendPoint>
 pub fn change_points(all: &[TrendSeries]) -> Vec<ChangePoint> {
     let of = |series: &TrendSeries| {
         let values: Vec<f64> = series.points.iter().map(|point| point.value).collect();
-        let ends: Vec<usize> = series.changes.iter().map(|change| change.place).collect();
+        let ends: Vec<usize> = series.changes.iter().map(|change| change.index).collect();
         let point = |(i, change): (usize, &LevelChange)| {
             let start = if i == 0 { 0 } else { ends[i - 1] };
             let end = ends.get(i + 1).copied().unwrap_or(values.len());
-            let (before, after) = (&values[start..change.place], &values[change.place..end]);
+            let (before, after) = (&values[start..change.index], &values[change.index..end]);
             ChangePoint {
                 cell: series.cell.clone(),
                 machine: series.machine.clone(),
                 suite: series.suite.clone(),
                 figure: series.figure,
-                commit: series.points[change.place].commit.clone(),
+                commit: series.points[change.index].commit.clone(),
                 before: change.before,
                 after: change.after,
                 ratio: change.ratio(),

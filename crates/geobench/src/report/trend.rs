@@ -111,7 +111,7 @@ fn chart(series: &TrendSeries) -> String {
         label += &format!(
             "; {} from {}",
             percent(change.ratio()),
-            points[change.place].commit
+            points[change.index].commit
         );
     }
     svg.open(
@@ -134,9 +134,9 @@ fn chart(series: &TrendSeries) -> String {
     }
     for change in &series.changes {
         // The line lies between the last commit of the old level and the first of the new one.
-        let at = x(change.place as f64 - 0.5);
+        let at = x(change.index as f64 - 0.5);
         svg.line("change", [at, TOP], [at, HEIGHT - BOTTOM]);
-        svg.text([at + 3.0, TOP], "commit", &points[change.place].commit);
+        svg.text([at + 3.0, TOP], "commit", &points[change.index].commit);
     }
     let path: Vec<String> = points
         .iter()

@@ -21,7 +21,7 @@ pub(crate) struct Clusters {
 impl Clusters {
     /// The cluster of an answer that disagrees with the reference. Adds a cluster if the answer
     /// agrees with none.
-    pub(crate) fn place(&mut self, distances: &[f64], tolerance: f64) -> u32 {
+    pub(crate) fn assign(&mut self, distances: &[f64], tolerance: f64) -> u32 {
         let known = self.find(|first| {
             check::compare(distances, first, tolerance).is_ok_and(|found| found.agrees())
         });
@@ -33,11 +33,11 @@ impl Clusters {
 
     /// The first cluster for whose first answer `agrees` returns true.
     pub(crate) fn find(&self, mut agrees: impl FnMut(&[f64]) -> bool) -> Option<u32> {
-        let place = self.first.iter().position(|first| match first {
+        let index = self.first.iter().position(|first| match first {
             Some(first) => agrees(first),
             None => false,
         });
-        place.map(|place| place as u32 + 1)
+        index.map(|index| index as u32 + 1)
     }
 
     /// The number that the next new cluster will have.
@@ -47,13 +47,13 @@ impl Clusters {
 
     /// Sets the first answer of a cluster from before an interruption. Cluster 0 is ignored.
     pub(crate) fn restore(&mut self, cluster: u32, distances: Option<Vec<f64>>) {
-        let Some(place) = (cluster as usize).checked_sub(1) else {
+        let Some(index) = (cluster as usize).checked_sub(1) else {
             return;
         };
-        if self.first.len() <= place {
-            self.first.resize(place + 1, None);
+        if self.first.len() <= index {
+            self.first.resize(index + 1, None);
         }
-        self.first[place] = distances;
+        self.first[index] = distances;
     }
 }
 
@@ -427,17 +427,17 @@ mod tests {
     #[test]
     fn answers_join_the_first_cluster_that_they_agree_with() {
         let mut clusters = Clusters::default();
-        assert_eq!(clusters.place(&[0.0, 1.0], 1e-9), 1);
-        assert_eq!(clusters.place(&[0.0, 2.0], 1e-9), 2);
-        assert_eq!(clusters.place(&[0.0, 1.0 + 1e-12], 1e-9), 1);
+        assert_eq!(clusters.assign(&[0.0, 1.0], 1e-9), 1);
+        assert_eq!(clusters.assign(&[0.0, 2.0], 1e-9), 2);
+        assert_eq!(clusters.assign(&[0.0, 1.0 + 1e-12], 1e-9), 1);
         // Answers with another number of vertices or with NaN agree with nothing.
-        assert_eq!(clusters.place(&[0.0], 1e-9), 3);
-        assert_eq!(clusters.place(&[0.0, f64::NAN], 1e-9), 4);
-        assert_eq!(clusters.place(&[0.0, f64::NAN], 1e-9), 5);
+        assert_eq!(clusters.assign(&[0.0], 1e-9), 3);
+        assert_eq!(clusters.assign(&[0.0, f64::NAN], 1e-9), 4);
+        assert_eq!(clusters.assign(&[0.0, f64::NAN], 1e-9), 5);
         let mut later = Clusters::default();
         later.restore(2, Some(vec![5.0]));
         later.restore(0, None);
-        assert_eq!(later.place(&[5.0], 1e-9), 2);
-        assert_eq!(later.place(&[6.0], 1e-9), 3);
+        assert_eq!(later.assign(&[5.0], 1e-9), 2);
+        assert_eq!(later.assign(&[6.0], 1e-9), 3);
     }
 }

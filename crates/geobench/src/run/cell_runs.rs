@@ -18,7 +18,7 @@ use crate::schema::{Cell, Check, Memory, Status, Time};
 #[derive(Debug)]
 pub(super) struct CellRuns<'p> {
     /// Index of its algorithm in the plan.
-    pub(super) place: usize,
+    pub(super) index: usize,
     pub(super) algorithm: &'p Selection,
     outcomes: BTreeMap<(Pass, usize), RunOutcome>,
     /// First failure of a run, which fails the cell. No further runs are executed.
@@ -33,9 +33,9 @@ pub(super) struct CellRuns<'p> {
 }
 
 impl<'p> CellRuns<'p> {
-    pub(super) const fn new(place: usize, algorithm: &'p Selection, sampling: Sampling) -> Self {
+    pub(super) const fn new(index: usize, algorithm: &'p Selection, sampling: Sampling) -> Self {
         Self {
-            place,
+            index,
             algorithm,
             outcomes: BTreeMap::new(),
             failure: None,

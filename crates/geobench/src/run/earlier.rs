@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use crate::exec::{Failure, Observation, Pass};
 use crate::measure::memory::Peaks;
 use crate::run::journal::{RunId, RunOutcome};
-use crate::schema::{Cell, CellPlace, ModelRecord, ResultFile, Status};
+use crate::schema::{Cell, CellId, ModelRecord, ResultFile, Status};
 
 /// Prefix of the message of a cell that could not be checked.
 pub(super) const NOT_CHECKED: &str = "not checked: ";
@@ -15,7 +15,7 @@ pub(super) const NOT_CHECKED: &str = "not checked: ";
 #[derive(Clone, Debug, Default)]
 pub struct Earlier {
     models: HashMap<String, ModelRecord>,
-    cells: HashMap<CellPlace, Cell>,
+    cells: HashMap<CellId, Cell>,
 }
 
 impl Earlier {
@@ -24,7 +24,7 @@ impl Earlier {
         let models = file.models.iter().map(|m| (m.name.clone(), m.clone()));
         Self {
             models: models.collect(),
-            cells: file.cells.iter().map(|c| (c.place(), c.clone())).collect(),
+            cells: file.cells.iter().map(|c| (c.id(), c.clone())).collect(),
         }
     }
 

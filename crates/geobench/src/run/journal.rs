@@ -223,7 +223,7 @@ impl Journal {
                 .map_err(|error| format!("not a line of a journal: {error}"))
                 .and_then(|line: JournalLine| {
                     line.run().map_or(Ok(()), |run| self.check(run))?;
-                    self.take_in(line)
+                    self.store(line)
                 });
             if let Err(problem) = taken {
                 bail!(
@@ -236,7 +236,7 @@ impl Journal {
     }
 
     /// Stores the contents of a line in memory.
-    fn take_in(&mut self, line: JournalLine) -> Result<(), String> {
+    fn store(&mut self, line: JournalLine) -> Result<(), String> {
         match line {
             JournalLine::Plan(plan) => self.plans.push(plan),
             JournalLine::Session(session) => self.sessions.push(session),
@@ -319,7 +319,7 @@ impl Journal {
                 self.path.display()
             )
         })?;
-        self.take_in(line).map_err(anyhow::Error::msg)
+        self.store(line).map_err(anyhow::Error::msg)
     }
 
     /// The record of a model.

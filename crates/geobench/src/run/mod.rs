@@ -3,7 +3,7 @@
 //! executes it.
 
 pub mod agreement;
-pub(crate) mod asked;
+pub(crate) mod answer_layout;
 mod cell_runs;
 pub mod check;
 #[cfg(feature = "command-line")]
@@ -34,7 +34,7 @@ use crate::exec::{Backend, Listener, Pass, Session, lock};
 use crate::plan::Plan;
 use crate::run::journal::{Journal, JournalLine, RunId};
 use crate::run::log::RunLog;
-use crate::run::unit::{Past, Unit};
+use crate::run::unit::{RecordedRuns, Unit};
 use crate::schema::{Cell, ModelRecord, Status};
 
 pub use self::earlier::Earlier;
@@ -71,13 +71,13 @@ pub fn run(
 ) -> anyhow::Result<Records> {
     let log = RunLog::new(journal, listener);
     let finished = Mutex::new(Finished::default());
-    let run_model = |(number, place): (usize, usize)| -> anyhow::Result<()> {
+    let run_model = |(number, model_index): (usize, usize)| -> anyhow::Result<()> {
         if log.interrupted() {
             return Ok(());
         }
         let benchmark = Benchmark {
             plan,
-            place,
+            model_index,
             backend,
             log: &log,
             earlier,
@@ -94,7 +94,8 @@ pub fn run(
         finished.waiting.insert(number, (model, cells));
         finished.deliver(false, &log)
     };
-    let with_units = (0..plan.models.len()).filter(|&place| plan.units_of_model(place) > 0);
+    let with_units =
+        (0..plan.models.len()).filter(|&model_index| plan.units_of_model(model_index) > 0);
     let models = with_units.enumerate();
     if jobs > 1 {
         let pool = ThreadPoolBuilder::new().num_threads(jobs).build()?;
@@ -155,32 +156,33 @@ impl Finished {
 
 /// Whether `earlier` holds every run of `plan`, so that [`run`] would time nothing.
 pub fn is_known(plan: &Plan, earlier: &Earlier) -> bool {
-    let past = Past {
+    let recorded = RecordedRuns {
         journal: None,
         earlier: Some(earlier),
     };
-    let mut with_units = (0..plan.models.len()).filter(|&place| plan.units_of_model(place) > 0);
-    with_units.all(|place| known(plan, place, past, true).is_some())
+    let mut with_units =
+        (0..plan.models.len()).filter(|&model_index| plan.units_of_model(model_index) > 0);
+    with_units.all(|model_index| known(plan, model_index, recorded, true).is_some())
 }
 
-/// The record and all cells of the model with index `place`, if every run of them is in `past`.
+/// The record and all cells of the model with index `model_index`, if every run of them is in `recorded`.
 fn known(
     plan: &Plan,
-    place: usize,
-    past: Past<'_>,
+    model_index: usize,
+    recorded: RecordedRuns<'_>,
     is_interleaved: bool,
 ) -> Option<(ModelRecord, Vec<Cell>)> {
-    let model = &plan.models[place];
-    let (found, file_sha256) = past.model(&model.name)?;
+    let model = &plan.models[model_index];
+    let (found, file_sha256) = recorded.model(&model.name)?;
     // `Journal::open` has refused changed model files. Those of an earlier result file are compared
     // here. Generated models have no file.
     if file_sha256.is_some() && model.file_sha256() != file_sha256 && model.spec().is_none() {
         return None;
     }
-    let units: Vec<Unit<'_>> = sources(plan, place, found)
+    let units: Vec<Unit<'_>> = sources(plan, model_index, found)
         .ok()?
         .into_iter()
-        .map(|source| Unit::new(plan, found, source, past, is_interleaved))
+        .map(|source| Unit::new(plan, found, source, recorded, is_interleaved))
         .collect();
     units.iter().all(Unit::is_complete).then(|| {
         let cells = units.into_iter().flat_map(Unit::cells).collect();
@@ -188,11 +190,15 @@ fn known(
     })
 }
 
-/// The sources that this shard has in the model with index `place`.
-fn sources(plan: &Plan, place: usize, model: &ModelRecord) -> Result<Vec<SourceSpec>, UsageError> {
+/// The sources that this shard has in the model with index `model_index`.
+fn sources(
+    plan: &Plan,
+    model_index: usize,
+    model: &ModelRecord,
+) -> Result<Vec<SourceSpec>, UsageError> {
     let vertices = model.vertex_count();
     let all = plan.units_in(vertices)?.into_iter().enumerate();
-    let mine = |&(number, _): &(usize, SourceSpec)| plan.has_unit(place, number);
+    let mine = |&(number, _): &(usize, SourceSpec)| plan.has_unit(model_index, number);
     Ok(all.filter(mine).map(|(_, source)| source).collect())
 }
 
@@ -201,7 +207,7 @@ fn sources(plan: &Plan, place: usize, model: &ModelRecord) -> Result<Vec<SourceS
 struct Benchmark<'b, 'l> {
     plan: &'b Plan,
     /// Index of the model in the plan.
-    place: usize,
+    model_index: usize,
     backend: &'b dyn Backend,
     log: &'b RunLog<'l>,
     earlier: Option<&'b Earlier>,
@@ -211,9 +217,9 @@ struct Benchmark<'b, 'l> {
 
 impl Benchmark<'_, '_> {
     fn run(&self) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
-        let model = &self.plan.models[self.place];
+        let model = &self.plan.models[self.model_index];
         if let Some((known, cells)) = self.known() {
-            let runs = self.plan.runs_of_model(self.place);
+            let runs = self.plan.runs_of_model(self.model_index);
             self.log.listener().skipped(runs);
             return Ok((known, cells));
         }
@@ -276,21 +282,21 @@ impl Benchmark<'_, '_> {
         source: SourceSpec,
         journal: Option<&Journal>,
     ) -> Unit<'m> {
-        let past = Past {
+        let recorded = RecordedRuns {
             journal,
             earlier: self.earlier,
         };
-        Unit::new(self.plan, model, source, past, !self.is_parallel)
+        Unit::new(self.plan, model, source, recorded, !self.is_parallel)
     }
 
     /// The record and all cells of the model, if the journal or the earlier file has every run.
     fn known(&self) -> Option<(ModelRecord, Vec<Cell>)> {
         let journal = self.log.journal();
-        let past = Past {
+        let recorded = RecordedRuns {
             journal: journal.as_deref(),
             earlier: self.earlier,
         };
-        known(self.plan, self.place, past, !self.is_parallel)
+        known(self.plan, self.model_index, recorded, !self.is_parallel)
     }
 
     fn run_loaded(
@@ -298,7 +304,7 @@ impl Benchmark<'_, '_> {
         mut session: Box<dyn Session + '_>,
     ) -> anyhow::Result<(ModelRecord, Vec<Cell>)> {
         let model = self.recorded(session.model())?;
-        let sources = match sources(self.plan, self.place, &model) {
+        let sources = match sources(self.plan, self.model_index, &model) {
             Ok(sources) => sources,
             Err(error) => {
                 let cells = self.refused(&format!("{}: {error}", model.path));
@@ -306,7 +312,7 @@ impl Benchmark<'_, '_> {
             }
         };
         let units = sources.len() as u128;
-        let more = units.saturating_sub(self.plan.units_of_model(self.place));
+        let more = units.saturating_sub(self.plan.units_of_model(self.model_index));
         let more = usize::try_from(more).unwrap_or(usize::MAX);
         let more = more.saturating_mul(self.plan.runs_of_unit());
         self.log.listener().more(more);
@@ -320,7 +326,12 @@ impl Benchmark<'_, '_> {
             let first = Mutex::new(Some(session));
             each(units.iter_mut(), true, |unit| {
                 let first = lock(&first).take();
-                unit.run_cells(first, self.backend, &self.plan.models[self.place], self.log)
+                unit.run_cells(
+                    first,
+                    self.backend,
+                    &self.plan.models[self.model_index],
+                    self.log,
+                )
             })?;
             cells.extend(units.into_iter().flat_map(Unit::cells));
         } else {
@@ -370,7 +381,7 @@ impl Benchmark<'_, '_> {
     /// algorithm.
     fn refused(&self, message: &str) -> Vec<Cell> {
         let plan = self.plan;
-        let runs = plan.runs_of_model(self.place);
+        let runs = plan.runs_of_model(self.model_index);
         self.log.listener().skipped(runs);
         let sources = if plan.sources_together {
             vec![Some(plan.sources.label())]
@@ -380,7 +391,7 @@ impl Benchmark<'_, '_> {
         sources
             .iter()
             .enumerate()
-            .filter(|&(number, _)| plan.has_unit(self.place, number))
+            .filter(|&(number, _)| plan.has_unit(self.model_index, number))
             .flat_map(|(_, source)| plan.algorithms.iter().map(move |a| (source.clone(), a)))
             .map(|(source, algorithm)| Cell {
                 group: plan.group.name.clone(),
@@ -390,7 +401,7 @@ impl Benchmark<'_, '_> {
                 message: Some(message.to_owned()),
                 threads: algorithm.threads(),
                 simd: algorithm.simd(),
-                ..Cell::new(&plan.models[self.place].name, algorithm.label())
+                ..Cell::new(&plan.models[self.model_index].name, algorithm.label())
             })
             .collect()
     }

@@ -42,7 +42,7 @@ impl RunOrder {
     }
 
     /// Position of an algorithm in `round`, from 0.
-    pub(super) fn place(&self, round: usize, algorithm: usize) -> Option<usize> {
+    pub(super) fn position(&self, round: usize, algorithm: usize) -> Option<usize> {
         let mut order = self.round(round).into_iter();
         order.position(|other| other == algorithm)
     }

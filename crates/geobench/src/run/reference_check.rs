@@ -2,7 +2,7 @@
 
 use crate::exec::Failure;
 use crate::run::agreement::{self, Clusters};
-use crate::run::asked::Asked;
+use crate::run::answer_layout::AnswerLayout;
 use crate::run::check::{self, Deviation};
 use crate::schema::{Check, Status};
 
@@ -16,7 +16,7 @@ pub(super) struct ReferenceCheck {
     /// Clusters of the answers that differ from the reference.
     pub(super) clusters: Clusters,
     /// Layout of the answers.
-    pub(super) asked: Asked,
+    pub(super) layout: AnswerLayout,
 }
 
 /// A reference answer and its name.
@@ -54,7 +54,7 @@ impl ReferenceCheck {
         if is_wanted && !is_approximate {
             check.cluster = Some(match (&self.answer, &failure) {
                 (Some(_), None) => agreement::REFERENCE,
-                _ => self.clusters.place(distances, tolerance),
+                _ => self.clusters.assign(distances, tolerance),
             });
         }
         (check, failure)
@@ -73,7 +73,7 @@ impl ReferenceCheck {
                     return (Check::default(), Some(wrong(error.to_string())));
                 }
                 let expected = answer.distances.iter().copied();
-                (self.asked).compare(distances, expected, tolerance, is_approximate)
+                (self.layout).compare(distances, expected, tolerance, is_approximate)
             }
             // Without a reference, only NaN is wrong. It is compared with itself and never agrees.
             None => check::compare_some(
@@ -94,15 +94,15 @@ impl ReferenceCheck {
                 wrong(format!(
                     "differs from {}: {}; {} of {} {} differ by more than {tolerance:e} relative",
                     name.unwrap_or("no reference"),
-                    self.asked.describe(&worst),
+                    self.layout.describe(&worst),
                     comparison.disagreeing,
                     comparison.compared,
-                    self.asked.noun()
+                    self.layout.noun()
                 ))
             });
         let mut check = record(name, &comparison);
         let worst = check.worst_vertex.and(comparison.worst);
-        let vertex = worst.and_then(|worst| self.asked.vertex(worst.vertex));
+        let vertex = worst.and_then(|worst| self.layout.vertex(worst.vertex));
         check.worst_vertex = vertex.map(|vertex| vertex as u64);
         (check, failure)
     }

@@ -12,7 +12,7 @@ use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step, l
 use crate::plan::{Plan, Reference};
 use crate::registry::Selection;
 use crate::run::agreement;
-use crate::run::asked::Asked;
+use crate::run::answer_layout::AnswerLayout;
 use crate::run::cell_runs::{CellRuns, summary};
 use crate::run::each;
 use crate::run::earlier::{self, Earlier};
@@ -43,12 +43,12 @@ struct UnitPlan<'p> {
 
 /// Where runs of earlier processes are recorded.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Past<'p> {
+pub(crate) struct RecordedRuns<'p> {
     pub(crate) journal: Option<&'p Journal>,
     pub(crate) earlier: Option<&'p Earlier>,
 }
 
-impl<'p> Past<'p> {
+impl<'p> RecordedRuns<'p> {
     /// The record of a model, and its SHA-256 if the record is from the earlier file.
     pub(crate) fn model(self, name: &str) -> Option<(&'p ModelRecord, Option<String>)> {
         if let Some(model) = self.journal.and_then(|journal| journal.model(name)) {
@@ -60,13 +60,13 @@ impl<'p> Past<'p> {
 }
 
 impl<'p> Unit<'p> {
-    /// The cells of `plan` for `model` and `source`, with the outcomes in `past`. The journal takes
+    /// The cells of `plan` for `model` and `source`, with the outcomes in `recorded`. The journal takes
     /// precedence over the earlier file.
     pub(crate) fn new(
         plan: &'p Plan,
         model: &'p ModelRecord,
         source: SourceSpec,
-        past: Past<'_>,
+        recorded: RecordedRuns<'_>,
         is_interleaved: bool,
     ) -> Self {
         let algorithms = &plan.algorithms;
@@ -80,7 +80,7 @@ impl<'p> Unit<'p> {
                 is_interleaved,
             },
             cells: cells
-                .map(|(place, algorithm)| CellRuns::new(place, algorithm, plan.sampling))
+                .map(|(index, algorithm)| CellRuns::new(index, algorithm, plan.sampling))
                 .collect(),
         };
         // The reference has one warm-up even if the plan has none.
@@ -88,14 +88,14 @@ impl<'p> Unit<'p> {
         let times = (0..plan.sampling.most()).map(|round| (Pass::Time, round));
         let last = [(Pass::Profile, 0), (Pass::Count, 0)];
         for (pass, round) in warmups.chain(times).chain(last) {
-            for (place, algorithm) in algorithms.iter().enumerate() {
+            for (index, algorithm) in algorithms.iter().enumerate() {
                 let run = unit.plan.run_id(algorithm, pass, round);
-                let cell = &mut unit.cells[place];
+                let cell = &mut unit.cells[index];
                 if pass == Pass::Warmup && round == 0 {
-                    let earlier = past.earlier;
+                    let earlier = recorded.earlier;
                     cell.earlier = earlier.and_then(|e| e.cell(&run, algorithm.threads()).cloned());
                 }
-                let journal = past.journal.and_then(|journal| journal.outcome(&run));
+                let journal = recorded.journal.and_then(|journal| journal.outcome(&run));
                 let earlier = || earlier::outcome(cell.earlier.as_ref()?, pass, round);
                 if let Some(outcome) = journal.cloned().or_else(earlier) {
                     cell.add(pass, round, outcome);
@@ -201,7 +201,7 @@ impl<'p> Unit<'p> {
                 let placed = cell.timed().enumerate().filter_map(|(round, outcome)| {
                     // Journals of older versions do not store the position. In their runs every
                     // round has all algorithms, so it follows from the order.
-                    let in_round = || self.plan.place(round, cell.place);
+                    let in_round = || self.plan.position(round, cell.index);
                     outcome.place.or_else(in_round)
                 });
                 let places = placed.collect();
@@ -214,12 +214,12 @@ impl<'p> Unit<'p> {
             .iter()
             .enumerate()
             .filter(|(_, cell)| earlier.contains(cell))
-            .map(|(place, cell)| (place, cell.message.clone()))
+            .map(|(index, cell)| (index, cell.message.clone()))
             .collect();
         agreement::explain(&mut cells);
         // Cells from the earlier file have these remarks already.
-        for (place, message) in unchanged {
-            cells[place].message = message;
+        for (index, message) in unchanged {
+            cells[index].message = message;
         }
         cells
     }
@@ -247,13 +247,13 @@ impl<'p> UnitPlan<'p> {
         let warmed = self.prepare(cells, &mut context)?;
         // The session of the reference run continues with the cell that it warmed up, or else with
         // the first cell.
-        let heir = warmed.unwrap_or_default();
+        let continuing = warmed.unwrap_or_default();
         let session = Mutex::new(Some(session));
         each(cells.iter_mut(), true, |cell| {
             if cell.is_complete() {
                 return Ok(());
             }
-            let own = if cell.place == heir {
+            let own = if cell.index == continuing {
                 lock(&session).take()
             } else {
                 None
@@ -298,7 +298,7 @@ impl<'p> UnitPlan<'p> {
         let vertices = self.model.vertex_count();
         Checks {
             reference: Mutex::new(ReferenceCheck {
-                asked: Asked::new(&self.plan.goal, vertices),
+                layout: AnswerLayout::new(&self.plan.goal, vertices),
                 ..ReferenceCheck::default()
             }),
             nearest: Mutex::default(),
@@ -326,7 +326,7 @@ impl<'p> UnitPlan<'p> {
     ) -> anyhow::Result<()> {
         for round in 0..self.plan.warmup {
             for cell in &mut *cells {
-                if round > 0 || warmed != Some(cell.place) {
+                if round > 0 || warmed != Some(cell.index) {
                     self.step(cell, Pass::Warmup, round, context)?;
                 }
             }
@@ -335,8 +335,8 @@ impl<'p> UnitPlan<'p> {
             if !cells.iter().any(CellRuns::wants_time) {
                 break;
             }
-            for place in self.order.round(round) {
-                if let Some(cell) = cells.iter_mut().find(|cell| cell.place == place) {
+            for index in self.order.round(round) {
+                if let Some(cell) = cells.iter_mut().find(|cell| cell.index == index) {
                     self.step(cell, Pass::Time, round, context)?;
                 }
             }
@@ -351,11 +351,11 @@ impl<'p> UnitPlan<'p> {
         Ok(())
     }
 
-    /// Position of the cell with index `place` in a round of timed runs. `None` for concurrent
+    /// Position of the cell with index `index` in a round of timed runs. `None` for concurrent
     /// cells, which have no common rounds.
-    fn place(&self, round: usize, place: usize) -> Option<usize> {
-        let place = self.order.place(round, place);
-        place.filter(|_| self.is_interleaved)
+    fn position(&self, round: usize, index: usize) -> Option<usize> {
+        let position = self.order.position(round, index);
+        position.filter(|_| self.is_interleaved)
     }
 
     /// Determines the reference answer, from a file or by a run. If the reference is an algorithm
@@ -373,11 +373,11 @@ impl<'p> UnitPlan<'p> {
                     Ok(field) => {
                         let name = field.path.display().to_string();
                         let mut check = context.check();
-                        let distances = check.asked.of_stored(&field.distances);
+                        let distances = check.layout.of_stored(&field.distances);
                         if distances.is_empty() {
                             check.unchecked = Some(format!("{name} has no distance of a target"));
                         } else {
-                            let vertices = check.asked.count(vertices);
+                            let vertices = check.layout.count(vertices);
                             check.answer = Some(Answer {
                                 name,
                                 distances,
@@ -423,9 +423,9 @@ impl<'p> UnitPlan<'p> {
         };
         // Otherwise the cell has all timed runs or has failed. The answer serves only the checks.
         if cell.lacks(Pass::Warmup, 0) {
-            self.take_in(cell, Pass::Warmup, 0, done, context)?;
+            self.check_and_keep(cell, Pass::Warmup, 0, done, context)?;
         }
-        Ok(Some(cell.place))
+        Ok(Some(cell.index))
     }
 
     /// Repeats one run of each cluster that differed from the reference before an interruption. The
@@ -470,11 +470,11 @@ impl<'p> UnitPlan<'p> {
             }
         }
         let done = context.execute(&self.as_step(cell.algorithm, pass, solves))?;
-        self.take_in(cell, pass, round, done, context)
+        self.check_and_keep(cell, pass, round, done, context)
     }
 
     /// Checks the answer of a run, writes the outcome to the journal and adds it to its cell.
-    fn take_in(
+    fn check_and_keep(
         &self,
         cell: &mut CellRuns<'p>,
         pass: Pass,
@@ -489,7 +489,7 @@ impl<'p> UnitPlan<'p> {
             self.judge_labels(&labels, &mut outcome, context)?;
         }
         if pass == Pass::Time {
-            outcome.place = self.place(round, cell.place);
+            outcome.place = self.position(round, cell.index);
         }
         self.keep(cell, pass, round, outcome, context.log)
     }

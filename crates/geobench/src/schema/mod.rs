@@ -390,7 +390,7 @@ impl Cell {
     }
 
     /// The key of this cell within its file.
-    pub(crate) fn place(&self) -> CellPlace {
+    pub(crate) fn id(&self) -> CellId {
         let (group, model) = (self.group.clone(), self.model.clone());
         let (source, algorithm) = (self.source.clone(), self.algorithm.clone());
         (group, model, source, algorithm, self.threads)
@@ -398,7 +398,7 @@ impl Cell {
 }
 
 /// Identifies a cell within a file: group, model, source, algorithm and number of threads.
-pub(crate) type CellPlace = (Option<String>, String, Option<SourceLabel>, String, usize);
+pub(crate) type CellId = (Option<String>, String, Option<SourceLabel>, String, usize);
 
 /// Number of instructions of a solve.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

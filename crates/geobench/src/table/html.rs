@@ -20,11 +20,11 @@ pub(crate) fn table(html: &mut String, table: &Table) {
         }
     );
     html.push_str("<thead>\n");
-    let overs = table.overs();
-    if !overs.is_empty() {
+    let second_heads = table.second_heads();
+    if !second_heads.is_empty() {
         row(
             html,
-            overs.into_iter().map(|(text, width)| match text {
+            second_heads.into_iter().map(|(text, width)| match text {
                 "" => format!("<td colspan=\"{width}\"></td>"),
                 text => format!(
                     "<th scope=\"colgroup\" colspan=\"{width}\" class=\"over\">{}</th>",

@@ -24,9 +24,9 @@ pub(crate) fn tabular(table: &Table) -> String {
     let kinds = columns.iter().map(|c| if c.numeric { 'r' } else { 'l' });
     let kinds: String = table.titles.map(|_| 'l').into_iter().chain(kinds).collect();
     let mut tex = format!("\\begin{{tabular}}{{{kinds}}}\n\\toprule\n");
-    let overs = table.overs();
-    if !overs.is_empty() {
-        tex += &row(overs.into_iter().map(|(text, width)| match text {
+    let second_heads = table.second_heads();
+    if !second_heads.is_empty() {
+        tex += &row(second_heads.into_iter().map(|(text, width)| match text {
             "" => vec![""; width].join(" & "),
             text => format!("\\multicolumn{{{width}}}{{c}}{{{}}}", escape(text)),
         }));

@@ -92,12 +92,12 @@ impl Table {
     }
 
     /// The second heads, each with the number of columns that it spans. Empty if there are none.
-    pub(super) fn overs(&self) -> Vec<(&str, usize)> {
+    pub(super) fn second_heads(&self) -> Vec<(&str, usize)> {
         let groups = self.columns.chunk_by(|a, b| a.over == b.over);
-        let overs: Vec<_> = groups.map(|c| (c[0].over.as_str(), c.len())).collect();
-        match overs[..] {
+        let second_heads: Vec<_> = groups.map(|c| (c[0].over.as_str(), c.len())).collect();
+        match second_heads[..] {
             [("", _)] => Vec::new(),
-            _ => overs,
+            _ => second_heads,
         }
     }
 }

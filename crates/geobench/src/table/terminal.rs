@@ -95,22 +95,22 @@ fn longest_word(text: &str) -> usize {
 pub(super) fn grid(table: &Table, rows: &[Vec<Entry>], look: Look) -> String {
     let columns = &table.columns;
     let leading = columns.iter().take_while(|c| !c.numeric).count();
-    let used = |place: &usize| rows.iter().any(|row| !row[*place].text.is_empty());
+    let used = |column: &usize| rows.iter().any(|row| !row[*column].text.is_empty());
     let figures: Vec<usize> = (leading..columns.len()).filter(used).collect();
     let letters = |text: &str| printable(text).chars().count();
-    let width_of = |place: usize| {
+    let width_of = |column: usize| {
         let entries = rows.iter().map(|row| {
-            let starred = columns[place].numeric && row.iter().any(Entry::is_best);
-            letters(&row[place].text) + usize::from(starred)
+            let starred = columns[column].numeric && row.iter().any(Entry::is_best);
+            letters(&row[column].text) + usize::from(starred)
         });
-        let widest = entries.chain([letters(&columns[place].head)]).max();
+        let widest = entries.chain([letters(&columns[column].head)]).max();
         widest.unwrap_or(0) + AROUND
     };
     let widths: Vec<usize> = (0..columns.len()).map(width_of).collect();
     // The least width of a leading column is that of its longest word.
-    let least = |place: usize| {
-        let texts = rows.iter().map(|row| row[place].text.as_str());
-        let texts = texts.chain([columns[place].head.as_str()]);
+    let least = |column: usize| {
+        let texts = rows.iter().map(|row| row[column].text.as_str());
+        let texts = texts.chain([columns[column].head.as_str()]);
         texts
             .map(|text| longest_word(&printable(text)))
             .max()
@@ -122,22 +122,22 @@ pub(super) fn grid(table: &Table, rows: &[Vec<Entry>], look: Look) -> String {
     let grids_with = |texts: usize| {
         let left = 1 + texts;
         let (mut grids, mut end): (Vec<Vec<usize>>, _) = (vec![(0..leading).collect()], left);
-        for &place in &figures {
+        for &column in &figures {
             let last = grids.len() - 1;
-            end += widths[place];
+            end += widths[column];
             // A grid has at least one column of figures, even in a narrow terminal.
             if look.width.is_some_and(|width| end > width) && grids[last].len() > leading {
-                grids.push((0..leading).chain([place]).collect());
-                end = left + widths[place];
+                grids.push((0..leading).chain([column]).collect());
+                end = left + widths[column];
             } else {
-                grids[last].push(place);
+                grids[last].push(column);
             }
         }
         grids
     };
     let widest_figure = figures
         .iter()
-        .map(|&place| widths[place])
+        .map(|&column| widths[column])
         .max()
         .unwrap_or(0);
     let fits = |texts: usize| look.width.is_none_or(|w| 1 + texts + widest_figure <= w);
@@ -157,17 +157,17 @@ pub(super) fn grid(table: &Table, rows: &[Vec<Entry>], look: Look) -> String {
     }
     let mut rows = rows.to_vec();
     let mut surplus = natural - texts;
-    for place in (0..leading).rev() {
-        let cut = surplus.min(widths[place] - least(place));
+    for column in (0..leading).rev() {
+        let cut = surplus.min(widths[column] - least(column));
         surplus -= cut;
         if cut > 0 {
-            let width = widths[place] - cut - AROUND;
+            let width = widths[column] - cut - AROUND;
             for row in &mut rows {
-                row[place].text = wrapped(&printable(&row[place].text), width).join("\n");
+                row[column].text = wrapped(&printable(&row[column].text), width).join("\n");
             }
         }
     }
-    let grids = grids.iter().map(|places| some(table, &rows, places, look));
+    let grids = grids.iter().map(|shown| some(table, &rows, shown, look));
     grids.collect::<Vec<_>>().join("\n")
 }
 
@@ -179,9 +179,9 @@ fn blocks(
     leading: usize,
     look: Look,
 ) -> String {
-    let block = |&place: &usize| {
-        let head = line_in(look, "", &printable(&table.columns[place].head));
-        let lines = rows.iter().filter(|row| !row[place].text.is_empty());
+    let block = |&column: &usize| {
+        let head = line_in(look, "", &printable(&table.columns[column].head));
+        let lines = rows.iter().filter(|row| !row[column].text.is_empty());
         let lines = lines.map(|row| {
             let labels = row[..leading].iter().map(|entry| entry.text.as_str());
             let labels: Vec<&str> = labels.filter(|label| !label.is_empty()).collect();
@@ -189,8 +189,8 @@ fn blocks(
                 label if label.is_empty() => label,
                 label => label + ": ",
             };
-            let star = if row[place].is_best() { "*" } else { "" };
-            let text = format!("{label}{}{star}", row[place].text);
+            let star = if row[column].is_best() { "*" } else { "" };
+            let text = format!("{label}{}{star}", row[column].text);
             line_in(look, "  ", &printable(&text))
         });
         std::iter::once(head).chain(lines).collect::<Vec<_>>()
@@ -203,32 +203,32 @@ fn blocks(
 }
 
 /// A grid of some columns of the rows.
-fn some(table: &Table, rows: &[Vec<Entry>], places: &[usize], look: Look) -> String {
+fn some(table: &Table, rows: &[Vec<Entry>], shown: &[usize], look: Look) -> String {
     let mut layout = layout(look);
     layout.load_style(presets::UTF8_FULL_CONDENSED);
-    let field = |place: usize, text: &str| {
+    let field = |column: usize, text: &str| {
         // Wrapped texts have several lines.
         let lines: Vec<_> = text.split('\n').map(printable).collect();
         let field = Field::new(lines.join("\n"));
-        if table.columns[place].numeric {
+        if table.columns[column].numeric {
             field.set_alignment(CellAlignment::Right)
         } else {
             field
         }
     };
-    let heads = places.iter().map(|&p| field(p, &table.columns[p].head));
+    let heads = shown.iter().map(|&p| field(p, &table.columns[p].head));
     layout.set_header(heads);
     for row in rows {
         let starred = !look.styled && row.iter().any(Entry::is_best);
-        layout.add_row(places.iter().map(|&place| {
-            let entry = &row[place];
-            let star = match (starred && table.columns[place].numeric, entry.mark) {
+        layout.add_row(shown.iter().map(|&column| {
+            let entry = &row[column];
+            let star = match (starred && table.columns[column].numeric, entry.mark) {
                 (false, _) => "",
                 (true, Mark::Best) => "*",
                 // The space keeps the digits of a column aligned.
                 (true, _) => " ",
             };
-            let field = field(place, &format!("{}{star}", entry.text));
+            let field = field(column, &format!("{}{star}", entry.text));
             match entry.mark {
                 Mark::Best if look.styled => field.add_attribute(Attribute::Bold).fg(Color::Green),
                 Mark::Failed if look.styled => field.add_attribute(Attribute::Bold).fg(Color::Red),
@@ -247,9 +247,9 @@ pub(crate) fn listing(table: &Table, look: Look) -> String {
     if let Some(width) = look.width {
         layout.set_width(u16::try_from(width).unwrap_or(u16::MAX));
     }
-    let least = |place: usize| {
-        let texts = table.rows().map(|row| row[place].text.as_str());
-        let texts = texts.chain([table.columns[place].head.as_str()]);
+    let least = |column: usize| {
+        let texts = table.rows().map(|row| row[column].text.as_str());
+        let texts = texts.chain([table.columns[column].head.as_str()]);
         let longest = texts.map(longest_word).max().unwrap_or(0);
         ColumnConstraint::LowerBoundary(Width::Fixed(u16::try_from(longest).unwrap_or(u16::MAX)))
     };

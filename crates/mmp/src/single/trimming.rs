@@ -305,10 +305,10 @@ impl Policy for Trimming {
         &mut self,
         _: HalfEdgeId,
         _: &Crossing<'_>,
-        heir: u32,
+        inherited: u32,
         _: &Surface,
     ) -> [Option<u32>; 2] {
-        [Some(heir); 2]
+        [Some(inherited); 2]
     }
 
     fn finish<P: Probe>(&mut self, probe: &mut P) {

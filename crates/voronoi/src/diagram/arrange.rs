@@ -92,10 +92,10 @@ const FEW_CUTS: u32 = 300;
 
 /// How far outside a triangle rounding may place a point of it, as a fraction of the width of the
 /// triangle.
-const BESIDE: f64 = 1e-9;
+const SLACK: f64 = 1e-9;
 
 /// The same, as a fraction of the size of the face.
-pub(super) const BESIDE_FACE: f64 = 1e-14;
+pub(super) const FACE_SLACK: f64 = 1e-14;
 
 /// A change on a side of a triangle.
 #[derive(Clone, Copy, Debug)]
@@ -599,7 +599,7 @@ impl Arranger<'_> {
 
     /// How far outside a triangle rounding may place a point of it.
     fn slack(&self, triangle: &Triangle) -> f64 {
-        BESIDE * triangle.width() + BESIDE_FACE * self.sites.size
+        SLACK * triangle.width() + FACE_SLACK * self.sites.size
     }
 
     /// Joins two nodes by a border with these cells on its left and on its right. Returns the
@@ -615,7 +615,7 @@ impl Arranger<'_> {
         let start = self.found.pieces.len();
         let ends = [from, to].map(|node| self.found.nodes[node].at);
         let mut parts = Vec::new();
-        let is_short = norm(sub(ends[1], ends[0])) <= BESIDE_FACE * self.sites.size;
+        let is_short = norm(sub(ends[1], ends[0])) <= FACE_SLACK * self.sites.size;
         if is_short || is_last {
             parts.push(BorderPart {
                 to: ends[1],

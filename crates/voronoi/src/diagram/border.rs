@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use super::arrange::{BESIDE_FACE, Triangle};
+use super::arrange::{FACE_SLACK, Triangle};
 use super::curve::{Bisector, newton_across};
 use super::plane::{Point, between, cross, dot, norm, sub};
 use super::sites::{FaceSites, Nearest};
@@ -101,7 +101,7 @@ impl BorderTracer<'_> {
             }
             at = end;
         }
-        if norm(sub(to, at)) <= BESIDE_FACE * self.sites.size {
+        if norm(sub(to, at)) <= FACE_SLACK * self.sites.size {
             append(parts, to, None);
             return Some(());
         }

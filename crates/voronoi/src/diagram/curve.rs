@@ -76,11 +76,11 @@ impl Bisector {
     /// The length of the path from the first site to `x` minus that from the second, and the
     /// gradient of this difference.
     fn difference(&self, x: Point) -> (f64, Point) {
-        let ways = self.images.map(|image| sub(x, image));
-        let lengths = ways.map(norm);
+        let rays = self.images.map(|image| sub(x, image));
+        let lengths = rays.map(norm);
         let [a, b] = [0, 1].map(|i| {
             if lengths[i] > 0.0 {
-                ways[i].map(|c| c / lengths[i])
+                rays[i].map(|c| c / lengths[i])
             } else {
                 [0.0; 2]
             }
@@ -105,11 +105,11 @@ impl Bisector {
         let chord = sub(to, from);
         let c = norm(chord);
         let (mut length, mut area) = (0.0, 0.0);
-        let mut ways = self
+        let mut rays = self
             .images
             .into_iter()
             .flat_map(|p| [sub(from, p), sub(to, p)]);
-        let rule = if ways.all(|way| c < SHORT * norm(way)) {
+        let rule = if rays.all(|ray| c < SHORT * norm(ray)) {
             &GAUSS_SHORT[..]
         } else {
             &GAUSS

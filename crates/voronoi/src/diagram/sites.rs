@@ -51,10 +51,10 @@ impl Site {
         let mut turn = self.image;
         let mut before = self.sigma;
         if let Some([left, right]) = self.gate {
-            let way = sub(x, self.image);
-            if cross(sub(left, self.image), way) > 0.0 {
+            let ray = sub(x, self.image);
+            if cross(sub(left, self.image), ray) > 0.0 {
                 (turn, before) = (left, self.to_gate[0]);
-            } else if cross(sub(right, self.image), way) < 0.0 {
+            } else if cross(sub(right, self.image), ray) < 0.0 {
                 (turn, before) = (right, self.to_gate[1]);
             }
         }

@@ -173,7 +173,7 @@ impl<'a> MeasuredSites<'a> {
 struct PathLanes<L: Lanes> {
     lengths: L,
     /// The last straight pieces of the paths, as vectors, and their lengths.
-    ways: [L; 2],
+    last_pieces: [L; 2],
     last: L,
     is_bent: L::Mask,
 }
@@ -183,9 +183,9 @@ struct PathLanes<L: Lanes> {
 fn paths<L: Lanes>(simd: L::Token, row: &[L; WIDTH], x: [L; 2]) -> PathLanes<L> {
     let zero = L::splat(simd, 0.0);
     let cross = |a: [L; 2], b: [L; 2]| a[0] * b[1] - a[1] * b[0];
-    let way = [x[0] - row[0], x[1] - row[1]];
-    let left = cross([row[3] - row[0], row[4] - row[1]], way);
-    let right = cross([row[6] - row[0], row[7] - row[1]], way);
+    let ray = [x[0] - row[0], x[1] - row[1]];
+    let left = cross([row[3] - row[0], row[4] - row[1]], ray);
+    let right = cross([row[6] - row[0], row[7] - row[1]], ray);
     let (is_left, is_right) = (zero.lt(left), right.lt(zero));
     let choose =
         |image: L, left: L, right: L| L::select(is_left, left, L::select(is_right, right, image));
@@ -194,11 +194,11 @@ fn paths<L: Lanes>(simd: L::Token, row: &[L; WIDTH], x: [L; 2]) -> PathLanes<L> 
         choose(row[1], row[4], row[7]),
     ];
     let before = choose(row[2], row[5], row[8]);
-    let ways = [x[0] - turn[0], x[1] - turn[1]];
-    let last = (ways[0] * ways[0] + ways[1] * ways[1]).sqrt();
+    let last_pieces = [x[0] - turn[0], x[1] - turn[1]];
+    let last = (last_pieces[0] * last_pieces[0] + last_pieces[1] * last_pieces[1]).sqrt();
     PathLanes {
         lengths: before + last,
-        ways,
+        last_pieces,
         last,
         is_bent: is_left | is_right,
     }
@@ -300,7 +300,7 @@ impl SimdProgram for NearChord<'_> {
             let row = self.columns.load::<L>(simd, register);
             let listed = self.columns.listed::<L>(simd, register);
             let found = paths(simd, &row, middle);
-            let along = found.ways[0] * half[0] + found.ways[1] * half[1];
+            let along = found.last_pieces[0] * half[0] + found.last_pieces[1] * half[1];
             let change = L::select(zero.lt(found.last), along / found.last, zero);
             let is_near =
                 (found.lengths - change).le(most[0]) | (found.lengths + change).le(most[1]);

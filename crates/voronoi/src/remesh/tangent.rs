@@ -137,11 +137,11 @@ impl Ray {
             let normal = [-along[1], along[0]];
             let speed = -(dx * normal[0] + dy * normal[1]);
             let gap = (self.x - from[0]) * normal[0] - from[1] * normal[1];
-            let way = (gap / speed).max(0.0);
-            let goes_on = speed > 0.0 && way < self.length;
+            let step = (gap / speed).max(0.0);
+            let goes_on = speed > 0.0 && step < self.length;
             let twin = mesh.twin(exit).filter(|_| goes_on);
-            let way = if goes_on { way } else { self.length };
-            let place = [self.x + way * dx, way * dy];
+            let step = if goes_on { step } else { self.length };
+            let place = [self.x + step * dx, step * dy];
             let Some(twin) = twin else {
                 return (h.face(), weights(mesh, h, place));
             };
@@ -149,7 +149,7 @@ impl Ray {
             self = Self {
                 x: (exit_length - at).clamp(0.0, exit_length),
                 direction: [-(dx * along[0] + dy * along[1]), speed],
-                length: self.length - way,
+                length: self.length - step,
             };
             h = twin;
         }

@@ -12,7 +12,7 @@ use super::store::{COLUMNS, WindowStore};
 /// Lists of up to this many windows are processed one window at a time if windows are coalesced.
 /// Most lists are no longer, and one number is computed faster than eight of which seven are
 /// unused.
-pub(crate) const FEW: usize = 4;
+pub(crate) const ONE_BY_ONE: usize = 4;
 
 /// The least fraction of half-edges behind flat vertices at which windows are coalesced.
 const ENOUGH: f64 = 0.125;

@@ -18,7 +18,7 @@ use geobench_window::{Counter, EndCheck, Phase, Probe, Way};
 
 pub(crate) use self::surface_state::SurfaceState;
 use crate::engine::buckets::VertexBuckets;
-use crate::engine::coalesce::FEW;
+use crate::engine::coalesce::ONE_BY_ONE;
 use crate::engine::kernels::{self, BestPath, Cuts, Gate, LOSES, Measured, Target, Triangle};
 use crate::engine::layout::{MeshLayout, NO_TWIN, half_edge, next, parts, prev};
 use crate::engine::levels::Levels;
@@ -474,7 +474,7 @@ impl Wavefront {
             place += 1;
             if !COALESCE || L::COUNT == 1 {
                 self.cross::<L, F, P, COALESCE>(simd, state, h, probe);
-            } else if self.waiting_at(state, h) <= FEW {
+            } else if self.waiting_at(state, h) <= ONE_BY_ONE {
                 self.cross::<Scalar, F, P, COALESCE>((), state, h, probe);
             } else {
                 let list = CrossList::<F, P, COALESCE> {

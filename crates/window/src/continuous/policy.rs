@@ -212,10 +212,10 @@ pub trait Policy: Send {
         angle: HalfEdgeId,
         entry: f64,
         d: f64,
-        heir: Self::Lineage,
+        inherited: Self::Lineage,
     ) -> [Option<Self::Lineage>; 2] {
         let _ = (angle, entry, d);
-        [Some(heir); 2]
+        [Some(inherited); 2]
     }
 
     /// As [`arrive`](Self::arrive), for a policy that [foresees](Self::FORESEES). Returns the id
@@ -257,12 +257,12 @@ pub trait Policy: Send {
     fn descend(&self, lineage: &Self::Lineage) -> Option<Self::Lineage>;
 
     /// Which children to try, left and right, of a window that has entered through `h` and covers
-    /// the apex, and what each inherits. `heir` is what they inherit without a split.
+    /// the apex, and what each inherits. `inherited` is what they inherit without a split.
     fn split(
         &mut self,
         h: HalfEdgeId,
         crossing: &Crossing<'_>,
-        heir: Self::Lineage,
+        inherited: Self::Lineage,
         surface: &Surface,
     ) -> [Option<Self::Lineage>; 2];
 

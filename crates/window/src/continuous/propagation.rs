@@ -394,8 +394,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
                 let d = self.length_past_end(h, d, |_| window);
                 self.offer_apex(h, apex, d, |_| window, probe);
             }
-            if let Some(heir) = self.policy.descend(&lineage) {
-                self.send(crossing.only_child(&exit), &exit, heir, probe);
+            if let Some(inherited) = self.policy.descend(&lineage) {
+                self.send(crossing.only_child(&exit), &exit, inherited, probe);
                 W::tries(&crossing)
             } else {
                 [false; 2]
@@ -424,17 +424,17 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         if d < self.surface.distance(apex) {
             self.offer_apex(h, apex, d, |_| window, probe);
         }
-        let Some(heir) = self.policy.descend(&lineage) else {
+        let Some(inherited) = self.policy.descend(&lineage) else {
             return [false; 2];
         };
-        let [left, right] = self.policy.split(h, &crossing, heir, &self.surface);
-        if let Some(heir) = left {
+        let [left, right] = self.policy.split(h, &crossing, inherited, &self.surface);
+        if let Some(inherited) = left {
             let exit = self.surface.faces().exit(h, &frame, Side::Left);
-            self.send(crossing.left_child(&exit), &exit, heir, probe);
+            self.send(crossing.left_child(&exit), &exit, inherited, probe);
         }
-        if let Some(heir) = right {
+        if let Some(inherited) = right {
             let exit = self.surface.faces().exit(h, &frame, Side::Right);
-            self.send(crossing.right_child(&exit), &exit, heir, probe);
+            self.send(crossing.right_child(&exit), &exit, inherited, probe);
         }
         [left.is_some(), right.is_some()]
     }
@@ -464,8 +464,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
         let tried = if covers_apex {
             self.split_ahead(h, lane, d, lineage, probe)
-        } else if let Some(heir) = self.policy.descend(&lineage) {
-            self.send_ahead(&self.lookahead.crossings().child(lane), heir, probe);
+        } else if let Some(inherited) = self.policy.descend(&lineage) {
+            self.send_ahead(&self.lookahead.crossings().child(lane), inherited, probe);
             [true; 2]
         } else {
             [false; 2]
@@ -484,19 +484,19 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         lineage: W::Lineage,
         probe: &mut P,
     ) -> [bool; 2] {
-        let Some(heir) = self.policy.descend(&lineage) else {
+        let Some(inherited) = self.policy.descend(&lineage) else {
             return [false; 2];
         };
         let faces = self.surface.faces();
         let entry = self.lookahead.crossings().entry(lane, faces);
-        let [left, right] = self.policy.split_at(h, entry, d, heir);
-        if let Some(heir) = left {
-            self.send_ahead(&self.lookahead.crossings().child(lane), heir, probe);
+        let [left, right] = self.policy.split_at(h, entry, d, inherited);
+        if let Some(inherited) = left {
+            self.send_ahead(&self.lookahead.crossings().child(lane), inherited, probe);
         }
-        if let Some(heir) = right {
+        if let Some(inherited) = right {
             let crossings = self.lookahead.crossings();
             let child = crossings.right_child(lane, self.surface.faces());
-            self.send_ahead(&child, heir, probe);
+            self.send_ahead(&child, inherited, probe);
         }
         [left.is_some(), right.is_some()]
     }

@@ -88,9 +88,9 @@ impl<W: Policy> Policy for Relaying<W> {
         angle: HalfEdgeId,
         entry: f64,
         d: f64,
-        heir: Self::Lineage,
+        inherited: Self::Lineage,
     ) -> [Option<Self::Lineage>; 2] {
-        self.0.split_at(angle, entry, d, heir)
+        self.0.split_at(angle, entry, d, inherited)
     }
 
     #[inline]
@@ -128,10 +128,10 @@ impl<W: Policy> Policy for Relaying<W> {
         &mut self,
         h: HalfEdgeId,
         crossing: &Crossing<'_>,
-        heir: Self::Lineage,
+        inherited: Self::Lineage,
         surface: &Surface,
     ) -> [Option<Self::Lineage>; 2] {
-        self.0.split(h, crossing, heir, surface)
+        self.0.split(h, crossing, inherited, surface)
     }
 
     fn finish<P: Probe>(&mut self, probe: &mut P) {

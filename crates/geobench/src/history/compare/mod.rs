@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize, Serializer};
 use crate::UsageError;
 use crate::measure::number::group;
 use crate::measure::statistics::{mann_whitney, paired_ratio, unpaired_ratio};
-use crate::schema::{Cell, CellPlace, ResultFile, SourceLabel, Status, Time};
+use crate::schema::{Cell, CellId, ResultFile, SourceLabel, Status, Time};
 
 mod rules;
 #[cfg(test)]
@@ -349,9 +349,9 @@ pub(crate) fn exact(value: f64) -> String {
 
 /// Number of cells of both files that ran on different nodes.
 fn cells_on_other_nodes(old: &ResultFile, new: &ResultFile) -> usize {
-    let nodes = |file: &ResultFile| -> HashMap<CellPlace, String> {
+    let nodes = |file: &ResultFile| -> HashMap<CellId, String> {
         let cells = file.cells.iter();
-        let cells = cells.filter_map(|c| Some((c.place(), file.host_of(c).node.clone()?)));
+        let cells = cells.filter_map(|c| Some((c.id(), file.host_of(c).node.clone()?)));
         cells.collect()
     };
     let new = nodes(new);

@@ -46,7 +46,7 @@ struct Built {
 
 /// A point of a series: a model in a group.
 #[derive(Clone, Copy)]
-struct Place<'r> {
+struct GroupModel<'r> {
     group: Option<&'r str>,
     model: &'r ModelRecord,
 }
@@ -212,9 +212,9 @@ impl<'r> Results<'r> {
                 (None, Combine::Each) if self.test.over.is_some() => {
                     let series = self.series(&groups).into_iter();
                     series
-                        .map(|(on, places)| {
+                        .map(|(on, pairs)| {
                             self.case(operand, on, None, |figure| {
-                                self.growth(operand, &places, figure)
+                                self.growth(operand, &pairs, figure)
                             })
                         })
                         .collect()
@@ -262,10 +262,10 @@ impl<'r> Results<'r> {
             ..ClaimCase::open(figure, on)
         };
         let figures = std::iter::once(&self.test.figure).chain(&self.test.others);
-        for (place, &figure) in figures.enumerate() {
+        for (index, &figure) in figures.enumerate() {
             let mut case = blank(figure.key);
             match build(figure).map(|built| self.decide(&built, figure, &mut case)) {
-                Ok(Ok(())) if place == 0 => {
+                Ok(Ok(())) if index == 0 => {
                     case.fits = self.fits(operand, model, case.value.unwrap_or(f64::NAN));
                     return case;
                 }
@@ -440,27 +440,27 @@ impl<'r> Results<'r> {
 
     /// The series over which a growth is computed. A series is the models of one group. If the axis
     /// is the number of sources, it is one model in all groups.
-    fn series(&self, groups: &[Option<&'r str>]) -> Vec<(&'r str, Vec<Place<'r>>)> {
+    fn series(&self, groups: &[Option<&'r str>]) -> Vec<(&'r str, Vec<GroupModel<'r>>)> {
         let all = groups.iter().flat_map(|&group| {
             let models = self.models(group).into_iter();
-            models.map(move |model| Place { group, model })
+            models.map(move |model| GroupModel { group, model })
         });
-        let of_series = |place: &Place<'r>| match self.test.over {
-            Some(GrowthAxis::Sources) => place.model.name.as_str(),
-            _ => place.group.unwrap_or("all models"),
+        let of_series = |pair: &GroupModel<'r>| match self.test.over {
+            Some(GrowthAxis::Sources) => pair.model.name.as_str(),
+            _ => pair.group.unwrap_or("all models"),
         };
-        let all: Vec<Place<'r>> = all.collect();
+        let all: Vec<GroupModel<'r>> = all.collect();
         let names = distinct(all.iter().map(of_series));
         let series = names.into_iter().map(|name| {
-            let places = all.iter().filter(|place| of_series(place) == name);
-            (name, places.copied().collect())
+            let pairs = all.iter().filter(|pair| of_series(pair) == name);
+            (name, pairs.copied().collect())
         });
         series.collect()
     }
 
     /// The value of a point of a series on the growth axis.
-    fn along(&self, place: Place<'_>) -> Option<f64> {
-        let Place { group, model } = place;
+    fn along(&self, pair: GroupModel<'_>) -> Option<f64> {
+        let GroupModel { group, model } = pair;
         match self.test.over {
             Some(GrowthAxis::Anisotropy) => model.anisotropy,
             Some(GrowthAxis::Sources) => {
@@ -481,13 +481,13 @@ impl<'r> Results<'r> {
     fn growth(
         &self,
         operand: &Operand,
-        series: &[Place<'_>],
+        series: &[GroupModel<'_>],
         figure: &'static Figure,
     ) -> Result<Built, Reason> {
         let (mut leaves, mut points) = (Leaves::default(), Vec::new());
         let mut missing = None;
-        for &place @ Place { group, model } in series {
-            let Some(place) = self.along(place) else {
+        for &pair @ GroupModel { group, model } in series {
+            let Some(x) = self.along(pair) else {
                 continue;
             };
             // Points where an algorithm has no result are left out.
@@ -495,13 +495,13 @@ impl<'r> Results<'r> {
             match self.on(operand, group, model, figure, &mut longer) {
                 Ok(node) => {
                     leaves = longer;
-                    points.push((place, node));
+                    points.push((x, node));
                 }
                 Err(reason) => missing = missing.or(Some(reason)),
             }
         }
-        let places: Vec<f64> = points.iter().map(|(x, _)| *x).collect();
-        if distinct(places).len() < FEWEST_FOR_FIT {
+        let abscissas: Vec<f64> = points.iter().map(|(x, _)| *x).collect();
+        if distinct(abscissas).len() < FEWEST_FOR_FIT {
             let few = format!("fewer than {FEWEST_FOR_FIT} models of the series have a value");
             return Err(missing.map_or(few.clone(), |why| format!("{few}: {why}")));
         }
@@ -631,7 +631,7 @@ fn phase_quantity(
         _ if cell.time.samples.is_empty() => {
             return Err(format!("{} has no times", cell.algorithm));
         }
-        _ => Quantity::Part(cell.time.samples.clone(), own / all, samples),
+        _ => Quantity::TimeShare(cell.time.samples.clone(), own / all, samples),
     })
 }
 

@@ -100,7 +100,7 @@ pub(super) enum Quantity {
     Share(f64, u64),
     /// A share of timed samples: the samples, the share, and the number of profile samples that the
     /// share is estimated from.
-    Part(Vec<f64>, f64, u64),
+    TimeShare(Vec<f64>, f64, u64),
 }
 
 impl Leaf {
@@ -128,7 +128,7 @@ impl Leaves {
             Quantity::Exact(value) => self.push(Leaf::Exact(value)),
             Quantity::Samples(samples) => self.push(Leaf::Samples(samples)),
             Quantity::Share(share, samples) => self.push(Leaf::Share(share, samples)),
-            Quantity::Part(times, share, samples) => {
+            Quantity::TimeShare(times, share, samples) => {
                 let times = self.push(Leaf::Samples(times));
                 let share = self.push(Leaf::Share(share, samples));
                 Node::Product(Box::new(times), Box::new(share))
@@ -144,7 +144,7 @@ impl Leaves {
                 let pairs = over.iter().zip(&under).map(|(a, b)| a / b);
                 self.push(Leaf::Samples(pairs.collect()))
             }
-            (Quantity::Part(over, a, m), Quantity::Part(under, b, n)) => {
+            (Quantity::TimeShare(over, a, m), Quantity::TimeShare(under, b, n)) => {
                 let times = self.ratio(Quantity::Samples(over), Quantity::Samples(under));
                 let shares = self.ratio(Quantity::Share(a, m), Quantity::Share(b, n));
                 Node::Product(Box::new(times), Box::new(shares))

@@ -11,13 +11,13 @@ use crate::schema::SourceLabel;
 /// The layout of the answers of a goal: which vertex or point each distance belongs to, and the
 /// radius beyond which distances are infinite.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Asked {
+pub(crate) struct AnswerLayout {
     /// The targets; `None` for all vertices.
     targets: Option<Vec<PointSpec>>,
     radius: Option<f64>,
 }
 
-impl Asked {
+impl AnswerLayout {
     /// The layout for a mesh of `vertices` vertices. If a target does not exist, answers are taken
     /// to be empty.
     pub(crate) fn new(goal: &GoalSpec, vertices: usize) -> Self {
@@ -126,10 +126,10 @@ mod tests {
     #[test]
     fn rounding_decides_at_the_radius_and_nowhere_else() {
         const INF: f64 = f64::INFINITY;
-        let asked = Asked::new(&goal("", Some(2.0)), 3);
+        let layout = AnswerLayout::new(&goal("", Some(2.0)), 3);
         let agrees = |found: f64, expected: f64, is_approximate| {
             let expected = [(0, expected)];
-            let found = asked.compare(&[found], expected, 1e-9, is_approximate);
+            let found = layout.compare(&[found], expected, 1e-9, is_approximate);
             found.agrees()
         };
         assert!(agrees(2.0, INF, false) && agrees(INF, 2.0, false));
@@ -140,17 +140,17 @@ mod tests {
 
     #[test]
     fn targets_are_compared_and_named_as_what_they_are() {
-        let asked = Asked::new(&goal("2,edge:0-1,0.5", None), 3);
-        assert_eq!((asked.count(3), asked.noun()), (2, "targets"));
-        assert_eq!(asked.of_stored(&[(0, 0.0), (2, 5.0)]), [(0, 5.0)]);
+        let layout = AnswerLayout::new(&goal("2,edge:0-1,0.5", None), 3);
+        assert_eq!((layout.count(3), layout.noun()), (2, "targets"));
+        assert_eq!(layout.of_stored(&[(0, 0.0), (2, 5.0)]), [(0, 5.0)]);
         let worst = |vertex| Disagreement {
             vertex,
             found: 1.0,
             expected: 2.0,
         };
-        assert!(asked.describe(&worst(0)).starts_with("vertex 2 is at 1 "));
-        let of_edge = asked.describe(&worst(1));
+        assert!(layout.describe(&worst(0)).starts_with("vertex 2 is at 1 "));
+        let of_edge = layout.describe(&worst(1));
         assert!(of_edge.starts_with("target edge:0-1,0.5 is at 1 "));
-        assert_eq!((asked.vertex(0), asked.vertex(1)), (Some(2), None));
+        assert_eq!((layout.vertex(0), layout.vertex(1)), (Some(2), None));
     }
 }

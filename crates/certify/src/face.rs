@@ -8,7 +8,9 @@
 //! Pairs of pieces that clearly satisfy the condition are accepted in rounded arithmetic, with a
 //! margin of about 90 times its error bound. All others are compared in interval arithmetic.
 
-use geobench_mesh::{FaceId, HalfEdgeId};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh};
 
 use crate::difference::{CLOSE, Distance, RoundedDistance, peak};
 use crate::field::{EdgeField, ExactPiece, FaceSide, SidePiece, canonical};
@@ -47,7 +49,7 @@ const SIZES: std::ops::Range<f64> = 1e-130..1e130;
 
 /// The greatest number of links that are kept, 16 bytes each. With more, violations are added up by
 /// distance instead of along chains.
-pub(crate) const MOST_LINKS: usize = 1 << 26;
+const MOST_LINKS: usize = 1 << 26;
 
 /// Vectors shorter than this fraction of the margin have no reliable direction.
 const TINY: f64 = 0.1;
@@ -57,32 +59,58 @@ const TINY: f64 = 0.1;
 /// directions.
 const NEAR_VERTEX: f64 = 0.01;
 
-/// Checks faces one after another. Keeps its buffers.
-pub(crate) struct Checker<'a> {
+/// The radius of the neighbourhood of each vertex.
+fn radii(mesh: &Mesh) -> Vec<f64> {
+    let mut radii = vec![f64::INFINITY; mesh.vertex_count()];
+    for h in mesh.half_edges() {
+        for v in [mesh.tail(h), mesh.head(h)] {
+            let radius = &mut radii[v.index()];
+            *radius = radius.min(NEAR_VERTEX * mesh.length(h));
+        }
+    }
+    radii
+}
+
+/// What the checkers of all faces share.
+pub(crate) struct FaceChecks<'a> {
     field: &'a EdgeField<'a>,
     /// The radius of the neighbourhood of each vertex.
     radii: Vec<f64>,
     /// Links with a detour above this are left out.
     clear: f64,
-    /// The remaining links. One more than [`MOST_LINKS`] means that others were dropped.
+    /// The number of links that all checkers have found.
+    found: AtomicUsize,
+}
+
+impl<'a> FaceChecks<'a> {
+    /// Checks of the pieces of `field`, which leave out links with a detour above `clear`.
+    pub(crate) fn new(field: &'a EdgeField<'a>, clear: f64) -> Self {
+        Self {
+            field,
+            radii: radii(field.mesh),
+            clear,
+            found: AtomicUsize::new(0),
+        }
+    }
+
+    /// Whether there are more than [`MOST_LINKS`] links, so that checkers have dropped some.
+    pub(crate) fn has_too_many_links(&self) -> bool {
+        self.found.load(Ordering::Relaxed) > MOST_LINKS
+    }
+}
+
+/// Checks faces one after another. Keeps its buffers.
+pub(crate) struct Checker<'a> {
+    shared: &'a FaceChecks<'a>,
+    /// The links of the faces that were checked; none if there are too many.
     pub(crate) links: Vec<ChainLink>,
     sides: [FaceSide; 3],
 }
 
 impl<'a> Checker<'a> {
-    /// A checker for the pieces of `field`, which leaves out links with a detour above `clear`.
-    pub(crate) fn new(field: &'a EdgeField<'a>, clear: f64) -> Self {
-        let mut radii = vec![f64::INFINITY; field.mesh.vertex_count()];
-        for h in field.mesh.half_edges() {
-            for v in [field.mesh.tail(h), field.mesh.head(h)] {
-                let radius = &mut radii[v.index()];
-                *radius = radius.min(NEAR_VERTEX * field.mesh.length(h));
-            }
-        }
+    pub(crate) fn new(shared: &'a FaceChecks<'a>) -> Self {
         Self {
-            field,
-            radii,
-            clear,
+            shared,
             links: Vec::new(),
             sides: std::array::from_fn(|_| FaceSide::default()),
         }
@@ -91,14 +119,20 @@ impl<'a> Checker<'a> {
     /// An upper bound of `d(y) - d(x) - |xy|` over all points x and y of the boundary of `face`, at
     /// least 0, and the side on which d(y) is too long. Adds the links across the face.
     pub(crate) fn violation(&mut self, face: FaceId) -> (f64, HalfEdgeId) {
+        let before = self.links.len();
         let mut sides = std::mem::take(&mut self.sides);
-        let shape = FaceShape::of(self.field.mesh, face);
+        let shape = FaceShape::of(self.shared.field.mesh, face);
         let lengths = shape.lengths.map(Interval::middle);
         for (k, side) in (0..).zip(&mut sides) {
-            side.set(self.field, face.half_edge(k), lengths[k as usize]);
+            side.set(self.shared.field, face.half_edge(k), lengths[k as usize]);
         }
         let found = self.violation_of_sides(face, &shape, lengths, &sides);
         self.sides = sides;
+        let new = self.links.len() - before;
+        self.shared.found.fetch_add(new, Ordering::Relaxed);
+        if self.shared.has_too_many_links() {
+            self.links = Vec::new();
+        }
         found
     }
 
@@ -119,10 +153,13 @@ impl<'a> Checker<'a> {
             return nothing;
         }
         let margin = MARGIN * size;
-        let corners = self.field.mesh.face_vertices(face);
+        let corners = self.shared.field.mesh.face_vertices(face);
         let ball = |corner: usize| {
             let v = corners[corner % 3];
-            (self.field.pieces.len() + v.index(), self.radii[v.index()])
+            (
+                self.shared.field.pieces.len() + v.index(),
+                self.shared.radii[v.index()],
+            )
         };
         let mut most = (0.0_f64, face.half_edge(0));
         for k in 0..3 {
@@ -136,7 +173,7 @@ impl<'a> Checker<'a> {
                     return nothing;
                 }
                 let mut across = SidePair {
-                    field: self.field,
+                    field: self.shared.field,
                     sides: [&sides[k], &sides[there]],
                     half_edges: [k, there].map(|k| face.half_edge(k as u32)),
                     exact_lengths: [k, there].map(|k| shape.lengths[k]),
@@ -145,7 +182,7 @@ impl<'a> Checker<'a> {
                     near,
                     balls: [[ball(k), ball(k + 1)], [ball(there), ball(there + 1)]],
                     margin,
-                    clear: self.clear,
+                    clear: self.shared.clear,
                     excess: from_side.0,
                     skips_bends: false,
                 };
@@ -158,8 +195,8 @@ impl<'a> Checker<'a> {
             // Between two points of one side, only jumps violate the condition. A path that bends
             // at a concave kink is no shorter than one through the next piece, up to the jump at
             // the kink.
-            let side = canonical(self.field.mesh, face.half_edge(k as u32));
-            let jump = self.field.jumps[side.index()];
+            let side = canonical(self.shared.field.mesh, face.half_edge(k as u32));
+            let jump = self.shared.field.jumps[side.index()];
             let (found, there) = from_side;
             let violation = if skips_bends {
                 (found + jump).next_up()
@@ -557,12 +594,14 @@ mod tests {
             pieces: vec![far, near],
             jumps: vec![0.0; 9],
         };
-        let found = Checker::new(&field, 1e-9).violation(FaceId::new(2)).0;
+        let found = Checker::new(&FaceChecks::new(&field, 1e-9))
+            .violation(FaceId::new(2))
+            .0;
         assert!(found < 1e-12, "{found:e}");
         // The pair is compared: making the second piece longer is a violation.
         let mut field = field;
         field.pieces[1].sigma += 1e-10;
-        let (found, side) = Checker::new(&field, 1e-9).violation(FaceId::new(2));
+        let (found, side) = Checker::new(&FaceChecks::new(&field, 1e-9)).violation(FaceId::new(2));
         assert_eq!(side, FaceId::new(2).half_edge(2));
         assert!(found > 0.9e-10 && found < 1.1e-10, "{found:e}");
     }

@@ -19,6 +19,39 @@ pub(crate) struct EdgeField<'a> {
     pub(crate) jumps: Vec<f64>,
 }
 
+/// The envelopes of consecutive half-edges.
+#[derive(Debug, Default)]
+pub(crate) struct Envelopes {
+    pub(crate) pieces: Vec<EnvelopePiece>,
+    /// For each half-edge, the number of its pieces and the sum of the jumps between them.
+    pub(crate) half_edges: Vec<(usize, f64)>,
+}
+
+impl<'a> EdgeField<'a> {
+    /// The field of a mesh from the envelopes of all its half-edges.
+    pub(crate) fn new(mesh: &'a Mesh, parts: Vec<Envelopes>) -> Self {
+        let mut starts = Vec::with_capacity(mesh.half_edge_count() + 1);
+        let mut jumps = Vec::with_capacity(mesh.half_edge_count());
+        let mut pieces = Vec::new();
+        let mut start = 0;
+        for mut part in parts {
+            pieces.append(&mut part.pieces);
+            for (count, jump) in part.half_edges {
+                starts.push(start);
+                jumps.push(jump);
+                start += count;
+            }
+        }
+        starts.push(start);
+        Self {
+            mesh,
+            starts,
+            pieces,
+            jumps,
+        }
+    }
+}
+
 /// The half-edge under which the pieces of the edge of `h` are stored.
 pub(crate) fn canonical(mesh: &Mesh, h: HalfEdgeId) -> HalfEdgeId {
     mesh.twin(h).map_or(h, |twin| twin.min(h))

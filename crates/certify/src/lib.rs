@@ -55,14 +55,15 @@ mod length;
 mod shape;
 
 use std::collections::HashSet;
+use std::ops::Range;
 
-use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId, threads};
 
 use boundary::windows_from_inside;
 use chains::greatest_sums;
 use envelope::{EnvelopeBuilder, EnvelopePiece, piece};
-use face::{ChainLink, Checker, MOST_LINKS};
-use field::{EdgeField, canonical};
+use face::{ChainLink, Checker, FaceChecks};
+use field::{EdgeField, Envelopes, canonical};
 use jump::jump;
 
 pub use envelope::WindowData;
@@ -157,6 +158,9 @@ pub enum Place {
 /// The limit is raised if the sum of all violations exceeds it.
 const CLEAR: f64 = 1e-8;
 
+/// Parts of the work for each thread.
+const PARTS: usize = 16;
+
 /// A violation above this fraction of the local distances and lengths is a failure, not rounding.
 const ROUNDING: f64 = 1e-13;
 
@@ -204,8 +208,9 @@ impl<'a> Claim<'a> {
     /// `windows` returns the windows that enter the face of a half-edge, in the frame of that
     /// half-edge.
     ///
-    /// Takes O(w²) time for each face that w windows enter.
-    pub fn not_too_long<W>(&self, windows: impl Fn(HalfEdgeId) -> W) -> Bound
+    /// Takes O(w²) time for each face that w windows enter. In a pool of `rayon`, all its threads
+    /// share the work; the result is the same.
+    pub fn not_too_long<W>(&self, windows: impl Fn(HalfEdgeId) -> W + Sync) -> Bound
     where
         W: IntoIterator<Item = WindowData>,
     {
@@ -272,26 +277,41 @@ impl<'a> Claim<'a> {
     }
 
     /// Returns for each face its violation and the side with the violation, and the links whose
-    /// detour is at most `clear`.
+    /// detour is at most `clear`; no links if there are too many.
     fn violations(
         &self,
         field: &EdgeField<'_>,
         clear: f64,
-    ) -> (Vec<f64>, Vec<Option<HalfEdgeId>>, Vec<ChainLink>) {
-        let mut checker = Checker::new(field, clear);
-        let found = self.mesh.faces().map(|face| {
-            let corners = self.mesh.face_vertices(face);
-            match corners.map(|v| self.distances[v.index()].is_finite()) {
-                [false, false, false] => (0.0, None),
-                [true, true, true] => {
-                    let (violation, side) = checker.violation(face);
-                    (violation, Some(side))
-                }
-                _ => (f64::INFINITY, None),
-            }
+    ) -> (Vec<f64>, Vec<Option<HalfEdgeId>>, Option<Vec<ChainLink>>) {
+        let checks = FaceChecks::new(field, clear);
+        let ranges = threads::ranges(self.mesh.face_count(), PARTS);
+        let parts = threads::each(ranges, |range| {
+            let mut checker = Checker::new(&checks);
+            let found = range.map(|f| self.violation(FaceId::new(f as u32), &mut checker));
+            let (in_face, sides): (Vec<_>, Vec<_>) = found.unzip();
+            (in_face, sides, checker.links)
         });
-        let (in_face, sides) = found.unzip();
-        (in_face, sides, checker.links)
+        let (mut in_face, mut sides, mut links) = (Vec::new(), Vec::new(), Vec::new());
+        for (mut in_part, mut sides_of_part, mut links_of_part) in parts {
+            in_face.append(&mut in_part);
+            sides.append(&mut sides_of_part);
+            links.append(&mut links_of_part);
+        }
+        let links = Some(links).filter(|_| !checks.has_too_many_links());
+        (in_face, sides, links)
+    }
+
+    /// The violation of a face, and its side with the violation.
+    fn violation(&self, face: FaceId, checker: &mut Checker<'_>) -> (f64, Option<HalfEdgeId>) {
+        let corners = self.mesh.face_vertices(face);
+        match corners.map(|v| self.distances[v.index()].is_finite()) {
+            [false, false, false] => (0.0, None),
+            [true, true, true] => {
+                let (violation, side) = checker.violation(face);
+                (violation, Some(side))
+            }
+            _ => (f64::INFINITY, None),
+        }
     }
 
     /// Upper bound of the amount by which the distances are too short.
@@ -299,18 +319,42 @@ impl<'a> Claim<'a> {
     /// `path` returns a path from a source to a vertex. It is called for each vertex with a finite
     /// distance that is not a source. Without a path the bound is infinite.
     ///
-    /// Takes O(n) time for n points of all paths together.
-    pub fn not_too_short(&self, mut path: impl FnMut(VertexId) -> Option<Vec<PathPoint>>) -> Bound {
+    /// Takes O(n) time for n points of all paths together. In a pool of `rayon`, all its threads
+    /// share the work.
+    pub fn not_too_short(&self, path: impl Fn(VertexId) -> Option<Vec<PathPoint>> + Sync) -> Bound {
         let sources: HashSet<VertexId> = self.sources.iter().copied().collect();
+        let ranges = threads::ranges(self.mesh.vertex_count(), PARTS);
+        let parts = threads::each(ranges, |range| {
+            self.not_too_short_in(range, &sources, &path)
+        });
         let mut bound = Bound::default();
-        for v in self.mesh.vertices() {
+        for mut part in parts {
+            bound.absolute = bound.absolute.max(part.absolute);
+            bound.relative = bound.relative.max(part.relative);
+            bound.failures.append(&mut part.failures);
+            bound.pieces += part.pieces;
+        }
+        let worst_first = |a: &Failure, b: &Failure| b.violation.total_cmp(&a.violation);
+        bound.failures.sort_by(worst_first);
+        bound
+    }
+
+    /// The bound for a range of vertices. Its failures are in the order of the vertices.
+    fn not_too_short_in(
+        &self,
+        vertices: Range<usize>,
+        sources: &HashSet<VertexId>,
+        path: impl Fn(VertexId) -> Option<Vec<PathPoint>>,
+    ) -> Bound {
+        let mut bound = Bound::default();
+        for v in vertices.map(|v| VertexId::new(v as u32)) {
             let d = self.distances[v.index()];
             if !d.is_finite() || sources.contains(&v) {
                 continue;
             }
             let points = path(v).unwrap_or_default();
             bound.pieces += points.len();
-            let length = length::greatest_length(self.mesh, &points, &sources, v);
+            let length = length::greatest_length(self.mesh, &points, sources, v);
             let excess = length.map_or(f64::INFINITY, |l| (l - d).next_up().max(0.0));
             bound.absolute = bound.absolute.max(excess);
             bound.relative = bound
@@ -324,25 +368,32 @@ impl<'a> Claim<'a> {
                 });
             }
         }
-        let worst_first = |a: &Failure, b: &Failure| b.violation.total_cmp(&a.violation);
-        bound.failures.sort_by(worst_first);
         bound
     }
 
-    fn edge_field<W>(&self, windows: impl Fn(HalfEdgeId) -> W) -> EdgeField<'a>
+    /// The lower envelopes of the windows of all edges.
+    fn edge_field<W>(&self, windows: impl Fn(HalfEdgeId) -> W + Sync) -> EdgeField<'a>
+    where
+        W: IntoIterator<Item = WindowData>,
+    {
+        let ranges = threads::ranges(self.mesh.half_edge_count(), PARTS);
+        let parts = threads::each(ranges, |range| self.envelopes(range, &windows));
+        EdgeField::new(self.mesh, parts)
+    }
+
+    /// The lower envelopes of the windows of a range of half-edges.
+    fn envelopes<W>(&self, half_edges: Range<usize>, windows: impl Fn(HalfEdgeId) -> W) -> Envelopes
     where
         W: IntoIterator<Item = WindowData>,
     {
         let mesh = self.mesh;
-        let mut starts = Vec::with_capacity(mesh.half_edge_count() + 1);
-        let mut pieces: Vec<EnvelopePiece> = Vec::new();
-        let mut jumps = vec![0.0; mesh.half_edge_count()];
+        let mut found = Envelopes::default();
         let mut all: Vec<EnvelopePiece> = Vec::new();
         let mut builder = EnvelopeBuilder::default();
-        for h in mesh.half_edges() {
-            starts.push(pieces.len());
+        for h in half_edges.map(|h| HalfEdgeId::new(h as u32)) {
             let ends = [mesh.tail(h), mesh.head(h)].map(|v| self.distances[v.index()]);
             if canonical(mesh, h) != h || !ends.iter().all(|d| d.is_finite()) {
+                found.half_edges.push((0, 0.0));
                 continue;
             }
             let length = mesh.length(h);
@@ -370,21 +421,15 @@ impl<'a> Claim<'a> {
                     sigma,
                 }),
             );
-            let first = pieces.len();
-            builder.lower_envelope(&all, length, &mut pieces);
-            let pairs = pieces[first..].windows(2);
-            let sum = pairs.fold(0.0, |sum: f64, pair| {
+            let first = found.pieces.len();
+            builder.lower_envelope(&all, length, &mut found.pieces);
+            let pieces = &found.pieces[first..];
+            let jumps = pieces.windows(2).fold(0.0, |sum: f64, pair| {
                 (sum + jump(&pair[0], &pair[1], pair[0].to)).next_up()
             });
-            jumps[h.index()] = sum;
+            found.half_edges.push((pieces.len(), jumps));
         }
-        starts.push(pieces.len());
-        EdgeField {
-            mesh,
-            starts,
-            pieces,
-            jumps,
-        }
+        found
     }
 
     /// Difference between the greatest and the least of the distances of `v`: its own and those at
@@ -418,12 +463,12 @@ impl<'a> Claim<'a> {
         field: &EdgeField<'_>,
         own: Vec<f64>,
         in_face: &[f64],
-        mut links: Vec<ChainLink>,
+        links: Option<Vec<ChainLink>>,
         total: f64,
     ) -> (f64, f64) {
-        if links.len() > MOST_LINKS {
+        let Some(mut links) = links else {
             return (total, self.add_up_by_distance(&own, in_face, total));
-        }
+        };
         links.retain(|link| f64::from(link.excess) >= -total);
         let pieces = field.pieces.len();
         // Inside the neighbourhood of a vertex, a path may cross all faces around the vertex.

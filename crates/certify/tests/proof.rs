@@ -1,6 +1,6 @@
 //! The distances of `mmp` are proven; damaged ones are rejected.
 
-use geobench_certify::{Bound, Claim, Place, WindowData};
+use geobench_certify::{Bound, Claim, PathPoint, Place, WindowData};
 use geobench_mesh::{HalfEdgeId, Mesh, TriangleSoup, VertexId};
 use geobench_mmp::{Mmp, mmp, windows_of};
 use geobench_oracle::{Geometry, zoo};
@@ -29,6 +29,27 @@ fn solved(mesh: &Mesh, source: u32) -> (Vec<f64>, Vec<Vec<WindowData>>) {
     let distances = solver.distances_from(source).unwrap();
     let windows = windows(mesh, &solver);
     (distances, windows)
+}
+
+#[test]
+fn threads_do_not_change_a_proof() {
+    let mesh = Mesh::generate("terrain,n=110,seed=1").unwrap();
+    let (distances, windows) = solved(&mesh, 0);
+    let prove = || {
+        let sources = [VertexId::new(0)];
+        let claim = Claim::new(&mesh, &sources, &distances).unwrap();
+        let edge = |v| Some(vec![PathPoint::Vertex(sources[0]), PathPoint::Vertex(v)]);
+        (
+            not_too_long(&mesh, 0, &distances, &windows),
+            claim.not_too_short(edge),
+        )
+    };
+    let alone = prove();
+    assert!(alone.0.relative < 1e-9);
+    // Only neighbours of the source have such a path.
+    assert!(alone.1.failures.len() > mesh.vertex_count() - 20);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3);
+    assert_eq!(pool.build().unwrap().install(prove), alone);
 }
 
 #[test]

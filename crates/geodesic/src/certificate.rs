@@ -50,6 +50,7 @@ impl Certificate {
     /// Computes the distances of all vertices from the nearest of `sources`, and proves them.
     ///
     /// After a run of MMP that stores all windows, it takes O(w²) time for the w windows of a face.
+    /// In a pool of `rayon`, all its threads share the work after that run.
     ///
     /// # Errors
     ///

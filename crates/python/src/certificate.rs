@@ -3,14 +3,15 @@
 use geodesic::certify::{Bound as ErrorBound, Place};
 use geodesic::{Certificate, CertificateError, OriginalFailure, Stop};
 use numpy::PyArray1;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
+use rayon::ThreadPoolBuilder;
 
 use crate::arrays;
 use crate::errors::solve_error;
 use crate::interrupt;
 use crate::points::ResolvedPoints;
-use crate::solver::mesh_of;
+use crate::solver::{check_threads, mesh_of};
 
 /// A proven bound on the errors of distances. It is true if the bound is within the tolerance.
 #[pyclass(frozen, get_all, module = "geobench", name = "Certificate")]
@@ -65,6 +66,8 @@ impl PyCertificate {
 ///     Distances to check, in units of the mesh. By default the distances of `"mmp"` are checked.
 /// tolerance : float
 ///     The largest relative error that is allowed.
+/// threads : int
+///     Threads that share the proof. The result does not depend on it.
 ///
 /// Returns
 /// -------
@@ -76,13 +79,14 @@ impl PyCertificate {
 /// ValueError
 ///     `distances` has another shape, or holds NaN or a negative number.
 #[pyfunction]
-#[pyo3(signature = (mesh, source, distances = None, *, tolerance = 1e-9))]
+#[pyo3(signature = (mesh, source, distances = None, *, tolerance = 1e-9, threads = 1))]
 pub(crate) fn certify(
     py: Python<'_>,
     mesh: &Bound<'_, PyAny>,
     source: &Bound<'_, PyAny>,
     distances: Option<&Bound<'_, PyAny>>,
     tolerance: f64,
+    threads: u32,
 ) -> PyResult<PyCertificate> {
     let mesh = mesh_of(mesh)?.get().mesh.clone();
     if tolerance.is_nan() || tolerance < 0.0 {
@@ -97,8 +101,12 @@ pub(crate) fn certify(
         .map(|given| arrays::distances(given, "distances", mesh.vertex_count()))
         .transpose()?;
     let (surface, faces) = (refined.mesh.clone(), mesh.face_count());
+    let pool = ThreadPoolBuilder::new().num_threads(check_threads(threads)?);
+    let pool = pool
+        .build()
+        .map_err(|error| PyOSError::new_err(error.to_string()))?;
     let work = move || {
-        let proof = Certificate::of(&surface, &sources)?;
+        let proof = pool.install(|| Certificate::of(&surface, &sources))?;
         let compared = given.map(|given| proof.compare(given.into_iter().enumerate()));
         Ok((proof, compared))
     };

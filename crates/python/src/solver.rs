@@ -80,7 +80,7 @@ pub(crate) fn selection(name: &str, threads: Option<u32>, simd: &str) -> PyResul
     })
 }
 
-fn check_threads(threads: u32) -> PyResult<usize> {
+pub(crate) fn check_threads(threads: u32) -> PyResult<usize> {
     if (1..=MOST_THREADS).contains(&threads) {
         return Ok(threads as usize);
     }

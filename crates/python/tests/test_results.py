@@ -88,7 +88,7 @@ def test_right_distances_are_certified(torus):
     proof = gb.certify(torus, 0, d)
     assert not proof and ("vertex", 77) == proof.failures[0][:2]
     assert gb.certify(torus, 0, d, tolerance=1e-3)
-    assert gb.certify(torus, [0, 9])
+    assert gb.certify(torus, [0, 9], threads=2)
 
 
 def test_distances_from_points_of_the_surface_are_certified(torus):

@@ -442,6 +442,10 @@ pub(super) struct CertifyOptions {
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
     pub(super) tolerance: f64,
 
+    /// Threads that read the model and share the proof
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
+    pub(super) threads: u32,
+
     #[command(flatten)]
     pub(super) reading: ReadingOptions,
 

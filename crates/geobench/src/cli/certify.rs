@@ -11,13 +11,15 @@ use super::Verdict;
 use super::args::{CertificateFormat, CertifyOptions};
 use super::points::Points;
 use super::terminal;
+use super::threads::Threads;
 use crate::exec::expected::Expected;
 use crate::exec::model;
 use crate::table::json_lines;
 
 pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
+    let threads = Threads::start(options.threads)?;
     let model = model::only(&options.model)?;
-    let mesh = &model.mesh_within(options.reading)?;
+    let mesh = &threads.run(|| model.mesh_within(options.reading))?;
     let points = Points::new(mesh, &options.sources.source, None, &model.path)?;
     if options.format == CertificateFormat::Text {
         points.print_notes()?;
@@ -28,7 +30,8 @@ pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
         Expected::File(path.clone()).find(path, label, mesh.vertex_count())
     });
     let given = given.transpose()?;
-    let proof = Certificate::of(&points.refined.mesh, &points.source_vertices())?;
+    let sources = points.source_vertices();
+    let proof = threads.run(|| Certificate::of(&points.refined.mesh, &sources))?;
     let compared = given.map(|field| proof.compare(field.distances));
     let certificate = Document::new(mesh, &points, &proof, compared.as_ref(), options.tolerance);
     let text = match options.format {

@@ -7,12 +7,12 @@ use anyhow::bail;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::{Solver, precision};
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
-use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::Verdict;
 use super::args::DistanceOptions;
 use super::points::Points;
 use super::terminal;
+use super::threads::Threads;
 use crate::exec::expected::file_word;
 use crate::exec::model;
 use crate::registry::Selection;
@@ -44,8 +44,8 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
             options.output.display()
         );
     }
-    let pool = pool_of(options.threads)?;
-    let mesh = within(pool.as_ref(), || model.mesh_within(options.reading))?;
+    let threads = Threads::start(options.threads)?;
+    let mesh = threads.run(|| model.mesh_within(options.reading))?;
     let points = Points::new(
         &mesh,
         &options.sources.source,
@@ -60,7 +60,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         model: &model.name,
         mesh: &mesh,
         points: &points,
-        pool: pool.as_ref(),
+        threads: &threads,
     };
     let summaries = match form {
         Form::Matrix(format) => vec![request.matrix(format, &output)?],
@@ -72,24 +72,6 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         }
     }
     Ok(Verdict::Passed)
-}
-
-/// The thread pool for reading, set-up, solving and writing; `None` for a single thread.
-fn pool_of(threads: u32) -> anyhow::Result<Option<ThreadPool>> {
-    let pool = || {
-        ThreadPoolBuilder::new()
-            .num_threads(threads as usize)
-            .build()
-    };
-    Ok((threads > 1).then(pool).transpose()?)
-}
-
-/// Runs `work` in the pool, or on this thread without one.
-fn within<R: Send>(pool: Option<&ThreadPool>, work: impl FnOnce() -> R + Send) -> R {
-    match pool {
-        Some(pool) => pool.install(work),
-        None => work(),
-    }
 }
 
 /// The kind and format of the output.
@@ -137,7 +119,7 @@ struct Request<'a> {
     /// The mesh of the model.
     mesh: &'a Mesh,
     points: &'a Points,
-    pool: Option<&'a ThreadPool>,
+    threads: &'a Threads,
 }
 
 impl Request<'_> {
@@ -166,7 +148,7 @@ impl Request<'_> {
                 mesh: self.mesh,
                 distances: &distances,
             };
-            let contents = within(self.pool, || format.render(&field))?;
+            let contents = self.threads.run(|| format.render(&field))?;
             task.output.write(&contents)?;
             Ok(summary(&distances, self.points.labels(), &task.path))
         })
@@ -226,11 +208,11 @@ impl Request<'_> {
         let algorithm = algorithm.with_simd(self.options.simd);
         let build = || algorithm.build(&self.points.refined.mesh);
         if workers == 1 {
-            let mut solver = within(self.pool, build);
+            let mut solver = self.threads.run(build);
             let solve = |task| work(&algorithm, &mut *solver, task);
             return tasks.iter().map(solve).collect();
         }
-        within(self.pool, || {
+        self.threads.run(|| {
             tasks
                 .par_iter()
                 // rayon calls `build` for each piece of the tasks. Longer pieces mean fewer

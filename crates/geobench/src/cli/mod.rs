@@ -22,6 +22,7 @@ mod report;
 mod run;
 mod shell;
 mod terminal;
+mod threads;
 mod verify;
 mod voronoi;
 

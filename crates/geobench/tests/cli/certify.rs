@@ -4,9 +4,12 @@ use crate::support::Sandbox;
 
 #[test]
 fn a_field_is_proven() {
-    let said = Sandbox::new().succeed("certify gen:terrain,n=20,seed=1 --source 7");
+    let sandbox = Sandbox::new();
+    let said = sandbox.succeed("certify gen:terrain,n=20,seed=1 --source 7");
     assert!(said.contains("certified to "), "{said}");
     assert!(said.contains("not too long by more than"), "{said}");
+    let shared = sandbox.succeed("certify gen:terrain,n=20,seed=1 --source 7 --threads 2");
+    assert_eq!(shared, said);
 }
 
 #[test]

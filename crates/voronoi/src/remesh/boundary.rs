@@ -3,10 +3,17 @@
 use std::collections::HashSet;
 use std::f64::consts::PI;
 
-use geobench_mesh::{HalfEdgeId, Mesh, PointError, SurfacePoint, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, PointError, SurfacePoint};
 
-/// Least difference from π of the angle at a boundary vertex that is a corner.
+/// Least angle by which the boundary turns at a corner.
 const CORNER: f64 = PI / 4.0;
+
+/// The part of the boundary to each side of a corner along which its turn is measured, as a fraction
+/// of the spacing. So the angles of a rough boundary, which cancel each other, make no corners.
+const REACH: f64 = 0.25;
+
+/// The reach is at most this fraction of its loop.
+const REACH_OF_LOOP: f64 = 1.0 / 32.0;
 
 /// Least number of sites on a boundary loop.
 const FEWEST: usize = 3;
@@ -17,8 +24,9 @@ const COARSER: f64 = 1.25;
 /// Greatest number of times that the spacing grows, far beyond any model.
 const ROUNDS: usize = 200;
 
-/// Points along every boundary loop, at most `spacing` apart, with all corners. If there are more
-/// than `most`, the spacing grows; at least three points remain on each loop.
+/// Points along every boundary loop, at most `spacing` apart, with all corners. Corners are at least
+/// half the spacing apart, except on small loops. If there are more points than `most`, the spacing
+/// grows; at least three points remain on each loop.
 ///
 /// # Errors
 ///
@@ -28,30 +36,35 @@ pub(super) fn points(
     spacing: f64,
     most: usize,
 ) -> Result<Vec<SurfacePoint>, PointError> {
-    let chains: Vec<Vec<Chain>> = loops(mesh).into_iter().map(|l| chains(mesh, l)).collect();
+    let loops = loops(mesh);
     let mut spacing = spacing;
-    let count = |spacing: f64| -> usize {
-        let counts = chains.iter().map(|chains| {
-            let pieces = chains
-                .iter()
-                .map(|chain| chain.pieces(spacing, chains.len()));
-            pieces.sum::<usize>()
-        });
-        counts.sum()
-    };
+    let mut divided = divisions(mesh, &loops, spacing);
     for _ in 0..ROUNDS {
-        if count(spacing) <= most {
+        if divided.iter().map(|(_, pieces)| pieces).sum::<usize>() <= most {
             break;
         }
         spacing *= COARSER;
+        divided = divisions(mesh, &loops, spacing);
     }
     let mut points = Vec::new();
-    for chains in &chains {
-        for chain in chains {
-            chain.divide(mesh, chain.pieces(spacing, chains.len()), &mut points)?;
-        }
+    for (chain, pieces) in divided {
+        chain.divide(mesh, pieces, &mut points)?;
     }
     Ok(points)
+}
+
+/// The chains of all loops, each with the number of its pieces.
+fn divisions(mesh: &Mesh, loops: &[Vec<HalfEdgeId>], spacing: f64) -> Vec<(Chain, usize)> {
+    let of_loop = |around: &Vec<HalfEdgeId>| {
+        let chains = chains(mesh, around.clone(), spacing);
+        let count = chains.len();
+        let divided = chains.into_iter().map(move |chain| {
+            let pieces = chain.pieces(spacing, count);
+            (chain, pieces)
+        });
+        divided.collect::<Vec<_>>()
+    };
+    loops.iter().flat_map(of_loop).collect()
 }
 
 /// The boundary loops, each as its half-edges in order.
@@ -83,16 +96,17 @@ struct Chain {
     length: f64,
 }
 
-/// The chains of a loop.
-fn chains(mesh: &Mesh, mut around: Vec<HalfEdgeId>) -> Vec<Chain> {
-    let is_corner = |v: VertexId| (mesh.total_angle(v) - PI).abs() > CORNER;
-    if let Some(first) = around.iter().position(|&h| is_corner(mesh.tail(h))) {
+/// The chains of a loop, between its corners.
+fn chains(mesh: &Mesh, mut around: Vec<HalfEdgeId>, spacing: f64) -> Vec<Chain> {
+    let mut is_corner = corners(mesh, &around, spacing);
+    if let Some(first) = is_corner.iter().position(|&is_corner| is_corner) {
         around.rotate_left(first);
+        is_corner.rotate_left(first);
     }
     let mut chains: Vec<Chain> = Vec::new();
-    for h in around {
+    for (h, is_corner) in around.into_iter().zip(is_corner) {
         let length = mesh.length(h);
-        match chains.last_mut().filter(|_| !is_corner(mesh.tail(h))) {
+        match chains.last_mut().filter(|_| !is_corner) {
             Some(chain) => {
                 chain.edges.push(h);
                 chain.length += length;
@@ -104,6 +118,52 @@ fn chains(mesh: &Mesh, mut around: Vec<HalfEdgeId>) -> Vec<Chain> {
         }
     }
     chains
+}
+
+/// Whether each half-edge of a loop begins at a corner. O(n log n) time for n half-edges.
+///
+/// A vertex may be a corner if the boundary turns by more than [`CORNER`] within the reach to both
+/// sides. Of those that are closer together than twice the reach, the one with the sharpest angle is
+/// the corner.
+fn corners(mesh: &Mesh, around: &[HalfEdgeId], spacing: f64) -> Vec<bool> {
+    let count = around.len();
+    let turns: Vec<f64> = around
+        .iter()
+        .map(|&h| PI - mesh.total_angle(mesh.tail(h)))
+        .collect();
+    // The position of each vertex along the loop, and the sum of the turns before it. Both go on for
+    // three rounds, so that no range wraps.
+    let (mut positions, mut sums) = (vec![0.0], vec![0.0]);
+    for i in 0..3 * count {
+        positions.push(positions[i] + mesh.length(around[i % count]));
+        sums.push(sums[i] + turns[i % count]);
+    }
+    let length = positions[count];
+    let reach = (REACH * spacing).min(REACH_OF_LOOP * length);
+    let sharpness = |i: usize| {
+        let at = positions[count + i];
+        let from = positions.partition_point(|&x| x < at - reach);
+        let to = positions.partition_point(|&x| x <= at + reach);
+        let turn = sums[to] - sums[from];
+        (turn.abs() > CORNER).then(|| (turns[i] * turn.signum(), i))
+    };
+    let mut candidates: Vec<(f64, usize)> = (0..count).filter_map(sharpness).collect();
+    candidates.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let mut is_corner = vec![false; count];
+    let mut is_near_corner = vec![false; count];
+    for (_, i) in candidates {
+        if is_near_corner[i] {
+            continue;
+        }
+        is_corner[i] = true;
+        let at = positions[count + i];
+        let from = positions.partition_point(|&x| x <= at - 2.0 * reach);
+        let to = positions.partition_point(|&x| x < at + 2.0 * reach);
+        for near in from..to {
+            is_near_corner[near % count] = true;
+        }
+    }
+    is_corner
 }
 
 impl Chain {
@@ -164,6 +224,23 @@ mod tests {
         assert_eq!(points(&mesh, 3.0, 4).unwrap().len(), 4);
         let closed = Mesh::generate("sphere,subdiv=1").unwrap();
         assert_eq!(points(&closed, 0.1, 1000).unwrap(), []);
+    }
+
+    #[test]
+    fn a_rough_boundary_has_few_corners() {
+        let mesh = Mesh::generate("terrain,n=400,roughness=0.9,seed=1").unwrap();
+        let own = |h: &HalfEdgeId| (mesh.total_angle(mesh.tail(*h)) - PI).abs() > CORNER;
+        let around = &loops(&mesh)[0];
+        assert!(around.iter().filter(|h| own(h)).count() > 200);
+        let length: f64 = around.iter().map(|&h| mesh.length(h)).sum();
+        let spacing = length / 100.0;
+        let sites = points(&mesh, spacing, 1000).unwrap();
+        assert!((100..200).contains(&sites.len()), "{}", sites.len());
+        let position = |i: usize| mesh.position_of(&sites[i]).unwrap();
+        for corner in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]] {
+            let is_corner = |i| (0..2).all(|k| (position(i)[k] - corner[k]).abs() < 1e-9);
+            assert!((0..sites.len()).any(is_corner), "{corner:?}");
+        }
     }
 
     #[test]

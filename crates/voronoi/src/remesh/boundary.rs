@@ -1,19 +1,13 @@
 //! Sites along the boundary of a surface.
 
 use std::collections::HashSet;
-use std::f64::consts::PI;
+use std::ops::Range;
 
 use geobench_mesh::{HalfEdgeId, Mesh, PointError, SurfacePoint};
 
-/// Least angle by which the boundary turns at a corner.
-const CORNER: f64 = PI / 4.0;
-
-/// The part of the boundary to each side of a corner along which its turn is measured, as a fraction
-/// of the spacing. So the angles of a rough boundary, which cancel each other, make no corners.
-const REACH: f64 = 0.25;
-
-/// The reach is at most this fraction of its loop.
-const REACH_OF_LOOP: f64 = 1.0 / 32.0;
+/// A corner deviates from the straight line between its neighbours by more than this fraction of the
+/// spacing.
+const DEVIATION: f64 = 0.25;
 
 /// Least number of sites on a boundary loop.
 const FEWEST: usize = 3;
@@ -24,9 +18,8 @@ const COARSER: f64 = 1.25;
 /// Greatest number of times that the spacing grows, far beyond any model.
 const ROUNDS: usize = 200;
 
-/// Points along every boundary loop, at most `spacing` apart, with all corners. Corners are at least
-/// half the spacing apart, except on small loops. If there are more points than `most`, the spacing
-/// grows; at least three points remain on each loop.
+/// Points along every boundary loop, at most `spacing` apart, with all corners. If there are more
+/// than `most`, the spacing grows; at least three points remain on each loop.
 ///
 /// # Errors
 ///
@@ -120,50 +113,56 @@ fn chains(mesh: &Mesh, mut around: Vec<HalfEdgeId>, spacing: f64) -> Vec<Chain> 
     chains
 }
 
-/// Whether each half-edge of a loop begins at a corner. O(n log n) time for n half-edges.
-///
-/// A vertex may be a corner if the boundary turns by more than [`CORNER`] within the reach to both
-/// sides. Of those that are closer together than twice the reach, the one with the sharpest angle is
-/// the corner.
+/// Whether each half-edge of a loop begins at a corner: a vertex of the line through vertices of the
+/// loop that deviates from it by at most [`DEVIATION`] (U. Ramer, 1972; D. Douglas, T. Peucker,
+/// 1973). So a rough boundary has no more corners than a smooth one of the same shape. There are at
+/// least three, if there are three vertices. Takes O(n log n) time for n half-edges, O(n²) in the
+/// worst case.
 fn corners(mesh: &Mesh, around: &[HalfEdgeId], spacing: f64) -> Vec<bool> {
     let count = around.len();
-    let turns: Vec<f64> = around
-        .iter()
-        .map(|&h| PI - mesh.total_angle(mesh.tail(h)))
-        .collect();
-    // The position of each vertex along the loop, and the sum of the turns before it. Both go on for
-    // three rounds, so that no range wraps.
-    let (mut positions, mut sums) = (vec![0.0], vec![0.0]);
-    for i in 0..3 * count {
-        positions.push(positions[i] + mesh.length(around[i % count]));
-        sums.push(sums[i] + turns[i % count]);
-    }
-    let length = positions[count];
-    let reach = (REACH * spacing).min(REACH_OF_LOOP * length);
-    let sharpness = |i: usize| {
-        let at = positions[count + i];
-        let from = positions.partition_point(|&x| x < at - reach);
-        let to = positions.partition_point(|&x| x <= at + reach);
-        let turn = sums[to] - sums[from];
-        (turn.abs() > CORNER).then(|| (turns[i] * turn.signum(), i))
+    let position = |i: usize| mesh.positions()[mesh.tail(around[i % count]).index()];
+    let farthest = |indices: Range<usize>, segment: [[f64; 3]; 2]| {
+        let each = indices.map(|i| (distance_to_segment(position(i), segment), i));
+        each.reduce(|most, next| if next.0 > most.0 { next } else { most })
     };
-    let mut candidates: Vec<(f64, usize)> = (0..count).filter_map(sharpness).collect();
-    candidates.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let mut is_corner = vec![false; count];
-    let mut is_near_corner = vec![false; count];
-    for (_, i) in candidates {
-        if is_near_corner[i] {
-            continue;
-        }
-        is_corner[i] = true;
-        let at = positions[count + i];
-        let from = positions.partition_point(|&x| x <= at - 2.0 * reach);
-        let to = positions.partition_point(|&x| x < at + 2.0 * reach);
-        for near in from..to {
-            is_near_corner[near % count] = true;
+    // The vertex farthest from any, the one farthest from that, and the one farthest from the line
+    // between both.
+    let from = |i: usize| farthest(i..i + count, [position(i); 2]).map_or(i, |(_, at)| at % count);
+    let first = from(0);
+    let second = from(first);
+    let line = [first, second].map(position);
+    let third = farthest(0..count, line).map_or(first, |(_, at)| at);
+    let mut corners = [first, second, third];
+    corners.sort_unstable();
+    for corner in corners {
+        is_corner[corner] = true;
+    }
+    let [a, b, c] = corners;
+    let mut open = vec![(a, b), (b, c), (c, a + count)];
+    while let Some((a, b)) = open.pop() {
+        let segment = [position(a), position(b)];
+        let found = farthest(a + 1..b, segment);
+        if let Some((_, at)) = found.filter(|&(d, _)| d > DEVIATION * spacing) {
+            is_corner[at % count] = true;
+            open.extend([(a, at), (at, b)]);
         }
     }
     is_corner
+}
+
+fn distance_to_segment(p: [f64; 3], [a, b]: [[f64; 3]; 2]) -> f64 {
+    let minus = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let (along, to_p) = (minus(b, a), minus(p, a));
+    let square = dot(along, along);
+    let t = if square > 0.0 {
+        (dot(to_p, along) / square).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    let off = minus(to_p, along.map(|x| x * t));
+    dot(off, off).sqrt()
 }
 
 impl Chain {
@@ -206,6 +205,8 @@ impl Chain {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     #[test]
@@ -228,10 +229,11 @@ mod tests {
 
     #[test]
     fn a_rough_boundary_has_few_corners() {
-        let mesh = Mesh::generate("terrain,n=400,roughness=0.9,seed=1").unwrap();
-        let own = |h: &HalfEdgeId| (mesh.total_angle(mesh.tail(*h)) - PI).abs() > CORNER;
+        let mesh = Mesh::generate("terrain,n=707,seed=1").unwrap();
+        // Many single vertices look like corners.
+        let turn = |h: &HalfEdgeId| (mesh.total_angle(mesh.tail(*h)) - PI).abs();
         let around = &loops(&mesh)[0];
-        assert!(around.iter().filter(|h| own(h)).count() > 200);
+        assert!(around.iter().filter(|h| turn(h) > PI / 4.0).count() > 150);
         let length: f64 = around.iter().map(|&h| mesh.length(h)).sum();
         let spacing = length / 100.0;
         let sites = points(&mesh, spacing, 1000).unwrap();

@@ -33,7 +33,8 @@ pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     let sources = points.source_vertices();
     let proof = threads.run(|| Certificate::of(&points.refined.mesh, &sources))?;
     let compared = given.map(|field| proof.compare(field.distances));
-    let certificate = Document::new(mesh, &points, &proof, compared.as_ref(), options.tolerance);
+    let certificate =
+        CertificateDocument::new(mesh, &points, &proof, compared.as_ref(), options.tolerance);
     let text = match options.format {
         CertificateFormat::Text => certificate.text(&model.name, options.tolerance),
         CertificateFormat::Json => json_lines(&certificate)?,
@@ -44,7 +45,7 @@ pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
 
 /// The result of the command, in the form of its JSON output.
 #[derive(Serialize)]
-struct Document {
+struct CertificateDocument {
     schema: &'static str,
     certified: bool,
     /// Bound of the absolute error of all distances, in the units of the model; null if infinite.
@@ -54,14 +55,14 @@ struct Document {
     faces: usize,
     /// Number of envelope pieces on all edges, which measures the size of the proof.
     pieces: usize,
-    failures: Vec<Failure>,
+    failures: Vec<FailureRecord>,
     /// Further lines of the text output.
     #[serde(skip)]
     details: Vec<String>,
 }
 
 #[derive(Serialize)]
-struct Failure {
+struct FailureRecord {
     face: Option<u32>,
     /// End vertices of the edge of `face` at which distances are too long.
     edge: Option<[u32; 2]>,
@@ -73,7 +74,7 @@ struct Failure {
 /// Maximum number of failures in the text output.
 const SHOWN: usize = 10;
 
-impl Document {
+impl CertificateDocument {
     fn new(
         mesh: &Mesh,
         points: &Points,
@@ -87,7 +88,7 @@ impl Document {
             format!("not too long by more than {}", shown(long)),
             format!("not too short by more than {}", shown(short)),
         ];
-        let mut failures: Vec<Failure> = [long, short]
+        let mut failures: Vec<FailureRecord> = [long, short]
             .into_iter()
             .filter(|bound| bound.relative > tolerance)
             .flat_map(|bound| &bound.failures)
@@ -97,7 +98,7 @@ impl Document {
                     Place::Face(face) => (Some(face.raw()), None),
                     Place::Vertex(v) => (None, Some(v.raw())),
                 };
-                Failure {
+                FailureRecord {
                     face,
                     edge: failure.edge.map(|ends| ends.map(VertexId::raw)),
                     vertex,
@@ -114,7 +115,7 @@ impl Document {
             ));
             let beyond = |&&(v, by): &&(usize, f64)| by > tolerance * proof.distances[v];
             let wrong = compared.differences.iter().filter(beyond);
-            failures.extend(wrong.map(|&(v, by)| Failure {
+            failures.extend(wrong.map(|&(v, by)| FailureRecord {
                 face: None,
                 edge: None,
                 vertex: u32::try_from(v).ok(),

@@ -55,7 +55,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     if !options.quiet {
         points.print_notes()?;
     }
-    let request = Request {
+    let request = DistanceCommand {
         options,
         model: &model.name,
         mesh: &mesh,
@@ -113,7 +113,7 @@ fn path_of_source(path: &Path, source: &SourceLabel) -> PathBuf {
 }
 
 /// Data shared by all tasks.
-struct Request<'a> {
+struct DistanceCommand<'a> {
     options: &'a DistanceOptions,
     model: &'a str,
     /// The mesh of the model.
@@ -122,7 +122,7 @@ struct Request<'a> {
     threads: &'a Threads,
 }
 
-impl Request<'_> {
+impl DistanceCommand<'_> {
     /// Writes the distances from the nearest source, or with `--each` one file for each source.
     /// Returns a summary of each file.
     fn fields(&self, format: FieldFormat, output: OutputFile) -> anyhow::Result<Vec<String>> {

@@ -62,7 +62,7 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     let limits = options.isolation.limits();
     let backend = options.isolation.backend(limits, true)?;
     interrupt::listen().context("cannot listen to signals")?;
-    let mut tally = Tally::default();
+    let mut tally = VerifyTally::default();
     for model in &models {
         if interrupt::requested() {
             break;
@@ -95,8 +95,8 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
         return Ok(Verdict::Interrupted);
     }
     Ok(match tally {
-        Tally { wrong: 1.., .. } => Verdict::Failed,
-        Tally {
+        VerifyTally { wrong: 1.., .. } => Verdict::Failed,
+        VerifyTally {
             bad_input: true, ..
         } => Verdict::BadInput,
         _ => Verdict::Passed,
@@ -128,7 +128,7 @@ fn able_to_end_early(
 
 /// Counts over all models, sources and algorithms.
 #[derive(Default)]
-struct Tally {
+struct VerifyTally {
     answers: usize,
     wrong: usize,
     /// Whether a model, a source or a file of stored distances could not be used.
@@ -146,7 +146,7 @@ struct LoadedModelCheck<'a> {
 
 impl LoadedModelCheck<'_> {
     /// Checks the model from the requested sources, and from those with stored distances.
-    fn verify(&self, session: &mut dyn Session, tally: &mut Tally) -> anyhow::Result<()> {
+    fn verify(&self, session: &mut dyn Session, tally: &mut VerifyTally) -> anyhow::Result<()> {
         let vertices = self.record.vertex_count();
         let sources = SourceSpec::of_all(self.options.source.iter().cloned());
         let mut sources = match sources.and_then(|sources| sources.points(vertices)) {
@@ -183,7 +183,7 @@ impl LoadedModelCheck<'_> {
         &self,
         source: PointSpec,
         vertices: usize,
-        tally: &mut Tally,
+        tally: &mut VerifyTally,
     ) -> Option<StoredDistances> {
         let PointSpec::Vertex(vertex) = source else {
             return None;
@@ -221,7 +221,7 @@ impl LoadedModelCheck<'_> {
         &self,
         source: PointSpec,
         session: &mut dyn Session,
-        tally: &mut Tally,
+        tally: &mut VerifyTally,
     ) -> anyhow::Result<()> {
         let vertices = self.record.vertex_count();
         let stored = self.stored(source, vertices, tally);

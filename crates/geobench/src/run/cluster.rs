@@ -28,7 +28,7 @@ use crate::usage::check_schema;
 /// Schema of `cluster.json`.
 const SCHEMA: &str = "geobench-cluster/1";
 
-/// Memory in bytes that a job needs besides its cells, for the process that starts them.
+/// Memory in bytes that a job needs in addition to its cells, for the process that starts them.
 const OWN_MEMORY: u64 = 256 << 20;
 
 /// Resources that each job of the array requests.

@@ -232,14 +232,14 @@ struct DiagramDocument<'a> {
     model: &'a str,
     algorithm: &'a str,
     sources: &'a [SourceLabel],
-    cells: Vec<CellRecord<'a>>,
+    cells: Vec<VoronoiCellRecord<'a>>,
     vertices: Vec<VertexRecord<'a>>,
-    arcs: Vec<ArcRecord>,
+    arcs: Vec<VoronoiArcRecord>,
     stage_seconds: [f64; 2],
 }
 
 #[derive(Serialize)]
-struct CellRecord<'a> {
+struct VoronoiCellRecord<'a> {
     source: u32,
     area: f64,
     perimeter: f64,
@@ -258,7 +258,7 @@ struct VertexRecord<'a> {
 }
 
 #[derive(Serialize)]
-struct ArcRecord {
+struct VoronoiArcRecord {
     face: u32,
     sources: [u32; 2],
     from: Option<[f64; 3]>,
@@ -273,14 +273,16 @@ struct ArcRecord {
 
 fn json(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
     let diagram = file.diagram;
-    let cells = (0..).zip(diagram.cells()).map(|(source, cell)| CellRecord {
-        source,
-        area: cell.area,
-        perimeter: cell.perimeter,
-        neighbours: &cell.neighbours,
-        disc: cell.is_disc(),
-        euler: cell.euler,
-    });
+    let cells = (0..)
+        .zip(diagram.cells())
+        .map(|(source, cell)| VoronoiCellRecord {
+            source,
+            area: cell.area,
+            perimeter: cell.perimeter,
+            neighbours: &cell.neighbours,
+            disc: cell.is_disc(),
+            euler: cell.euler,
+        });
     let vertices = diagram.vertices().iter().map(|vertex| {
         let node = diagram.nodes()[vertex.node as usize];
         let (face, barycentric) = file.in_model(node.face, node.place);
@@ -292,7 +294,7 @@ fn json(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
             distance: vertex.distance,
         }
     });
-    let arcs = diagram.arcs().iter().map(|arc| ArcRecord {
+    let arcs = diagram.arcs().iter().map(|arc| VoronoiArcRecord {
         face: file.refined.parent(arc.face).raw(),
         sources: arc.sources,
         from: diagram.position(arc.face, arc.ends[0]),

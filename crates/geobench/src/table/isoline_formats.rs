@@ -111,11 +111,11 @@ struct LevelRecord {
 struct LineRecord {
     closed: bool,
     length: f64,
-    arcs: Vec<ArcRecord>,
+    arcs: Vec<IsolineArcRecord>,
 }
 
 #[derive(Serialize)]
-struct ArcRecord {
+struct IsolineArcRecord {
     face: u32,
     from: Option<[f64; 3]>,
     to: Option<[f64; 3]>,
@@ -136,7 +136,7 @@ fn json(set: &IsolineSet<'_>) -> anyhow::Result<Vec<u8>> {
             .iter()
             .map(|arc| {
                 let [from, to] = arc.ends.map(|end| arc.position(mesh, end));
-                ArcRecord {
+                IsolineArcRecord {
                     face: arc.face.raw(),
                     from,
                     to,

@@ -30,12 +30,12 @@ fn at(line: Option<usize>) -> String {
 
 /// The path and the text of a TOML file.
 #[derive(Clone, Debug)]
-pub(crate) struct Document<'p> {
+pub(crate) struct TomlDocument<'p> {
     path: &'p Path,
     text: String,
 }
 
-impl<'p> Document<'p> {
+impl<'p> TomlDocument<'p> {
     pub(crate) fn new(path: &'p Path, text: &str) -> Self {
         let text = text.to_owned();
         Self { path, text }

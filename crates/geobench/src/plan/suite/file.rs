@@ -10,7 +10,7 @@ use toml::de::DeTable;
 use super::Settings;
 use super::programs::{self, ProgramTables};
 use crate::registry::Programs;
-use crate::usage::document::{Document, DocumentError};
+use crate::usage::document::{DocumentError, TomlDocument};
 
 /// A suite file.
 #[derive(Clone, Debug)]
@@ -43,7 +43,7 @@ impl Suite {
     ///
     /// Names the file, the line and the key.
     pub fn read(path: &Path) -> Result<Self, DocumentError> {
-        Self::of(&Document::open(path)?, path)
+        Self::of(&TomlDocument::open(path)?, path)
     }
 
     /// Reads the text of a suite file; paths in it are relative to the directory of `path`.
@@ -52,10 +52,10 @@ impl Suite {
     ///
     /// Names the file, the line and the key.
     pub fn parse(path: &Path, text: &str) -> Result<Self, DocumentError> {
-        Self::of(&Document::new(path, text), path)
+        Self::of(&TomlDocument::new(path, text), path)
     }
 
-    fn of(document: &Document<'_>, path: &Path) -> Result<Self, DocumentError> {
+    fn of(document: &TomlDocument<'_>, path: &Path) -> Result<Self, DocumentError> {
         #[derive(Default, Deserialize)]
         #[serde(default)]
         struct File {
@@ -111,7 +111,7 @@ impl Suite {
 /// Deserializes a table with the keys of `T` and settings. Serde's `flatten` would lose the lines
 /// of errors.
 fn read_with_settings<T: DeserializeOwned>(
-    document: &Document<'_>,
+    document: &TomlDocument<'_>,
     table: Spanned<DeTable<'_>>,
     keys: &[&str],
 ) -> Result<(T, Settings), DocumentError> {

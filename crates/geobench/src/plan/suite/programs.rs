@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
 use crate::registry::{PLACEHOLDERS, ProcessLifetime, Program, Programs};
-use crate::usage::document::{Document, DocumentError, parsed};
+use crate::usage::document::{DocumentError, TomlDocument, parsed};
 
 /// The tables `[ext.NAME]`.
 pub(super) type ProgramTables = BTreeMap<String, Spanned<ProgramTable>>;
@@ -42,7 +42,7 @@ pub fn read_programs(path: &Path) -> Result<Programs, DocumentError> {
         ext: Option<ProgramTables>,
     }
 
-    let document = Document::open(path)?;
+    let document = TomlDocument::open(path)?;
     match document.read::<File>(document.parse()?, &[])?.ext {
         Some(tables) => programs(tables, &document),
         None => Err(document.error(None, "there is no table [ext.NAME] here")),
@@ -52,7 +52,7 @@ pub fn read_programs(path: &Path) -> Result<Programs, DocumentError> {
 /// The programs of all tables.
 pub(super) fn programs(
     tables: ProgramTables,
-    document: &Document<'_>,
+    document: &TomlDocument<'_>,
 ) -> Result<Programs, DocumentError> {
     // The parent of a bare file name is empty, which is not a valid directory for the system.
     let folder = Some(document.directory()).filter(|folder| *folder != Path::new(""));

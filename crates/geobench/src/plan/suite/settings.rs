@@ -20,7 +20,7 @@ use crate::plan::sampling::{Sampling, Seconds, Share};
 use crate::registry::{self, MOST_THREADS, Selection, SimdChoice};
 use crate::schema::Precision;
 use crate::table;
-use crate::usage::document::{Document, DocumentError, parsed, text_or_table};
+use crate::usage::document::{DocumentError, TomlDocument, parsed, text_or_table};
 
 /// Maximum seed in a suite file.
 const MOST_SEED: u32 = u32::MAX - 1;
@@ -205,7 +205,7 @@ impl Settings {
     }
 
     /// Resolves paths and lines of the settings in `document`.
-    pub(super) fn resolve(&mut self, document: &Document<'_>) -> Result<(), DocumentError> {
+    pub(super) fn resolve(&mut self, document: &TomlDocument<'_>) -> Result<(), DocumentError> {
         for model in self.models.iter_mut().flatten() {
             let line = document.line(&model.span());
             let model = model.get_mut();

@@ -10,7 +10,7 @@ use crate::registry::{Selection, select_one};
 use crate::report::papers::PaperTable;
 use crate::schema::Status;
 use crate::table::figures::{Figure, figure, time};
-use crate::usage::document::{Document, DocumentError, parsed, text_or_table};
+use crate::usage::document::{DocumentError, TomlDocument, parsed, text_or_table};
 
 /// The claims of a paper.
 #[derive(Clone, Debug, Deserialize)]
@@ -281,7 +281,7 @@ impl ClaimsFile {
     /// When the file cannot be read or is not valid. The message names the file, the line and the
     /// key.
     pub fn read(path: &Path) -> Result<Self, DocumentError> {
-        Self::of(&Document::open(path)?)
+        Self::of(&TomlDocument::open(path)?)
     }
 
     /// Reads the text of the file `path`.
@@ -290,10 +290,10 @@ impl ClaimsFile {
     ///
     /// When the text is not valid, as in [`read`](Self::read).
     pub fn parse(path: &Path, text: &str) -> Result<Self, DocumentError> {
-        Self::of(&Document::new(path, text))
+        Self::of(&TomlDocument::new(path, text))
     }
 
-    fn of(document: &Document<'_>) -> Result<Self, DocumentError> {
+    fn of(document: &TomlDocument<'_>) -> Result<Self, DocumentError> {
         let file: Self = document.read(document.parse()?, &[])?;
         for (place, claim) in file.claims.iter().enumerate() {
             check_claim(document, claim)?;
@@ -324,7 +324,7 @@ impl Claim {
     }
 }
 
-fn check_claim(document: &Document<'_>, claim: &Spanned<Claim>) -> Result<(), DocumentError> {
+fn check_claim(document: &TomlDocument<'_>, claim: &Spanned<Claim>) -> Result<(), DocumentError> {
     let (span, claim) = (claim.span(), claim.get_ref());
     let problem = match (&claim.suite, &claim.awaits, &claim.tests[..]) {
         (_, None, []) => Some("it has no [[claim.test]] and does not say what it `awaits`"),
@@ -338,7 +338,7 @@ fn check_claim(document: &Document<'_>, claim: &Spanned<Claim>) -> Result<(), Do
     tests.try_for_each(|test| check_test(document, test))
 }
 
-fn check_test(document: &Document<'_>, test: &Spanned<Test>) -> Result<(), DocumentError> {
+fn check_test(document: &TomlDocument<'_>, test: &Spanned<Test>) -> Result<(), DocumentError> {
     let (span, test) = (test.span(), test.get_ref());
     let error = |key: &str, problem: &str| Err(document.error_at(key, Some(span.clone()), problem));
     if test.of.is_empty() {

@@ -2,10 +2,11 @@
 
 use geobench_window::Window;
 
-/// The widest gap across which two intervals are joined, as a fraction of the edge. Rounding leaves
-/// such gaps between windows that touch. `GAP_BETWEEN_WINDOWS` applies if both intervals end with their windows,
-/// `GAP_AT_LEVEL` if one of them ends where its window reaches the level.
+/// The widest gap across which two intervals that end with their windows are joined, as a fraction
+/// of the edge. Rounding leaves such gaps between windows that touch.
 const GAP_BETWEEN_WINDOWS: f64 = 1e-6;
+
+/// The same, if one of the intervals ends where its window reaches the level.
 const GAP_AT_LEVEL: f64 = 1e-9;
 
 /// An interval of an edge whose points are nearer than the level, by one window or one vertex.

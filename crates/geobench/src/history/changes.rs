@@ -248,7 +248,7 @@ mod tests {
         assert_eq!(found.len(), 1);
         assert_eq!((found[0].index, found[0].before), (17, 1e9));
         assert!((found[0].ratio() - 1.01).abs() < 1e-12);
-        // Two commits do not confirm a step. No earlier commit is reported in their index.
+        // Two commits do not confirm a step. No earlier commit is reported in their place.
         values.fill(1e9);
         values[18..].fill(1.01e9);
         assert_eq!(changes(&values, 0.005), []);

@@ -165,7 +165,8 @@ pub fn is_known(plan: &Plan, earlier: &Earlier) -> bool {
     with_units.all(|model_index| known(plan, model_index, recorded, true).is_some())
 }
 
-/// The record and all cells of the model with index `model_index`, if every run of them is in `recorded`.
+/// The record and all cells of the model with index `model_index`, if every run of them is in
+/// `recorded`.
 fn known(
     plan: &Plan,
     model_index: usize,

@@ -60,8 +60,8 @@ impl<'p> RecordedRuns<'p> {
 }
 
 impl<'p> Unit<'p> {
-    /// The cells of `plan` for `model` and `source`, with the outcomes in `recorded`. The journal takes
-    /// precedence over the earlier file.
+    /// The cells of `plan` for `model` and `source`, with the outcomes in `recorded`. The journal
+    /// takes precedence over the earlier file.
     pub(crate) fn new(
         plan: &'p Plan,
         model: &'p ModelRecord,

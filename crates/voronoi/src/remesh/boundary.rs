@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use geobench_mesh::{HalfEdgeId, Mesh, PointError, SurfacePoint};
 
-/// A corner deviates from the straight line between its neighbours by more than this fraction of the
+/// Greatest distance of the boundary from the straight lines between corners, as a fraction of the
 /// spacing.
 const DEVIATION: f64 = 0.25;
 
@@ -113,11 +113,12 @@ fn chains(mesh: &Mesh, mut around: Vec<HalfEdgeId>, spacing: f64) -> Vec<Chain> 
     chains
 }
 
-/// Whether each half-edge of a loop begins at a corner: a vertex of the line through vertices of the
-/// loop that deviates from it by at most [`DEVIATION`] (U. Ramer, 1972; D. Douglas, T. Peucker,
-/// 1973). So a rough boundary has no more corners than a smooth one of the same shape. There are at
-/// least three, if there are three vertices. Takes O(n log n) time for n half-edges, O(n²) in the
-/// worst case.
+/// Whether each half-edge of a loop begins at a corner.
+///
+/// The straight lines between corners deviate from the loop by at most [`DEVIATION`] times the
+/// spacing (U. Ramer, 1972; D. Douglas, T. Peucker, 1973). So roughness below that makes no corners.
+/// There are at least three if there are three vertices. Takes O(n log n) time for n half-edges,
+/// O(n²) in the worst case.
 fn corners(mesh: &Mesh, around: &[HalfEdgeId], spacing: f64) -> Vec<bool> {
     let count = around.len();
     let position = |i: usize| mesh.positions()[mesh.tail(around[i % count]).index()];
@@ -126,7 +127,7 @@ fn corners(mesh: &Mesh, around: &[HalfEdgeId], spacing: f64) -> Vec<bool> {
         each.reduce(|most, next| if next.0 > most.0 { next } else { most })
     };
     let mut is_corner = vec![false; count];
-    // The vertex farthest from any, the one farthest from that, and the one farthest from the line
+    // The vertex farthest from the first one, the one farthest from that, and the one farthest from the line
     // between both.
     let from = |i: usize| farthest(i..i + count, [position(i); 2]).map_or(i, |(_, at)| at % count);
     let first = from(0);
@@ -151,6 +152,7 @@ fn corners(mesh: &Mesh, around: &[HalfEdgeId], spacing: f64) -> Vec<bool> {
     is_corner
 }
 
+/// The distance from `p` to the segment from `a` to `b`.
 fn distance_to_segment(p: [f64; 3], [a, b]: [[f64; 3]; 2]) -> f64 {
     let minus = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

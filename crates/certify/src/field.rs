@@ -1,6 +1,6 @@
 //! The distances on all edges of a mesh, and those of one edge in either direction.
 
-use geobench_mesh::{HalfEdgeId, Mesh};
+use geobench_mesh::{HalfEdgeId, Mesh, threads};
 
 use crate::difference::{Chord, Distance, RoundedDistance};
 use crate::envelope::EnvelopePiece;
@@ -34,8 +34,8 @@ impl<'a> EdgeField<'a> {
         let mut jumps = Vec::with_capacity(mesh.half_edge_count());
         let mut pieces = Vec::new();
         let mut start = 0;
-        for mut part in parts {
-            pieces.append(&mut part.pieces);
+        for part in parts {
+            threads::append(&mut pieces, part.pieces);
             for (count, jump) in part.half_edges {
                 starts.push(start);
                 jumps.push(jump);

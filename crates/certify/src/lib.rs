@@ -292,10 +292,10 @@ impl<'a> Claim<'a> {
             (in_face, sides, checker.links)
         });
         let (mut in_face, mut sides, mut links) = (Vec::new(), Vec::new(), Vec::new());
-        for (mut in_part, mut sides_of_part, mut links_of_part) in parts {
-            in_face.append(&mut in_part);
-            sides.append(&mut sides_of_part);
-            links.append(&mut links_of_part);
+        for (in_part, sides_of_part, links_of_part) in parts {
+            threads::append(&mut in_face, in_part);
+            threads::append(&mut sides, sides_of_part);
+            threads::append(&mut links, links_of_part);
         }
         let links = Some(links).filter(|_| !checks.has_too_many_links());
         (in_face, sides, links)
@@ -328,10 +328,10 @@ impl<'a> Claim<'a> {
             self.not_too_short_in(range, &sources, &path)
         });
         let mut bound = Bound::default();
-        for mut part in parts {
+        for part in parts {
             bound.absolute = bound.absolute.max(part.absolute);
             bound.relative = bound.relative.max(part.relative);
-            bound.failures.append(&mut part.failures);
+            threads::append(&mut bound.failures, part.failures);
             bound.pieces += part.pieces;
         }
         let worst_first = |a: &Failure, b: &Failure| b.violation.total_cmp(&a.violation);

@@ -1,6 +1,7 @@
 //! The distances of `mmp` are proven; damaged ones are rejected.
 
 use geobench_certify::{Bound, Claim, PathPoint, Place, WindowData};
+use geobench_mesh::threads::Threads;
 use geobench_mesh::{HalfEdgeId, Mesh, TriangleSoup, VertexId};
 use geobench_mmp::{Mmp, mmp, windows_of};
 use geobench_oracle::{Geometry, zoo};
@@ -33,7 +34,8 @@ fn solved(mesh: &Mesh, source: u32) -> (Vec<f64>, Vec<Vec<WindowData>>) {
 
 #[test]
 fn threads_do_not_change_a_proof() {
-    let mesh = Mesh::generate("terrain,n=110,seed=1").unwrap();
+    // So large that vertices, half-edges and faces are divided among threads.
+    let mesh = Mesh::generate("terrain,n=145,seed=1").unwrap();
     let (distances, windows) = solved(&mesh, 0);
     let prove = || {
         let sources = [VertexId::new(0)];
@@ -48,8 +50,7 @@ fn threads_do_not_change_a_proof() {
     assert!(alone.0.relative < 1e-9);
     // Only neighbours of the source have such a path.
     assert!(alone.1.failures.len() > mesh.vertex_count() - 20);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(3);
-    assert_eq!(pool.build().unwrap().install(prove), alone);
+    assert_eq!(Threads::start(3).unwrap().run(prove), alone);
 }
 
 #[test]

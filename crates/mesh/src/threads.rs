@@ -3,6 +3,40 @@
 use std::ops::Range;
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+
+/// Threads that share work. A single one is that of the caller.
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_mesh::threads::Threads;
+///
+/// let threads = Threads::start(2)?;
+/// let mesh = threads.run(|| Mesh::generate("torus,faces=30000"))?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Threads(Option<ThreadPool>);
+
+impl Threads {
+    /// Starts `count` threads.
+    ///
+    /// # Errors
+    ///
+    /// If the system cannot start them.
+    pub fn start(count: usize) -> Result<Self, ThreadPoolBuildError> {
+        let pool = || ThreadPoolBuilder::new().num_threads(count).build();
+        Ok(Self((count > 1).then(pool).transpose()?))
+    }
+
+    /// Runs `work`. Its parallel loops use the threads.
+    pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        match &self.0 {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+}
 
 /// The number of threads that share work: those of the `rayon` pool of the caller, or one outside
 /// of any pool.
@@ -28,6 +62,15 @@ pub fn ranges(n: usize, pieces: usize) -> Vec<Range<usize>> {
     (0..parts)
         .map(|part| n * part / parts..n * (part + 1) / parts)
         .collect()
+}
+
+/// Appends `part` to `all`. The first part is not copied.
+pub fn append<T>(all: &mut Vec<T>, mut part: Vec<T>) {
+    if all.is_empty() {
+        *all = part;
+    } else {
+        all.append(&mut part);
+    }
 }
 
 /// Cuts `items` into consecutive slices of these lengths.

@@ -1,11 +1,11 @@
 //! Certified distances.
 
 use geodesic::certify::{Bound as ErrorBound, Place};
+use geodesic::mesh::threads::Threads;
 use geodesic::{Certificate, CertificateError, OriginalFailure, Stop};
 use numpy::PyArray1;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
-use rayon::ThreadPoolBuilder;
 
 use crate::arrays;
 use crate::errors::solve_error;
@@ -77,7 +77,8 @@ impl PyCertificate {
 /// Raises
 /// ------
 /// ValueError
-///     `distances` has another shape, or holds NaN or a negative number.
+///     `distances` has another shape, or holds NaN or a negative number; `threads` is 0 or too
+///     large.
 #[pyfunction]
 #[pyo3(signature = (mesh, source, distances = None, *, tolerance = 1e-9, threads = 1))]
 pub(crate) fn certify(
@@ -101,12 +102,10 @@ pub(crate) fn certify(
         .map(|given| arrays::distances(given, "distances", mesh.vertex_count()))
         .transpose()?;
     let (surface, faces) = (refined.mesh.clone(), mesh.face_count());
-    let pool = ThreadPoolBuilder::new().num_threads(check_threads(threads)?);
-    let pool = pool
-        .build()
+    let threads = Threads::start(check_threads(threads)?)
         .map_err(|error| PyOSError::new_err(error.to_string()))?;
     let work = move || {
-        let proof = pool.install(|| Certificate::of(&surface, &sources))?;
+        let proof = threads.run(|| Certificate::of(&surface, &sources))?;
         let compared = given.map(|given| proof.compare(given.into_iter().enumerate()));
         Ok((proof, compared))
     };

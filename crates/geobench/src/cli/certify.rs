@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use geobench_certify::{Bound, Place};
+use geobench_mesh::threads::Threads;
 use geobench_mesh::{Mesh, VertexId};
 use geodesic::{Certificate, Comparison, OriginalFailure};
 use serde::Serialize;
@@ -11,13 +12,12 @@ use super::Verdict;
 use super::args::{CertificateFormat, CertifyOptions};
 use super::points::Points;
 use super::terminal;
-use super::threads::Threads;
 use crate::exec::expected::Expected;
 use crate::exec::model;
 use crate::table::json_lines;
 
 pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
-    let threads = Threads::start(options.threads)?;
+    let threads = Threads::start(options.threads as usize)?;
     let model = model::only(&options.model)?;
     let mesh = &threads.run(|| model.mesh_within(options.reading))?;
     let points = Points::new(mesh, &options.sources.source, None, &model.path)?;

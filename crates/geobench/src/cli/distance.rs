@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
+use geobench_mesh::threads::Threads;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::{Solver, precision};
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
@@ -12,7 +13,6 @@ use super::Verdict;
 use super::args::DistanceOptions;
 use super::points::Points;
 use super::terminal;
-use super::threads::Threads;
 use crate::exec::expected::file_word;
 use crate::exec::model;
 use crate::registry::Selection;
@@ -44,7 +44,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
             options.output.display()
         );
     }
-    let threads = Threads::start(options.threads)?;
+    let threads = Threads::start(options.threads as usize)?;
     let mesh = threads.run(|| model.mesh_within(options.reading))?;
     let points = Points::new(
         &mesh,

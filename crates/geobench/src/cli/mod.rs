@@ -22,7 +22,6 @@ mod report;
 mod run;
 mod shell;
 mod terminal;
-mod threads;
 mod verify;
 mod voronoi;
 

@@ -281,6 +281,17 @@ pub(super) struct SourcesOptions {
     pub(super) source: Vec<SourceSpec>,
 }
 
+impl SourcesOptions {
+    /// All sources.
+    ///
+    /// # Errors
+    ///
+    /// If a source is named twice.
+    pub(super) fn all(&self) -> Result<SourceSpec, UsageError> {
+        SourceSpec::of_all(self.source.iter().cloned())
+    }
+}
+
 /// What runs are to find.
 #[derive(Args, Debug)]
 pub(super) struct GoalOptions {
@@ -603,8 +614,10 @@ pub(super) struct VoronoiOptions {
     #[arg(value_name = "MODEL")]
     pub(super) model: String,
 
-    #[command(flatten)]
-    pub(super) sources: SourcesOptions,
+    /// The source: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W,
+    /// at:X,Y,Z or a list of these; may be repeated. One that is named twice has one cell
+    #[arg(long, value_name = "SRC", required = true, allow_negative_numbers = true, value_parser = SourceSpec::with_repeats)]
+    pub(super) source: Vec<SourceSpec>,
 
     /// The algorithm: window-vtp, lct11 or xls14
     #[arg(long, value_name = "A", default_value = "window-vtp", value_parser = registry::select_one)]

@@ -20,7 +20,7 @@ pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     let threads = Threads::start(options.threads as usize)?;
     let model = model::only(&options.model)?;
     let mesh = &threads.run(|| model.mesh_within(options.reading))?;
-    let points = Points::new(mesh, &options.sources.source, None, &model.path)?;
+    let points = Points::new(mesh, &options.sources.all()?, None, &model.path)?;
     if options.format == CertificateFormat::Text {
         points.print_notes()?;
     }

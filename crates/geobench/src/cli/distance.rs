@@ -48,7 +48,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     let mesh = threads.run(|| model.mesh_within(options.reading))?;
     let points = Points::new(
         &mesh,
-        &options.sources.source,
+        &options.sources.all()?,
         wanted.as_deref(),
         &model.path,
     )?;

@@ -33,7 +33,7 @@ pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let (format, output) = IsolineFormat::output(&options.output)?;
     let model = model::only(&options.model)?;
     let mesh = &model.mesh_within(options.reading)?;
-    let points = Points::new(mesh, &options.sources.source, None, &model.path)?;
+    let points = Points::new(mesh, &options.sources.all()?, None, &model.path)?;
     let is_quiet = options.quiet || options.output == Path::new("-");
     if !is_quiet {
         points.print_notes()?;

@@ -36,7 +36,7 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
         (!options.all_targets).then(|| options.target.iter().map(|t| (t.clone(), None)).collect());
     let points = Points::new(
         mesh,
-        &options.sources.source,
+        &options.sources.all()?,
         wanted.as_deref(),
         &model.path,
     )?;

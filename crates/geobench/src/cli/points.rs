@@ -74,10 +74,10 @@ impl Points {
     ///
     /// # Errors
     ///
-    /// If a point does not exist, or if a source is named twice.
+    /// If a point does not exist.
     pub(super) fn new(
         mesh: &Mesh,
-        sources: &[SourceSpec],
+        sources: &SourceSpec,
         wanted: Option<&[WantedTarget]>,
         model: &str,
     ) -> anyhow::Result<Self> {
@@ -93,7 +93,6 @@ impl Points {
             }
             Ok(points.iter().map(PointSpec::label).collect())
         };
-        let sources = SourceSpec::of_all(sources.iter().cloned())?;
         let sources = sources.points(vertices).map_err(anyhow::Error::new);
         let sources = sources.and_then(&mut locate);
         let sources = sources.with_context(|| model.to_owned())?;

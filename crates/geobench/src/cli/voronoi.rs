@@ -16,6 +16,7 @@ use super::args::VoronoiOptions;
 use super::points::Points;
 use super::{generate, terminal};
 use crate::exec::model;
+use crate::exec::source::SourceSpec;
 use crate::registry;
 use crate::report::{Paint, Scene};
 use crate::schema::SourceLabel;
@@ -38,7 +39,8 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     };
     let model = model::only(&options.model)?;
     let mesh = &model.mesh_within(options.reading)?;
-    let points = Points::new(mesh, &options.sources.source, Some(&[]), &model.path)?;
+    let sources = SourceSpec::joined(options.source.iter().cloned());
+    let points = Points::new(mesh, &sources, Some(&[]), &model.path)?;
     let refined = &points.refined.mesh;
     let sources = points.source_vertices();
     let Some(mut solver) = registry::field_solver(&options.algo, refined) else {
@@ -170,12 +172,13 @@ fn coinciding(sources: &[(SourceLabel, VertexId)]) -> String {
     for (i, (label, vertex)) in sources.iter().enumerate() {
         match first.entry(*vertex) {
             Entry::Occupied(earlier) => {
-                let earlier = earlier.get();
+                let found = if *earlier.get() == label {
+                    "named twice".to_owned()
+                } else {
+                    format!("at the same place as {}", earlier.get())
+                };
                 // Writing to a string cannot fail.
-                let _ = writeln!(
-                    text,
-                    "source {label} is at the same place as {earlier}: cell {i} is empty"
-                );
+                let _ = writeln!(text, "source {label} is {found}: cell {i} is empty");
             }
             Entry::Vacant(place) => {
                 place.insert(label);

@@ -212,9 +212,23 @@ impl SourceSpec {
     ///
     /// When a source is named twice.
     pub fn of_all(specs: impl IntoIterator<Item = Self>) -> Result<Self, UsageError> {
-        let all = Self(specs.into_iter().flat_map(|spec| spec.0).collect());
+        let all = Self::joined(specs);
         all.check_repeats()?;
         Ok(all)
+    }
+
+    /// All of these together, where a source may be named twice.
+    pub(crate) fn joined(specs: impl IntoIterator<Item = Self>) -> Self {
+        Self(specs.into_iter().flat_map(|spec| spec.0).collect())
+    }
+
+    /// Parses sources, of which one may be named twice.
+    ///
+    /// # Errors
+    ///
+    /// When the text is not a list of sources.
+    pub(crate) fn with_repeats(text: &str) -> Result<Self, UsageError> {
+        Self::parse(text, "source")
     }
 
     fn check_repeats(&self) -> Result<(), UsageError> {
@@ -391,7 +405,7 @@ impl FromStr for SourceSpec {
     type Err = UsageError;
 
     fn from_str(text: &str) -> Result<Self, UsageError> {
-        let spec = Self::parse(text, "source")?;
+        let spec = Self::with_repeats(text)?;
         spec.check_repeats()?;
         Ok(spec)
     }

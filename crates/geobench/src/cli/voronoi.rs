@@ -39,8 +39,8 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     };
     let model = model::only(&options.model)?;
     let mesh = &model.mesh_within(options.reading)?;
-    let sources = SourceSpec::joined(options.source.iter().cloned());
-    let points = Points::new(mesh, &sources, Some(&[]), &model.path)?;
+    let named = SourceSpec::joined(options.source.iter().cloned());
+    let points = Points::new(mesh, &named, Some(&[]), &model.path)?;
     let refined = &points.refined.mesh;
     let sources = points.source_vertices();
     let Some(mut solver) = registry::field_solver(&options.algo, refined) else {
@@ -80,6 +80,9 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let mut summary = points.notes.join("\n");
     if !summary.is_empty() {
         summary.push('\n');
+    }
+    for repeat in named.repeats() {
+        let _ = writeln!(summary, "{repeat} and has one cell");
     }
     summary.push_str(&coinciding(&points.sources));
     summary.push_str(&summary_of(&options.output, &file));
@@ -172,13 +175,12 @@ fn coinciding(sources: &[(SourceLabel, VertexId)]) -> String {
     for (i, (label, vertex)) in sources.iter().enumerate() {
         match first.entry(*vertex) {
             Entry::Occupied(earlier) => {
-                let found = if *earlier.get() == label {
-                    "named twice".to_owned()
-                } else {
-                    format!("at the same place as {}", earlier.get())
-                };
+                let earlier = earlier.get();
                 // Writing to a string cannot fail.
-                let _ = writeln!(text, "source {label} is {found}: cell {i} is empty");
+                let _ = writeln!(
+                    text,
+                    "source {label} is at the same place as {earlier}: cell {i} is empty"
+                );
             }
             Entry::Vacant(place) => {
                 place.insert(label);

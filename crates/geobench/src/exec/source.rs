@@ -231,21 +231,27 @@ impl SourceSpec {
         Self::parse(text, "source")
     }
 
-    fn check_repeats(&self) -> Result<(), UsageError> {
+    /// For each source that is named again, a message that says so.
+    pub(crate) fn repeats(&self) -> Vec<String> {
         let mut seen = HashSet::new();
-        for form in &self.0 {
-            if let Form::Point(point) = form
-                && !seen.insert(point.to_string())
-            {
-                let noun = if matches!(point, PointSpec::Vertex(_)) {
-                    "source vertex"
-                } else {
-                    "source"
-                };
-                return Err(UsageError(format!("{noun} {point} is named twice")));
-            }
+        let points = self.0.iter().filter_map(|form| match form {
+            Form::Point(point) => Some(point),
+            _ => None,
+        });
+        let repeated = points.filter(|point| !seen.insert(point.to_string()));
+        repeated
+            .map(|point| match point {
+                PointSpec::Vertex(v) => format!("source vertex {v} is named twice"),
+                _ => format!("source {point} is named twice"),
+            })
+            .collect()
+    }
+
+    fn check_repeats(&self) -> Result<(), UsageError> {
+        match self.repeats().into_iter().next() {
+            Some(message) => Err(UsageError(message)),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// Number of sources; every `all` counts as one.

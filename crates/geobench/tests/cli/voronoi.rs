@@ -169,12 +169,11 @@ fn sources_at_one_place_have_one_cell() {
     for sources in ["--source 3,5,3", "--source 3 --source 5 --source 3"] {
         let said = sandbox.succeed(&format!("voronoi gen:grid,n=4 {sources} -o w.json"));
         assert!(
-            said.contains("source 3 is named twice: cell 2 is empty"),
+            said.contains("source vertex 3 is named twice and has one cell"),
             "{said}"
         );
-        let cells = &sandbox.json("w.json")["cells"];
-        assert_eq!(cells[2]["area"], json!(0.0));
-        assert_eq!(cells[0]["neighbours"], json!([1]));
+        let file = sandbox.json("w.json");
+        assert_eq!(file["cells"].as_array().unwrap().len(), 2);
     }
 }
 

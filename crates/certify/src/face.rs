@@ -1,9 +1,9 @@
 //! The Lipschitz check of one face: upper bounds of `d(y) - d(x) - |xy|` for its boundary points.
 //!
 //! Let x range over an envelope piece on one side. The least `d(x) + |xy|` is a function of the
-//! point y on another side. It has three parts ([`LeastDistance`]). Where the segment from the image of
-//! the piece to y crosses the piece, the path is *straight*. On either side of this part, the path
-//! is *bent*: it turns at an end of the piece.
+//! point y on another side. It has three parts ([`LeastDistance`]). Where the segment from the
+//! image of the piece to y crosses the piece, the path is *straight*. On either side of this part,
+//! the path is *bent*: it turns at an end of the piece.
 //!
 //! Pairs of pieces that clearly satisfy the condition are accepted in rounded arithmetic, with a
 //! margin of about 90 times its error bound. All others are compared in interval arithmetic.

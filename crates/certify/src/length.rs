@@ -63,12 +63,17 @@ impl PathPoint {
         }
     }
 
-    /// Whether some face contains both points.
+    /// Whether some face contains both points. Takes time proportional to the least degree of the
+    /// vertices between which they lie.
     fn shares_face(self, mesh: &Mesh, other: Self) -> bool {
-        let ([first, second], others) = (self.ends(), other.ends());
-        mesh.outgoing(first).iter().any(|h| {
-            let corners = mesh.face_vertices(h.face());
-            corners.contains(&second) && others.iter().all(|v| corners.contains(v))
+        let ends = [self.ends(), other.ends()];
+        let fewest = ends.iter().flatten();
+        let fewest = fewest.min_by_key(|v| mesh.outgoing(**v).len());
+        fewest.is_some_and(|&v| {
+            mesh.outgoing(v).iter().any(|h| {
+                let corners = mesh.face_vertices(h.face());
+                ends.iter().flatten().all(|v| corners.contains(v))
+            })
         })
     }
 }

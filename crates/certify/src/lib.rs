@@ -34,7 +34,8 @@
 //! let source = [VertexId::new(0)];
 //! let claim = Claim::new(&mesh, &source, &[0.0, 3.0, 4.0])?;
 //! let long = claim.not_too_long(|_| Vec::new());
-//! let short = claim.not_too_short(|v| Some(vec![PathPoint::Vertex(source[0]), PathPoint::Vertex(v)]));
+//! let edge_to = |v| vec![PathPoint::Vertex(source[0]), PathPoint::Vertex(v)];
+//! let short = claim.not_too_short(|v| Some(edge_to(v)));
 //! assert!(long.relative < 1e-13 && short.relative < 1e-13);
 //!
 //! // Too long by a part in a thousand million.
@@ -99,6 +100,9 @@ pub enum ClaimError {
     /// A source is not at distance 0.
     #[error("source vertex {0} is not at distance 0")]
     SourceNotZero(VertexId),
+    /// The mesh was made from lengths of edges.
+    #[error("a mesh without positions cannot be certified, because rounded lengths prove nothing")]
+    NoPositions,
 }
 
 /// Upper bound of the error of a claim's distances in one direction.
@@ -120,7 +124,7 @@ pub struct Bound {
 /// A place where the proof fails.
 ///
 /// ```
-/// use geobench_certify::{Claim, Place};
+/// use geobench_certify::{Claim, FailurePlace};
 /// use geobench_mesh::{Mesh, VertexId};
 ///
 /// let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
@@ -128,14 +132,14 @@ pub struct Bound {
 /// let source = [VertexId::new(0)];
 /// // Vertex 2 is at 4, not at 5.
 /// let bound = Claim::new(&mesh, &source, &[0.0, 3.0, 5.0])?.not_too_long(|_| Vec::new());
-/// assert_eq!(bound.failures[0].place, Place::Vertex(VertexId::new(2)));
+/// assert_eq!(bound.failures[0].place, FailurePlace::Vertex(VertexId::new(2)));
 /// assert!((bound.failures[0].violation - 1.0).abs() < 1e-13);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Failure {
     /// The face or vertex.
-    pub place: Place,
+    pub place: FailurePlace,
     /// For a face, the edge on which the distances are too long. `None` for a vertex, and for a
     /// face that has both finite and infinite corners.
     pub edge: Option<HalfEdgeId>,
@@ -146,7 +150,7 @@ pub struct Failure {
 
 /// A face or a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum FailurePlace {
     /// A face with boundary points x and y for which `d(y) > d(x) + |xy|`.
     Face(FaceId),
     /// A vertex at which the distances on its edges disagree, or without a path of the claimed
@@ -170,8 +174,8 @@ impl<'a> Claim<'a> {
     ///
     /// # Errors
     ///
-    /// If the number of distances is not the number of vertices, a distance is negative or NaN, or
-    /// a source is missing, does not exist or is not at distance 0.
+    /// If the number of distances is not the number of vertices, a distance is negative or NaN, a
+    /// source is missing, does not exist or is not at distance 0, or the mesh has no positions.
     pub fn new(
         mesh: &'a Mesh,
         sources: &'a [VertexId],
@@ -195,6 +199,9 @@ impl<'a> Claim<'a> {
         }
         if let Some(&s) = sources.iter().find(|s| distances[s.index()] != 0.0) {
             return Err(ClaimError::SourceNotZero(s));
+        }
+        if mesh.positions().len() != vertices {
+            return Err(ClaimError::NoPositions);
         }
         Ok(Self {
             mesh,
@@ -227,7 +234,7 @@ impl<'a> Claim<'a> {
                 let violation = self.disagreement(&field, v);
                 if violation > ROUNDING * d.max(self.longest_edge(v)) {
                     failures.push(Failure {
-                        place: Place::Vertex(v),
+                        place: FailurePlace::Vertex(v),
                         edge: None,
                         violation,
                     });
@@ -253,10 +260,11 @@ impl<'a> Claim<'a> {
             let violation = in_face[face.index()];
             let corners = self.mesh.face_vertices(face);
             let distances = corners.map(|v| self.distances[v.index()]);
-            let scale = distances.into_iter().fold(0.0, f64::max);
+            let finite = distances.into_iter().filter(|d| d.is_finite());
+            let scale = finite.fold(0.0, f64::max);
             if violation > ROUNDING * (scale + self.mesh.length(face.half_edge(0))) {
                 failures.push(Failure {
-                    place: Place::Face(face),
+                    place: FailurePlace::Face(face),
                     edge: sides[face.index()],
                     violation,
                 });
@@ -362,7 +370,7 @@ impl<'a> Claim<'a> {
                 .max(if excess > 0.0 { excess / d } else { 0.0 });
             if excess > ROUNDING * 10.0 * d {
                 bound.failures.push(Failure {
-                    place: Place::Vertex(v),
+                    place: FailurePlace::Vertex(v),
                     edge: None,
                     violation: excess,
                 });

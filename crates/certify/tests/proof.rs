@@ -1,8 +1,8 @@
 //! The distances of `mmp` are proven; damaged ones are rejected.
 
-use geobench_certify::{Bound, Claim, PathPoint, Place, WindowData};
+use geobench_certify::{Bound, Claim, ClaimError, FailurePlace, PathPoint, WindowData};
 use geobench_mesh::threads::Threads;
-use geobench_mesh::{HalfEdgeId, Mesh, TriangleSoup, VertexId};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, TriangleSoup, VertexId};
 use geobench_mmp::{Mmp, mmp, windows_of};
 use geobench_oracle::{Geometry, zoo};
 use geobench_window::Solver;
@@ -197,7 +197,7 @@ fn a_window_that_is_missing_or_moved_by_a_billionth_is_noticed() {
             let worst = bound.failures[0];
             let edge = worst.edge.unwrap();
             assert!(edge == h || mesh.twin(h) == Some(edge), "{h}: {worst:?}");
-            assert_eq!(worst.place, Place::Face(edge.face()));
+            assert_eq!(worst.place, FailurePlace::Face(edge.face()));
         }
     }
     assert!(damaged > 10, "{damaged}");
@@ -221,5 +221,16 @@ fn what_no_source_reaches_is_infinite() {
     let right = [0.0, 1.0, 1.0, infinite, infinite, infinite];
     assert!(not_too_long(&mesh, 0, &right, &none).absolute < 1e-13);
     let wrong = [0.0, 1.0, infinite, infinite, infinite, infinite];
-    assert_eq!(not_too_long(&mesh, 0, &wrong, &none).absolute, infinite);
+    let bound = not_too_long(&mesh, 0, &wrong, &none);
+    assert_eq!(bound.absolute, infinite);
+    let failure = bound.failures[0];
+    assert_eq!(failure.place, FailurePlace::Face(FaceId::new(0)));
+    assert_eq!((failure.edge, failure.violation), (None, infinite));
+}
+
+#[test]
+fn a_mesh_made_from_lengths_panicked() {
+    let (mesh, _) = Mesh::from_lengths(3, &[[0, 1, 2]], &[[3.0, 4.0, 5.0]]).unwrap();
+    let claim = Claim::new(&mesh, &[VertexId::new(0)], &[0.0, 3.0, 5.0]);
+    assert_eq!(claim.err(), Some(ClaimError::NoPositions));
 }

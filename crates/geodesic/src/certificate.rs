@@ -1,9 +1,9 @@
 //! Distances with a proof of their error.
 
-use geobench_certify::{Bound, Claim, ClaimError, Failure, PathPoint, WindowData};
+use geobench_certify::{Bound, Claim, ClaimError, Failure, FailurePlace, PathPoint, WindowData};
 use geobench_mesh::{HalfEdgeId, Mesh, Refined, VertexId};
 use geobench_mmp::{Mmp, mmp, windows_of};
-use geobench_paths::{Path, Paths, Place};
+use geobench_paths::{Path, PathPlace, Paths};
 use geobench_window::{Goal, SolveError, Sources};
 
 /// Distances with a bound of their error, proven in interval arithmetic. The proof assumes nothing
@@ -81,28 +81,55 @@ impl Certificate {
         self.too_long.relative.max(self.too_short.relative)
     }
 
-    /// Compares other distances, given with vertex numbers, with the proven ones.
+    /// Compares other distances, given with vertex numbers, with the proven ones. A distance that is
+    /// finite where the proven one is infinite, or infinite where that is finite, or NaN, differs
+    /// infinitely.
     ///
     /// # Panics
     ///
     /// If a vertex does not exist.
     pub fn compare(&self, given: impl IntoIterator<Item = (usize, f64)>) -> Comparison {
-        let proven = &self.distances;
         let difference = |(v, d): (usize, f64)| {
-            let by = if d == proven[v] {
+            let proven = self.distances[v];
+            let by = if d == proven {
                 0.0
+            } else if d.is_finite() && proven.is_finite() {
+                (d - proven).abs()
             } else {
-                (d - proven[v]).abs()
+                f64::INFINITY
             };
             (v, by)
         };
         let mut differences: Vec<(usize, f64)> = given.into_iter().map(difference).collect();
         differences.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let relative = |&(v, by): &(usize, f64)| if by > 0.0 { by / proven[v] } else { 0.0 };
+        let relative = differences
+            .iter()
+            .map(|&(v, by)| self.fraction(v, by))
+            .fold(0.0, f64::max);
         Comparison {
             absolute: differences.first().map_or(0.0, |d| d.1),
-            relative: differences.iter().map(relative).fold(0.0, f64::max),
+            relative,
             differences,
+        }
+    }
+
+    /// The vertices of a comparison whose difference is above a fraction of the proven distance,
+    /// with the differences, largest first.
+    pub fn wrong<'a>(
+        &'a self,
+        compared: &'a Comparison,
+        tolerance: f64,
+    ) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let differences = compared.differences.iter().copied();
+        differences.filter(move |&(v, by)| self.fraction(v, by) > tolerance)
+    }
+
+    /// A difference as a fraction of the proven distance of a vertex; never NaN.
+    fn fraction(&self, v: usize, by: f64) -> f64 {
+        if by == 0.0 || by.is_infinite() {
+            by
+        } else {
+            by / self.distances[v]
         }
     }
 }
@@ -111,7 +138,7 @@ impl Certificate {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OriginalFailure {
     /// The face or vertex. An added vertex is converted to its face.
-    pub place: geobench_certify::Place,
+    pub place: FailurePlace,
     /// The edge of the face, if it is an edge of the original mesh.
     pub edge: Option<[VertexId; 2]>,
     /// The amount of the failure, in units of the mesh; infinite if there is no bound.
@@ -122,7 +149,7 @@ impl OriginalFailure {
     /// Converts the failure of a proof on `refined`, which was made from `mesh`.
     ///
     /// ```
-    /// use geodesic::certify::{Claim, Place};
+    /// use geodesic::certify::{Claim, FailurePlace};
     /// use geodesic::{Mesh, OriginalFailure};
     ///
     /// let mesh = Mesh::generate("grid,n=1")?;
@@ -134,11 +161,11 @@ impl OriginalFailure {
     /// let source = [0.into()];
     /// let claim = Claim::new(&refined.mesh, &source, &distances)?;
     /// let failures = claim.not_too_short(|_| None).failures;
-    /// let found: Vec<Place> = failures
+    /// let found: Vec<FailurePlace> = failures
     ///     .iter()
     ///     .map(|failure| OriginalFailure::new(failure, &refined, &mesh).place)
     ///     .collect();
-    /// assert!(found.contains(&Place::Face(1.into())) && found.contains(&Place::Vertex(3.into())));
+    /// assert!(found.contains(&FailurePlace::Face(1.into())) && found.contains(&FailurePlace::Vertex(3.into())));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -146,17 +173,16 @@ impl OriginalFailure {
     ///
     /// If the refined mesh has no such place.
     pub fn new(failure: &Failure, refined: &Refined, mesh: &Mesh) -> Self {
-        use geobench_certify::Place;
         let is_original = |v: VertexId| v.index() < mesh.vertex_count();
-        let in_face = |h: &HalfEdgeId| Place::Face(refined.parent(h.face()));
+        let in_face = |h: &HalfEdgeId| FailurePlace::Face(refined.parent(h.face()));
         let place = match failure.place {
-            Place::Face(face) => Place::Face(refined.parent(face)),
-            Place::Vertex(v) if is_original(v) => Place::Vertex(v),
-            Place::Vertex(v) => refined
+            FailurePlace::Face(face) => FailurePlace::Face(refined.parent(face)),
+            FailurePlace::Vertex(v) if is_original(v) => FailurePlace::Vertex(v),
+            FailurePlace::Vertex(v) => refined
                 .mesh
                 .outgoing(v)
                 .first()
-                .map_or(Place::Vertex(v), in_face),
+                .map_or(FailurePlace::Vertex(v), in_face),
         };
         let ends = |h| [refined.mesh.tail(h), refined.mesh.head(h)];
         let edge = failure.edge.map(ends);
@@ -171,7 +197,8 @@ impl OriginalFailure {
 /// The differences of distances from the proven ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// The greatest difference, in units of the mesh.
+    /// The greatest difference, in units of the mesh. Infinite where only one of both distances is
+    /// infinite.
     pub absolute: f64,
     /// The greatest difference as a fraction of the proven distance.
     pub relative: f64,
@@ -188,11 +215,11 @@ fn window_data(solver: &Mmp, h: HalfEdgeId) -> impl Iterator<Item = WindowData> 
 }
 
 fn points(path: Path) -> Vec<PathPoint> {
-    let point = |place: Place| match place {
-        Place::Vertex(v) => Some(PathPoint::Vertex(v)),
-        Place::Edge { ends, t } => Some(PathPoint::Edge(ends, t)),
+    let point = |place: PathPlace| match place {
+        PathPlace::Vertex(v) => Some(PathPoint::Vertex(v)),
+        PathPlace::Edge { ends, t } => Some(PathPoint::Edge(ends, t)),
         // A path between vertices has no vertices inside faces.
-        Place::Face => None,
+        PathPlace::Face => None,
     };
     let places = path.points.into_iter();
     places.filter_map(|p| point(p.place)).collect()

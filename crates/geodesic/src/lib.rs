@@ -15,8 +15,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Distances::path`] gives such a path, as points on vertices and edges:
 //! [`Distances::path`] returns such a path, as points on vertices and edges:
+//!
 //! ```
 //! use geodesic::{Distances, Mesh};
 //!
@@ -28,8 +28,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Distances::isolines`] gives the points at given distances, as arcs of circles in faces:
 //! [`Distances::isolines`] returns the points at given distances, as arcs of circles in faces:
+//!
 //! ```
 //! use geodesic::{Distances, Mesh};
 //!
@@ -150,12 +150,13 @@ pub use geobench_vtp as vtp;
 pub use geobench_window as window;
 
 pub use certificate::{Certificate, CertificateError, Comparison, OriginalFailure};
+pub use geobench_certify::FailurePlace;
 pub use geobench_isolines::{CircleArc, DistanceField, FieldError, Isoline, Line};
 pub use geobench_mesh::{
     InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined, SurfacePoint,
     TriangleSoup, VertexId, generate, io,
 };
-pub use geobench_paths::{Path, PathError, Paths};
+pub use geobench_paths::{Path, PathError, PathPlace, Paths};
 pub use geobench_voronoi::{
     Deviation, Diagram, Dual, FieldSolver, Quality, RemeshError, RemeshOptions, Remeshed,
     WindowVtp, remesh,

@@ -171,7 +171,7 @@ fn errors_name_what_is_wrong() {
 #[test]
 fn every_distance_that_is_wrong_by_a_billionth_is_noticed() {
     use geodesic::certify::{Claim, PathPoint, WindowData};
-    use geodesic::paths::Place;
+    use geodesic::paths::PathPlace;
     use geodesic::{Goal, Paths};
 
     let mesh = Mesh::generate("torus,faces=300,bump=0.2,seed=3").unwrap();
@@ -179,9 +179,9 @@ fn every_distance_that_is_wrong_by_a_billionth_is_noticed() {
     let mut solver = geodesic::mmp::mmp(&mesh);
     let paths = Paths::find(&mut solver, &mesh, source, &Goal::everything()).unwrap();
     let point = |place| match place {
-        Place::Vertex(v) => PathPoint::Vertex(v),
-        Place::Edge { ends, t } => PathPoint::Edge(ends, t),
-        Place::Face => unreachable!("a path between vertices has no points in faces"),
+        PathPlace::Vertex(v) => PathPoint::Vertex(v),
+        PathPlace::Edge { ends, t } => PathPoint::Edge(ends, t),
+        PathPlace::Face => unreachable!("a path between vertices has no points in faces"),
     };
     let path = |v| {
         let path = paths.to(v).unwrap()?;

@@ -32,5 +32,5 @@ mod onto;
 mod path;
 mod trace;
 
-pub use path::{Path, Place, Point};
+pub use path::{Path, PathPlace, Point};
 pub use trace::{PathError, Paths, TraceError};

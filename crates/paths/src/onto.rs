@@ -2,7 +2,7 @@
 
 use geobench_mesh::{Mesh, Refined, SurfacePoint};
 
-use crate::path::{Path, Place, Point};
+use crate::path::{Path, PathPlace, Point};
 
 impl Path {
     /// Maps this path on `refined` to `mesh`. `refined` must be the result of [`Mesh::with_points`]
@@ -11,7 +11,7 @@ impl Path {
     ///
     /// ```
     /// use geobench_mesh::{FaceId, Mesh};
-    /// use geobench_paths::{Paths, Place};
+    /// use geobench_paths::{Paths, PathPlace};
     /// use geobench_vtp::VtpFast;
     /// use geobench_window::Goal;
     ///
@@ -27,7 +27,7 @@ impl Path {
     /// let path = paths.to(to)?.expect("the grid is in one piece");
     /// let path = path.of_original(&mesh, &refined, &points);
     /// assert_eq!(path.points[0].face, Some(FaceId::new(0)));
-    /// assert!(matches!(path.points.last().unwrap().place, Place::Edge { t: 0.5, .. }));
+    /// assert!(matches!(path.points.last().unwrap().place, PathPlace::Edge { t: 0.5, .. }));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
@@ -40,7 +40,7 @@ impl Path {
         let last = self.points.len().saturating_sub(1);
         let told = self.points.iter().enumerate().filter_map(|(i, point)| {
             let point = onto.point(point);
-            (i == 0 || i == last || point.place != Place::Face).then_some(point)
+            (i == 0 || i == last || point.place != PathPlace::Face).then_some(point)
         });
         Self {
             length: self.length,
@@ -65,15 +65,15 @@ impl OriginalMapper<'_> {
         let barycentric = (self.refined).in_parent(self.mesh, self.points, face, weights);
         let positive = (0..3).filter(|&k| barycentric[k] > 0.0);
         let place = match positive.collect::<Vec<_>>()[..] {
-            [k] => Place::Vertex(self.mesh.face_vertices(parent)[k]),
+            [k] => PathPlace::Vertex(self.mesh.face_vertices(parent)[k]),
             [a, b] => {
                 let corners = self.mesh.face_vertices(parent);
-                Place::Edge {
+                PathPlace::Edge {
                     ends: [corners[a], corners[b]],
                     t: barycentric[b] / (barycentric[a] + barycentric[b]),
                 }
             }
-            _ => Place::Face,
+            _ => PathPlace::Face,
         };
         Point {
             place,

@@ -4,7 +4,7 @@ use geobench_mesh::{FaceId, Mesh, VertexId};
 
 /// Where a point of a path lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum PathPlace {
     /// On a vertex.
     Vertex(VertexId),
     /// On an edge.
@@ -22,7 +22,7 @@ pub enum Place {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// The vertex, edge or face on which it lies.
-    pub place: Place,
+    pub place: PathPlace,
     /// A face that contains the point; `None` for an isolated vertex.
     pub face: Option<FaceId>,
     /// Barycentric coordinates in that face, in the order of its corners; all 0 without a face.
@@ -40,7 +40,7 @@ impl Point {
             barycentric[h.corner() as usize] = 1.0;
         }
         Self {
-            place: Place::Vertex(v),
+            place: PathPlace::Vertex(v),
             face: corner.map(|h| h.face()),
             barycentric,
         }
@@ -49,7 +49,7 @@ impl Point {
     /// The vertex at which the point lies; `None` on an edge or inside a face.
     pub fn vertex(&self) -> Option<VertexId> {
         match self.place {
-            Place::Vertex(v) => Some(v),
+            PathPlace::Vertex(v) => Some(v),
             _ => None,
         }
     }
@@ -66,9 +66,9 @@ impl Point {
             Some(sum)
         };
         match self.place {
-            Place::Vertex(v) => at(v),
-            Place::Edge { ends: [a, b], t } => combine(&[(a, 1.0 - t), (b, t)]),
-            Place::Face => {
+            PathPlace::Vertex(v) => at(v),
+            PathPlace::Edge { ends: [a, b], t } => combine(&[(a, 1.0 - t), (b, t)]),
+            PathPlace::Face => {
                 let corners = mesh.face_vertices(self.face?);
                 let weighted: [_; 3] = std::array::from_fn(|k| (corners[k], self.barycentric[k]));
                 combine(&weighted)
@@ -96,10 +96,10 @@ impl Path {
     }
 
     /// The edges that the path crosses, in order, each with its vertices and the position of the
-    /// point between them, as in [`Place::Edge`].
+    /// point between them, as in [`PathPlace::Edge`].
     pub fn edges(&self) -> impl Iterator<Item = ([VertexId; 2], f64)> {
         self.points.iter().filter_map(|point| match point.place {
-            Place::Edge { ends, t } => Some((ends, t)),
+            PathPlace::Edge { ends, t } => Some((ends, t)),
             _ => None,
         })
     }

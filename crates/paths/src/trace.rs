@@ -3,7 +3,7 @@
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 use geobench_window::{Goal, Origin, Origins, SolveError, Solver, Sources};
 
-use crate::path::{Path, Place, Point};
+use crate::path::{Path, PathPlace, Point};
 
 /// Greatest distance of a vertex from the straight line to an image at which the path may pass
 /// through the vertex, as a fraction of the length of the line. It exceeds the error that unfolding
@@ -124,16 +124,14 @@ impl Paths {
     ) -> Result<Self, SolveError> {
         let (solution, origins) = solver.trace(&sources.into_vertices(), goal)?;
         let few = mesh.half_edge_count() / HALF_EDGES_PER_TARGET;
-        let entries = |f: FaceId| {
-            let apexes = mesh.apexes(f).into_iter();
-            apexes
-                .zip(0..)
-                .map(move |(apex, k)| FaceEntry::new(mesh, f.half_edge(k), apex))
-        };
-        let entries = match goal.vertices() {
-            Some(targets) if targets.len() <= few => Vec::new(),
-            _ => mesh.faces().flat_map(entries).collect(),
-        };
+        let mut entries = Vec::new();
+        if goal.vertices().is_none_or(|targets| targets.len() > few) {
+            entries.reserve_exact(mesh.half_edge_count());
+            for f in mesh.faces() {
+                let apexes = mesh.apexes(f).into_iter().zip(0..);
+                entries.extend(apexes.map(|(apex, k)| FaceEntry::new(mesh, f.half_edge(k), apex)));
+            }
+        }
         Ok(Self {
             entries,
             mesh: mesh.clone(),
@@ -476,7 +474,7 @@ fn on_edge(h: HalfEdgeId, ends: [VertexId; 2], t: f64) -> Point {
         _ => [t, 0.0, 1.0 - t],
     };
     Point {
-        place: Place::Edge { ends, t },
+        place: PathPlace::Edge { ends, t },
         face: Some(h.face()),
         barycentric,
     }

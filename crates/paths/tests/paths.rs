@@ -11,7 +11,7 @@ use geobench_ich::{ch, ich};
 use geobench_mesh::{FaceId, Mesh, SplitMix64, SurfacePoint, TriangleSoup, VertexId};
 use geobench_mmp::{mmp, mmp_edge, mmp_fast};
 use geobench_oracle::{Geometry, Model, zoo};
-use geobench_paths::{Paths, Place, TraceError};
+use geobench_paths::{PathPlace, Paths, TraceError};
 use geobench_vtp::{EdgeBased, Ftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpTrimming};
 use geobench_window::{Goal, Solver};
 
@@ -193,7 +193,7 @@ fn paths_between_points_of_faces_and_edges_are_told_of_the_original() {
         }
         // Every point but the ends is on an edge or a vertex, and the line is as long as the path.
         let inner = &path.points[1..path.points.len() - 1];
-        assert!(inner.iter().all(|point| point.place != Place::Face));
+        assert!(inner.iter().all(|point| point.place != PathPlace::Face));
         let steps = line.windows(2).map(|w| {
             let d: f64 = (0..3).map(|k| (w[0][k] - w[1][k]).powi(2)).sum();
             d.sqrt()

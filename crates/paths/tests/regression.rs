@@ -8,7 +8,7 @@ mod straight;
 use geobench_ich::ich;
 use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_mmp::mmp;
-use geobench_paths::{Path, Paths, Place};
+use geobench_paths::{Path, PathPlace, Paths};
 use geobench_vtp::{Vtp, VtpFast};
 use geobench_window::{Goal, Solver};
 
@@ -181,7 +181,7 @@ fn a_bent_path_is_refused() {
     let d = path.length;
     check_bends(&mesh, &path, d).unwrap();
     let point = &mut path.points[1];
-    let Place::Edge { t, .. } = &mut point.place else {
+    let PathPlace::Edge { t, .. } = &mut point.place else {
         panic!("{point:?} is on no edge");
     };
     *t += 1e-6;

@@ -1,6 +1,6 @@
 //! Certified distances.
 
-use geodesic::certify::{Bound as ErrorBound, Place};
+use geodesic::certify::{Bound as ErrorBound, FailurePlace};
 use geodesic::mesh::threads::Threads;
 use geodesic::{Certificate, CertificateError, OriginalFailure, Stop};
 use numpy::PyArray1;
@@ -125,8 +125,8 @@ pub(crate) fn certify(
         .map(|failure| {
             let failure = OriginalFailure::new(failure, &refined, &mesh);
             let (kind, number) = match failure.place {
-                Place::Face(face) => ("face", face.raw()),
-                Place::Vertex(vertex) => ("vertex", vertex.raw()),
+                FailurePlace::Face(face) => ("face", face.raw()),
+                FailurePlace::Vertex(vertex) => ("vertex", vertex.raw()),
             };
             (kind, number, failure.violation)
         })
@@ -134,9 +134,8 @@ pub(crate) fn certify(
     if let Some(compared) = compared {
         absolute += compared.absolute;
         relative += compared.relative;
-        let wrong = compared.differences.iter();
-        let wrong = wrong.filter(|&&(v, by)| by > tolerance * proof.distances[v]);
-        failures.extend(wrong.map(|&(v, by)| ("vertex", v as u32, by)));
+        let wrong = proof.wrong(&compared, tolerance);
+        failures.extend(wrong.map(|(v, by)| ("vertex", v as u32, by)));
     }
     // Drop the distances of vertices that were inserted for sources.
     proof.distances.truncate(mesh.vertex_count());

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use geobench_certify::{Bound, Place};
+use geobench_certify::{Bound, FailurePlace};
 use geobench_mesh::threads::Threads;
 use geobench_mesh::{Mesh, VertexId};
 use geodesic::{Certificate, Comparison, OriginalFailure};
@@ -95,8 +95,8 @@ impl CertificateDocument {
             .map(|failure| {
                 let failure = OriginalFailure::new(failure, &points.refined, mesh);
                 let (face, vertex) = match failure.place {
-                    Place::Face(face) => (Some(face.raw()), None),
-                    Place::Vertex(v) => (None, Some(v.raw())),
+                    FailurePlace::Face(face) => (Some(face.raw()), None),
+                    FailurePlace::Vertex(v) => (None, Some(v.raw())),
                 };
                 FailureRecord {
                     face,
@@ -113,9 +113,8 @@ impl CertificateDocument {
                 "the file differs from these distances by up to {:.1e}, {:.1e} of a distance",
                 compared.absolute, compared.relative
             ));
-            let beyond = |&&(v, by): &&(usize, f64)| by > tolerance * proof.distances[v];
-            let wrong = compared.differences.iter().filter(beyond);
-            failures.extend(wrong.map(|&(v, by)| FailureRecord {
+            let wrong = proof.wrong(compared, tolerance);
+            failures.extend(wrong.map(|(v, by)| FailureRecord {
                 face: None,
                 edge: None,
                 vertex: u32::try_from(v).ok(),

@@ -5,7 +5,7 @@ use std::path::Path as FilePath;
 
 use anyhow::{Context, bail};
 use geobench_mesh::{Mesh, VertexId};
-use geobench_paths::{Path, Paths, Place, Point};
+use geobench_paths::{Path, PathPlace, Paths, Point};
 use geobench_window::precision;
 
 use super::Verdict;
@@ -40,7 +40,7 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
         wanted.as_deref(),
         &model.path,
     )?;
-    if !options.quiet {
+    if !options.quiet && options.output.as_deref() != Some(FilePath::new("-")) {
         points.print_notes()?;
     }
     let sources = points.source_vertices();
@@ -191,7 +191,7 @@ fn lines(paths: &[FoundPath]) -> String {
                     path.length,
                     inner
                         .clone()
-                        .filter(|p| matches!(p.place, Place::Edge { .. }))
+                        .filter(|p| matches!(p.place, PathPlace::Edge { .. }))
                         .count(),
                     inner.filter(|p| p.vertex().is_some()).count(),
                 )

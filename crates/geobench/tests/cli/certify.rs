@@ -108,3 +108,26 @@ fn a_failure_in_a_face_names_its_worst_edge() {
         assert!(a.is_u64() && b.is_u64() && a != b, "{failure}");
     }
 }
+
+/// A finite distance of a vertex that no path reaches differed by infinity / infinity of it, which
+/// counted as nothing.
+#[test]
+fn a_finite_distance_of_an_unreachable_vertex_was_certified() {
+    let sandbox = Sandbox::new();
+    sandbox.write(
+        "apart.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 1 2 3\nf 4 5 6\n",
+    );
+    let certify = "certify apart.obj --source 0 --format json --distances";
+    let right = "vertex,distance\n0,0\n1,1\n2,1\n3,inf\n4,inf\n5,inf\n";
+    sandbox.write("right.csv", right);
+    sandbox.succeed(&format!("{certify} right.csv"));
+    sandbox.write("wrong.csv", &right.replace("4,inf", "4,5"));
+    let outcome = sandbox.call(&format!("{certify} wrong.csv"));
+    assert_eq!(outcome.code, 1, "{}", outcome.stdout);
+    let json: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!(json["certified"], false);
+    assert_eq!(json["relative"], serde_json::Value::Null);
+    assert_eq!(json["failures"][0]["vertex"], 4);
+    assert_eq!(json["failures"].as_array().unwrap().len(), 1);
+}

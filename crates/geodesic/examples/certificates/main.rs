@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use geobench_mesh::{Mesh, TriangleSoup};
 use geobench_oracle::{Geometry, zoo};
-use geodesic::certify::{Bound, Place};
+use geodesic::certify::{Bound, FailurePlace};
 use geodesic::{Certificate, Solver};
 
 #[expect(dead_code, reason = "the proof does not need the right distances")]
@@ -91,8 +91,8 @@ fn certify(
         let worst = bound.failures.first()?;
         let by = worst.violation;
         Some(match worst.place {
-            Place::Face(face) => format!("face {face}: {by:.1e}"),
-            Place::Vertex(vertex) => format!("vertex {vertex}: {by:.1e}"),
+            FailurePlace::Face(face) => format!("face {face}: {by:.1e}"),
+            FailurePlace::Vertex(vertex) => format!("vertex {vertex}: {by:.1e}"),
         })
     };
     let bounds = [&proof.too_long, &proof.too_short];

@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
-use geobench_paths::{Path, Place, Point};
+use geobench_paths::{Path, PathPlace, Point};
 
 /// Checks that `path` goes from one of `sources` to `target`, has length `d`, is straight across
 /// every edge, and has an angle of at least π on both sides of each vertex that it passes.
@@ -64,15 +64,15 @@ pub(crate) fn check_bends(mesh: &Mesh, path: &Path, d: f64) -> Result<(), String
     for triple in points.windows(3) {
         let [before, point, after] = [0, 1, 2].map(|k| &triple[k]);
         let (bend, most) = match point.place {
-            Place::Vertex(v) => (
+            PathPlace::Vertex(v) => (
                 shortcut_at_vertex(mesh, v, [before, after]),
                 1e-13 * d + 1e-15 * longest,
             ),
-            Place::Edge { .. } => (
+            PathPlace::Edge { .. } => (
                 bend_at_edge(mesh, point, [before, after]),
                 1e-10 * d + 1e-15 * longest,
             ),
-            Place::Face => (f64::INFINITY, 0.0),
+            PathPlace::Face => (f64::INFINITY, 0.0),
         };
         if bend.is_nan() || bend > most {
             return Err(format!("a bend of {bend:e} at {point:?}, {d} long"));
@@ -106,8 +106,8 @@ fn place(mesh: &Mesh, h: HalfEdgeId, point: &Point) -> Option<[f64; 2]> {
     let vertices = mesh.face_vertices(f);
     let corner = |v| vertices.iter().position(|&u| u == v);
     match point.place {
-        Place::Vertex(v) => corner(v).map(|k| at[k]),
-        Place::Edge { ends: [a, b], t } => {
+        PathPlace::Vertex(v) => corner(v).map(|k| at[k]),
+        PathPlace::Edge { ends: [a, b], t } => {
             let own = point.face?;
             let edge = (0..3).map(|k| own.half_edge(k)).find(|&h| {
                 let ends = [mesh.tail(h), mesh.head(h)];
@@ -119,14 +119,14 @@ fn place(mesh: &Mesh, h: HalfEdgeId, point: &Point) -> Option<[f64; 2]> {
             let (a, b) = (at[corner(a)?], at[corner(b)?]);
             Some([0, 1].map(|k| (1.0 - t) * a[k] + t * b[k]))
         }
-        Place::Face => None,
+        PathPlace::Face => None,
     }
 }
 
 /// The faces that contain both points, with the positions of the points in each.
 fn shared_faces(mesh: &Mesh, [a, b]: [&Point; 2]) -> impl Iterator<Item = (FaceId, [[f64; 2]; 2])> {
     let around = |point: &Point| -> Vec<FaceId> {
-        if let Place::Vertex(v) = point.place {
+        if let PathPlace::Vertex(v) = point.place {
             return mesh.outgoing(v).iter().map(|h| h.face()).collect();
         }
         let own = point.face.into_iter();
@@ -148,7 +148,7 @@ fn shared_faces(mesh: &Mesh, [a, b]: [&Point; 2]) -> impl Iterator<Item = (FaceI
 /// The angles are measured in the frames of the crossed edge. In the frame of a long edge, the ends
 /// of a short one are differences of long vectors.
 fn bend_at_edge(mesh: &Mesh, point: &Point, [before, after]: [&Point; 2]) -> f64 {
-    let Place::Edge { ends, t } = point.place else {
+    let PathPlace::Edge { ends, t } = point.place else {
         return f64::INFINITY;
     };
     let own = point

@@ -2,7 +2,9 @@
 
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::queue::{Discipline, Event, EventKind, Priority};
-use geobench_window::{Counter, Probe, Propagate, Solution, SolveError, VertexFilter};
+use geobench_window::{
+    Counter, Probe, Propagate, Solution, SolveError, VertexFilter, check_sources,
+};
 
 use crate::field::{FieldSolver, LabelledField};
 use crate::store::edge_of;
@@ -100,7 +102,7 @@ impl<Q: Discipline> Lct11<Q> {
 
 impl<Q: Discipline> FieldSolver for Lct11<Q> {
     fn field(&mut self, sources: &[VertexId]) -> Result<LabelledField<'_>, SolveError> {
-        crate::check_sources(self.wave.mesh.vertex_count(), sources)?;
+        check_sources(self.wave.mesh.vertex_count(), sources)?;
         self.run(sources, &mut ());
         Ok(self.wave.field())
     }

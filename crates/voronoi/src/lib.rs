@@ -18,9 +18,6 @@ mod tests;
 mod wave;
 mod window_vtp;
 
-use geobench_mesh::VertexId;
-use geobench_window::SolveError;
-
 pub use diagram::{
     Bisector, BorderArc, Cell, Diagram, Dual, Node, NodeKind, Obstacle, Part, Vertex,
 };
@@ -28,13 +25,4 @@ pub use field::{FieldSolver, LabelledField, NO_SOURCE};
 pub use lct11::Lct11;
 pub use remesh::{Deviation, Quality, RemeshError, RemeshOptions, Remeshed, remesh};
 pub use removal::Removal;
-pub use window_vtp::{Options, WindowVtp};
-
-/// Returns an error if `sources` is empty or has a vertex that does not exist.
-fn check_sources(vertices: usize, sources: &[VertexId]) -> Result<(), SolveError> {
-    match sources.iter().find(|v| v.index() >= vertices) {
-        Some(&vertex) => Err(SolveError::NoSuchVertex { vertex, vertices }),
-        None if sources.is_empty() => Err(SolveError::NoSource),
-        None => Ok(()),
-    }
-}
+pub use window_vtp::{WindowVtp, WindowVtpOptions};

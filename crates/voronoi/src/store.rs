@@ -133,7 +133,8 @@ pub(crate) struct Waiting {
 #[derive(Clone, Debug)]
 pub(crate) struct Changes {
     /// Windows to queue one by one: the stored parts of the new window, and additional parts of
-    /// stored windows that wait. A [merge](EdgeWindows::merge) leaves it empty.
+    /// stored windows that wait. Not used after a [merge](EdgeWindows::merge), whose windows are
+    /// queued together.
     pub(crate) waiting: Vec<Waiting>,
     /// Number of stored parts of new windows.
     pub(crate) new_parts: usize,

@@ -518,7 +518,7 @@ impl Wavefront {
 /// Returns the number of children tried and, if the apex is improved, the length of the best path
 /// to it with the index of its window.
 #[inline]
-#[allow(clippy::too_many_arguments)] // Private, and one step of `Wave::cross_all`.
+#[allow(clippy::too_many_arguments)] // Private, and one step of `Wavefront::cross_all`.
 fn cross_face<P: Probe>(
     view: &FaceView,
     known: [f64; 3],

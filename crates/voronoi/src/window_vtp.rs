@@ -5,7 +5,9 @@ use std::collections::VecDeque;
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::queue::MinHeap;
-use geobench_window::{Counter, Probe, Propagate, Solution, SolveError, VertexFilter, prefetch};
+use geobench_window::{
+    Counter, Probe, Propagate, Solution, SolveError, VertexFilter, check_sources, prefetch,
+};
 
 use crate::field::{FieldSolver, LabelledField};
 use crate::removal::{Removal, Remover};
@@ -14,7 +16,7 @@ use crate::wave::{ArrivalMode, COUNTERS, Wavefront};
 
 /// Options of [`WindowVtp`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
+pub struct WindowVtpOptions {
     /// Which windows are removed during a run.
     pub removal: Removal,
     /// Whether the vertex filter drops windows that a path through an end of their edge beats,
@@ -22,7 +24,7 @@ pub struct Options {
     pub filter: VertexFilter,
 }
 
-impl Default for Options {
+impl Default for WindowVtpOptions {
     fn default() -> Self {
         Self {
             removal: Removal::default(),
@@ -82,11 +84,11 @@ pub struct WindowVtp {
 impl WindowVtp {
     /// Sets up for `mesh` with the default options; O(faces).
     pub fn new(mesh: &Mesh) -> Self {
-        Self::with_options(mesh, Options::default())
+        Self::with_options(mesh, WindowVtpOptions::default())
     }
 
     /// Sets up for `mesh` with `options`; O(faces).
-    pub fn with_options(mesh: &Mesh, options: Options) -> Self {
+    pub fn with_options(mesh: &Mesh, options: WindowVtpOptions) -> Self {
         Self {
             wave: Wavefront::new(mesh, options.filter),
             remover: Remover::new(options.removal),
@@ -325,7 +327,7 @@ impl WindowVtp {
 
 impl FieldSolver for WindowVtp {
     fn field(&mut self, sources: &[VertexId]) -> Result<LabelledField<'_>, SolveError> {
-        crate::check_sources(self.wave.mesh.vertex_count(), sources)?;
+        check_sources(self.wave.mesh.vertex_count(), sources)?;
         self.run(sources, &mut ());
         Ok(self.wave.field())
     }

@@ -3,7 +3,7 @@
 
 use geobench_fwp::{BucketOptions, Buckets};
 use geobench_mesh::Mesh;
-use geobench_voronoi::{Lct11, Options, Removal, WindowVtp};
+use geobench_voronoi::{Lct11, Removal, WindowVtp, WindowVtpOptions};
 use geobench_window::VertexFilter;
 use geobench_window::queue::Priority;
 
@@ -18,7 +18,7 @@ use seeds::Solvers;
 fn solvers(mesh: &Mesh) -> Solvers {
     let (on, off) = (VertexFilter::On, VertexFilter::Off);
     let window_vtp = |removal, filter| {
-        let options = Options { removal, filter };
+        let options = WindowVtpOptions { removal, filter };
         Box::new(WindowVtp::with_options(mesh, options))
     };
     let lct11 = |filter| Box::new(Lct11::in_order(mesh, Priority::new(mesh), filter));

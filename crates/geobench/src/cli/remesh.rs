@@ -16,7 +16,7 @@ use crate::exec::model;
 use crate::report::{Paint, Scene};
 use crate::table::diagram_formats;
 use crate::table::ending_of;
-use crate::table::output::OutputFile;
+use crate::table::output::{OutputFile, check_distinct};
 
 /// Number of sample points on each surface for its distance from the other one.
 const SAMPLES: usize = 100_000;
@@ -31,6 +31,9 @@ pub(super) fn remesh(options: &RemeshOptions) -> anyhow::Result<Verdict> {
         Some(path) => Some((is_png(path)?, OutputFile::prepare(path)?)),
         None => None,
     };
+    let mut outputs = vec![&output];
+    outputs.extend(picture.as_ref().map(|(_, output)| output));
+    check_distinct(&outputs)?;
     let model = model::only(&options.model)?;
     let mesh = &model.mesh_within(options.reading)?;
     let sites = Sites {

@@ -21,7 +21,7 @@ use crate::registry;
 use crate::report::{Paint, Scene};
 use crate::schema::SourceLabel;
 use crate::table::diagram_formats::{self, BorderFormat, DiagramFile, DiagramFormat, LabelFormat};
-use crate::table::output::OutputFile;
+use crate::table::output::{OutputFile, check_distinct};
 use crate::table::{FileFormat, no_coordinates};
 
 /// Maximum number of obstacles to a dual triangulation that an error message names.
@@ -37,6 +37,11 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
         Some(path) => Some((path, generate::ending(path)?, OutputFile::prepare(path)?)),
         None => None,
     };
+    let mut outputs = vec![&output];
+    outputs.extend(borders.as_ref().map(|(_, output)| output));
+    outputs.extend(labels.as_ref().map(|(_, output)| output));
+    outputs.extend(dual_file.as_ref().map(|(_, _, output)| output));
+    check_distinct(&outputs)?;
     let model = model::only(&options.model)?;
     let mesh = &model.mesh_within(options.reading)?;
     let named = SourceSpec::joined(options.source.iter().cloned());
@@ -108,7 +113,7 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     if let (Some(soup), Some((_, ending, output))) = (dual, dual_file) {
         output.write_with(ending, |path| Ok(mesh_io::write(path, &soup)?))?;
     }
-    if !options.quiet {
+    if !options.quiet && options.output != Path::new("-") {
         terminal::print(&summary)?;
     }
     Ok(Verdict::Passed)

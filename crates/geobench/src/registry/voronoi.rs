@@ -2,7 +2,7 @@
 
 use geobench_fwp::{BucketOptions, Buckets};
 use geobench_mesh::Mesh;
-use geobench_voronoi::{FieldSolver, Lct11, Options, Removal, WindowVtp};
+use geobench_voronoi::{FieldSolver, Lct11, Removal, WindowVtp, WindowVtpOptions};
 use geobench_window::queue::Priority;
 use geobench_window::{Counter, VertexFilter};
 
@@ -46,14 +46,14 @@ fn window_vtp(mesh: &Mesh, values: &Values) -> WindowVtp {
         _ => Removal::Continuous,
     };
     let filter = filter(values);
-    WindowVtp::with_options(mesh, Options { removal, filter })
+    WindowVtp::with_options(mesh, WindowVtpOptions { removal, filter })
 }
 
 fn xls14(mesh: &Mesh, values: &Values) -> WindowVtp {
     let c = values.real(&PERIOD);
     let removal = Removal::Periodic { c };
     let filter = filter(values);
-    WindowVtp::with_options(mesh, Options { removal, filter })
+    WindowVtp::with_options(mesh, WindowVtpOptions { removal, filter })
 }
 
 fn lct11(mesh: &Mesh, values: &Values) -> Lct11<Priority> {

@@ -179,22 +179,24 @@ struct BoundaryChange {
     /// The cells before and after it.
     before: u32,
     next: u32,
-    /// The numbers of the runs up to the next stop, and the border of the cell along them.
+    /// The numbers of the runs up to the next change, and the border of the cell along them.
     runs: Vec<u32>,
     border: Vec<Span>,
 }
 
 impl Triangle {
     /// The changes around the triangle, counter-clockwise from its first corner.
-    fn stops(&self, nodes: &[FaceNode]) -> Vec<BoundaryChange> {
-        let mut stops: Vec<BoundaryChange> = Vec::new();
+    fn changes(&self, nodes: &[FaceNode]) -> Vec<BoundaryChange> {
+        let mut changes: Vec<BoundaryChange> = Vec::new();
         let mut leading = Vec::new();
         let mut before = self.sides[0].first;
         for (number, side) in self.sides.iter().enumerate() {
-            let runs = stops.last_mut().map_or(&mut leading, |stop| &mut stop.runs);
+            let runs = changes
+                .last_mut()
+                .map_or(&mut leading, |change| &mut change.runs);
             runs.push(side.runs[0]);
             for (mark, &run) in side.marks.iter().zip(&side.runs[1..]) {
-                stops.push(BoundaryChange {
+                changes.push(BoundaryChange {
                     node: mark.node,
                     side: number,
                     before,
@@ -205,15 +207,15 @@ impl Triangle {
                 before = mark.next;
             }
         }
-        if let Some(last) = stops.last_mut() {
+        if let Some(last) = changes.last_mut() {
             last.runs.extend(leading);
         }
-        for i in 0..stops.len() {
-            let j = (i + 1) % stops.len();
-            let outline = self.outline(&stops[i], &stops[j], j == 0, nodes);
-            stops[i].border.push(Span::Sides(outline));
+        for i in 0..changes.len() {
+            let j = (i + 1) % changes.len();
+            let outline = self.outline(&changes[i], &changes[j], j == 0, nodes);
+            changes[i].border.push(Span::Sides(outline));
         }
-        stops
+        changes
     }
 
     /// The longest side.
@@ -237,7 +239,7 @@ impl Triangle {
         })
     }
 
-    /// The sides between two stops, counter-clockwise. `wraps` tells whether the walk passes the
+    /// The sides between two changes, counter-clockwise. `wraps` tells whether the walk passes the
     /// first corner.
     fn outline(
         &self,
@@ -322,7 +324,7 @@ fn arrange_within(
         sites,
         measured: MeasuredSites::new(sites),
         next_run,
-        cut: 0,
+        cut_count: 0,
         effort,
         doubt: 0.0,
         found: Arrangement::default(),
@@ -359,7 +361,7 @@ struct Arranger<'a> {
     measured: MeasuredSites<'a>,
     next_run: u32,
     /// Number of triangles that have been cut in two.
-    cut: u32,
+    cut_count: u32,
     effort: Effort,
     /// Size of the largest triangle that should have been cut in two, but was divided as it is.
     doubt: f64,
@@ -383,7 +385,7 @@ impl Arranger<'_> {
                 continue;
             };
             if !self.try_solve(&triangle) {
-                self.cut += 1;
+                self.cut_count += 1;
                 for half in self.halves(&triangle) {
                     largest.push(-half.size(), parts.len());
                     parts.push(Some(half));
@@ -394,8 +396,8 @@ impl Arranger<'_> {
 
     /// Divides a triangle that is simple enough; `false` if it has to be cut.
     fn try_solve(&mut self, triangle: &Triangle) -> bool {
-        let stops = triangle.stops(&self.found.nodes);
-        if stops.is_empty() {
+        let changes = triangle.changes(&self.found.nodes);
+        if changes.is_empty() {
             self.found.regions.push(Region {
                 source: triangle.sides[0].first,
                 border: vec![Span::Sides(triangle.corners.to_vec())],
@@ -412,18 +414,18 @@ impl Arranger<'_> {
         // In a narrow triangle, a single border from one end to the other is close to its chord. If
         // several borders meet, the position of their vertex matters, so the width does not
         // suffice.
-        let is_small = triangle.size() <= small || stops.len() == 2 && triangle.width() <= small;
-        if self.solve_simple(triangle, &stops, is_small).is_some() {
+        let is_small = triangle.size() <= small || changes.len() == 2 && triangle.width() <= small;
+        if self.solve_simple(triangle, &changes, is_small).is_some() {
             return true;
         }
         self.found.nodes.truncate(before.0);
         self.found.pieces.truncate(before.1);
         self.found.regions.truncate(before.2);
-        if self.cut < self.effort.most_cuts {
+        if self.cut_count < self.effort.most_cuts {
             return false;
         }
         self.doubt = self.doubt.max(triangle.size());
-        self.solve_simple(triangle, &stops, true).is_some()
+        self.solve_simple(triangle, &changes, true).is_some()
     }
 
     /// Cuts a triangle in two at the middle of its longest side, so that needles become shorter.
@@ -478,14 +480,14 @@ impl Arranger<'_> {
     fn solve_simple(
         &mut self,
         triangle: &Triangle,
-        stops: &[BoundaryChange],
+        changes: &[BoundaryChange],
         is_last: bool,
     ) -> Option<()> {
-        let mut stops = stops.to_vec();
+        let mut changes = changes.to_vec();
         if self.effort.joins_neighbours {
-            while self.join_neighbours(triangle, &mut stops) {}
+            while self.join_neighbours(triangle, &mut changes) {}
         }
-        if let [a, b] = &stops[..] {
+        if let [a, b] = &changes[..] {
             let sources = [a.before, a.next];
             let pieces = self.join(triangle, [a.node, b.node], sources, is_last)?;
             let backward = pieces.clone().rev().map(|piece| (piece, false));
@@ -493,53 +495,57 @@ impl Arranger<'_> {
             self.add_region(b, pieces.map(|piece| (piece, true)));
             return Some(());
         }
-        let at = match self.meeting(triangle, &stops) {
+        let at = match self.meeting(triangle, &changes) {
             Some(at) => at,
-            None if is_last => centre(stops.iter().map(|stop| self.found.nodes[stop.node].at)),
+            None if is_last => centre(
+                changes
+                    .iter()
+                    .map(|change| self.found.nodes[change.node].at),
+            ),
             None => return None,
         };
-        let vertex = self.node(at, FaceNodeKind::Vertex(stops.len() as u32));
+        let vertex = self.node(at, FaceNodeKind::Vertex(changes.len() as u32));
         let mut arms = Vec::new();
-        for stop in &stops {
-            let sources = [stop.before, stop.next];
-            arms.push(self.join(triangle, [stop.node, vertex], sources, is_last)?);
+        for change in &changes {
+            let sources = [change.before, change.next];
+            arms.push(self.join(triangle, [change.node, vertex], sources, is_last)?);
         }
-        for (i, stop) in stops.iter().enumerate() {
-            let j = (i + 1) % stops.len();
+        for (i, change) in changes.iter().enumerate() {
+            let j = (i + 1) % changes.len();
             let inward = arms[j].clone().map(|piece| (piece, true));
             let outward = arms[i].clone().rev().map(|piece| (piece, false));
-            self.add_region(stop, inward.chain(outward));
+            self.add_region(change, inward.chain(outward));
         }
-        let around = stops.iter().map(|stop| stop.next).collect();
+        let around = changes.iter().map(|change| change.next).collect();
         self.found.vertices.push((vertex, around));
         Some(())
     }
 
-    /// Adds the region of the cell after `stop`. `pieces` complete its border.
-    fn add_region(&mut self, stop: &BoundaryChange, pieces: impl Iterator<Item = (usize, bool)>) {
+    /// Adds the region of the cell after `change`. `pieces` complete its border.
+    fn add_region(&mut self, change: &BoundaryChange, pieces: impl Iterator<Item = (usize, bool)>) {
         let inside = pieces.map(|(piece, is_forward)| Span::Inside(piece, is_forward));
         self.found.regions.push(Region {
-            source: stop.next,
-            border: stop.border.iter().cloned().chain(inside).collect(),
-            runs: stop.runs.clone(),
+            source: change.next,
+            border: change.border.iter().cloned().chain(inside).collect(),
+            runs: change.runs.clone(),
         });
     }
 
     /// Looks for two consecutive changes, from one cell to another and back, in a triangle that has
     /// more. If the border between them is beyond doubt, adds the border and the region that it
-    /// cuts off, and removes both changes from `stops`. Returns whether it did.
-    fn join_neighbours(&mut self, triangle: &Triangle, stops: &mut Vec<BoundaryChange>) -> bool {
-        let count = stops.len();
+    /// cuts off, and removes both changes from `changes`. Returns whether it did.
+    fn join_neighbours(&mut self, triangle: &Triangle, changes: &mut Vec<BoundaryChange>) -> bool {
+        let count = changes.len();
         if count < 3 {
             return false;
         }
         for i in 0..count {
             let (j, last) = ((i + 1) % count, (i + count - 1) % count);
-            let (outer, inner) = (stops[i].before, stops[i].next);
-            if stops[j].next != outer {
+            let (outer, inner) = (changes[i].before, changes[i].next);
+            if changes[j].next != outer {
                 continue;
             }
-            let nodes = [stops[i].node, stops[j].node];
+            let nodes = [changes[i].node, changes[j].node];
             let before = (self.found.nodes.len(), self.found.pieces.len());
             let Some(pieces) = self.join(triangle, nodes, [outer, inner], false) else {
                 self.found.nodes.truncate(before.0);
@@ -547,13 +553,13 @@ impl Arranger<'_> {
                 continue;
             };
             let backward = pieces.clone().rev().map(|piece| (piece, false));
-            self.add_region(&stops[i].clone(), backward);
-            let BoundaryChange { border, runs, .. } = stops[j].clone();
+            self.add_region(&changes[i].clone(), backward);
+            let BoundaryChange { border, runs, .. } = changes[j].clone();
             let along = pieces.map(|piece| Span::Inside(piece, true));
-            stops[last].border.extend(along.chain(border));
-            stops[last].runs.extend(runs);
+            changes[last].border.extend(along.chain(border));
+            changes[last].runs.extend(runs);
             let mut number = 0..;
-            stops.retain(|_| number.next().is_none_or(|k| k != i && k != j));
+            changes.retain(|_| number.next().is_none_or(|k| k != i && k != j));
             return true;
         }
         false
@@ -561,14 +567,16 @@ impl Arranger<'_> {
 
     /// The point at which all cells around a triangle meet, if these are all different and the
     /// point is beyond doubt.
-    fn meeting(&self, triangle: &Triangle, stops: &[BoundaryChange]) -> Option<Point> {
-        let cells: Vec<u32> = stops.iter().map(|stop| stop.next).collect();
+    fn meeting(&self, triangle: &Triangle, changes: &[BoundaryChange]) -> Option<Point> {
+        let cells: Vec<u32> = changes.iter().map(|change| change.next).collect();
         let mut sorted = cells.clone();
         sorted.sort_unstable();
         if sorted.windows(2).any(|pair| pair[0] == pair[1]) {
             return None;
         }
-        let nodes = stops.iter().map(|stop| self.found.nodes[stop.node].at);
+        let nodes = changes
+            .iter()
+            .map(|change| self.found.nodes[change.node].at);
         let (size, start) = (triangle.size(), centre(nodes.clone()));
         let of_three = |three: [u32; 3]| {
             meeting_point(start, size, |x| {

@@ -49,6 +49,11 @@ pub enum Obstacle {
         /// The cell.
         cell: u32,
     },
+    /// A disc without Voronoi vertices, as of two sources on a sphere.
+    NoTriangle {
+        /// The cell.
+        cell: u32,
+    },
     /// Two cells that share several borders.
     SeveralBorders {
         /// The cells.
@@ -60,7 +65,10 @@ impl fmt::Display for Obstacle {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoDisc { cell, euler: 0 } => {
-                write!(f, "cell {cell} is no disc: it has a hole, or is empty")
+                write!(
+                    f,
+                    "cell {cell} is no disc: it has a hole or a handle, or is empty"
+                )
             }
             Self::NoDisc { cell, euler: 1.. } => {
                 write!(
@@ -68,12 +76,17 @@ impl fmt::Display for Obstacle {
                     "cell {cell} is no disc: it is not in one piece, or the whole surface"
                 )
             }
-            Self::NoDisc { cell, .. } => write!(f, "cell {cell} is no disc: it has holes"),
+            Self::NoDisc { cell, .. } => {
+                write!(f, "cell {cell} is no disc: it has holes or handles")
+            }
             Self::TwiceAtVertex { node, cell } => {
                 write!(
                     f,
                     "cell {cell} meets itself at the Voronoi vertex of node {node}"
                 )
+            }
+            Self::NoTriangle { cell } => {
+                write!(f, "cell {cell} has no Voronoi vertex, so no triangle")
             }
             Self::SeveralBorders { cells: [a, b] } => {
                 write!(f, "cells {a} and {b} share several borders")
@@ -113,6 +126,14 @@ impl Diagram {
                 }
             }
         }
+        let mut has_triangle = vec![false; self.cells.len()];
+        for &corner in dual.triangles.as_flattened() {
+            has_triangle[corner as usize] = true;
+        }
+        let cells = (0..).zip(self.cells.iter().zip(has_triangle));
+        let alone = cells.filter(|(_, (cell, has_triangle))| cell.is_disc() && !has_triangle);
+        let alone = alone.map(|(cell, _)| Obstacle::NoTriangle { cell });
+        dual.obstacles.extend(alone);
         let mut several: Vec<[u32; 2]> = edges
             .into_iter()
             .filter(|(_, count)| *count > 1)

@@ -9,9 +9,9 @@ mod plane;
 pub(crate) mod sites;
 mod table;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
-use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh};
 use geobench_window::Window;
 
 use crate::field::{LabelledField, NO_SOURCE};
@@ -216,10 +216,10 @@ pub struct Cell {
     pub perimeter: f64,
     /// The cells with which it shares a border, in ascending order.
     pub neighbours: Vec<u32>,
-    /// Euler characteristic of its interior: 1 for a disc, less with holes. 0 for an empty cell, as
-    /// of the second of two sources at one place.
+    /// Euler characteristic of its interior: 1 for a disc, less with holes or handles. 0 for an empty
+    /// cell, as of the second of two sources at one place.
     pub euler: i64,
-    /// Whether its interior is connected.
+    /// Whether its interior is connected. Parts that only meet at a pinched vertex are not.
     pub is_connected: bool,
 }
 
@@ -469,6 +469,8 @@ struct Builder<'a> {
     /// in this order: the vertices of the mesh, the runs along edges with several cells, the runs
     /// along cuts inside faces.
     unions: CellComponents,
+    /// For each half-edge from a pinched vertex, the number in `unions` of its fan of faces.
+    fans: HashMap<HalfEdgeId, u32>,
 }
 
 impl<'a> Builder<'a> {
@@ -488,6 +490,7 @@ impl<'a> Builder<'a> {
             border_face: Vec::new(),
             vertices: Vec::new(),
             unions: CellComponents::default(),
+            fans: HashMap::new(),
         }
     }
 
@@ -578,9 +581,7 @@ impl<'a> Builder<'a> {
     fn divide_faces(&mut self) {
         let field = self.field;
         let mesh = field.mesh;
-        for &label in field.labels {
-            self.unions.add(label);
-        }
+        self.add_vertices();
         for line in &self.lines {
             self.first_union.push(self.unions.next());
             for source in line.cells() {
@@ -598,6 +599,37 @@ impl<'a> Builder<'a> {
         self.count_edges_and_vertices();
     }
 
+    /// Adds the vertices to `unions`, under their own numbers, and the fans of pinched vertices, each
+    /// with its own number.
+    fn add_vertices(&mut self) {
+        let mesh = self.field.mesh;
+        for (v, &label) in mesh.vertices().zip(self.field.labels) {
+            let label = if mesh.is_pinched(v) { NO_SOURCE } else { label };
+            self.unions.add(label);
+        }
+        for v in mesh.vertices().filter(|&v| mesh.is_pinched(v)) {
+            for &h in mesh.outgoing(v) {
+                self.fans.insert(h, self.unions.next());
+                self.unions.add(self.field.labels[v.index()]);
+            }
+            for &h in mesh.outgoing(v) {
+                if let Some(beside) = mesh.twin(h.prev()) {
+                    self.unions.join(self.fans[&h], self.fans[&beside]);
+                }
+            }
+        }
+    }
+
+    /// The number in `unions` of the vertex at which `h` starts, or of its fan there.
+    fn corner(&self, h: HalfEdgeId) -> u32 {
+        let v = self.field.mesh.tail(h);
+        if self.field.mesh.is_pinched(v) {
+            self.fans[&h]
+        } else {
+            v.raw()
+        }
+    }
+
     /// Adds a face with one cell, or none.
     fn add_inner_face(&mut self, face: FaceId) {
         let mesh = self.field.mesh;
@@ -607,7 +639,7 @@ impl<'a> Builder<'a> {
         if source == NO_SOURCE {
             return;
         }
-        let [first, second, third] = mesh.face_vertices(face).map(VertexId::raw);
+        let [first, second, third] = [0, 1, 2].map(|k| self.corner(face.half_edge(k)));
         self.unions.join(first, second);
         self.unions.join(second, third);
         let [a, b, c] = corners(mesh, face);
@@ -627,7 +659,7 @@ impl<'a> Builder<'a> {
             Some((line, true)) => self.lines[line].reversed(),
             None => SegmentCells::of(self.field.labels[vertices[k].index()]),
         });
-        let runs = [0, 1, 2].map(|k| self.runs_along(vertices[k], vertices[(k + 1) % 3], along[k]));
+        let runs = [0, 1, 2].map(|k| self.runs_along(face.half_edge(k), along[k as usize]));
         let next_run = self.unions.next();
         let arrangement = arrange(&sites, &lines, &runs, next_run);
         for &source in &arrangement.cuts {
@@ -680,17 +712,13 @@ impl<'a> Builder<'a> {
         });
     }
 
-    /// The numbers in `unions` of the runs along an edge. The first and last run are joined with
-    /// the ends of the edge. An edge with one cell has its tail as its run.
-    fn runs_along(
-        &mut self,
-        tail: VertexId,
-        head: VertexId,
-        along: Option<(usize, bool)>,
-    ) -> Vec<u32> {
+    /// The numbers in `unions` of the runs along `h`. The first and last run are joined with the
+    /// ends of the edge. An edge with one cell has its tail as its run.
+    fn runs_along(&mut self, h: HalfEdgeId, along: Option<(usize, bool)>) -> Vec<u32> {
+        let (tail, head) = (self.corner(h), self.corner(h.next()));
         let Some((line, is_reversed)) = along else {
-            self.unions.join(tail.raw(), head.raw());
-            return vec![tail.raw()];
+            self.unions.join(tail, head);
+            return vec![tail];
         };
         let first = self.first_union[line];
         let count = self.lines[line].changes.len() as u32;
@@ -698,8 +726,8 @@ impl<'a> Builder<'a> {
         if is_reversed {
             runs.reverse();
         }
-        self.unions.join(runs[0], tail.raw());
-        self.unions.join(runs[count as usize], head.raw());
+        self.unions.join(runs[0], tail);
+        self.unions.join(runs[count as usize], head);
         runs
     }
 

@@ -32,6 +32,7 @@ pub(super) fn points(
     let loops = loops(mesh);
     let mut spacing = spacing;
     let mut divided = divisions(mesh, &loops, spacing);
+    let most = most.max(FEWEST * loops.len());
     for _ in 0..ROUNDS {
         if divided.iter().map(|(_, pieces)| pieces).sum::<usize>() <= most {
             break;
@@ -116,9 +117,9 @@ fn chains(mesh: &Mesh, mut around: Vec<HalfEdgeId>, spacing: f64) -> Vec<Chain> 
 /// Whether each half-edge of a loop begins at a corner.
 ///
 /// The straight lines between corners deviate from the loop by at most [`DEVIATION`] times the
-/// spacing (U. Ramer, 1972; D. Douglas, T. Peucker, 1973). So roughness below that makes no corners.
-/// There are at least three if there are three vertices. Takes O(n log n) time for n half-edges,
-/// O(n²) in the worst case.
+/// spacing (U. Ramer, 1972; D. Douglas, T. Peucker, 1973). So roughness below that makes no
+/// corners. There are at least three if there are three vertices. Takes O(n log n) time for n
+/// half-edges, O(n²) in the worst case.
 fn corners(mesh: &Mesh, around: &[HalfEdgeId], spacing: f64) -> Vec<bool> {
     let count = around.len();
     let position = |i: usize| mesh.positions()[mesh.tail(around[i % count]).index()];
@@ -127,8 +128,8 @@ fn corners(mesh: &Mesh, around: &[HalfEdgeId], spacing: f64) -> Vec<bool> {
         each.reduce(|most, next| if next.0 > most.0 { next } else { most })
     };
     let mut is_corner = vec![false; count];
-    // The vertex farthest from the first one, the one farthest from that, and the one farthest from the line
-    // between both.
+    // The vertex farthest from the first one, the one farthest from that, and the one farthest from
+    // the line between both.
     let from = |i: usize| farthest(i..i + count, [position(i); 2]).map_or(i, |(_, at)| at % count);
     let first = from(0);
     let second = from(first);

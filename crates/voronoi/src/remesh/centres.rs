@@ -76,14 +76,18 @@ pub(super) fn centres(
     for ((&site, &v), moment) in sites.iter().zip(&refined.vertices).zip(&moments) {
         let stays = refined.mesh.is_boundary(v) || moment.area == 0.0;
         let vector = moment.sum.map(|x| x / moment.area);
-        let centre = if stays {
+        let line = if stays {
             None
         } else {
-            let end = Tangents::new(&refined.mesh, v).exponential(vector);
-            end.and_then(|(face, weights)| original.point(face, weights))
+            Tangents::new(&refined.mesh, v).exponential(vector)
         };
-        moved += centre.map_or(0.0, |_| libm::hypot(vector[0], vector[1]));
-        centres.push(centre.unwrap_or(site));
+        let centre = line.and_then(|line| {
+            let centre = original.point(line.face, line.weights)?;
+            Some((centre, line.length))
+        });
+        let (centre, length) = centre.unwrap_or((site, 0.0));
+        centres.push(centre);
+        moved += length;
     }
     Ok((centres, moved / sites.len().max(1) as f64))
 }

@@ -21,7 +21,9 @@ impl Flaws {
         let mut flaws = Self::default();
         for obstacle in &dual.obstacles {
             let cells = match *obstacle {
-                Obstacle::NoDisc { cell, .. } | Obstacle::TwiceAtVertex { cell, .. } => vec![cell],
+                Obstacle::NoDisc { cell, .. }
+                | Obstacle::NoTriangle { cell }
+                | Obstacle::TwiceAtVertex { cell, .. } => vec![cell],
                 Obstacle::SeveralBorders { cells } => cells.to_vec(),
             };
             flaws.add(cells, || obstacle.to_string());
@@ -54,11 +56,11 @@ impl Flaws {
                 }
             }
             match links.get(&cell) {
-                None => flaws.add(vec![cell], || format!("site {cell} has no triangle")),
                 Some(link) if !is_ring_or_fan(link) => flaws.add(vec![cell], || {
                     format!("the triangles at site {cell} are no ring or fan")
                 }),
-                Some(_) => {}
+                // Without triangles, the cell is an obstacle.
+                Some(_) | None => {}
             }
         }
         flaws

@@ -121,11 +121,11 @@ impl Remeshed {
 
 /// Remeshes a surface: the dual of the geodesic Voronoi diagram of sites spread evenly over it.
 ///
-/// 1. Sites on the boundary: its corners, and points between them, at most as far apart as in a mesh
-///    of equilateral triangles. Corners deviate from straight lines by more than a quarter of that
-///    spacing. If these sites were more than half of all, they are fewer, but at least three on each
-///    loop. Then farthest point sampling: each site is the vertex farthest from those before it.
-///    Each component gets a site.
+/// 1. Sites on the boundary: its corners, and points between them, at most as far apart as in a
+///    mesh of equilateral triangles. Corners deviate from straight lines by more than a quarter of
+///    that spacing. If these sites were more than half of all, they are fewer, but at least three
+///    on each loop. Then farthest point sampling: each site is the vertex farthest from those
+///    before it. Each component gets a site.
 /// 2. Steps of Lloyd's algorithm. The centre of a cell is the end of the straight line from its
 ///    site along the mean, over the area of the cell, of the directions and lengths of the shortest
 ///    paths to its points. Sites on the boundary stay.

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
-use geobench_paths::{Path, Place};
+use geobench_paths::{Path, PathPlace};
 
 /// A direction in the tangent plane, times a length.
 pub(super) type Vector = [f64; 2];
@@ -60,7 +60,7 @@ impl<'a> Tangents<'a> {
 
     /// The angle on the surface at which the vertex sees a point that is on an edge or a vertex of
     /// one of its faces; `None` for any other point.
-    fn angle_of(&self, place: Place) -> Option<f64> {
+    fn angle_of(&self, place: PathPlace) -> Option<f64> {
         let mesh = self.mesh;
         let along = |v: VertexId| {
             let mut edges = mesh.outgoing(self.vertex).iter().zip(&self.angles);
@@ -71,10 +71,10 @@ impl<'a> Tangents<'a> {
             })
         };
         match place {
-            Place::Vertex(v) => along(v),
-            Place::Edge { ends: [a, b], .. } if a == self.vertex => along(b),
-            Place::Edge { ends: [a, b], .. } if b == self.vertex => along(a),
-            Place::Edge { ends: [a, b], t } => {
+            PathPlace::Vertex(v) => along(v),
+            PathPlace::Edge { ends: [a, b], .. } if a == self.vertex => along(b),
+            PathPlace::Edge { ends: [a, b], .. } if b == self.vertex => along(a),
+            PathPlace::Edge { ends: [a, b], t } => {
                 let mut edges = mesh.outgoing(self.vertex).iter().zip(&self.angles);
                 edges.find_map(|(&h, angle)| {
                     let t = match [mesh.head(h), mesh.apex_vertex(h)] {
@@ -86,14 +86,14 @@ impl<'a> Tangents<'a> {
                     Some(angle + libm::atan2(t * y, l + t * (x - l)))
                 })
             }
-            Place::Face => None,
+            PathPlace::Face => None,
         }
     }
 
-    /// The end of the straight line on the surface that starts along `vector` and has its length,
-    /// as a face and barycentric coordinates. The line ends early at the boundary. `None` if the
-    /// vertex is in no face.
-    pub(super) fn exponential(&self, vector: Vector) -> Option<(FaceId, [f64; 3])> {
+    /// The end of the straight line on the surface that starts along `vector` and has its length.
+    /// The line ends early at the boundary, and after as many faces as the mesh has: around needles
+    /// it may wind further. `None` if the vertex is in no face.
+    pub(super) fn exponential(&self, vector: Vector) -> Option<LineEnd> {
         let length = libm::hypot(vector[0], vector[1]);
         let angle = libm::atan2(vector[1], vector[0]).rem_euclid(TAU) / self.scale;
         let angle = angle.min(self.total);
@@ -110,6 +110,15 @@ impl<'a> Tangents<'a> {
     }
 }
 
+/// The end of a straight line on the surface.
+pub(super) struct LineEnd {
+    pub(super) face: FaceId,
+    /// Barycentric coordinates in the face.
+    pub(super) weights: [f64; 3],
+    /// The length of the line.
+    pub(super) length: f64,
+}
+
 /// A ray that starts on a half-edge, in its frame.
 struct Ray {
     x: f64,
@@ -118,10 +127,15 @@ struct Ray {
 }
 
 impl Ray {
-    /// Follows the ray from face to face until its length is used up or it meets the boundary.
-    fn walk(mut self, mesh: &Mesh, mut h: HalfEdgeId) -> (FaceId, [f64; 3]) {
-        // A straight line can cross a face more than once, but none that is shorter than a path
-        // around the surface crosses all of them.
+    /// Follows the ray from face to face, at most as many as the mesh has, until its length is used
+    /// up or it meets the boundary.
+    fn walk(mut self, mesh: &Mesh, mut h: HalfEdgeId) -> LineEnd {
+        let whole = self.length;
+        let end = |h: HalfEdgeId, place, length| LineEnd {
+            face: h.face(),
+            weights: weights(mesh, h, place),
+            length,
+        };
         for _ in 0..mesh.face_count() {
             let (l, [ax, ay]) = (mesh.length(h), mesh.apex(h));
             let [dx, dy] = self.direction;
@@ -143,7 +157,7 @@ impl Ray {
             let step = if goes_on { step } else { self.length };
             let place = [self.x + step * dx, step * dy];
             let Some(twin) = twin else {
-                return (h.face(), weights(mesh, h, place));
+                return end(h, place, whole - self.length + step);
             };
             let at = (place[0] - from[0]) * along[0] + (place[1] - from[1]) * along[1];
             self = Self {
@@ -153,7 +167,7 @@ impl Ray {
             };
             h = twin;
         }
-        (h.face(), weights(mesh, h, [self.x, 0.0]))
+        end(h, [self.x, 0.0], whole - self.length)
     }
 }
 
@@ -174,8 +188,8 @@ mod tests {
     use super::*;
 
     /// The position of a point of a face.
-    fn position(mesh: &Mesh, (face, weights): (FaceId, [f64; 3])) -> [f64; 3] {
-        let point = mesh.point_in_face(face, weights).unwrap();
+    fn position(mesh: &Mesh, end: &LineEnd) -> [f64; 3] {
+        let point = mesh.point_in_face(end.face, end.weights).unwrap();
         mesh.position_of(&point).unwrap()
     }
 
@@ -191,7 +205,9 @@ mod tests {
         for i in 0..50 {
             let angle = f64::from(i) * TAU / 50.0;
             let vector = [3.9 * libm::cos(angle), 3.9 * libm::sin(angle)];
-            let end = position(&mesh, tangents.exponential(vector).unwrap());
+            let end = tangents.exponential(vector).unwrap();
+            assert!((end.length - 3.9).abs() < 1e-12);
+            let end = position(&mesh, &end);
             let expected = [
                 origin[0] + 3.9 * libm::cos(angle + turn),
                 origin[1] + 3.9 * libm::sin(angle + turn),
@@ -199,9 +215,15 @@ mod tests {
             assert!((end[0] - expected[0]).abs() < 1e-12, "{i}: {end:?}");
             assert!((end[1] - expected[1]).abs() < 1e-12, "{i}: {end:?}");
         }
-        let far = position(&mesh, tangents.exponential([100.0, 0.0]).unwrap());
+        let far = tangents.exponential([100.0, 0.0]).unwrap();
+        let length = far.length;
+        let far = position(&mesh, &far);
         let off = [far[0] - origin[0], far[1] - origin[1]].map(f64::abs);
         assert!((off[0].max(off[1]) - 4.0).abs() < 1e-12, "{far:?}");
+        assert!(
+            (length - libm::hypot(off[0], off[1])).abs() < 1e-12,
+            "{far:?}"
+        );
     }
 
     #[test]
@@ -215,8 +237,8 @@ mod tests {
         for i in 0..40 {
             let angle = 0.05 + f64::from(i) * TAU / 40.0;
             let vector = [0.7 * libm::cos(angle), 0.7 * libm::sin(angle)];
-            let (face, weights) = tangents.exponential(vector).unwrap();
-            let end = mesh.point_in_face(face, weights).unwrap();
+            let end = tangents.exponential(vector).unwrap();
+            let end = mesh.point_in_face(end.face, end.weights).unwrap();
             let refined = mesh.with_points(&[end]).unwrap();
             let mut solver = VtpFast::new(&refined.mesh);
             let paths = Paths::find(&mut solver, &refined.mesh, 0, &Goal::everything()).unwrap();

@@ -16,8 +16,8 @@ use super::{mesh_of, some_vertices, try_mesh_of};
 use crate::diagram::sites::FaceSites;
 use crate::removal::PublishedDefects;
 use crate::{
-    BorderArc, Diagram, FieldSolver, Lct11, NO_SOURCE, NodeKind, Obstacle, Options, Removal,
-    WindowVtp,
+    BorderArc, Diagram, FieldSolver, Lct11, NO_SOURCE, NodeKind, Obstacle, Removal, WindowVtp,
+    WindowVtpOptions,
 };
 
 /// Largest error of distances at points of arcs, relative to the distance.
@@ -39,9 +39,9 @@ struct SingleSourceDistances {
 
 impl SingleSourceDistances {
     fn new(mesh: &Mesh, sources: &[VertexId]) -> Self {
-        let options = Options {
+        let options = WindowVtpOptions {
             removal: Removal::Off,
-            ..Options::default()
+            ..WindowVtpOptions::default()
         };
         Self {
             solvers: vec![WindowVtp::with_options(mesh, options); sources.len()],
@@ -161,7 +161,7 @@ fn check(name: &str, mesh: &Mesh, sources: &[VertexId]) -> Vec<String> {
 
 /// Compares distances at points on edges and in faces with those of the vertices of a subdivided
 /// mesh. If windows are removed, faces with one cell are left out.
-fn check_points(model: &Model, options: Options, sources: &[VertexId]) -> Vec<String> {
+fn check_points(model: &Model, options: WindowVtpOptions, sources: &[VertexId]) -> Vec<String> {
     let mesh = mesh_of(model);
     // There is no such mesh if the coordinates of some points coincide.
     let Some(fine) = try_mesh_of(&model.subdivided(4)) else {
@@ -210,9 +210,9 @@ fn distances_at_points_of_border_faces_are_those_of_a_finer_mesh() {
         let mesh = mesh_of(&model);
         for count in [2, 5, 30] {
             for removal in [Removal::Off, Removal::Continuous] {
-                let options = Options {
+                let options = WindowVtpOptions {
                     removal,
-                    ..Options::default()
+                    ..WindowVtpOptions::default()
                 };
                 wrong.extend(check_points(
                     &model,
@@ -512,9 +512,9 @@ fn lct11_gives_the_same_diagram() {
 
 /// The number of border faces in which distances differ from those without removal.
 fn wrong_border_faces(mesh: &Mesh, sources: &[VertexId], traps: PublishedDefects) -> usize {
-    let all = Options {
+    let all = WindowVtpOptions {
         removal: Removal::Off,
-        ..Options::default()
+        ..WindowVtpOptions::default()
     };
     let mut without = WindowVtp::with_options(mesh, all);
     let mut with = WindowVtp::new(mesh);
@@ -640,7 +640,8 @@ fn a_cell_may_have_a_hole() {
     assert_eq!(around.euler, 0);
     let dual = diagram.dual();
     let says = dual.obstacles[0].to_string();
-    assert_eq!(says, "cell 1 is no disc: it has a hole, or is empty");
+    let expected = "cell 1 is no disc: it has a hole or a handle, or is empty";
+    assert_eq!(says, expected);
 }
 
 #[test]
@@ -692,6 +693,39 @@ fn cells_touch_at_a_pinched_vertex_and_not_across_a_gap() {
     }
     let apart = &diagram.cells()[2];
     assert!(apart.is_disc() && apart.neighbours.is_empty(), "{apart:?}");
+}
+
+#[test]
+fn two_sources_on_a_sphere_had_a_dual_without_triangles() {
+    let mesh = Mesh::generate("sphere,subdiv=2").unwrap();
+    let dual = diagram_of(&mesh, &[0, 5].map(VertexId::new)).dual();
+    let alone = [0, 1].map(|cell| Obstacle::NoTriangle { cell });
+    assert_eq!((dual.triangles.len(), dual.obstacles), (0, alone.to_vec()));
+    let one = diagram_of(&Mesh::generate("grid,n=4").unwrap(), &[VertexId::new(7)]);
+    assert_eq!(one.dual().obstacles, [Obstacle::NoTriangle { cell: 0 }]);
+}
+
+/// A triangle and a ring that share a vertex have the Euler characteristic of a disc.
+#[test]
+fn parts_that_meet_at_a_pinched_vertex_counted_as_connected() {
+    let mut soup = TriangleSoup::new(Vec::new(), Vec::new());
+    for i in 0..16 {
+        soup.positions
+            .push([f64::from(i % 4), f64::from(i / 4), 0.0]);
+    }
+    for (x, y) in (0..9).map(|i| (i % 3, i / 3)).filter(|at| *at != (1, 1)) {
+        let a = 4 * y + x;
+        soup.triangles
+            .extend([[a, a + 1, a + 5], [a, a + 5, a + 4]]);
+    }
+    soup.positions.extend([[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]);
+    soup.triangles.push([0, 16, 17]);
+    let mesh = Mesh::from_soup(soup).unwrap().0;
+    assert!(mesh.is_pinched(VertexId::new(0)));
+    let diagram = diagram_of(&mesh, &[VertexId::new(5)]);
+    let cell = &diagram.cells()[0];
+    assert_eq!((cell.euler, cell.is_connected), (1, false));
+    assert!(!cell.is_disc());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use geobench_oracle::zoo;
 use geobench_window::{Counter, Solver, VertexFilter};
 
 use super::{ROUNDING, mesh_of, one_by_one, some_vertices};
-use crate::{FieldSolver, LabelledField, Lct11, NO_SOURCE, Options, Removal, WindowVtp};
+use crate::{FieldSolver, LabelledField, Lct11, NO_SOURCE, Removal, WindowVtp, WindowVtpOptions};
 
 /// A complaint about each vertex whose distance or label is wrong.
 fn wrong_vertices(field: &LabelledField<'_>, each: &[Vec<f64>]) -> Vec<String> {
@@ -28,20 +28,20 @@ fn wrong_vertices(field: &LabelledField<'_>, each: &[Vec<f64>]) -> Vec<String> {
     wrong
 }
 
-const ALL_OPTIONS: [Options; 4] = [
-    Options {
+const ALL_OPTIONS: [WindowVtpOptions; 4] = [
+    WindowVtpOptions {
         removal: Removal::Continuous,
         filter: VertexFilter::Off,
     },
-    Options {
+    WindowVtpOptions {
         removal: Removal::Off,
         filter: VertexFilter::Off,
     },
-    Options {
+    WindowVtpOptions {
         removal: Removal::Continuous,
         filter: VertexFilter::On,
     },
-    Options {
+    WindowVtpOptions {
         removal: Removal::Periodic { c: 0.1 },
         filter: VertexFilter::Off,
     },
@@ -119,9 +119,9 @@ fn the_periodic_check_leaves_what_the_continuous_one_leaves() {
     let mesh = Mesh::generate("torus,faces=5000,bump=0.1,seed=3").unwrap();
     let sources = some_vertices(&mesh, 10, 1);
     let count = |removal| {
-        let options = Options {
+        let options = WindowVtpOptions {
             removal,
-            ..Options::default()
+            ..WindowVtpOptions::default()
         };
         let mut solver = WindowVtp::with_options(&mesh, options);
         let (_, counters) = solver.count(&sources).unwrap();

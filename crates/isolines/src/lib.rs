@@ -166,7 +166,11 @@ impl Line {
 impl Isoline {
     /// The total length of its lines.
     pub fn length(&self) -> f64 {
-        self.lines.iter().map(Line::length).sum()
+        // The sum of no numbers would be -0.
+        self.lines
+            .iter()
+            .map(Line::length)
+            .fold(0.0, |sum, length| sum + length)
     }
 }
 
@@ -243,20 +247,57 @@ impl DistanceField {
         levels
     }
 
-    /// The isolines at `levels`, in this order; see [`isoline`](Self::isoline).
+    /// The isolines at `levels`, in this order; see [`isoline`](Self::isoline). All together read
+    /// every face once.
     pub fn isolines(&self, levels: &[f64]) -> Vec<Isoline> {
-        levels.iter().map(|&level| self.isoline(level)).collect()
+        let free: Vec<f64> = levels.iter().map(|&level| self.free_level(level)).collect();
+        let faces = self.faces_near(&free);
+        let traced = levels.iter().zip(free).zip(faces);
+        traced
+            .map(|((&distance, level), faces)| self.trace(distance, level, &faces))
+            .collect()
     }
 
     /// The points at `distance` from the nearest source. The isoline has no lines if `distance` is
     /// not positive.
     ///
-    /// Takes O(faces) time, and O(w² + a w) for each face near the isoline, where w windows enter
-    /// the face and their circles cut each other into a pieces.
+    /// Takes O(faces) time, and O(w² + a w + a² log a) for each face near the isoline, where w
+    /// windows enter the face and their circles cut each other into a pieces.
     pub fn isoline(&self, distance: f64) -> Isoline {
+        let level = self.free_level(distance);
+        let faces = self.faces_near(&[level]);
+        self.trace(distance, level, &faces[0])
+    }
+
+    /// For each level, the faces that its isoline may cross, in ascending order.
+    fn faces_near(&self, levels: &[f64]) -> Vec<Vec<FaceId>> {
+        let mesh = &self.refined.mesh;
+        let mut order: Vec<usize> = (0..levels.len()).collect();
+        order.sort_by(|&i, &j| levels[i].total_cmp(&levels[j]));
+        let mut near = vec![Vec::new(); levels.len()];
+        for face in mesh.faces() {
+            let distances = mesh.face_vertices(face).map(|v| self.distances[v.index()]);
+            let size = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
+            let size = size.into_iter().fold(0.0, f64::max);
+            // Points of the face are no farther than its longest edge from a corner.
+            let least = distances.into_iter().fold(f64::INFINITY, f64::min) - size;
+            let greatest = distances.into_iter().fold(0.0, f64::max) + size;
+            let first = order.partition_point(|&i| levels[i] < least);
+            for &i in order[first..]
+                .iter()
+                .take_while(|&&i| levels[i] <= greatest)
+            {
+                near[i].push(face);
+            }
+        }
+        near
+    }
+
+    /// The isoline at `distance`, computed as that at `level`, which `faces` hold.
+    fn trace(&self, distance: f64, level: f64, faces: &[FaceId]) -> Isoline {
         let mut tracer = Tracer {
             field: self,
-            level: self.free_level(distance),
+            level,
             edges: HashMap::new(),
             edge_of: Vec::new(),
             links: Vec::new(),
@@ -264,7 +305,7 @@ impl DistanceField {
             gap: 0.0,
         };
         if distance > 0.0 {
-            tracer.trace_faces();
+            tracer.trace_faces(faces);
             tracer.join();
         }
         Isoline {
@@ -406,22 +447,12 @@ struct Tracer<'a> {
 }
 
 impl Tracer<'_> {
-    /// Computes the crossings and the arcs of all faces that the isoline may cross.
-    fn trace_faces(&mut self) {
+    /// Computes the crossings and the arcs of `faces`.
+    fn trace_faces(&mut self, faces: &[FaceId]) {
         let field = self.field;
         let mesh = &field.refined.mesh;
-        for face in mesh.faces() {
-            let halves = [0, 1, 2].map(|k| face.half_edge(k));
-            let near = mesh.face_vertices(face).map(|v| field.distances[v.index()]);
-            let size = halves
-                .map(|h| mesh.length(h))
-                .into_iter()
-                .fold(0.0, f64::max);
-            let near = near.iter().any(|d| (d - self.level).abs() <= size);
-            if !near {
-                continue;
-            }
-            for h in halves {
+        for &face in faces {
+            for h in [0, 1, 2].map(|k| face.half_edge(k)) {
                 let h = mesh.twin(h).map_or(h, |twin| twin.min(h));
                 if !self.edges.contains_key(&h) {
                     let at = field.crossings(h, self.level);

@@ -30,10 +30,10 @@ const CHUNK: usize = 512;
 /// Ying, Xin and He, "Parallel Chen-Han (PCH) algorithm for discrete geodesics" (2014). Windows are
 /// taken in rounds, each with all windows of one bucket of distances. A round has four steps:
 ///
-/// 1. All windows compute their paths to the apices of their faces, in parallel. 2. One thread
-///    updates the distances of vertices and the records of one angle, one split. 3. All windows are
-///    split, and their children are filtered by the new distances, in parallel. 4. The children are
-///    put into the buckets of their distances.
+/// 1. All windows compute their paths to the apices of their faces, in parallel.
+/// 2. One thread updates the distances of vertices and the records of one angle, one split.
+/// 3. All windows are split, and their children are filtered by the new distances, in parallel.
+/// 4. The children are put into the buckets of their distances.
 ///
 /// Distances and counts do not depend on the number of threads. As for ICH1, the time is O(n²), and
 /// the wavefront has no bound; hence the filter.

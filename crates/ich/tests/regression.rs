@@ -30,3 +30,14 @@ regression_tests! {
     windows_that_had_replaced_others_were_given_up
     a_path_past_a_tip_was_shorter_than_the_distance_of_the_tip
 }
+
+#[test]
+fn a_source_named_a_hundred_times_cost_a_hundred_times() {
+    use geobench_mesh::VertexId;
+    let mesh = Mesh::generate("grid,n=6").unwrap();
+    for (name, mut solver) in solvers(&mesh) {
+        let once = solver.count(&[VertexId::new(3)]).unwrap();
+        let often = solver.count(&[VertexId::new(3); 100]).unwrap();
+        assert!(once == often, "{name}");
+    }
+}

@@ -53,7 +53,8 @@ impl Refined {
     /// let points = [mesh.point_in_face(FaceId::new(0), [0.25, 0.25, 0.5])?];
     /// let refined = mesh.with_points(&points)?;
     /// let part = refined.mesh.outgoing(refined.vertices[0])[0].face();
-    /// let k = refined.mesh.face_vertices(part).iter().position(|&v| v == refined.vertices[0]).unwrap();
+    /// let corners = refined.mesh.face_vertices(part);
+    /// let k = corners.iter().position(|&v| v == refined.vertices[0]).unwrap();
     /// let mut corner = [0.0; 3];
     /// corner[k] = 1.0;
     /// assert_eq!(refined.in_parent(&mesh, &points, part, corner), [0.25, 0.25, 0.5]);

@@ -125,3 +125,38 @@ fn a_short_line_across_a_needle_had_another_length() {
     let points = [[a, 1.0 - a, 0.0], [0.0, 1.0 - b, b]];
     check_split_of_a_needle([2e-11, 1.2e-10], &points.map(|[x, y, z]| [y, z, x]));
 }
+
+#[test]
+fn counts_beside_the_keyword_of_an_off_file_were_refused() {
+    let text = b"OFF3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    let soup = io::read_bytes(text, Format::Off, Path::new("a.off")).unwrap();
+    assert_eq!((soup.positions.len(), soup.triangles), (3, vec![[0, 1, 2]]));
+}
+
+#[test]
+fn padding_after_a_gzip_file_was_taken_for_another_member() {
+    let mut member = GzEncoder::new(Vec::new(), Compression::best());
+    member
+        .write_all(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        .unwrap();
+    let mut bytes = member.finish().unwrap();
+    bytes.extend([0; 100]);
+    let soup = io::read_bytes(&bytes, Format::Obj, Path::new("a.obj.gz")).unwrap();
+    assert_eq!(soup.triangles, [[0, 1, 2]]);
+}
+
+#[test]
+fn coordinates_became_infinite_in_stl_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("large.stl");
+    let soup = io::read_bytes(
+        b"v 0 0 0\nv 1e50 0 0\nv 0 1e50 0\nf 1 2 3\n",
+        Format::Obj,
+        Path::new("large.obj"),
+    );
+    let error = io::write(&path, &soup.unwrap()).unwrap_err().to_string();
+    assert!(
+        error.contains("1e50 is too large for the single precision of STL"),
+        "{error}"
+    );
+}

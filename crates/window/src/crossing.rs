@@ -190,9 +190,9 @@ pub(crate) fn entry(offset: f64, height: f64, px: f64, l: f64) -> f64 {
     }
 }
 
-/// The length of the path to an apex that crosses its half-edge at `entry`. By its window the length
-/// is `d`. The half-edge is `l` long; `ends` are the distances of its tail and its head, `sides` the
-/// distances from these to the apex.
+/// The length of the path to an apex that crosses its half-edge at `entry`. By its window the
+/// length is `d`. The half-edge is `l` long; `ends` are the distances of its tail and its head,
+/// `sides` the distances from these to the apex.
 ///
 /// A path through one of the two vertices is no shorter than the distance of the vertex plus the
 /// side from there. A window places its source to some ulps of the half-edge. If the half-edge is

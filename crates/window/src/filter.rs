@@ -22,6 +22,7 @@ const SLACK: f64 = MARGIN;
 
 /// Whether paths along the edge from one of its ends beat every ray of `w` (Xin and Wang 2009,
 /// theorem 3.2, first two tests).
+///
 /// `l` is the length of the edge. `d0` and `d1` are the distances known at its tail and its head;
 /// upper bounds will do, infinite ones too. A path from the tail along the edge to `b1` crosses
 /// every ray of the window, so the window is beaten if d0 + b1 < σ + |p b1|. The test from the head

@@ -299,7 +299,6 @@ impl Faces {
     /// Windows pass an apex on either side about equally often, in no predictable order. So both
     /// sides are computed by the same instructions, here and in all code that depends on the exit.
     /// `black_box` keeps the compiler from introducing a branch on the side.
-    /// nothing is known of the side that would tempt the compiler to make one.
     #[inline]
     pub fn exit(&self, h: HalfEdgeId, frame: &Frame, side: Side) -> Exit {
         let side = std::hint::black_box(side as u32);

@@ -1,5 +1,8 @@
 //! The interface between callers and algorithms.
 
+use std::borrow::Cow;
+use std::collections::HashSet;
+
 use geobench_mesh::VertexId;
 
 use crate::counters::{Counter, Counters};
@@ -330,7 +333,7 @@ impl<T: Propagate> Solver for T {
     fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
         check_sources(self.vertex_count(), sources)?;
         self.check()?;
-        Ok(self.propagate(sources, &mut ()))
+        Ok(self.propagate(&distinct(sources), &mut ()))
     }
 
     fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
@@ -345,7 +348,7 @@ impl<T: Propagate> Solver for T {
         check_goal(self.vertex_count(), goal)?;
         self.check()?;
         let mut until = Until::new((), goal);
-        let mut solution = self.propagate(sources, &mut until);
+        let mut solution = self.propagate(&distinct(sources), &mut until);
         until.cut(&mut solution);
         Ok(solution)
     }
@@ -359,7 +362,7 @@ impl<T: Propagate> Solver for T {
         check_goal(self.vertex_count(), goal)?;
         self.check()?;
         let mut until = Until::new(Count::default(), goal);
-        let mut solution = self.propagate(sources, &mut until);
+        let mut solution = self.propagate(&distinct(sources), &mut until);
         until.cut(&mut solution);
         Ok((solution, until.probe.counters(&T::counters())))
     }
@@ -376,7 +379,7 @@ impl<T: Propagate> Solver for T {
         }
         self.check()?;
         let mut until = Until::new(Origins::new(self.vertex_count()), goal);
-        let mut solution = self.propagate(sources, &mut until);
+        let mut solution = self.propagate(&distinct(sources), &mut until);
         until.cut(&mut solution);
         Ok((solution, until.probe))
     }
@@ -388,7 +391,7 @@ impl<T: Propagate> Solver for T {
     ) -> Result<Solution, SolveError> {
         check_sources(self.vertex_count(), sources)?;
         self.check()?;
-        Ok(sampler.watch(|probe| self.propagate(sources, probe)))
+        Ok(sampler.watch(|probe| self.propagate(&distinct(sources), probe)))
     }
 
     fn profile_until(
@@ -406,14 +409,30 @@ impl<T: Propagate> Solver for T {
         self.check()?;
         Ok(sampler.watch(|probe| {
             let mut until = Until::new(*probe, goal);
-            let mut solution = self.propagate(sources, &mut until);
+            let mut solution = self.propagate(&distinct(sources), &mut until);
             until.cut(&mut solution);
             solution
         }))
     }
 }
 
-fn check_sources(vertices: usize, sources: &[VertexId]) -> Result<(), SolveError> {
+/// The sources, each once, since some solvers would spawn the windows of each repetition. Ascending
+/// sources are not copied.
+fn distinct(sources: &[VertexId]) -> Cow<'_, [VertexId]> {
+    if sources.is_sorted_by(|a, b| a < b) {
+        return Cow::Borrowed(sources);
+    }
+    let mut seen = HashSet::new();
+    let once = sources.iter().copied().filter(|&v| seen.insert(v));
+    Cow::Owned(once.collect())
+}
+
+/// Checks the sources of a run on a mesh with this number of vertices.
+///
+/// # Errors
+///
+/// If there is no source, or one is not a vertex of the mesh.
+pub fn check_sources(vertices: usize, sources: &[VertexId]) -> Result<(), SolveError> {
     match sources.iter().find(|v| v.index() >= vertices) {
         Some(&vertex) => Err(SolveError::NoSuchVertex { vertex, vertices }),
         None if sources.is_empty() => Err(SolveError::NoSource),

@@ -69,5 +69,8 @@ pub(super) fn split(soup: &TriangleSoup) -> TriangleSoup {
             triangles.push([a, b, c]);
         }
     }
-    TriangleSoup::new(positions, triangles)
+    TriangleSoup {
+        short_faces: soup.short_faces.clone(),
+        ..TriangleSoup::new(positions, triangles)
+    }
 }

@@ -6,7 +6,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use flate2::read::MultiGzDecoder;
+use flate2::bufread::GzDecoder;
 
 use super::error::FileError;
 
@@ -30,18 +30,26 @@ pub(super) fn is_gzip(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\x1f\x8b")
 }
 
-/// Decompresses `bytes`, including all members of a file, to at most `limit` bytes.
+/// Decompresses `bytes`, including all members of a file, to at most `limit` bytes. As in `gzip`,
+/// whatever follows the last member is ignored.
 pub(super) fn inflate(bytes: &[u8], limit: Option<u64>, path: &Path) -> Result<Vec<u8>, FileError> {
     let compressed = bytes.len() as u64;
     let limit = limit.unwrap_or_else(|| usual_decompression_limit(compressed));
     let mut inflated = Vec::new();
-    MultiGzDecoder::new(bytes)
-        .take(limit.saturating_add(1))
-        .read_to_end(&mut inflated)
-        .map_err(|source| FileError::Gzip {
+    let mut rest = bytes;
+    loop {
+        let left = limit.saturating_add(1) - inflated.len() as u64;
+        let mut member = GzDecoder::new(rest);
+        let read = member.by_ref().take(left).read_to_end(&mut inflated);
+        read.map_err(|source| FileError::Gzip {
             path: path.to_owned(),
             source,
         })?;
+        rest = member.into_inner();
+        if inflated.len() as u64 > limit || !is_gzip(rest) {
+            break;
+        }
+    }
     if inflated.len() as u64 > limit {
         return Err(FileError::TooLarge {
             path: path.to_owned(),

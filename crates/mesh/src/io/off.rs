@@ -45,7 +45,11 @@ fn header(lines: &mut Content<'_>) -> Result<(u64, u64), Flaw> {
     let (mut line, mut content) = lines
         .next()
         .ok_or_else(|| Flaw::file("there are only blank lines and comments in it"))?;
-    let first = words(content).next().unwrap_or_default();
+    let mut first = words(content).next().unwrap_or_default();
+    // Many files of ModelNet have no blank between keyword and counts: `OFF490 518 0`.
+    if let [b'O' | b'o', b'F' | b'f', b'F' | b'f', b'0'..=b'9', ..] = first {
+        first = &first[..3];
+    }
     // A file without a keyword may start with its counts.
     if integer(first).is_none() {
         check_keyword(line, first)?;

@@ -67,7 +67,8 @@ fn piece(bytes: &[u8]) -> Option<Statements> {
                 let (line, next) = rest.split_at(end);
                 // A line with a continuation, or one that ends with CR alone.
                 let line = line.strip_suffix(b"\r").unwrap_or(line);
-                if line.contains(&b'\\') || line.contains(&b'\r') {
+                let continues = line.trim_ascii_end().ends_with(b"\\");
+                if continues || line.contains(&b'\r') {
                     return None;
                 }
                 rest = next.get(1..).unwrap_or_default();

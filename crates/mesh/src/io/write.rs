@@ -97,7 +97,12 @@ fn write_stl(
         let normal = normal.map(|x| if length > 0.0 { x / length } else { 0.0 });
         for x in [[normal].as_slice(), &corners].concat().as_flattened() {
             #[expect(clippy::cast_possible_truncation, reason = "STL has single precision")]
-            out.write_all(&(*x as f32).to_le_bytes())?;
+            let single = *x as f32;
+            if single.is_infinite() && x.is_finite() {
+                let message = format!("{x:e} is too large for the single precision of STL");
+                return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+            }
+            out.write_all(&single.to_le_bytes())?;
         }
         out.write_all(&[0, 0])?;
     }

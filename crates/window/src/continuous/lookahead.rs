@@ -60,8 +60,8 @@ impl Lookahead {
         self.skip_to(id)
     }
 
-    /// Skips the lanes before `id`, whose windows are stale. A window pushed after the last refill
-    /// has no lane and skips none.
+    /// Skips the lanes before `id`: the queue has changed its order, and their windows are crossed
+    /// later without a lane. A window pushed after the last refill has no lane and skips none.
     #[cold]
     fn skip_to(&mut self, id: u32) -> Option<usize> {
         let waiting = &self.ids[self.next..self.crossings.len()];

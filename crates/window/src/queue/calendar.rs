@@ -170,7 +170,7 @@ impl Calendar {
         }
     }
 
-    /// Prefetches one more event of the bucket set by [`prepare_walk`](Self::look_behind). The
+    /// Prefetches one more event of the bucket set by [`prepare_walk`](Self::prepare_walk). The
     /// events of a bucket form a linked list, so [draining](Self::drain) it without prefetching
     /// would wait for each link.
     #[inline]

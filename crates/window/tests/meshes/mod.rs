@@ -74,8 +74,8 @@ fn mesh(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Mesh {
 /// Rounding error of every distance, as a fraction of the greatest one.
 const FLOOR: f64 = 1e-13;
 
-/// The first vertex whose distance is wrong by more than `relative` of it, and how it is. `floor` is
-/// as [`FLOOR`].
+/// The first vertex whose distance is wrong by more than `relative` of it, and how it is. `floor`
+/// is as [`FLOOR`].
 fn wrong(found: &[f64], expected: &[f64], relative: f64, floor: f64) -> Option<String> {
     assert_eq!(found.len(), expected.len());
     let reached = expected.iter().copied().filter(|d| d.is_finite());

@@ -70,7 +70,8 @@ pub(crate) fn edge(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, t: f64) -> PyResu
             "t: {t} is not a place on an edge; give a number from 0 to 1"
         )));
     }
-    Ok(Point(PointSpec::Edge(ends, t)))
+    // -0 becomes 0: equal points have equal texts, and so equal hashes.
+    Ok(Point(PointSpec::Edge(ends, t + 0.0)))
 }
 
 /// The point of face `f` with barycentric coordinates `u`, `v`, `w`, in the order of the corners of
@@ -84,7 +85,8 @@ pub(crate) fn face(f: &Bound<'_, PyAny>, u: f64, v: f64, w: f64) -> PyResult<Poi
             )));
         }
     }
-    Ok(Point(PointSpec::Face(number(f, "f")?, [u, v, w])))
+    let weights = [u, v, w].map(|x| x + 0.0);
+    Ok(Point(PointSpec::Face(number(f, "f")?, weights)))
 }
 
 /// The point of the surface nearest to the position `(x, y, z)`, in units of the mesh.
@@ -97,7 +99,7 @@ pub(crate) fn at(x: f64, y: f64, z: f64) -> PyResult<Point> {
             )));
         }
     }
-    Ok(Point(PointSpec::At([x, y, z])))
+    Ok(Point(PointSpec::At([x, y, z].map(|x| x + 0.0))))
 }
 
 /// Reads one point, the number of a vertex or a `Point`; `None` if `value` is neither, and may be a

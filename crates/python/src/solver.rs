@@ -1,6 +1,6 @@
 //! Solvers: distances, paths, counters and profiles.
 
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use geobench::registry::{self, MOST_THREADS, Selection, SimdChoice};
@@ -23,8 +23,6 @@ pub(crate) struct SolverPool {
     mesh: Mesh,
     /// The solvers that are set up and not in use.
     idle: Mutex<Vec<Box<dyn Solve>>>,
-    /// The length of the longest edge of the mesh, computed on first use.
-    longest_edge: OnceLock<f64>,
 }
 
 impl SolverPool {
@@ -33,18 +31,13 @@ impl SolverPool {
             selection: selection.clone(),
             mesh: mesh.clone(),
             idle: Mutex::default(),
-            longest_edge: OnceLock::new(),
         })
     }
 
     /// The text of a warning if `distances` are imprecise. Checking all faces takes a few percent
     /// of a run, so it is skipped if the longest edge shows that it cannot find anything.
     fn doubt(&self, distances: &[f64]) -> Option<String> {
-        let longest = *self.longest_edge.get_or_init(|| {
-            let lengths = self.mesh.half_edges().map(|h| self.mesh.length(h));
-            lengths.fold(0.0, f64::max)
-        });
-        precision::doubtful_by(longest, distances)?;
+        precision::doubtful_by(self.mesh.longest_edge(), distances)?;
         precision::doubt(&self.mesh, distances).map(|doubt| doubt.to_string())
     }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, SupportsIndex, Union
@@ -160,8 +161,13 @@ def _sources(value: Any) -> str:
     """The sources as text of the command line, such as ``"0,edge:4-9,0.25"``."""
     if isinstance(value, str):
         return value
-    if isinstance(value, _core.Point) or hasattr(value, "__index__"):
+    if isinstance(value, (_core.Point, bool)):
         value = [value]
+    else:
+        try:
+            value = [operator.index(value)]
+        except TypeError:  # Several; arrays have `__index__`, too.
+            pass
     words = []
     for source in value:
         if isinstance(source, (_core.Point, str)):

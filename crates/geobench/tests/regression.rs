@@ -488,3 +488,128 @@ mod missing_instructions {
         );
     }
 }
+
+/// Calls the program with a standard output whose reader has ended, and returns the exit status.
+fn without_a_reader(sandbox: &Sandbox, arguments: &str) -> Option<i32> {
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin("geobench"));
+    let mut child = command
+        .current_dir(sandbox.path(""))
+        .args(arguments.split(' '))
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    child.wait().unwrap().code()
+}
+
+#[test]
+fn a_reader_that_had_ended_ended_a_run_with_status_0() {
+    let sandbox = Sandbox::with_square();
+    let run = "run square.off gen:grid,n=3 --algo ich,vtp --repeat 1 -o r.json";
+    assert_eq!(without_a_reader(&sandbox, run), Some(0));
+    let result = sandbox.json("r.json");
+    assert_eq!(result["cells"].as_array().unwrap().len(), 4);
+    assert!(result["conditions"].is_object());
+    // Stored distances that are wrong.
+    sandbox.write("square.s0.csv", "vertex,distance\n0,0\n1,7\n");
+    let verify = "verify square.off --algo ich,vtp";
+    assert_eq!(without_a_reader(&sandbox, verify), Some(1));
+}
+
+#[test]
+fn parts_with_a_source_in_two_forms_could_not_be_merged() {
+    let sandbox = Sandbox::new();
+    let run = "run gen:grid,n=3 --algo ich --repeat 1 --quiet --source first,0,5,random:16";
+    for part in ["1/2", "2/2"] {
+        let name = part.replace('/', "-");
+        sandbox.succeed(&format!("{run} --shard {part} -o {name}.json"));
+    }
+    sandbox.succeed("merge 1-2.json 2-2.json -o all.json");
+    // Every vertex once.
+    assert_eq!(
+        sandbox.json("all.json")["cells"].as_array().unwrap().len(),
+        16
+    );
+}
+
+#[test]
+fn recording_a_file_again_doubled_its_samples() {
+    let sandbox = Sandbox::with_square();
+    sandbox.succeed("run square.off --algo ich --repeat 3 --quiet -o r.json");
+    let record = "record r.json --commit 0123456789abcdef0123456789abcdef01234567 --into history";
+    for _ in 0..2 {
+        sandbox.succeed(record);
+    }
+    let files = std::fs::read_dir(sandbox.path("history")).unwrap();
+    let names = files.map(|file| file.unwrap().file_name().into_string().unwrap());
+    let name = names
+        .into_iter()
+        .find(|name| !name.starts_with('.'))
+        .unwrap();
+    let samples = sandbox.json(&format!("history/{name}"))["cells"][0]["samples"].clone();
+    assert_eq!(samples.as_array().unwrap().len(), 3);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let file = sandbox.path("history").join(name);
+        let mode = std::fs::metadata(file).unwrap().permissions().mode();
+        let plain = std::fs::metadata(sandbox.path("r.json"))
+            .unwrap()
+            .permissions()
+            .mode();
+        assert_eq!(mode, plain, "a history that only its owner can read");
+    }
+}
+
+#[test]
+fn notes_were_mixed_into_data_on_standard_output() {
+    let sandbox = Sandbox::new();
+    let model = "gen:torus,faces=500";
+    for call in [
+        format!("distance {model} --source at:9,0,0 -o - --output-format json"),
+        format!("path {model} --source at:9,0,0 --target 5 -o - --output-format json"),
+        format!("voronoi {model} --source at:9,0,0 --source 5 -o - --output-format json"),
+    ] {
+        let said = sandbox.succeed(&call);
+        let parsed: Result<serde_json::Value, _> = serde_json::from_str(&said);
+        assert!(parsed.is_ok(), "{call}: {said:.200}");
+    }
+    let said = sandbox.refuse(&format!("distance {model} --source 0,1 --each -o -"));
+    assert!(
+        said.starts_with("--each writes a file for each source"),
+        "{said}"
+    );
+}
+
+#[test]
+fn answers_beyond_a_proven_bound_passed_in_verify() {
+    let sandbox = Sandbox::with_square();
+    // The distance of vertex 2 is wrong by more than the bound of `avtp`.
+    sandbox.write("square.s0.csv", "vertex,distance\n0,0\n2,1.3\n");
+    let outcome = sandbox.call("verify square.off --algo mmp-fast,avtp{eps=0.001}");
+    assert_eq!(outcome.code, 1, "{}", outcome.stdout);
+    let line = outcome.stdout.lines().find(|line| line.contains("avtp"));
+    assert!(line.unwrap().contains("WRONG"), "{}", outcome.stdout);
+}
+
+#[test]
+fn a_report_overwrote_its_result_file() {
+    let sandbox = Sandbox::with_square();
+    sandbox.succeed("run square.off --algo ich --repeat 1 --quiet -o r.json");
+    let said = sandbox.refuse("report r.json -o r.json");
+    assert_eq!(
+        said,
+        "r.json: the page is HTML; let the name end with .html"
+    );
+    assert!(sandbox.json("r.json")["cells"].is_array());
+}
+
+#[test]
+fn one_file_for_two_outputs_lost_one() {
+    let sandbox = Sandbox::new();
+    let said = sandbox.refuse("voronoi gen:sphere --source random:9 -o v.obj --dual ./v.obj");
+    assert!(said.ends_with("given twice as output"), "{said}");
+    let said = sandbox.refuse("remesh gen:sphere --sites 99 -o v.obj --picture v.obj");
+    assert!(said.contains("v.obj"), "{said}");
+}

@@ -752,6 +752,8 @@ pub(super) struct CountOneSolveOptions {
     /// The widest instructions to use
     #[arg(long)]
     pub(super) simd: Option<String>,
+    #[command(flatten)]
+    pub(super) decompression: DecompressionOptions,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

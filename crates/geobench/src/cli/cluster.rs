@@ -10,8 +10,9 @@ use super::Verdict;
 use super::args::{Arguments, Command, RunOptions};
 use super::run::{now, possible_plans};
 use super::terminal::{self, Terminal};
-use crate::plan::Plan;
+use crate::exec::expected::Expected;
 use crate::plan::suite::Plans;
+use crate::plan::{Plan, Reference};
 use crate::run::cluster::{
     ClusterDirectory, ClusterRecord, EXCLUSIVE, PartState, Placement, Resources, ranges,
 };
@@ -47,7 +48,7 @@ pub(super) struct ClusterOptions {
     #[arg(long)]
     pub(super) exclusive: bool,
 
-    /// Time limit of each part [default: all its cells at their time limit]
+    /// Time limit of each part [default: all its runs at their time limit]
     #[arg(long, value_name = "DUR")]
     pub(super) time: Option<humantime::Duration>,
 
@@ -192,6 +193,11 @@ fn run_options(words: &[String]) -> anyhow::Result<RunOptions> {
         ("--resume", options.resume.is_some()),
         ("--add-to", options.add_to.is_some()),
         ("--output", !options.output.is_empty()),
+        (
+            "--format",
+            words.iter().any(|word| word.starts_with("--format")),
+        ),
+        ("--no-progress", options.no_progress),
     ];
     if let Some((name, _)) = taken.iter().find(|(_, given)| *given) {
         bail!("{name}: each part has one of its own; leave it out");
@@ -199,13 +205,20 @@ fn run_options(words: &[String]) -> anyhow::Result<RunOptions> {
     Ok(*options)
 }
 
-/// The files that the parts read: the suite and the models.
+/// The files that the parts read: the suite, the models, and those that options name.
 fn files(run: &RunOptions, plans: &[Plan]) -> Vec<PathBuf> {
     let models = plans.iter().flat_map(|plan| &plan.models);
     let mut files: Vec<PathBuf> = models
         .filter_map(|model| model.file_path().map(Path::to_owned))
         .chain(run.config.clone())
+        .chain(run.isolation.ext.clone())
+        .chain(run.goal.targets.clone())
         .collect();
+    for plan in plans {
+        if let Reference::Files(Expected::File(path)) = &plan.reference {
+            files.push(path.clone());
+        }
+    }
     files.sort();
     files.dedup();
     files
@@ -298,10 +311,11 @@ fn status(directory: &ClusterDirectory, terminal: Terminal) -> anyhow::Result<Ve
         format!("not joined yet: {}\n", directory.log_tail("merge"))
     };
     let advice = if failed > 0 {
-        "`geobench cluster --resume` submits the failed parts again\n"
+        let path = shell(&directory.path().to_string_lossy());
+        format!("`geobench cluster --resume -o {path}` submits the failed parts again\n")
     } else {
-        ""
+        String::new()
     };
-    terminal::print_rendered(&[&head, &rest, advice].concat())?;
+    terminal::print_rendered(&[head, rest, advice].concat())?;
     Ok(Verdict::of(failed == 0))
 }

@@ -33,6 +33,9 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     } else {
         Form::Field(FieldFormat::of_path(&options.output)?)
     };
+    if options.each && !options.matrix && options.output == Path::new("-") {
+        bail!("--each writes a file for each source: name one, or add --matrix for a single table");
+    }
     let output = OutputFile::prepare(&options.output)?;
     let model = model::only(&options.model)?;
     let wanted = options.goal.wanted()?;
@@ -52,7 +55,8 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         wanted.as_deref(),
         &model.path,
     )?;
-    if !options.quiet {
+    let is_quiet = options.quiet || options.output == Path::new("-");
+    if !is_quiet {
         points.print_notes()?;
     }
     let request = DistanceCommand {
@@ -67,7 +71,7 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         Form::Field(format) => request.fields(format, output)?,
     };
     for summary in summaries {
-        if !options.quiet && options.output != Path::new("-") {
+        if !is_quiet {
             terminal::print(&summary)?;
         }
     }

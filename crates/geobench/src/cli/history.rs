@@ -60,10 +60,13 @@ pub(super) fn record(options: &RecordOptions) -> anyhow::Result<Verdict> {
     let mut all = Vec::new();
     for path in &options.results {
         let file = result_file::read(path)?;
-        let commit = options.commit.as_deref().or(file.tool.commit.as_deref());
+        // All records of a commit have its full hash, so that they are joined.
+        let named = options.commit.as_deref();
+        let named = named.map(|name| full_hash(name).unwrap_or_else(|| name.to_owned()));
+        let commit = named.as_deref().or(file.tool.commit.as_deref());
         let committed = commit.and_then(time_of);
         let suite = options.suite.clone().or_else(|| file.suite());
-        let record = Record::new(&file, options.commit.as_deref(), committed, suite);
+        let record = Record::new(&file, named.as_deref(), committed, suite);
         all.push(record.with_context(|| path.display().to_string())?);
     }
     for record in all {
@@ -82,6 +85,20 @@ fn git(arguments: &[&str]) -> Option<String> {
     output.status.success().then_some(text)
 }
 
+/// The full hash of a commit in the repository of the current directory. `None` if it is unknown
+/// there.
+fn full_hash(commit: &str) -> Option<String> {
+    let commit = format!("{commit}^{{commit}}");
+    let hash = git(&[
+        "rev-parse",
+        "--verify",
+        "--quiet",
+        "--end-of-options",
+        &commit,
+    ])?;
+    Some(hash.trim().to_owned())
+}
+
 /// Commit time in the repository of the current directory, RFC 3339 in UTC. `None` if the commit is
 /// unknown there.
 fn time_of(commit: &str) -> Option<String> {
@@ -95,7 +112,7 @@ pub(super) fn trend(options: &TrendOptions, terminal: Terminal) -> anyhow::Resul
     let page = options
         .output
         .as_deref()
-        .map(OutputFile::prepare)
+        .map(OutputFile::page)
         .transpose()?;
     let records = records::read_all(&options.history)?;
     let series = trend::series(&records);

@@ -41,7 +41,7 @@ pub(super) struct IsolationOptions {
     /// File with tables [ext.NAME] of outside programs, which become algorithms ext:NAME; a suite
     /// file may hold such tables too
     #[arg(long, value_name = "FILE")]
-    ext: Vec<PathBuf>,
+    pub(super) ext: Vec<PathBuf>,
 }
 
 /// Limit of decompression.

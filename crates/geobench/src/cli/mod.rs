@@ -36,7 +36,6 @@ use args::{Arguments, Command, CountOneSolveOptions};
 use terminal::Terminal;
 
 use crate::exec::goal::GoalSpec;
-use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::standard_input;
 use crate::exec::source::Locator;
 use crate::exec::{interrupt, isolate, model};
@@ -144,7 +143,7 @@ fn command() -> ExitCode {
 /// The hidden command that callgrind runs: one solve, whose instructions are counted.
 fn count_one_solve(options: &CountOneSolveOptions) -> anyhow::Result<()> {
     let selection = instructions::announce(&options.algorithm, options.simd.as_deref())?;
-    let mesh = model::only(&options.model)?.mesh_within(DecompressionLimit::default())?;
+    let mesh = model::only(&options.model)?.mesh_within(options.decompression.limit())?;
     let sources = options.source.points(mesh.vertex_count())?;
     let goal = GoalSpec {
         targets: options.target.clone(),

@@ -1,8 +1,5 @@
 //! Locates the sources and targets of a command on a mesh.
 
-use std::path::Path;
-use std::{fs, io};
-
 use anyhow::{Context, anyhow};
 use geobench_mesh::{Mesh, Refined, SurfacePoint, VertexId};
 use geobench_window::Goal;
@@ -12,6 +9,7 @@ use super::terminal;
 use crate::exec::goal::{GoalSpec, targets_in};
 use crate::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
 use crate::schema::SourceLabel;
+use crate::usage::read_text;
 
 /// A target as specified by the user, and its file and line if it was read from a file.
 pub(super) type WantedTarget = (TargetSpec, Option<String>);
@@ -27,12 +25,7 @@ impl GoalOptions {
         let named = self.target.iter().map(|target| (target.clone(), None));
         let mut all: Vec<WantedTarget> = named.collect();
         if let Some(path) = &self.targets {
-            let text = if path == Path::new("-") {
-                io::read_to_string(io::stdin())
-                    .context("the targets cannot be read from standard input")?
-            } else {
-                fs::read_to_string(path).map_err(|error| anyhow!("{}: {error}", path.display()))?
-            };
+            let text = read_text(path).map_err(|error| anyhow!("{}: {error}", path.display()))?;
             let read = targets_in(path, &text)?.into_iter();
             all.extend(read.map(|(target, place)| (target, Some(place))));
         }

@@ -1,5 +1,7 @@
 //! `geobench report`.
 
+use std::path::Path;
+
 use anyhow::bail;
 
 use super::Verdict;
@@ -15,7 +17,7 @@ pub(super) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
     let page = options
         .output
         .as_deref()
-        .map(OutputFile::prepare)
+        .map(OutputFile::page)
         .transpose()?;
     let mut inputs = Vec::new();
     for path in &options.results {
@@ -70,7 +72,7 @@ pub(super) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
             n => format!("{n} files in {}", directory.display()),
         });
     }
-    if !options.quiet {
+    if !options.quiet && options.output.as_deref() != Some(Path::new("-")) {
         terminal::print(&format!("{}\n", written.join("\n")))?;
     }
     Ok(Verdict::Passed)

@@ -12,7 +12,7 @@ use super::args::RunOptions;
 use super::progress::Progress;
 use super::terminal::{self, Terminal};
 use crate::exec::goal::GoalSpec;
-use crate::exec::limits::{Limits, Timeout};
+use crate::exec::limits::{DecompressionLimit, Limits, Timeout};
 use crate::exec::{InstructionCounter, Listener, Step, interrupt};
 use crate::history::join::{self, Joined};
 use crate::measure::conditions::{self, Snapshot};
@@ -49,6 +49,9 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     let mut journal = None;
     let mut sessions = vec![session.clone()];
     if let Some(path) = &options.resume {
+        if path == Path::new("-") {
+            bail!("--resume -: a journal is a file; name one");
+        }
         let opened = open_journal(path, &outputs, &plan, &session, options.quiet)?;
         sessions = opened.sessions().to_vec();
         journal = Some(opened);
@@ -64,6 +67,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         terminal,
         instructions: options.extras.instructions,
         goal: GoalSpec::default(),
+        decompressed: DecompressionLimit::default(),
         quiet: options.quiet,
         outputs,
         result: empty(plan, session, sessions),
@@ -93,7 +97,8 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         .warnings
         .extend(table::disturbance(&listener.result));
     let doubts = conditions.warnings.clone();
-    listener.result.conditions = Some(conditions);
+    // A file without conditions is that of a run that has not ended.
+    listener.result.conditions = Some(conditions).filter(|_| !interrupt::requested());
     listener.store_all()?;
     let Reporter {
         progress, result, ..
@@ -442,6 +447,8 @@ pub(super) struct Reporter {
     pub(super) instructions: bool,
     /// The goal of the runs of the current group.
     pub(super) goal: GoalSpec,
+    /// The limit of decompression of the current group.
+    pub(super) decompressed: DecompressionLimit,
     /// Whether to suppress the warnings about successful cells and about the earlier file.
     pub(super) quiet: bool,
     pub(super) outputs: Vec<(Format, OutputFile)>,
@@ -454,8 +461,11 @@ impl Reporter {
     /// Starts the group of `plan`: adds its record and prints its heading.
     pub(super) fn begin(&mut self, plan: &Plan) -> anyhow::Result<()> {
         let Limits {
-            timeout, memory, ..
+            timeout,
+            memory,
+            decompressed,
         } = plan.limits;
+        self.decompressed = decompressed;
         self.goal.clone_from(&plan.goal);
         self.result.groups.push(GroupRecord {
             timeout: timeout.0.map(|time| time.as_secs_f64()),
@@ -570,9 +580,14 @@ impl Listener for Reporter {
             .counting_instructions(&model.name, &cell.algorithm);
         let source = cell.source.as_ref()?.to_string();
         let simd = cell.simd.as_ref().and_then(|simd| simd.parse().ok());
-        let goal = self.goal.clone();
+        let mut options = self.goal.options();
+        if let Some(bytes) = self.decompressed.0 {
+            options.push(format!("--max-decompressed={bytes}"));
+        }
         Some(Box::new(move |model, cell| {
-            instructions::count(&model.path, &cell.algorithm, &source, &goal.options(), simd)
+            let (path, algorithm) = (&model.path, &cell.algorithm);
+            let is_stopped = interrupt::requested;
+            instructions::count(path, algorithm, &source, &options, simd, is_stopped)
         }))
     }
 
@@ -600,6 +615,8 @@ impl Listener for Reporter {
             self.result.models.push(model.clone());
         }
         self.result.cells.extend_from_slice(cells);
+        // Whatever happens to standard output, the files have the cells.
+        self.store()?;
         self.progress.suspend(|| {
             remark(cells, self.format, self.quiet);
             for summary in agreement::summaries(cells) {
@@ -615,9 +632,8 @@ impl Listener for Reporter {
                 });
                 terminal::print_rendered(&text)?;
             }
-            anyhow::Ok(())
-        })?;
-        self.store()
+            Ok(())
+        })
     }
 
     fn interrupted(&self) -> bool {

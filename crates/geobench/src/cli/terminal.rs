@@ -54,9 +54,12 @@ fn is_dumb() -> bool {
 
 /// Writes `text` to standard output in one call. Control characters are escaped.
 ///
+/// If the reader of standard output has ended, as `head` does, the text is dropped: the command goes
+/// on, and its result decides about the exit status.
+///
 /// # Errors
 ///
-/// If standard output is closed or full.
+/// If standard output is full.
 pub(super) fn print(text: &str) -> anyhow::Result<()> {
     write(&for_terminal(text, false))
 }
@@ -78,9 +81,11 @@ pub(super) fn print_rendered(text: &str) -> anyhow::Result<()> {
 
 fn write(text: &str) -> anyhow::Result<()> {
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes())?;
-    out.flush()?;
-    Ok(())
+    let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    match written {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        written => Ok(written?),
+    }
 }
 
 /// Writes an error to standard error as a single line.

@@ -260,17 +260,17 @@ impl LoadedModelCheck<'_> {
                     verdict
                         .remarks
                         .extend(observation.note.filter(|_| reference.is_none()));
-                    let tolerance = self.options.tolerance;
-                    verdict.is_approximate = algorithm.is_approximate();
+                    let tolerance = algorithm.tolerance(self.options.tolerance);
+                    verdict.may_differ = algorithm.may_differ();
                     let mut vote = Vote::of_reference(algorithm.label(), false);
                     let mut agrees = algorithm.label() == REFERENCE;
                     if let Some(reference) = &reference {
                         match check::check_length(&found, reference.len()) {
                             Ok(()) => {
                                 let expected = reference.iter().copied().enumerate();
-                                let is_approximate = verdict.is_approximate;
+                                let may_differ = verdict.may_differ;
                                 let comparison =
-                                    layout.compare(&found, expected, tolerance, is_approximate);
+                                    layout.compare(&found, expected, tolerance, may_differ);
                                 verdict.judge(REFERENCE, &comparison, &layout);
                                 vote.compared(&comparison);
                                 agrees = comparison.agrees();
@@ -278,9 +278,9 @@ impl LoadedModelCheck<'_> {
                             Err(error) => verdict.wrong(&error.to_string()),
                         }
                     }
-                    if !verdict.is_approximate {
+                    if !algorithm.is_approximate() {
                         if !agrees {
-                            vote.cluster = clusters.assign(&found, tolerance);
+                            vote.cluster = clusters.assign(&found, tolerance, &layout);
                         }
                         votes.push(vote);
                     }
@@ -310,12 +310,14 @@ impl LoadedModelCheck<'_> {
         {
             let name = field.path.display().to_string();
             let expected = layout.of_stored(&field.distances);
-            votes.push(self.vote_of(&name, &expected, reference, &clusters));
+            votes.push(self.vote_of(&name, &expected, reference, &clusters, &layout));
         }
         if let Some(summary) = agreement::summary(&votes) {
             let name = &self.record.name;
             let verdict = match (&reference, self.options.certify) {
-                (Some(reference), true) => self.prove(&spec, session, reference, &clusters, &votes),
+                (Some(reference), true) => {
+                    self.prove(&spec, session, reference, &clusters, &votes, &layout)
+                }
                 _ => "--certify proves which are right".to_owned(),
             };
             terminal::print(&format!("{name}: source {source}: {summary}\n"))?;
@@ -332,6 +334,7 @@ impl LoadedModelCheck<'_> {
         reference: &[f64],
         clusters: &Clusters,
         votes: &[Vote],
+        layout: &AnswerLayout,
     ) -> String {
         let certificate = match registry::select_one(CERTIFICATE) {
             Ok(certificate) => certificate,
@@ -349,10 +352,7 @@ impl LoadedModelCheck<'_> {
             Ok(observation) => observation.distances,
             Err(failure) => return format!("nothing is proven: {}", failure.message),
         };
-        let agrees = |answer: &[f64]| {
-            let found = check::compare(answer, &proven, self.options.tolerance);
-            found.is_ok_and(|found| found.agrees())
-        };
+        let agrees = |answer: &[f64]| layout.agrees(answer, &proven, self.options.tolerance);
         let right = if agrees(reference) {
             Some(agreement::REFERENCE)
         } else {
@@ -377,11 +377,12 @@ impl LoadedModelCheck<'_> {
         distances: &[(usize, f64)],
         reference: &[f64],
         clusters: &Clusters,
+        layout: &AnswerLayout,
     ) -> Vote {
         let tolerance = self.options.tolerance;
         let compare = |answer: &[f64]| {
             let stored = distances.iter().copied();
-            check::compare_some(answer, stored, tolerance)
+            layout.compare(answer, stored, tolerance, false)
         };
         let mut vote = Vote::of_reference(name, true);
         let comparison = compare(reference);
@@ -399,8 +400,8 @@ impl LoadedModelCheck<'_> {
 #[derive(Default)]
 struct Judgement {
     wrong: bool,
-    /// Whether the algorithm is approximate. Its answer may then differ by any finite amount.
-    is_approximate: bool,
+    /// Whether the answer may differ by any finite amount.
+    may_differ: bool,
     remarks: Vec<String>,
 }
 
@@ -420,7 +421,7 @@ impl Judgement {
         tolerance: f64,
     ) {
         let expected = layout.of_stored(&field.distances);
-        let comparison = layout.compare(found, expected, tolerance, self.is_approximate);
+        let comparison = layout.compare(found, expected, tolerance, self.may_differ);
         let mut name = field.path.display().to_string();
         if comparison.compared < found.len() {
             let (compared, count, noun) = (comparison.compared, found.len(), layout.noun());
@@ -432,7 +433,7 @@ impl Judgement {
     /// Adds a remark on the comparison with `reference`, and marks a disagreement as wrong.
     fn judge(&mut self, reference: &str, comparison: &Deviation, layout: &AnswerLayout) {
         match &comparison.worst {
-            Some(_) if self.is_approximate && comparison.max_rel.is_finite() => {
+            Some(_) if self.may_differ && comparison.max_rel.is_finite() => {
                 self.remarks.push(format!(
                     "approximate: {reference} differs by up to {} relative",
                     scientific(comparison.max_rel)

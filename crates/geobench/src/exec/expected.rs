@@ -5,6 +5,7 @@ use std::{fmt, fs};
 
 use crate::UsageError;
 use crate::schema::SourceLabel;
+use crate::usage::read_text;
 
 /// Where stored distances are looked up.
 ///
@@ -122,7 +123,7 @@ pub(crate) fn stem(path: &Path) -> String {
 }
 
 fn read(path: &Path, vertices: usize) -> Result<StoredDistances, UsageError> {
-    let text = fs::read_to_string(path);
+    let text = read_text(path);
     let text = text.map_err(|error| UsageError(format!("{}: {error}", path.display())))?;
     parse(path, &text, vertices)
 }

@@ -102,8 +102,8 @@ pub fn targets_in(path: &Path, text: &str) -> anyhow::Result<Vec<(TargetSpec, St
     let shown = path.display();
     let mut all = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('#') {
+        let line = line.split('#').next().unwrap_or_default().trim();
+        if line.is_empty() {
             continue;
         }
         let place = format!("{shown}, line {number}");
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn a_line_that_is_no_target_is_named() {
         let read = |text: &str| targets_in(Path::new("t.txt"), text);
-        let all = read("# a comment\n\n 17\nface:0,1,0,0\n").unwrap();
+        let all = read("# a comment\n\n 17 # another\nface:0,1,0,0\n").unwrap();
         assert_eq!(all[1].1, "t.txt, line 4");
         let error = read("1\nx\n").unwrap_err().to_string();
         assert!(error.starts_with("t.txt, line 2: `x` is not a target"));

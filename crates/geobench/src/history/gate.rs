@@ -35,9 +35,9 @@ pub struct GateLine {
     /// The value of the base. For times, the geometric mean of the medians of the base commits. For
     /// other figures, the value at the last base commit.
     pub base: f64,
-    /// The new value.
+    /// The new value; NaN, `null` in JSON, if it is missing.
     pub new: f64,
-    /// New divided by base.
+    /// New divided by base; NaN if the new value is missing.
     pub ratio: f64,
     /// 95 % prediction interval of the ratio, from the noise between the base commits; null for
     /// figures that are compared exactly.
@@ -116,16 +116,11 @@ pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Re
             };
             let name = measure.name();
             let [old, new] = [last, &cell].map(|cell| cell.figures.get(name).copied());
-            let (Some(old), Some(new)) = (old, new) else {
-                if old.is_some() {
-                    notes.push(format!(
-                        "{}: `{name}` is missing in the new record",
-                        cell.cell
-                    ));
-                }
-                continue;
-            };
-            let broken = rule.is_broken(old, new).then(|| rule.to_string());
+            let Some(old) = old else { continue };
+            // A rule on a figure that has disappeared is broken, or the gate would stay open.
+            let new = new.unwrap_or(f64::NAN);
+            let is_broken = new.is_nan() || rule.is_broken(old, new);
+            let broken = is_broken.then(|| rule.to_string());
             lines.push(GateLine {
                 cell: cell.cell.clone(),
                 figure: name,
@@ -135,6 +130,25 @@ pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Re
                 ci95: None,
                 broken,
             });
+        }
+    }
+    let last = &base[base.len() - 1].cells;
+    let is_left = |cell: &&CellRecord| newest.cells.iter().all(|c| !c.cell.is_same(&cell.cell));
+    let missing: Vec<&CellRecord> = last.iter().filter(is_left).collect();
+    let rule = rules.on(Subject::Missing);
+    let rule = rule.filter(|rule| missing.len() as f64 / last.len() as f64 > rule.limit);
+    for cell in missing {
+        match rule {
+            Some(rule) => lines.push(GateLine {
+                cell: cell.cell.clone(),
+                figure: "status",
+                base: 1.0,
+                new: f64::NAN,
+                ratio: f64::NAN,
+                ci95: None,
+                broken: Some(rule.to_string()),
+            }),
+            None => notes.push(format!("{}: not in the new record", cell.cell)),
         }
     }
     Ok(Gate {
@@ -193,6 +207,7 @@ impl GateLine {
     /// The change in words.
     pub fn in_words(&self) -> String {
         match self.ci95 {
+            _ if self.new.is_nan() => "missing".to_owned(),
             Some(ends) => {
                 let [low, high] = ends.map(|ratio| 100.0 * (ratio - 1.0));
                 format!("{} ({low:+.1} to {high:+.1})", percent(self.ratio))
@@ -238,6 +253,21 @@ mod tests {
         let mut failed = records[..5].to_vec();
         failed[4].cells[0].status = Status::Crashed;
         assert_eq!(broken(&compared(&failed, "time=5%")), ["mmp status"]);
+    }
+
+    #[test]
+    fn figures_and_cells_that_disappear_passed_the_gate() {
+        let mut records = history()[..5].to_vec();
+        let last = &mut records[4];
+        last.cells[0].figures.remove("propagated");
+        assert_eq!(
+            broken(&compared(&records, "propagated=0")),
+            ["mmp propagated"]
+        );
+        records[4].cells.remove(0);
+        assert_eq!(broken(&compared(&records, "missing=0")), ["mmp status"]);
+        let kept = compared(&records, "missing=50%");
+        assert!(broken(&kept).is_empty() && kept.notes[0].contains("not in the new record"));
     }
 
     #[test]

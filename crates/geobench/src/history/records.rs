@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 
 use crate::history::compare::{CellKey, Measure};
 use crate::schema::{Cell, Host, ResultFile, Status};
-use crate::usage::{check_schema, files_in};
+use crate::usage::{check_schema, files_in, temporary_file};
 
 /// The schema of a record.
 pub const SCHEMA: &str = "geobench-record/1";
@@ -119,12 +119,16 @@ impl Record {
 
     /// Adds the cells of a later run of the same commit. If both runs solved a cell, its samples
     /// are concatenated, and its other figures come from the later run. If one failed, the later
-    /// cell is kept.
+    /// cell is kept. Samples that the record has already, because a file is recorded again, are not
+    /// repeated.
     fn merge(&mut self, later: Self) {
         for cell in later.cells {
             match self.cells.iter_mut().find(|known| known.cell == cell.cell) {
                 Some(known) if known.status == Status::Ok && cell.status == Status::Ok => {
-                    known.samples.extend(cell.samples);
+                    let count = cell.samples.len().max(1);
+                    if !known.samples.windows(count).any(|w| w == cell.samples) {
+                        known.samples.extend(cell.samples);
+                    }
                     known.figures.extend(cell.figures);
                 }
                 Some(known) => *known = cell,
@@ -169,7 +173,7 @@ pub fn add(directory: &Path, record: Record) -> anyhow::Result<PathBuf> {
         record
     };
     // A temporary file in the same directory replaces the record atomically.
-    let mut file = tempfile::NamedTempFile::new_in(directory).with_context(failed)?;
+    let mut file = temporary_file(directory, ".json").with_context(failed)?;
     let text = serde_json::to_string(&record)? + "\n";
     file.write_all(text.as_bytes()).with_context(failed)?;
     file.as_file().sync_all().with_context(failed)?;

@@ -21,7 +21,7 @@ pub struct TrendSeries {
     pub figure: &'static str,
     /// Its values, the oldest first.
     pub points: Vec<TrendPoint>,
-    /// Changes of level. The `place` of each is an index into `points`.
+    /// Changes of level. The `index` of each is one into `points`.
     pub changes: Vec<LevelChange>,
 }
 

@@ -11,6 +11,7 @@
 
 use std::fs;
 use std::process::{Command, ExitStatus, Stdio};
+use std::time::Duration;
 
 use anyhow::{Context, bail};
 use geobench_mesh::{Mesh, VertexId};
@@ -35,6 +36,9 @@ const NO_VALGRIND: &str = "counting instructions needs valgrind on the path";
 /// Error context: Valgrind started, but counting failed.
 const FAILED: &str = "callgrind failed";
 
+/// How often the child process is looked after.
+const POLL: Duration = Duration::from_millis(10);
+
 /// Checks that Valgrind is installed.
 ///
 /// # Errors
@@ -49,23 +53,25 @@ pub fn check_valgrind() -> anyhow::Result<()> {
 }
 
 /// Counts the instructions of the first solve after set-up, in a child process. This takes about
-/// fifty times as long as the solve. Uses instructions no wider than `simd`, and narrower ones if
-/// Valgrind does not support those.
+/// fifty times as long as the solve. `options` are further options of [`COMMAND`]. Uses
+/// instructions no wider than `simd`, and narrower ones if Valgrind does not support those. The
+/// child process ends as soon as `is_stopped`.
 ///
 /// # Errors
 ///
-/// If Valgrind is missing, the child process fails, or Valgrind does not support even the narrowest
-/// instructions.
+/// If Valgrind is missing, the child process fails or is stopped, or Valgrind does not support even
+/// the narrowest instructions.
 pub fn count(
     model: &str,
     algorithm: &str,
     source: &str,
-    goal: &[String],
+    options: &[String],
     simd: Option<Instructions>,
+    is_stopped: fn() -> bool,
 ) -> anyhow::Result<InstructionCount> {
     let mut widest = simd;
     loop {
-        match count_with(model, algorithm, source, goal, widest)? {
+        match count_with(model, algorithm, source, options, widest, is_stopped)? {
             Attempt::Counted(found) => return Ok(found),
             Attempt::Illegal(used) => {
                 widest = used.narrower();
@@ -92,24 +98,37 @@ fn count_with(
     model: &str,
     algorithm: &str,
     source: &str,
-    goal: &[String],
+    options: &[String],
     widest: Option<Instructions>,
+    is_stopped: fn() -> bool,
 ) -> anyhow::Result<Attempt> {
     let program = std::env::current_exe().context(FAILED)?;
     let counts = tempfile::NamedTempFile::new().context(FAILED)?;
     let mut out_file = std::ffi::OsString::from("--callgrind-out-file=");
     out_file.push(counts.path());
-    let output = Command::new("valgrind")
+    let mut child = Command::new("valgrind")
         .args(["--tool=callgrind", "--quiet"])
         .arg(format!("--toggle-collect={COUNTED}"))
         .arg(out_file)
         .arg(program)
         .args([COMMAND, model, algorithm, source])
-        .args(goal)
+        .args(options)
         .args(widest.map(|widest| format!("--simd={widest}")))
         .stdin(Stdio::null())
-        .output()
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
         .context(NO_VALGRIND)?;
+    // The child writes a few lines, which the pipes hold until it has ended.
+    while child.try_wait().context(FAILED)?.is_none() {
+        if is_stopped() {
+            child.kill().context(FAILED)?;
+            child.wait().context(FAILED)?;
+            bail!("interrupted");
+        }
+        std::thread::sleep(POLL);
+    }
+    let output = child.wait_with_output().context(FAILED)?;
     let said = String::from_utf8_lossy(&output.stdout);
     let used = said.lines().find_map(|line| line.strip_prefix(SIMD));
     let used = used.and_then(|name| name.parse().ok());

@@ -116,9 +116,12 @@ pub fn power_law(points: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 2]> {
     let [mx, my] = [mean(0), mean(1)];
     let spread: f64 = points.iter().map(|[x, _]| (x - mx) * (x - mx)).sum();
     let shared: f64 = points.iter().map(|[x, y]| (x - mx) * (y - my)).sum();
+    // Means of equal numbers round, so the spread of equal x need not be 0.
+    let is_varied = points.iter().any(|[x, _]| *x != points[0][0]);
     let exponent = shared / spread;
     let factor = libm::exp(my - exponent * mx);
-    (count >= FEWEST_FOR_FIT && exponent.is_finite()).then_some([factor, exponent])
+    let is_fit = count >= FEWEST_FOR_FIT && is_varied && exponent.is_finite();
+    is_fit.then_some([factor, exponent])
 }
 
 /// Number of resamples of the bootstrap.

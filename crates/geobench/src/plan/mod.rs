@@ -174,8 +174,13 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// Names the program that is not in `programs`.
+    /// Names the program that is not in `programs`, or the requested reference if it is not exact.
     pub fn find_programs(&mut self, programs: &Programs) -> Result<(), UsageError> {
+        // Until programs are looked up, all count as exact, so one may be the default reference.
+        let default = match Reference::usual(&self.algorithms) {
+            Reference::Algorithm(usual) => usual.label().to_owned(),
+            _ => String::new(),
+        };
         let found = self.algorithms.iter().map(|a| a.find_programs(programs));
         let found = found.collect::<Result<Vec<_>, UsageError>>()?;
         self.algorithms = found.into_iter().flatten().collect();
@@ -184,11 +189,12 @@ impl Plan {
             let found = reference.find_programs(programs)?.into_iter().next();
             self.reference = match found {
                 Some(found) if found.is_exact() => Reference::Algorithm(found),
-                Some(_) => Reference::usual(&self.algorithms),
+                Some(_) if reference.label() == default => Reference::usual(&self.algorithms),
+                Some(found) => Reference::Algorithm(found),
                 None => Reference::None,
             };
         }
-        Ok(())
+        self.check_reference()
     }
 
     /// Number of sources or sets of sources in each model. `all` counts as one source until the

@@ -119,6 +119,18 @@ impl Selection {
         super::graphs::error_bound(self.algorithm.name, &self.values)
     }
 
+    /// The largest relative difference from exact distances that passes, if `tolerance` passes for
+    /// exact algorithms: a proven bound takes its place if it is larger.
+    pub(crate) fn tolerance(&self, tolerance: f64) -> f64 {
+        tolerance.max(self.error_bound().unwrap_or(0.0))
+    }
+
+    /// Whether its distances may differ from exact ones by any finite amount: it is approximate,
+    /// without a proven bound.
+    pub(crate) fn may_differ(&self) -> bool {
+        self.is_approximate() && self.error_bound().is_none()
+    }
+
     /// The algorithm.
     pub const fn algorithm(&self) -> &Algorithm {
         &self.algorithm

@@ -7,7 +7,8 @@
 use std::collections::BTreeMap;
 
 use crate::registry;
-use crate::run::check::{self, Deviation};
+use crate::run::answer_layout::AnswerLayout;
+use crate::run::check::Deviation;
 use crate::schema::Cell;
 
 /// The first answer of each cluster except cluster 0.
@@ -21,10 +22,13 @@ pub(crate) struct Clusters {
 impl Clusters {
     /// The cluster of an answer that disagrees with the reference. Adds a cluster if the answer
     /// agrees with none.
-    pub(crate) fn assign(&mut self, distances: &[f64], tolerance: f64) -> u32 {
-        let known = self.find(|first| {
-            check::compare(distances, first, tolerance).is_ok_and(|found| found.agrees())
-        });
+    pub(crate) fn assign(
+        &mut self,
+        distances: &[f64],
+        tolerance: f64,
+        layout: &AnswerLayout,
+    ) -> u32 {
+        let known = self.find(|first| layout.agrees(distances, first, tolerance));
         known.unwrap_or_else(|| {
             self.first.push(Some(distances.to_vec()));
             self.first.len() as u32
@@ -426,18 +430,19 @@ mod tests {
 
     #[test]
     fn answers_join_the_first_cluster_that_they_agree_with() {
+        let layout = AnswerLayout::default();
         let mut clusters = Clusters::default();
-        assert_eq!(clusters.assign(&[0.0, 1.0], 1e-9), 1);
-        assert_eq!(clusters.assign(&[0.0, 2.0], 1e-9), 2);
-        assert_eq!(clusters.assign(&[0.0, 1.0 + 1e-12], 1e-9), 1);
+        assert_eq!(clusters.assign(&[0.0, 1.0], 1e-9, &layout), 1);
+        assert_eq!(clusters.assign(&[0.0, 2.0], 1e-9, &layout), 2);
+        assert_eq!(clusters.assign(&[0.0, 1.0 + 1e-12], 1e-9, &layout), 1);
         // Answers with another number of vertices or with NaN agree with nothing.
-        assert_eq!(clusters.assign(&[0.0], 1e-9), 3);
-        assert_eq!(clusters.assign(&[0.0, f64::NAN], 1e-9), 4);
-        assert_eq!(clusters.assign(&[0.0, f64::NAN], 1e-9), 5);
+        assert_eq!(clusters.assign(&[0.0], 1e-9, &layout), 3);
+        assert_eq!(clusters.assign(&[0.0, f64::NAN], 1e-9, &layout), 4);
+        assert_eq!(clusters.assign(&[0.0, f64::NAN], 1e-9, &layout), 5);
         let mut later = Clusters::default();
         later.restore(2, Some(vec![5.0]));
         later.restore(0, None);
-        assert_eq!(later.assign(&[5.0], 1e-9), 2);
-        assert_eq!(later.assign(&[6.0], 1e-9), 3);
+        assert_eq!(later.assign(&[5.0], 1e-9, &layout), 2);
+        assert_eq!(later.assign(&[6.0], 1e-9, &layout), 3);
     }
 }

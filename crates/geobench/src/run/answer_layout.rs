@@ -31,8 +31,8 @@ impl AnswerLayout {
     ///
     /// With a radius, distances beyond it are infinite. Rounding decides on which side of the
     /// radius a distance close to it lies. A place with one finite and one infinite distance is
-    /// therefore skipped if the finite one is at least `radius * (1 - tolerance)`. For an
-    /// approximate answer, every such place is skipped.
+    /// therefore skipped if the finite one is at least `radius * (1 - tolerance)`. In an answer that
+    /// may differ by any finite amount, every such place is skipped.
     ///
     /// # Panics
     ///
@@ -42,7 +42,7 @@ impl AnswerLayout {
         found: &[f64],
         expected: impl IntoIterator<Item = (usize, f64)>,
         tolerance: f64,
-        is_approximate: bool,
+        may_differ: bool,
     ) -> Deviation {
         let is_compared = |&(place, expected): &(usize, f64)| {
             let Some(radius) = self.radius else {
@@ -52,10 +52,17 @@ impl AnswerLayout {
             if found.is_finite() == expected.is_finite() || found.is_nan() {
                 return true;
             }
-            !is_approximate && found.min(expected) < radius * (1.0 - tolerance)
+            !may_differ && found.min(expected) < radius * (1.0 - tolerance)
         };
         let expected = expected.into_iter().filter(is_compared);
         check::compare_some(found, expected, tolerance)
+    }
+
+    /// Whether the exact answer `found` agrees with the answer `expected`; see
+    /// [`compare`](Self::compare). Answers of different lengths do not.
+    pub(crate) fn agrees(&self, found: &[f64], expected: &[f64], tolerance: f64) -> bool {
+        let places = expected.iter().copied().enumerate();
+        found.len() == expected.len() && self.compare(found, places, tolerance, false).agrees()
     }
 
     /// Stored distances of vertices, converted to places of an answer and cut at the radius. Places
@@ -127,9 +134,9 @@ mod tests {
     fn rounding_decides_at_the_radius_and_nowhere_else() {
         const INF: f64 = f64::INFINITY;
         let layout = AnswerLayout::new(&goal("", Some(2.0)), 3);
-        let agrees = |found: f64, expected: f64, is_approximate| {
+        let agrees = |found: f64, expected: f64, may_differ| {
             let expected = [(0, expected)];
-            let found = layout.compare(&[found], expected, 1e-9, is_approximate);
+            let found = layout.compare(&[found], expected, 1e-9, may_differ);
             found.agrees()
         };
         assert!(agrees(2.0, INF, false) && agrees(INF, 2.0, false));

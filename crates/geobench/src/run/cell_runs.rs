@@ -230,10 +230,10 @@ impl<'p> CellRuns<'p> {
         let count = |counter| cell.counters.get(counter);
         cell.memory = Memory {
             papers_bytes: count(self.algorithm.algorithm().memory_counter)
-                .map(|windows| windows * PAPERS_WINDOW_BYTES),
+                .and_then(|windows| windows.checked_mul(PAPERS_WINDOW_BYTES)),
             windows_peak_bytes: count(Counter::PeakWindows)
                 .zip(count(Counter::WindowBytes))
-                .map(|(windows, bytes)| windows * bytes),
+                .and_then(|(windows, bytes)| windows.checked_mul(bytes)),
             ..cell.memory
         };
         cell

@@ -39,8 +39,8 @@ pub struct Resources {
     /// Main memory in bytes: the largest memory limit of a cell plus the memory of the program
     /// itself. Null if some cells have no limit; then Slurm's default applies.
     pub memory_bytes: Option<u64>,
-    /// Time in seconds that the largest part takes if each of its cells takes its time limit. Null
-    /// if some cells have no limit; then Slurm's default applies.
+    /// Time in seconds that the largest part takes if each of its runs takes its time limit. Null
+    /// if some runs have no limit or their number is not known; then Slurm's default applies.
     pub seconds: Option<u64>,
 }
 
@@ -57,13 +57,17 @@ impl Resources {
                 let units: u128 = (0..plan.models.len())
                     .map(|model| plan.units_of_model(model))
                     .sum();
-                let cells = u64::try_from(units).unwrap_or(u64::MAX);
-                let cells = cells.saturating_mul(plan.algorithms.len() as u64);
-                match (cells, limit(plan)) {
+                let units = u64::try_from(units).unwrap_or(u64::MAX);
+                // The reference may run once more for each source.
+                let runs_of_unit = plan.algorithms.len() * plan.runs_per_cell() + 1;
+                let runs = units.saturating_mul(runs_of_unit as u64);
+                match (units, limit(plan)) {
                     (0, _) => Some(sum),
+                    // The number of vertices is not known yet.
+                    _ if plan.sources.has_all() && !plan.sources_together => None,
                     (_, None) => None,
                     (_, Some(limit)) => {
-                        Some(sum.saturating_add(cells.saturating_mul(whole_seconds(limit))))
+                        Some(sum.saturating_add(runs.saturating_mul(whole_seconds(limit))))
                     }
                 }
             })
@@ -162,6 +166,11 @@ impl ClusterDirectory {
         Ok(Self { path })
     }
 
+    /// Its absolute path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     fn record_path(&self) -> PathBuf {
         self.path.join("cluster.json")
     }
@@ -254,6 +263,8 @@ impl ClusterDirectory {
              part=$SLURM_ARRAY_TASK_ID\n\
              node=${{SLURMD_NODENAME:-$(hostname)}}\n\
              cd {start} || exit 2\n\
+             # A killed job may have left a file.\n\
+             rm -f {dir}/parts/\"$part.$node\".unfinished.json\n\
              {program}{words} --shard \"$part/{count}\" \\\n    \
                  --resume {dir}/journals/\"$part.$node\".jsonl \\\n    \
                  -o {dir}/parts/\"$part.$node\".unfinished.json --format csv --no-progress >/dev/null\n\

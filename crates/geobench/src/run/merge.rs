@@ -170,8 +170,8 @@ fn cells(plan: &PlanRecord, parts: &mut [ShardFile]) -> anyhow::Result<Vec<Cell>
         let planned = spec.as_ref().map_or(1, |spec| spec.count() as u128);
         for model in &group.models {
             let sources = match &spec {
-                Some(spec) if spec.has_all() => units_of_all(spec, &model.name, parts),
-                _ => planned,
+                Some(spec) => units_of_model(spec, &model.name, parts),
+                None => planned,
             };
             for source in 0..sources {
                 let unit = first_unit + source;
@@ -197,14 +197,16 @@ fn cells(plan: &PlanRecord, parts: &mut [ShardFile]) -> anyhow::Result<Vec<Cell>
     Ok(all)
 }
 
-/// Number of sources in a model if the sources include `all`, which stands for all vertices. Their
-/// number is in the record of the model. A model that was refused has one unit.
-fn units_of_all(spec: &SourceSpec, model: &str, parts: &[ShardFile]) -> u128 {
+/// Number of sources in a model. Each counts once, also if several forms name it, and `all` stands
+/// for all vertices, so the number depends on the vertices in the record of the model. A model that
+/// was refused has no such number; if the sources include `all`, it has one unit.
+fn units_of_model(spec: &SourceSpec, model: &str, parts: &[ShardFile]) -> u128 {
     let models = parts.iter().flat_map(|part| &part.file.models);
     let mut known = models.filter(|record| record.name == model);
     let vertices = known.find_map(|record| record.vertices);
     let points = vertices.and_then(|vertices| spec.points(vertices as usize).ok());
-    points.map_or(1, |points| points.len() as u128)
+    let unknown = if spec.has_all() { 1 } else { spec.count() };
+    points.map_or(unknown, |points| points.len()) as u128
 }
 
 /// What the cells that [`take_unit`] has moved belong to.

@@ -1,6 +1,7 @@
 //! The reference answer for one model and source, and the comparison of answers with it.
 
 use crate::exec::Failure;
+use crate::registry::Selection;
 use crate::run::agreement::{self, Clusters};
 use crate::run::answer_layout::AnswerLayout;
 use crate::run::check::{self, Deviation};
@@ -41,20 +42,22 @@ impl Answer {
 }
 
 impl ReferenceCheck {
-    /// Compares an answer with the reference. Returns the comparison, and a failure if the answer
-    /// differs by more than `tolerance`. Approximate answers are not put into clusters.
+    /// Compares an answer of `algorithm` with the reference. Returns the comparison, and a failure
+    /// if the answer differs by more than `tolerance`, or than the proven bound of the algorithm if
+    /// that is larger. Approximate answers are not put into clusters.
     pub(super) fn judge(
         &mut self,
         distances: &[f64],
+        algorithm: &Selection,
         tolerance: f64,
-        is_approximate: bool,
     ) -> (Check, Option<Failure>) {
-        let (mut check, failure) = self.compare(distances, tolerance, is_approximate);
+        let tolerance = algorithm.tolerance(tolerance);
+        let (mut check, failure) = self.compare(distances, tolerance, algorithm.may_differ());
         let is_wanted = self.answer.is_some() || self.unchecked.is_some();
-        if is_wanted && !is_approximate {
+        if is_wanted && !algorithm.is_approximate() {
             check.cluster = Some(match (&self.answer, &failure) {
                 (Some(_), None) => agreement::REFERENCE,
-                _ => self.clusters.assign(distances, tolerance),
+                _ => self.clusters.assign(distances, tolerance, &self.layout),
             });
         }
         (check, failure)
@@ -64,7 +67,7 @@ impl ReferenceCheck {
         &self,
         distances: &[f64],
         tolerance: f64,
-        is_approximate: bool,
+        may_differ: bool,
     ) -> (Check, Option<Failure>) {
         let wrong = |message: String| Failure::new(Status::Wrong, message);
         let comparison = match &self.answer {
@@ -73,7 +76,7 @@ impl ReferenceCheck {
                     return (Check::default(), Some(wrong(error.to_string())));
                 }
                 let expected = answer.distances.iter().copied();
-                (self.layout).compare(distances, expected, tolerance, is_approximate)
+                (self.layout).compare(distances, expected, tolerance, may_differ)
             }
             // Without a reference, only NaN is wrong. It is compared with itself and never agrees.
             None => check::compare_some(

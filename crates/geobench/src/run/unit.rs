@@ -589,17 +589,13 @@ impl<'p> UnitPlan<'p> {
         match done {
             Ok(mut observation) => {
                 let distances = std::mem::take(&mut observation.distances);
-                let bound = algorithm.error_bound();
-                let is_approximate = algorithm.is_approximate();
-                let tolerance = self.plan.tolerance.max(bound.unwrap_or(0.0));
                 let (mut check, failure) =
-                    reference_check.judge(&distances, tolerance, is_approximate);
+                    reference_check.judge(&distances, algorithm, self.plan.tolerance);
                 check.doubt = (self.model.longest_edge)
                     .and_then(|longest| precision::doubtful_by(longest, &distances));
-                // An approximate answer may differ by any finite amount. With a proven bound, the
-                // bound is part of the tolerance instead.
-                let may_differ = is_approximate && bound.is_none();
-                let failure = failure.filter(|_| !may_differ || check.max_rel.is_none());
+                // An answer without a proven bound may differ by any finite amount.
+                let failure =
+                    failure.filter(|_| !algorithm.may_differ() || check.max_rel.is_none());
                 RunOutcome {
                     observation,
                     check,

@@ -6,7 +6,7 @@ use anyhow::{Context, anyhow, bail};
 use serde::Deserialize;
 
 use crate::schema::{ResultFile, SCHEMA};
-use crate::usage::check_schema;
+use crate::usage::{check_schema, read_text};
 
 /// Reads a result file in JSON; `-` is standard input.
 ///
@@ -15,12 +15,7 @@ use crate::usage::check_schema;
 /// If the file cannot be read or is not a valid result file of this version. The message names the
 /// file and the field.
 pub fn read(path: &Path) -> anyhow::Result<ResultFile> {
-    let text = if path == Path::new("-") {
-        std::io::read_to_string(std::io::stdin())
-    } else {
-        std::fs::read_to_string(path)
-    };
-    let text = text.with_context(|| format!("{}: cannot be read", path.display()))?;
+    let text = read_text(path).with_context(|| format!("{}: cannot be read", path.display()))?;
     parse(path, &text)
 }
 

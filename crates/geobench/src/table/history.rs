@@ -52,7 +52,11 @@ pub fn gate(gate: &Gate, look: Look) -> String {
             Entry::new(line.cell.to_string()),
             Entry::new(line.figure),
             Entry::new(shown(line.figure, line.base)),
-            Entry::new(shown(line.figure, line.new)),
+            if line.new.is_nan() {
+                Entry::new("")
+            } else {
+                Entry::new(shown(line.figure, line.new))
+            },
             Entry::marked(change, mark),
         ]
     });

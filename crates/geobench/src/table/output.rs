@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 
 use crate::table::{FileFormat, STANDARD};
+use crate::usage::temporary_file;
 
 /// A file that a command writes when it ends.
 #[derive(Clone, Debug)]
@@ -62,6 +63,27 @@ impl OutputFile {
             file.temporary("")
                 .map_err(|error| plain(&error))
                 .with_context(|| file.failure())?;
+        }
+        Ok(file)
+    }
+
+    /// As [`prepare`](Self::prepare), for a page, whose name ends with `.html` or `.htm`. Standard
+    /// output, pipes and devices may have any name.
+    ///
+    /// # Errors
+    ///
+    /// As `prepare`, and when a file has another ending. So no result file is overwritten by a page.
+    pub fn page(path: &Path) -> anyhow::Result<Self> {
+        let file = Self::prepare(path)?;
+        let is_page = |ending: &str| {
+            let found = path.extension().unwrap_or_default();
+            found.eq_ignore_ascii_case(ending)
+        };
+        if file.replace && !is_page("html") && !is_page("htm") {
+            bail!(
+                "{}: the page is HTML; let the name end with .html",
+                path.display()
+            );
         }
         Ok(file)
     }
@@ -136,13 +158,7 @@ impl OutputFile {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
         };
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".geobench-").suffix(ending);
-        // The usual mode for new files, restricted by the umask. `tempfile` would create a private
-        // file.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        builder.tempfile_in(directory)
+        temporary_file(directory, ending)
     }
 }
 
@@ -169,6 +185,23 @@ fn plain(error: &io::Error) -> anyhow::Error {
         io::ErrorKind::NotFound => anyhow::anyhow!("its directory does not exist"),
         kind => anyhow::anyhow!("{kind}"),
     }
+}
+
+/// Checks that no two outputs are the same file.
+///
+/// # Errors
+///
+/// Names the file that is given twice.
+pub(crate) fn check_distinct(outputs: &[&OutputFile]) -> anyhow::Result<()> {
+    for (i, output) in outputs.iter().enumerate() {
+        if outputs[..i]
+            .iter()
+            .any(|other| other.path() == output.path())
+        {
+            bail!("{}: given twice as output", output.shown);
+        }
+    }
+    Ok(())
 }
 
 /// The files at `paths` with their formats, after a check that they can be written. Fails if two

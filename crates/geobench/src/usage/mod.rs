@@ -18,6 +18,15 @@ pub(crate) fn check_schema(path: &Path, found: &str, expected: &str) -> anyhow::
     Ok(())
 }
 
+/// The text of a file; `-` is standard input.
+pub(crate) fn read_text(path: &Path) -> std::io::Result<String> {
+    if path == Path::new("-") {
+        std::io::read_to_string(std::io::stdin())
+    } else {
+        std::fs::read_to_string(path)
+    }
+}
+
 /// The files in `directory` with the extension `ending`, sorted by name. Hidden files are skipped.
 pub(crate) fn files_in(directory: &Path, ending: &str) -> anyhow::Result<Vec<PathBuf>> {
     let failed = || format!("{}: cannot be read", directory.display());
@@ -41,3 +50,16 @@ pub(crate) fn files_in(directory: &Path, ending: &str) -> anyhow::Result<Vec<Pat
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct UsageError(pub(crate) String);
+
+/// A temporary file in `directory`. It has the usual mode of new files, restricted by the umask, so
+/// that others can read what it is renamed to; `tempfile` alone would create a private file.
+pub(crate) fn temporary_file(
+    directory: &Path,
+    ending: &str,
+) -> std::io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".geobench-").suffix(ending);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(directory)
+}

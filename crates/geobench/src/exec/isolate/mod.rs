@@ -412,8 +412,10 @@ impl<'b> ChildPool<'b> {
     ) -> Result<Observation, Failure> {
         self.aside(program, &program.prepare, step, "preparing")?;
         let done = self.run(cell, step);
-        self.aside(program, &program.cleanup, step, "cleaning up")?;
-        done
+        let cleaned = self.aside(program, &program.cleanup, step, "cleaning up");
+        // The failure of the run itself comes first.
+        let observation = done?;
+        cleaned.map(|()| observation)
     }
 
     /// Executes a run in the child of `cell`, which is started if needed.

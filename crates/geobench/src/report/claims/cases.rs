@@ -300,6 +300,12 @@ impl<'r> Results<'r> {
             Estimate {
                 interval: Some([low, high]),
                 ..
+            } if low.is_nan() || high.is_nan() => {
+                return Err("the 95 % interval has no ends".to_owned());
+            }
+            Estimate {
+                interval: Some([low, high]),
+                ..
             } => {
                 let same = [low, high].map(|end| holds.holds(end));
                 match same {

@@ -855,7 +855,7 @@ fn claims_are_about_what_suites_run() {
 #[test]
 fn the_page_is_that_of_the_record() {
     let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../results");
-    let record = results.join("2026-11-25-papers").read_dir().unwrap();
+    let record = results.join("2026-11-26-papers").read_dir().unwrap();
     let paths = record.map(|entry| entry.unwrap().path());
     let inputs: Vec<Input> = paths
         .filter(|path| path.extension().is_some_and(|ending| ending == "json"))
@@ -869,7 +869,7 @@ fn the_page_is_that_of_the_record() {
         .render(&report, Look::default())
         .unwrap();
     let kept = std::fs::read_to_string(results.join("paper-claims.md")).unwrap();
-    let command = "geobench claims results/2026-11-25-papers -o results/paper-claims.md";
+    let command = "geobench claims results/2026-11-26-papers -o results/paper-claims.md";
     assert!(
         kept == page,
         "results/paper-claims.md is out of date: {command}"

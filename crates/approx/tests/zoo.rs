@@ -70,3 +70,16 @@ fn small_surfaces_get_distances() {
         }
     }
 }
+
+#[test]
+fn a_source_on_a_cold_boundary_gave_no_distances() {
+    let mesh = Mesh::generate("grid,n=10").unwrap();
+    let options = HeatOptions {
+        boundary: Boundary::Cold,
+        ..HeatOptions::default()
+    };
+    let found = Heat::new(&mesh, options).solve(&[VertexId::new(0)]);
+    let farthest = found.unwrap().distances[120];
+    let expected = 10.0 * 2.0_f64.sqrt();
+    assert!((farthest - expected).abs() < 0.3 * expected, "{farthest}");
+}

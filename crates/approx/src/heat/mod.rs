@@ -17,7 +17,8 @@ pub enum Boundary {
     Average,
     /// No heat crosses the boundary (Neumann).
     Insulated,
-    /// The boundary has no heat (Dirichlet).
+    /// The boundary has no heat (Dirichlet). That of sources there is put at the inner vertices
+    /// beside them.
     Cold,
 }
 
@@ -145,7 +146,7 @@ impl Heat {
         }
     }
 
-    /// The heat after the time of the options.
+    /// The heat after the time of the options. `sources` are in ascending order.
     fn heat(&self, factors: &Factors, sources: &[VertexId]) -> Vec<f64> {
         let start = |is_source: &dyn Fn(VertexId) -> bool| {
             let mut heat = vec![0.0; self.components.len()];
@@ -160,6 +161,9 @@ impl Heat {
         }
         if let Some(cold) = &factors.cold {
             let mut other = start(&|v| !self.boundary[v.index()]);
+            if factors.insulated.is_none() {
+                self.heat_beside_boundary(sources, &mut other);
+            }
             cold.solve(&mut other);
             if factors.insulated.is_some() {
                 for (heat, other) in heat.iter_mut().zip(&other) {
@@ -170,6 +174,22 @@ impl Heat {
             }
         }
         heat
+    }
+
+    /// Puts the heat of sources on the boundary, which stays cold, at the inner vertices beside
+    /// them. Else no heat would flow from there.
+    fn heat_beside_boundary(&self, sources: &[VertexId], heat: &mut [f64]) {
+        let is_cold_source =
+            |v: u32| self.boundary[v as usize] && sources.binary_search(&VertexId::new(v)).is_ok();
+        for face in &self.faces {
+            if face.vertices.into_iter().any(is_cold_source) {
+                for v in face.vertices.map(|v| v as usize) {
+                    if !self.boundary[v] {
+                        heat[v] = SOURCE;
+                    }
+                }
+            }
+        }
     }
 
     /// Minus the divergence of the unit field of `heat`, integrated around each vertex.

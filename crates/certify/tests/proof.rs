@@ -231,6 +231,7 @@ fn what_no_source_reaches_is_infinite() {
 #[test]
 fn a_mesh_made_from_lengths_panicked() {
     let (mesh, _) = Mesh::from_lengths(3, &[[0, 1, 2]], &[[3.0, 4.0, 5.0]]).unwrap();
-    let claim = Claim::new(&mesh, &[VertexId::new(0)], &[0.0, 3.0, 5.0]);
+    let source = [VertexId::new(0)];
+    let claim = Claim::new(&mesh, &source, &[0.0, 3.0, 5.0]);
     assert_eq!(claim.err(), Some(ClaimError::NoPositions));
 }

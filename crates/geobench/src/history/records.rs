@@ -242,7 +242,14 @@ mod tests {
         );
         assert_eq!(read_all(&history).unwrap(), std::slice::from_ref(&first));
         assert_eq!(first.cells[0].figures["propagated"], 3_000_009.0);
-        assert_eq!(add(&history, first.clone()).unwrap(), path);
+        let mut second = first.clone();
+        for sample in &mut second.cells[0].samples {
+            *sample *= 1.5;
+        }
+        // The second record twice: its samples are there once.
+        for _ in 0..2 {
+            assert_eq!(add(&history, second.clone()).unwrap(), path);
+        }
         let grown = &read_all(&history).unwrap()[0];
         assert_eq!(grown.cells[0].samples.len(), 10);
         assert_eq!(grown.cells.len(), 2);

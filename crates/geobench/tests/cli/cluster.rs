@@ -25,8 +25,9 @@ fn scripts_of_all_parts_make_the_whole_result() {
     let text = sandbox.succeed(&format!("{START} --exclusive -- {RUN} --timeout 90s"));
     assert!(text.contains("--array=1-3 "), "{text}");
     assert!(text.contains("--partition=fast --exclusive"), "{text}");
-    // A part has at most two pairs of model and source, with two algorithms each.
-    assert!(text.contains("--time=6 "), "{text}");
+    // A part has at most two pairs of model and source. Each has nine runs of at most 90 seconds:
+    // of two algorithms a warm-up, a timed, a profiled and a counted one, and one of the reference.
+    assert!(text.contains("--time=27 "), "{text}");
     for part in 1..=3 {
         start(&sandbox, "runs/part.sh", part);
     }

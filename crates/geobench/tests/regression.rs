@@ -575,7 +575,9 @@ fn notes_were_mixed_into_data_on_standard_output() {
         let parsed: Result<serde_json::Value, _> = serde_json::from_str(&said);
         assert!(parsed.is_ok(), "{call}: {said:.200}");
     }
-    let said = sandbox.refuse(&format!("distance {model} --source 0,1 --each -o -"));
+    let said = sandbox.refuse(&format!(
+        "distance {model} --source 0,1 --each -o - --output-format csv"
+    ));
     assert!(
         said.starts_with("--each writes a file for each source"),
         "{said}"

@@ -446,6 +446,9 @@ impl CellComponents {
 
 const NO_LINE: u32 = u32::MAX;
 
+/// A run along an edge has no extent if it is no longer than this fraction of the edge.
+const NO_EXTENT: f64 = 1e-12;
+
 /// Builds a [`Diagram`].
 struct Builder<'a> {
     field: &'a LabelledField<'a>,
@@ -471,6 +474,9 @@ struct Builder<'a> {
     unions: CellComponents,
     /// For each half-edge from a pinched vertex, the number in `unions` of its fan of faces.
     fans: HashMap<HalfEdgeId, u32>,
+    /// Whether each element of `unions` lies along an edge with some length. A pinched vertex that is
+    /// as near to the source of another cell begins a run without length in that cell.
+    extended: Vec<bool>,
 }
 
 impl<'a> Builder<'a> {
@@ -491,6 +497,7 @@ impl<'a> Builder<'a> {
             vertices: Vec::new(),
             unions: CellComponents::default(),
             fans: HashMap::new(),
+            extended: Vec::new(),
         }
     }
 
@@ -784,17 +791,18 @@ impl<'a> Builder<'a> {
     /// surface to their perimeters.
     fn count_edges_and_vertices(&mut self) {
         let mesh = self.field.mesh;
+        self.extended = vec![false; self.unions.next() as usize];
         for h in mesh.half_edges() {
             let twin = mesh.twin(h);
             if twin.is_some_and(|twin| twin < h) {
                 continue;
             }
             let constant;
-            let line = if let Some((line, _)) = self.line_along(h) {
-                &self.lines[line]
+            let (line, first) = if let Some((line, _)) = self.line_along(h) {
+                (&self.lines[line], self.first_union[line])
             } else {
                 constant = SegmentCells::of(self.field.labels[mesh.tail(h).index()]);
-                &constant
+                (&constant, self.corner(h))
             };
             if line.first == NO_SOURCE {
                 continue;
@@ -802,7 +810,8 @@ impl<'a> Builder<'a> {
             let l = mesh.length(h);
             let mut at = 0.0;
             let ends = line.changes.iter().map(|change| change.at).chain([1.0]);
-            for (source, end) in line.cells().zip(ends) {
+            for ((source, end), run) in line.cells().zip(ends).zip(first..) {
+                self.extended[run as usize] |= end - at > NO_EXTENT;
                 let cell = &mut self.cells[source as usize];
                 if twin.is_some() {
                     cell.euler -= 1;
@@ -814,7 +823,9 @@ impl<'a> Builder<'a> {
         }
         for v in mesh.vertices() {
             let source = self.field.labels[v.index()];
-            if source != NO_SOURCE && !mesh.is_boundary(v) && !mesh.outgoing(v).is_empty() {
+            if mesh.outgoing(v).is_empty() {
+                self.extended[v.index()] = true;
+            } else if source != NO_SOURCE && !mesh.is_boundary(v) {
                 self.cells[source as usize].euler += 1;
             }
         }
@@ -825,9 +836,11 @@ impl<'a> Builder<'a> {
             cell.neighbours = neighbours.into_iter().collect();
         }
         let mut pieces = vec![0; self.cells.len()];
-        for i in 0..self.unions.next() {
+        let mut is_counted = vec![false; self.extended.len()];
+        for (i, _) in (0..).zip(&self.extended).filter(|(_, extended)| **extended) {
             let source = self.unions.cells[i as usize];
-            if source != NO_SOURCE && self.unions.root(i) == i {
+            let root = self.unions.root(i) as usize;
+            if source != NO_SOURCE && !std::mem::replace(&mut is_counted[root], true) {
                 pieces[source as usize] += 1;
             }
         }

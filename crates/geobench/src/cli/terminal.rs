@@ -54,8 +54,8 @@ fn is_dumb() -> bool {
 
 /// Writes `text` to standard output in one call. Control characters are escaped.
 ///
-/// If the reader of standard output has ended, as `head` does, the text is dropped: the command goes
-/// on, and its result decides about the exit status.
+/// If the reader of standard output has ended, as `head` does, the text is dropped: the command
+/// goes on, and its result decides about the exit status.
 ///
 /// # Errors
 ///

@@ -289,14 +289,9 @@ fn edge_excess(mesh: &Mesh, distances: &[f64]) -> f64 {
     let excesses = mesh.half_edges().filter_map(|h| {
         let [from, to] = [mesh.tail(h), mesh.head(h)].map(|v| distances[v.index()]);
         let excess = (from - to).abs() - mesh.length(h);
-        // If only one end is reached, the excess is infinite.
-        let rounding = f64::EPSILON
-            * if excess.is_finite() {
-                from.max(to)
-            } else {
-                0.0
-            };
-        (excess > rounding).then_some(excess)
+        // The excess is infinite if only one end is reached.
+        let is_broken = excess.is_infinite() || excess > f64::EPSILON * from.max(to);
+        is_broken.then_some(excess)
     });
     excesses.fold(0.0, f64::max)
 }

@@ -59,7 +59,7 @@ pub use vertex_order::VertexOrder;
 /// Sets up FWP-MMP for `mesh`: windows are stored and trimmed on half-edges, and taken one at a
 /// time from buckets in rounds; O(faces).
 ///
-/// Time O(n² log n), space O(n²) (proposition 2 of Xu et al. 2015).
+/// Time O(n² log n) (proposition 2 of Xu et al. 2015), space O(n²).
 ///
 /// ```
 /// use geobench_fwp::{BatchSize, BucketOptions, fwp_mmp};
@@ -98,7 +98,7 @@ pub fn fwp_mmp_batched(mesh: &Mesh, options: BucketOptions) -> Batched<Buckets> 
 /// Sets up FWP-CH for `mesh`: windows are filtered and not stored, and taken from buckets in
 /// rounds; O(faces).
 ///
-/// Time O(n²), space O(n) in addition to the waiting windows (proposition 2 of Xu et al. 2015).
+/// Time O(n²) (proposition 2 of Xu et al. 2015), space O(n²).
 ///
 /// ```
 /// use geobench_fwp::{BucketOptions, fwp_ch};
@@ -144,7 +144,7 @@ pub fn lc_mmp_batched(mesh: &Mesh, options: LabelCorrectingOptions) -> Batched<L
 /// Sets up LC-CH for `mesh`: windows are filtered and not stored, and taken from a label correcting
 /// queue; O(faces).
 ///
-/// No useful bound on time; space O(n) in addition to the waiting windows.
+/// No useful bound on time and space.
 ///
 /// ```
 /// use geobench_fwp::{LabelCorrectingOptions, lc_ch};
@@ -190,7 +190,7 @@ pub fn vtp_mmp_batched(mesh: &Mesh) -> Batched<VertexOrder> {
 /// Sets up VTP-CH for `mesh`: windows are filtered and not stored, and released around the nearest
 /// vertex; O(faces).
 ///
-/// Takes about the time of [`fwp_ch`], and O(n) space in addition to the waiting windows.
+/// Takes about the time of [`fwp_ch`]. Space O(n²).
 ///
 /// ```
 /// use geobench_fwp::vtp_ch;

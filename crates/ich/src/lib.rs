@@ -8,7 +8,7 @@
 //! distance. Only the queue and a record for each angle and vertex are stored, so memory is the
 //! peak of the queue.
 //!
-//! ICH takes O(n² log n) time for n faces in the worst case, and O(n) space.
+//! ICH takes O(n² log n) time for n faces in the worst case, and O(n²) space.
 
 mod angle;
 mod parallel;

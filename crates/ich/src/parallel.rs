@@ -230,8 +230,6 @@ impl Pch {
                 Split::Ties => CrossingKind::Covers,
                 Split::Only(side) => CrossingKind::OneSide(side),
             };
-            // Even if only one child is left, it is one of a window that covers the apex.
-            step.covers = true;
         }
     }
 

@@ -1,6 +1,7 @@
 //! The leaves of the sequence tree: windows that wait to be propagated.
 
 use geobench_mesh::{HalfEdgeId, VertexId};
+use geobench_window::blocks::number;
 use geobench_window::{Side, Window, prefetch};
 
 /// The nearest split above a window. If another window has occupied that angle since, the subtree
@@ -101,7 +102,7 @@ impl Leaves {
             slot
         } else {
             self.nodes.push(node);
-            (self.nodes.len() - 1) as u32
+            number(self.nodes.len() - 1)
         }
     }
 

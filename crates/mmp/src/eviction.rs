@@ -1,6 +1,7 @@
 //! Eviction of lists that the wavefront has passed.
 
-use std::collections::VecDeque;
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, VecDeque};
 
 use geobench_mesh::HalfEdgeId;
 use geobench_window::Window;
@@ -64,6 +65,9 @@ pub enum Retention {
 /// Number of windows between two sweeps for lists to evict.
 const PERIOD: u32 = 64;
 
+/// Number of sweeps after which a candidate that keeps others from eviction is set aside.
+const PATIENCE: u32 = 8;
+
 /// Finds the lists that can be evicted.
 ///
 /// From the ends of an edge of length l at distances d0 and d1, every point of the edge is reached
@@ -77,14 +81,21 @@ const PERIOD: u32 = 64;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Eviction {
     /// Lists in which no window waited when they were noted, oldest first, with the distance from
-    /// which they can be evicted.
+    /// which they can be evicted. That distance grows by and large.
     candidates: VecDeque<(HalfEdgeId, f64)>,
+    /// Candidates that were set aside, such as those on very long edges, by the bits of their
+    /// distances.
+    set_aside: BinaryHeap<Reverse<(u64, HalfEdgeId)>>,
+    /// The number of sweeps in which the first candidate had to wait.
+    waits: u32,
     taken: u32,
 }
 
 impl Eviction {
     pub(crate) fn clear(&mut self) {
         self.candidates.clear();
+        self.set_aside.clear();
+        self.waits = 0;
         self.taken = 0;
     }
 
@@ -115,14 +126,30 @@ impl Eviction {
 
     #[inline(never)]
     fn sweep(&mut self, lists: &mut impl Evictable, label: f64) {
-        while let Some(&(h, within)) = self.candidates.front()
-            && within < label
-        {
-            self.candidates.pop_front();
+        let evict = |lists: &mut _, h: HalfEdgeId| {
             let i = h.index();
-            if !lists.is_waited_for(i) && !lists.is_evicted(i) {
-                lists.evict(i);
+            if !Evictable::is_waited_for(lists, i) && !Evictable::is_evicted(lists, i) {
+                Evictable::evict(lists, i);
             }
+        };
+        while let Some(&(h, within)) = self.candidates.front() {
+            if within < label {
+                evict(lists, h);
+            } else if self.waits < PATIENCE {
+                self.waits += 1;
+                break;
+            } else {
+                // Distances are not negative, so their bits have the same order.
+                self.set_aside.push(Reverse((within.to_bits(), h)));
+            }
+            self.candidates.pop_front();
+            self.waits = 0;
+        }
+        while let Some(&Reverse((within, h))) = self.set_aside.peek()
+            && f64::from_bits(within) < label
+        {
+            self.set_aside.pop();
+            evict(lists, h);
         }
     }
 }

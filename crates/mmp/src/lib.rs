@@ -35,7 +35,6 @@
 //! Nearest first, the time is O(n² log n) for n faces. No bound is known for batches with slack.
 
 mod batched;
-mod blocks;
 mod eviction;
 mod single;
 

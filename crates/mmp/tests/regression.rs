@@ -1,8 +1,8 @@
 //! Fixed defects of the MMP kinds, each as a test named after what went wrong.
 
-use geobench_mesh::Mesh;
+use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_mmp::{mmp, mmp_batched, mmp_edge, mmp_fast};
-use geobench_window::VertexFilter;
+use geobench_window::{Counter, Solver, VertexFilter};
 
 #[macro_use]
 #[path = "../../window/tests/meshes/mod.rs"]
@@ -54,4 +54,31 @@ regression_tests! {
 fn a_source_close_to_a_ray_moved_the_ends_of_windows() {
     meshes::data::SOURCE_CLOSE_TO_A_RAY.check_relative(of_half_edges);
     meshes::data::SOURCE_CLOSE_TO_A_RAY.check(solvers);
+}
+
+#[test]
+fn one_very_long_edge_kept_all_windows_in_memory() {
+    let mesh = Mesh::generate("terrain,n=40,seed=1").unwrap();
+    let peak = |mesh: &Mesh| {
+        let (_, counters) = mmp_fast(mesh).count(&[VertexId::new(0)]).unwrap();
+        counters.get(Counter::PeakWindows).unwrap()
+    };
+    // A face at the source with a corner far away.
+    let is_boundary = |h: &HalfEdgeId| mesh.twin(*h).is_none();
+    let border = mesh
+        .outgoing(VertexId::new(0))
+        .iter()
+        .copied()
+        .find(is_boundary);
+    let (tail, head) = border.map(|h| (mesh.tail(h), mesh.head(h))).unwrap();
+    let mut positions = mesh.positions().to_vec();
+    let mut triangles: Vec<[u32; 3]> = mesh
+        .faces()
+        .map(|face| mesh.face_vertices(face).map(VertexId::raw))
+        .collect();
+    triangles.push([head.raw(), tail.raw(), positions.len() as u32]);
+    positions.push([-1e3, -1e3, 0.0]);
+    let longer = Mesh::new(positions, triangles).unwrap();
+    let [before, after] = [&mesh, &longer].map(peak);
+    assert!(after < before + before / 4, "{before} {after}");
 }

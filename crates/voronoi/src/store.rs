@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use geobench_mesh::HalfEdgeId;
+use geobench_window::blocks::{FreeBlocks, larger_class, room};
 use geobench_window::trimming::{Comparison, Overlap, Owner, foot, is_sliver, pieces};
 use geobench_window::{Window, prefetch};
 
@@ -111,15 +112,6 @@ const MOST_PREFETCHED: u32 = 16;
 /// The source of a list whose windows have come from several.
 const SEVERAL: u32 = u32::MAX - 1;
 
-/// Capacity of a block of size class `class`, in windows: 0, 4, 8, 12, 16, 24, 32, ...
-const fn room(class: u8) -> usize {
-    match class {
-        0 => 0,
-        1 => 4,
-        c => (2 + c as usize % 2) << (c / 2 + 1),
-    }
-}
-
 /// A part of a window that has to be queued.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Waiting {
@@ -194,8 +186,7 @@ pub(crate) struct EdgeWindows {
     heads: Vec<Head>,
     /// The blocks of all lists.
     windows: Vec<Stored>,
-    /// Starts of unused blocks, by size class.
-    free: Vec<Vec<u32>>,
+    free: FreeBlocks,
     stored: usize,
     waiting: usize,
     counts_waiting: bool,
@@ -299,7 +290,7 @@ impl EdgeWindows {
         let count = len as usize;
         self.count_waiting(e, 0..count, &[]);
         self.stored -= count;
-        self.give_block(class, start);
+        self.free.give(class, start);
         self.heads[e] = Head {
             closed: and_close,
             ..Head::default()
@@ -529,37 +520,16 @@ impl EdgeWindows {
         let behind = from + old.end..from + len;
         let mut to = from;
         if longer > room(class) {
-            let mut larger = class + 1;
-            while room(larger) < longer {
-                larger += 1;
-            }
-            to = self.take_block(larger);
+            let larger = larger_class(class, longer);
+            let place = self.free.take(larger, &mut self.windows, Stored::NONE);
+            to = place as usize;
             self.windows.copy_within(from..from + old.start, to);
-            self.give_block(class, start);
-            (self.heads[e].start, self.heads[e].class) = (to as u32, larger);
+            self.free.give(class, start);
+            (self.heads[e].start, self.heads[e].class) = (place, larger);
         }
         self.windows.copy_within(behind, to + old.start + new.len());
         self.windows[to + old.start..][..new.len()].copy_from_slice(new);
         self.heads[e].len = longer as u32;
-    }
-
-    fn take_block(&mut self, class: u8) -> usize {
-        if let Some(start) = self.free.get_mut(class as usize).and_then(Vec::pop) {
-            return start as usize;
-        }
-        let start = self.windows.len();
-        self.windows.resize(start + room(class), Stored::NONE);
-        start
-    }
-
-    fn give_block(&mut self, class: u8, start: u32) {
-        if class > 0 {
-            let class = class as usize;
-            if self.free.len() <= class {
-                self.free.resize(class + 1, Vec::new());
-            }
-            self.free[class].push(start);
-        }
     }
 }
 
@@ -761,11 +731,5 @@ mod tests {
         // The window of source 3 is trimmed away: what the list holds counts, not what it has held.
         lists.insert(0, &WINDOW, false, 4, 1.0);
         assert!(lists.has_one_source(0, 4) && !lists.has_one_source(0, 3));
-    }
-
-    #[test]
-    fn size_classes_grow_by_halves() {
-        let rooms: Vec<usize> = (0..9).map(room).collect();
-        assert_eq!(rooms, [0, 4, 8, 12, 16, 24, 32, 48, 64]);
     }
 }

@@ -1,9 +1,8 @@
 //! The whole crossing of a triangle by one window, for algorithms that take one window at a time.
 //!
-//! It computes what [`left_child`](crate::left_child), [`right_child`](crate::right_child) and
-//! [`apex_distance`](crate::apex_distance) compute, without the division for the separating
-//! abscissa D0/e, where D0 = cy·px - py·cx and e = cy - py. The sign of s·e - D0 tells the side on
-//! which the ray through s leaves. Its value is the numerator of the right exit.
+//! The ray to the apex C meets the half-edge at D0/e, where D0 = cy·px - py·cx and e = cy - py. The
+//! division is avoided: the sign of s·e - D0 tells the side on which the ray through s leaves, and
+//! its value is the numerator of the right exit.
 
 use crate::frame::{Exit, Frame, Side};
 use crate::precision::PLACE;
@@ -62,18 +61,6 @@ impl<'a> Crossing<'a> {
             height,
             sides: [window.b0 * height - offset, window.b1 * height - offset],
         }
-    }
-
-    /// The frame of the triangle.
-    #[inline]
-    pub fn frame(&self) -> &Frame {
-        self.frame
-    }
-
-    /// The window.
-    #[inline]
-    pub fn window(&self) -> &Window {
-        self.window
     }
 
     /// Whether any ray leaves through AC.
@@ -278,93 +265,5 @@ impl<'a> ExitTurn<'a> {
             sigma: self.crossing.window.sigma,
         };
         (b0 < b1).then_some(window)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use geobench_mesh::VertexId;
-    use proptest::prelude::*;
-
-    use super::*;
-    use crate::cross::{apex_distance, left_child, right_child, separating_abscissa};
-    use crate::window::tests::windows;
-
-    /// A triangle on an edge of length 1.
-    fn frames() -> impl Strategy<Value = Frame> {
-        (-1.0..2.0f64, 0.01..2.0f64).prop_map(|(cx, cy)| {
-            let (la, lb) = (norm(cx, cy), norm(1.0 - cx, cy));
-            Frame {
-                l: 1.0,
-                la,
-                lb,
-                cx,
-                cy,
-                left: [cx / la, cy / la],
-                right: [(1.0 - cx) / lb, -cy / lb],
-            }
-        })
-    }
-
-    fn exit(frame: &Frame, side: Side) -> Exit {
-        let (length, direction) = match side {
-            Side::Left => (frame.la, frame.left),
-            Side::Right => (frame.lb, frame.right),
-        };
-        let is_right = f64::from(side as u8);
-        Exit {
-            is_left: 1.0 - is_right,
-            is_right,
-            half_edge: None,
-            length,
-            direction,
-            behind: [0.0; 2],
-            corners: [VertexId::new(0); 3],
-        }
-    }
-
-    fn close(a: Option<Window>, b: Option<Window>) -> bool {
-        let numbers = |w: Window| [w.b0, w.b1, w.px, w.py, w.sigma];
-        match (a, b) {
-            (Some(a), Some(b)) => {
-                let pairs = numbers(a).into_iter().zip(numbers(b));
-                pairs.into_iter().all(|(a, b)| (a - b).abs() <= 1e-12)
-            }
-            // One of them may be as narrow as rounding.
-            (Some(w), None) | (None, Some(w)) => w.b1 - w.b0 < 1e-12,
-            (None, None) => true,
-        }
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(2000))]
-
-        #[test]
-        fn it_is_the_same_as_crossing_step_by_step(
-            frame in frames(), w in windows(),
-        ) {
-            let crossing = Crossing::new(&frame, &w);
-            let sp = separating_abscissa(&frame, &w);
-            prop_assert!((crossing.separation() - sp).abs() < 1e-12);
-            let left = left_child(&frame, &w, sp, w.b1.min(sp));
-            let right = right_child(&frame, &w, sp, w.b0.max(sp));
-            let offer = apex_distance(&frame, &w, sp);
-            let exits = [Side::Left, Side::Right].map(|side| exit(&frame, side));
-            let (children, distance) = if crossing.covers_apex() {
-                let children = [crossing.left_child(&exits[0]), crossing.right_child(&exits[1])];
-                (children, crossing.straight_distance())
-            } else {
-                let exit = &exits[crossing.side() as usize];
-                let child = crossing.only_child(exit);
-                let children = match crossing.side() {
-                    Side::Left => [child, None],
-                    Side::Right => [None, child],
-                };
-                (children, crossing.bent_distance(exit))
-            };
-            prop_assert!(close(children[0], left), "{children:?} {left:?}");
-            prop_assert!(close(children[1], right), "{children:?} {right:?}");
-            prop_assert!((distance - offer).abs() < 1e-12);
-        }
     }
 }

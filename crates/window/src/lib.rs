@@ -4,25 +4,25 @@
 //! *pseudo-source*), through an interval of a half-edge. All faces that the paths have crossed are
 //! unfolded into the plane of the half-edge's frame, where the source has an image below the edge.
 //! A [`Window`] stores that image, the interval, and the distance σ from the source to the
-//! pseudo-source. Crossing a triangle turns a window into up to two windows on the other edges
-//! ([`left_child`], [`right_child`]) and offers a distance to the vertex between them
-//! ([`apex_distance`]). All exact algorithms of this suite consist of such crossings. They differ
-//! in the windows that they delete, and in the order in which they take the others.
+//! pseudo-source. Crossing a triangle ([`Crossing`]) turns a window into up to two windows on the
+//! other edges, and offers a distance to the vertex between them. All exact algorithms of this suite
+//! consist of such crossings. They differ in the windows that they delete, and in the order in which
+//! they take the others.
 //!
-//! * The kernels are small pure functions: [`separating_abscissa`], the two children, the apex
-//!   distance, these three together as [`Crossing`], [`tie_points`], the vertex filter
-//!   ([`is_beaten_from_ends`]), [`spawn_window`]. They avoid square roots and angles. All
-//!   tolerances are relative, so a model in millimetres gives the same digits as in metres.
+//! * The kernels are small pure functions: [`Crossing`], [`tie_points`], the vertex filter
+//!   ([`is_beaten_from_ends`]), [`spawn_window`]. They avoid square roots and angles. All tolerances
+//!   are relative, so a model in millimetres gives the same digits as in metres.
 //! * [`Faces`] is the layout of a mesh for crossing. It has the [`Frame`] of each half-edge.
 //! * [`continuous`] is the frame of the algorithms that take one window at a time: a policy under a
 //!   [discipline](queue::Discipline).
 //! * [`Solver`] is the interface for callers. An algorithm implements [`Propagate`]: one run,
 //!   generic over a [`Probe`]. The probe `()` observes nothing and costs nothing. Others count,
 //!   record the origins of paths, or show the current phase to a [`PhaseSampler`].
+//! * [`blocks`] is the memory of stored lists, [`trimming`] the comparison of stored windows.
 
+pub mod blocks;
 pub mod continuous;
 mod counters;
-mod cross;
 mod crossing;
 mod crossings;
 mod filter;
@@ -43,7 +43,6 @@ mod wavefront;
 mod window;
 
 pub use counters::{Counter, Counters};
-pub use cross::{apex_distance, left_child, right_child, separating_abscissa};
 pub use crossing::{Crossing, length_past_end};
 pub use crossings::{CrossedChild, Crossings, LANES};
 pub use filter::{VertexFilter, is_beaten_from_ends};

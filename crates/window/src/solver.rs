@@ -59,8 +59,8 @@ pub enum SolveError {
         "this algorithm traces no paths; choose an exact one that does, such as vtp-fast or mmp"
     )]
     NoPaths,
-    /// A source is a point that this mesh does not have.
-    #[error("a source is no point of this mesh; ask this mesh for its points")]
+    /// A source or target is a point that this mesh does not have.
+    #[error("a source or target is no point of this mesh; ask this mesh for its points")]
     NoSuchPoint,
     /// Set-up did not find the memory for the factors of the solver's matrices.
     #[error(

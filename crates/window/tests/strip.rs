@@ -1,9 +1,7 @@
 //! Windows carried through strips of triangles folded in space, against lengths measured there.
 
 use geobench_mesh::{HalfEdgeId, Mesh, TriangleSoup, VertexId};
-use geobench_window::{
-    Faces, Window, apex_distance, left_child, right_child, separating_abscissa, spawn_window,
-};
+use geobench_window::{Crossing, Faces, Side, Window, spawn_window};
 use proptest::prelude::*;
 
 type Point = [f64; 3];
@@ -84,25 +82,39 @@ struct Station {
     window: Window,
 }
 
+/// The left and the right child of a window that crosses a triangle, and the distance that it offers
+/// to the apex.
+fn crossed(faces: &Faces, h: HalfEdgeId, w: &Window) -> ([Option<Window>; 2], f64) {
+    let view = faces.face_view(h);
+    let crossing = Crossing::new(&view.frame, w);
+    let [left, right] = [Side::Left, Side::Right].map(|side| view.exit(side));
+    if crossing.covers_apex() {
+        let children = [crossing.left_child(&left), crossing.right_child(&right)];
+        return (children, crossing.straight_distance());
+    }
+    match crossing.side() {
+        Side::Left => (
+            [crossing.only_child(&left), None],
+            crossing.bent_distance(&left),
+        ),
+        Side::Right => (
+            [None, crossing.only_child(&right)],
+            crossing.bent_distance(&right),
+        ),
+    }
+}
+
 /// Carries the window of vertex 0 through the strip as far as it goes.
 fn carry(faces: &Faces, steps: &[Step]) -> Vec<Station> {
     let (h, window) = spawn_window(faces, HalfEdgeId::new(0), 0.0).unwrap();
     let mut stations = vec![Station { h, window }];
     for step in &steps[1..] {
         let Station { h, window: w } = &stations[stations.len() - 1];
-        let frame = faces.frame(*h);
-        let sp = separating_abscissa(&frame, w);
-        let [to_left, to_right] = faces.exits(*h);
-        let (target, child) = if step.left {
-            (to_left, left_child(&frame, w, sp, w.b1.min(sp)))
-        } else {
-            (to_right, right_child(&frame, w, sp, w.b0.max(sp)))
-        };
-        let Some(window) = child else { break };
-        stations.push(Station {
-            h: target.unwrap(),
-            window,
-        });
+        let side = usize::from(!step.left);
+        let (children, _) = crossed(faces, *h, w);
+        let Some(window) = children[side] else { break };
+        let h = faces.exits(*h)[side].unwrap();
+        stations.push(Station { h, window });
     }
     stations
 }
@@ -171,13 +183,10 @@ proptest! {
         let stations = carry(&faces, &steps);
         let Station { h, window: w } = stations.last().unwrap();
         let frame = faces.frame(*h);
-        let sp = separating_abscissa(&frame, w);
-        let left = left_child(&frame, w, sp, w.b1.min(sp));
-        let right = right_child(&frame, w, sp, w.b0.max(sp));
+        let ([left, right], d) = crossed(&faces, *h, w);
         if let (Some(left), Some(right)) = (left, right) {
             prop_assert_eq!(left.b1, frame.la);
             prop_assert_eq!(right.b0, 0.0);
-            let d = apex_distance(&frame, w, sp);
             prop_assert!((left.distance(frame.la) - d).abs() <= 1e-13 * d);
             prop_assert!((right.distance(0.0) - d).abs() <= 1e-13 * d);
         } else {
@@ -192,12 +201,11 @@ proptest! {
         let stations = carry(&faces, &steps);
         let Station { h, window: w } = stations.last().unwrap();
         let frame = faces.frame(*h);
-        let sp = separating_abscissa(&frame, w);
-        let d = apex_distance(&frame, w, sp);
+        let (_, d) = crossed(&faces, *h, w);
         let straight = (frame.cx - w.px).hypot(frame.cy - w.py);
         prop_assert!(d >= straight * (1.0 - 1e-14));
         let apex = mesh.positions()[mesh.apex_vertex(*h).index()];
-        let bend = sp.clamp(w.b0, w.b1);
+        let bend = Crossing::new(&frame, w).separation().clamp(w.b0, w.b1);
         let path = length_in_space(&mesh, &faces, &stations, bend)
             + norm(sub(apex, point_on(&mesh, *h, bend)));
         prop_assert!((d - path).abs() <= 1e-11 * path, "{d} offered, {path} in space");

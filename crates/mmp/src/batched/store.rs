@@ -1,8 +1,8 @@
 //! The windows of all half-edges, those of each contiguous in memory.
 
+use geobench_window::blocks::{FreeBlocks, GROUP, larger_class, room};
 use geobench_window::{Window, prefetch};
 
-use crate::blocks::{FreeBlocks, GROUP, room, roomier};
 use crate::eviction::Evictable;
 
 /// A window of a list, in 40 bytes.
@@ -315,15 +315,13 @@ impl Store {
     #[inline(never)]
     fn relocate(&mut self, i: usize, len: usize) -> usize {
         let ListBlock { start, class, .. } = self.lists[i];
-        let larger = roomier(class, len);
-        let to = self.free_blocks.take(larger).unwrap_or_else(|| {
-            let to = self.windows.len();
-            self.windows.resize(to + room(larger), StoredWindow::NONE);
-            if self.keeps_levels {
-                self.levels.resize(self.windows.len(), 0);
-            }
-            to as u32
-        });
+        let larger = larger_class(class, len);
+        let to = self
+            .free_blocks
+            .take(larger, &mut self.windows, StoredWindow::NONE);
+        if self.keeps_levels {
+            self.levels.resize(self.windows.len(), 0);
+        }
         self.free_blocks.give(class, start);
         let list = &mut self.lists[i];
         (list.start, list.class) = (to, larger);

@@ -1,9 +1,9 @@
 //! The windows of all half-edges, found by slot or by list.
 
+use geobench_window::blocks::{FreeBlocks, GROUP, larger_class, number, room};
 use geobench_window::continuous::Dequeued;
 use geobench_window::{Window, prefetch};
 
-use crate::blocks::{FreeBlocks, GROUP, room, roomier};
 use crate::eviction::Evictable;
 
 /// Which way a window crosses the edge of its list.
@@ -254,7 +254,7 @@ impl Lists {
         } else {
             self.windows.push(window);
             self.states.push(state);
-            (self.windows.len() - 1) as Slot
+            number(self.windows.len() - 1)
         }
     }
 
@@ -344,12 +344,10 @@ impl Lists {
     #[inline(never)]
     fn relocate(&mut self, i: usize, len: usize) -> usize {
         let ListHead { start, class, .. } = self.heads[i];
-        let larger = roomier(class, len);
-        let to = self.free_blocks.take(larger).unwrap_or_else(|| {
-            let to = self.places.len();
-            self.places.resize(to + room(larger), ListEntry::NONE);
-            to as u32
-        });
+        let larger = larger_class(class, len);
+        let to = self
+            .free_blocks
+            .take(larger, &mut self.places, ListEntry::NONE);
         self.places[to as usize + len..][..room(larger) - len].fill(ListEntry::NONE);
         self.free_blocks.give(class, start);
         let list = &mut self.heads[i];

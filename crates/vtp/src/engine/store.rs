@@ -8,6 +8,7 @@ use std::ops::Range;
 use std::slice;
 
 use geobench_window::Window;
+use geobench_window::blocks::number;
 use geobench_window::simd::{self, Line};
 use geobench_window::trimming::KeptWindows;
 
@@ -191,7 +192,7 @@ impl WindowStore {
     fn grow(&mut self, class: u8) -> u32 {
         let start = self.used as u32;
         let column = lines_of(class);
-        self.used += COLUMNS * column as usize;
+        self.used = number(self.used + COLUMNS * column as usize) as usize;
         self.lines.resize(self.used + 1, Line::default());
         self.lists.push(ListHeader {
             start,

@@ -1,6 +1,7 @@
 //! Linked lists of events in one array.
 
 use super::Event;
+use crate::blocks::number;
 use crate::prefetch::prefetch;
 
 /// No link.
@@ -115,7 +116,7 @@ impl Arena {
             event,
             next: NONE,
         });
-        (self.links.len() - 1) as u32
+        number(self.links.len() - 1)
     }
 
     /// The events of `chain` with their labels, in the order in which they are taken.

@@ -186,8 +186,13 @@ impl<'a, const N: usize> Block<'a, N> {
     }
 
     /// Appends rows behind the first `len`.
+    ///
+    /// # Panics
+    ///
+    /// If columns are shorter than `len`.
     #[inline(always)]
     pub fn append(&mut self, len: usize) -> Sink<'_, N> {
+        assert!(len <= self.stride, "columns are shorter than the list");
         Sink {
             start: self.start,
             stride: self.stride,

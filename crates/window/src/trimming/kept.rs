@@ -2,7 +2,7 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh};
 
-use super::foot::{foot, pieces};
+use super::foot::pieces;
 use super::overlap::{Overlap, Owner};
 use super::thin::ThinFaces;
 use crate::window::Window;
@@ -129,11 +129,7 @@ impl KeptWindows {
         };
         let l = *length;
         let mut parts: Option<[f64; 2]> = None;
-        for piece in if foot(new, l).is_some() {
-            pieces(new, l).collect()
-        } else {
-            vec![*new]
-        } {
+        for piece in pieces(new, l) {
             let first = list.partition_point(|w| w.b1 <= piece.b0);
             self.met.clear();
             let behind = list[first..].iter().copied();

@@ -78,12 +78,20 @@ fn a_source_on_a_cold_boundary_gave_no_distances() {
         boundary: Boundary::Cold,
         ..HeatOptions::default()
     };
-    let found = Heat::new(&mesh, options).solve(&[VertexId::new(0)]);
-    let farthest = found.unwrap().distances[120];
-    let expected = 10.0 * 2.0_f64.sqrt();
-    // The boundary distorts the distances beside it.
-    assert!(
-        farthest > 0.5 * expected && farthest < 1.5 * expected,
-        "{farthest}"
-    );
+    let mut heat = Heat::new(&mesh, options);
+    // The faces around corner 10 have no inner vertex.
+    for (source, opposite) in [(0, 120), (10, 110)] {
+        let found = heat.solve(&[VertexId::new(source)]);
+        let farthest = found.unwrap().distances[opposite];
+        let expected = 10.0 * 2.0_f64.sqrt();
+        // The boundary distorts the distances beside it.
+        assert!(
+            farthest > 0.5 * expected && farthest < 1.5 * expected,
+            "{farthest}"
+        );
+    }
+    // A strip has no inner vertex.
+    let strip = Mesh::generate("strip").unwrap();
+    let found = Heat::new(&strip, options).solve(&[VertexId::new(0)]);
+    assert!(found.unwrap().distances[1..].iter().all(|&d| d > 0.0));
 }

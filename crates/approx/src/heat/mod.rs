@@ -3,6 +3,8 @@
 mod cholesky;
 mod intrinsic;
 
+use std::collections::HashSet;
+
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::{Counter, Phase, Probe, Propagate, Solution, SolveError};
 
@@ -17,8 +19,8 @@ pub enum Boundary {
     Average,
     /// No heat crosses the boundary (Neumann).
     Insulated,
-    /// The boundary has no heat (Dirichlet). That of sources there is put at the inner vertices
-    /// beside them.
+    /// The boundary has no heat (Dirichlet). That of sources there is put at the nearest ring of
+    /// inner vertices. Components without inner vertices are insulated.
     Cold,
 }
 
@@ -67,6 +69,7 @@ pub struct Heat {
     faces: Vec<FlowFace>,
     /// The component of each vertex.
     components: Vec<u32>,
+    /// Whether each vertex is on a boundary, in a component that has inner vertices.
     boundary: Vec<bool>,
     factors: Option<Factors>,
     component_count: usize,
@@ -122,8 +125,8 @@ impl FlowFace {
 }
 
 impl Heat {
-    /// Sets up for `mesh`: builds the triangulation and factorises two matrices, or three if the
-    /// mesh has a boundary.
+    /// Sets up for `mesh`: builds the triangulation and factorises two matrices, or three for
+    /// [`Boundary::Average`] if the mesh has a boundary.
     ///
     /// If there is not enough memory for the factors, solving returns an error.
     pub fn new(mesh: &Mesh, options: HeatOptions) -> Self {
@@ -133,8 +136,15 @@ impl Heat {
         }
         let faces: Vec<FlowFace> = surface.faces().collect();
         let vertices = mesh.vertex_count();
-        let boundary: Vec<bool> = mesh.vertices().map(|v| mesh.is_boundary(v)).collect();
         let (components, component_count) = components(vertices, &faces);
+        let mut has_inner = vec![false; component_count];
+        for (v, &component) in mesh.vertices().zip(&components) {
+            has_inner[component as usize] |= !mesh.is_boundary(v);
+        }
+        let can_be_cold = mesh.vertices().zip(&components);
+        let boundary: Vec<bool> = can_be_cold
+            .map(|(v, &component)| mesh.is_boundary(v) && has_inner[component as usize])
+            .collect();
         let factors = Factors::new(&faces, &components, &boundary, &options);
         Self {
             unit: surface.unit(),
@@ -176,18 +186,25 @@ impl Heat {
         heat
     }
 
-    /// Puts the heat of sources on the boundary, which stays cold, at the inner vertices beside
-    /// them. Else no heat would flow from there.
+    /// Puts the heat of sources on the boundary, which stays cold, at the inner vertices of the
+    /// first ring around each source that has any. Else no heat would flow from there.
     fn heat_beside_boundary(&self, sources: &[VertexId], heat: &mut [f64]) {
-        let is_cold_source =
-            |v: u32| self.boundary[v as usize] && sources.binary_search(&VertexId::new(v)).is_ok();
-        for face in &self.faces {
-            if face.vertices.into_iter().any(is_cold_source) {
-                for v in face.vertices.map(|v| v as usize) {
-                    if !self.boundary[v] {
-                        heat[v] = SOURCE;
-                    }
+        for source in sources.iter().filter(|s| self.boundary[s.index()]) {
+            let mut ring = HashSet::from([source.raw()]);
+            loop {
+                let touches = |face: &&FlowFace| face.vertices.iter().any(|v| ring.contains(v));
+                let next = self.faces.iter().filter(touches);
+                let next: HashSet<u32> = next.flat_map(|face| face.vertices).collect();
+                let inner = next.iter().filter(|&&v| !self.boundary[v as usize]);
+                let mut is_found = false;
+                for &v in inner {
+                    heat[v as usize] = SOURCE;
+                    is_found = true;
                 }
+                if is_found || next.len() <= ring.len() {
+                    break;
+                }
+                ring = next;
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Distances from many vertices in parallel: one solver a thread, asked again and again.
+//! Distances from many vertices in parallel: each solver is set up once and asked again and again.
 //!
 //! It prints the diameter of a model as far as its sources see it.
 //!
@@ -20,9 +20,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let step = (mesh.vertex_count() / count.max(1)).max(1);
     let sources: Vec<u32> = (0..mesh.vertex_count() as u32).step_by(step).collect();
 
-    // Each thread sets up a solver for its first source, and keeps it for the others.
+    // Rayon cuts the list into pieces. A solver is set up for each piece, so there should be few.
+    let pieces = 4 * rayon::current_num_threads();
     let farthest = sources
         .par_iter()
+        .with_min_len(sources.len().div_ceil(pieces))
         .map_init(
             || VtpFast::new(&mesh),
             |solver, &source| {

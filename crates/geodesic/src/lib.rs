@@ -311,7 +311,7 @@ impl Distances for Mesh {
         if refined.mesh.vertex_count() == self.vertex_count() {
             return Ok(path);
         }
-        Ok(path.map(|path| path.of_original(self, &refined, &points)))
+        Ok(path.map(|path| path.of_original(&refined)))
     }
 
     fn isolines(&self, sources: impl Points, levels: &[f64]) -> Result<Vec<Isoline>, FieldError> {

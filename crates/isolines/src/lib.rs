@@ -35,16 +35,16 @@ mod plane;
 
 use std::collections::HashMap;
 
-use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Place, PointError, Refined, SurfacePoint, VertexId};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, PointError, Refined, SurfacePoint};
 use geobench_mmp::{Mmp, mmp, windows_of};
 use geobench_window::{SolveError, Solver, Window};
 
 pub use arc::CircleArc;
 
-use cones::{ConeArc, FaceCones, corners};
+use cones::{ConeArc, FaceCones};
 use crossings::crossings;
 use face::Link;
-use plane::{norm, sub};
+use plane::sub;
 
 /// A level is lowered if the distance of a vertex differs from it by at most this fraction.
 const TIE: f64 = 4e-12;
@@ -74,8 +74,6 @@ pub struct DistanceField {
     mesh: Mesh,
     /// The mesh with a vertex inserted at each source.
     refined: Refined,
-    /// The inserted vertices, as points of `mesh`.
-    added: HashMap<VertexId, SurfacePoint>,
     solver: Mmp,
     /// The distances of all vertices of `refined`.
     distances: Vec<f64>,
@@ -203,15 +201,8 @@ impl DistanceField {
             .filter(|d| d.is_finite())
             .collect();
         sorted.sort_by(f64::total_cmp);
-        let points = refined
-            .vertices
-            .iter()
-            .copied()
-            .zip(sources.iter().copied());
-        let added = points.filter(|(v, _)| v.index() >= mesh.vertex_count());
         Ok(Self {
             mesh: mesh.clone(),
-            added: added.collect(),
             refined,
             solver,
             distances,
@@ -378,48 +369,8 @@ impl DistanceField {
         if !split {
             return CircleArc::new(parent, [from, to], centre);
         }
-        let within = corners(&self.refined.mesh, face);
-        let outer = corners(&self.mesh, parent);
-        let vertices = self.refined.mesh.face_vertices(face);
-        let placed = vertices.map(|v| self.place(v, parent, outer));
-        // The rotation, a complex number, from the plane of `face` to that of `parent`. It is
-        // taken from the longest side, whose direction has the smallest rounding error.
-        let side = |k: usize| norm(sub(within[(k + 1) % 3], within[k]));
-        let longest = (0..3).max_by(|&a, &b| side(a).total_cmp(&side(b)));
-        let k = longest.unwrap_or(0);
-        let (old, new) = (
-            sub(within[(k + 1) % 3], within[k]),
-            sub(placed[(k + 1) % 3], placed[k]),
-        );
-        let turn = [plane::dot(old, new), plane::cross(old, new)];
-        let turn = plane::scale(turn, 1.0 / norm(turn));
-        let map = |p: plane::Point| {
-            let [x, y] = sub(p, within[k]);
-            let turned = [turn[0] * x - turn[1] * y, turn[1] * x + turn[0] * y];
-            plane::add(placed[k], turned)
-        };
-        CircleArc::new(parent, [map(from), map(to)], map(centre))
-    }
-
-    /// Where vertex `v` of the refined mesh lies in the plane of `face` of the mesh.
-    fn place(&self, v: VertexId, face: FaceId, corners: [plane::Point; 3]) -> plane::Point {
-        let vertices = self.mesh.face_vertices(face);
-        let corner = |v: VertexId| vertices.iter().position(|&u| u == v).unwrap_or(0);
-        let Some(point) = self.added.get(&v) else {
-            return corners[corner(v)];
-        };
-        let weighted = |of: &[(usize, f64)]| {
-            let sum = |axis: usize| of.iter().map(|&(k, w)| w * corners[k][axis]).sum();
-            [sum(0), sum(1)]
-        };
-        match point.place() {
-            Place::Vertex(v) => corners[corner(v)],
-            Place::Edge(h, [tail, head]) => weighted(&[
-                (corner(self.mesh.tail(h)), tail),
-                (corner(self.mesh.head(h)), head),
-            ]),
-            Place::Face(_, [u, v, w]) => weighted(&[(0, u), (1, v), (2, w)]),
-        }
+        let motion = self.refined.motion(face);
+        CircleArc::new(parent, [from, to].map(|p| motion.of(p)), motion.of(centre))
     }
 }
 

@@ -255,7 +255,10 @@ impl<'a> Inspection<'a> {
             let first = self.face(same[0].1);
             for &(_, t) in &same[1..] {
                 let face = self.face(t);
-                self.defects.push(Defect::DuplicateFace { face, first });
+                // Parts of one polygon can be equal. Then it repeats a vertex, which is reported.
+                if face != first {
+                    self.defects.push(Defect::DuplicateFace { face, first });
+                }
             }
         }
     }

@@ -63,7 +63,7 @@ pub use nearest::NearestPoint;
 pub use numbering::Numbering;
 pub use point::{Place, PointError, SurfacePoint};
 pub use random::SplitMix64;
-pub use refine::Refined;
+pub use refine::{Motion, Refined};
 pub use report::{InvalidMesh, Report, Summary};
 pub use soup::TriangleSoup;
 pub use suggestion::did_you_mean;

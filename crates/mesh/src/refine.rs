@@ -24,93 +24,154 @@ pub struct Refined {
     /// The vertex at each point, in the order of the points. Points at the same place share a
     /// vertex.
     pub vertices: Vec<VertexId>,
-    original_faces: usize,
+    original: Mesh,
+    /// The points of the original mesh at which vertices were added, in the order of their numbers.
+    added: Vec<SurfacePoint>,
     /// The original face of each added face.
     parents: Vec<FaceId>,
 }
 
 impl Refined {
+    /// The mesh that was refined.
+    pub const fn original(&self) -> &Mesh {
+        &self.original
+    }
+
     /// The face of the original mesh that contains `face`.
     ///
     /// # Panics
     ///
     /// If the refined mesh has no such face.
     pub fn parent(&self, face: FaceId) -> FaceId {
-        match face.index().checked_sub(self.original_faces) {
+        match face.index().checked_sub(self.original.face_count()) {
             None => face,
             Some(added) => self.parents[added],
         }
     }
 
     /// Converts the barycentric coordinates of a point of `face` to those in its
-    /// [parent](Self::parent). `mesh` and `points` must be the original mesh and the points that
-    /// were passed to [`Mesh::with_points`]. A coordinate of 0 is exactly 0.
+    /// [parent](Self::parent). A coordinate of 0 is exactly 0.
     ///
     /// ```
     /// use geobench_mesh::{FaceId, Mesh};
     ///
     /// let mesh = Mesh::generate("grid,n=2")?;
-    /// let points = [mesh.point_in_face(FaceId::new(0), [0.25, 0.25, 0.5])?];
-    /// let refined = mesh.with_points(&points)?;
+    /// let point = mesh.point_in_face(FaceId::new(0), [0.25, 0.25, 0.5])?;
+    /// let refined = mesh.with_points(&[point])?;
     /// let part = refined.mesh.outgoing(refined.vertices[0])[0].face();
     /// let corners = refined.mesh.face_vertices(part);
     /// let k = corners.iter().position(|&v| v == refined.vertices[0]).unwrap();
     /// let mut corner = [0.0; 3];
     /// corner[k] = 1.0;
-    /// assert_eq!(refined.in_parent(&mesh, &points, part, corner), [0.25, 0.25, 0.5]);
+    /// assert_eq!(refined.in_parent(part, corner), [0.25, 0.25, 0.5]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Panics
     ///
-    /// If the refined mesh has no such face, or `mesh` or `points` are different ones.
-    pub fn in_parent(
-        &self,
-        mesh: &Mesh,
-        points: &[SurfacePoint],
-        face: FaceId,
-        barycentric: [f64; 3],
-    ) -> [f64; 3] {
+    /// If the refined mesh has no such face.
+    pub fn in_parent(&self, face: FaceId, barycentric: [f64; 3]) -> [f64; 3] {
         let parent = self.parent(face);
         let mut weights = [0.0; 3];
         for (corner, weight) in self.mesh.face_vertices(face).into_iter().zip(barycentric) {
             if weight != 0.0 {
-                let of_corner = self.corner_in(mesh, points, parent, corner);
+                let of_corner = self.corner_in(parent, corner);
                 (0..3).for_each(|k| weights[k] += weight * of_corner[k]);
             }
         }
         weights
     }
 
+    /// The rigid motion from the plane of a face to that of its [parent](Self::parent). The first
+    /// side of a face is on the x-axis of its plane and starts at the origin.
+    ///
+    /// # Panics
+    ///
+    /// If the refined mesh has no such face.
+    pub fn motion(&self, face: FaceId) -> Motion {
+        let parent = self.parent(face);
+        let within = corners(&self.mesh, face);
+        let vertices = self.mesh.face_vertices(face);
+        if vertices == self.original.face_vertices(parent) {
+            return Motion::NONE;
+        }
+        let outer = corners(&self.original, parent);
+        let place = |k: usize| {
+            let weights = self.corner_in(parent, vertices[k]);
+            [0, 1].map(|axis| (0..3).map(|i| weights[i] * outer[i][axis]).sum::<f64>())
+        };
+        // The direction of the longest side has the smallest rounding error.
+        let length = |k: u32| self.mesh.length(face.half_edge(k));
+        let longest = (0..3).max_by(|&a, &b| length(a).total_cmp(&length(b)));
+        let tail = longest.unwrap_or(0) as usize;
+        let head = (tail + 1) % 3;
+        Motion::between([within[tail], within[head]], [place(tail), place(head)])
+    }
+
     /// The barycentric coordinates in `parent` of a vertex of one of its parts.
-    fn corner_in(
-        &self,
-        mesh: &Mesh,
-        points: &[SurfacePoint],
-        parent: FaceId,
-        v: VertexId,
-    ) -> [f64; 3] {
+    fn corner_in(&self, parent: FaceId, v: VertexId) -> [f64; 3] {
         let mut weights = [0.0; 3];
-        let corners = mesh.face_vertices(parent);
+        let corners = self.original.face_vertices(parent);
         let mut add = |v: VertexId, weight: f64| {
             if let Some(k) = corners.iter().position(|&corner| corner == v) {
                 weights[k] += weight;
             }
         };
-        if v.index() < mesh.vertex_count() {
+        let Some(added) = v.index().checked_sub(self.original.vertex_count()) else {
             add(v, 1.0);
             return weights;
-        }
-        let added = self.vertices.iter().position(|&other| other == v);
-        match added.map(|i| points[i].place()) {
-            Some(Place::Face(_, inside)) => return inside,
-            Some(Place::Edge(h, [tail, head])) => {
-                add(mesh.tail(h), tail);
-                add(mesh.head(h), head);
+        };
+        match self.added[added].place() {
+            Place::Face(_, inside) => return inside,
+            Place::Edge(h, [tail, head]) => {
+                add(self.original.tail(h), tail);
+                add(self.original.head(h), head);
             }
-            Some(Place::Vertex(_)) | None => {}
+            Place::Vertex(_) => {}
         }
         weights
+    }
+}
+
+/// The corners of `face` in the frame of its first half-edge.
+fn corners(mesh: &Mesh, face: FaceId) -> [[f64; 2]; 3] {
+    let h = face.half_edge(0);
+    [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)]
+}
+
+/// A rotation and a translation of the plane.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    /// A point and its image.
+    from: [f64; 2],
+    to: [f64; 2],
+    /// The rotation, as a complex number.
+    turn: [f64; 2],
+}
+
+impl Motion {
+    const NONE: Self = Self {
+        from: [0.0; 2],
+        to: [0.0; 2],
+        turn: [1.0, 0.0],
+    };
+
+    /// The motion that maps `a` to `p`, and `b` in the direction of `q`.
+    fn between([a, b]: [[f64; 2]; 2], [p, q]: [[f64; 2]; 2]) -> Self {
+        let (u, v) = ([b[0] - a[0], b[1] - a[1]], [q[0] - p[0], q[1] - p[1]]);
+        let turn = [u[0] * v[0] + u[1] * v[1], u[0] * v[1] - u[1] * v[0]];
+        let size = turn[0].hypot(turn[1]);
+        Self {
+            from: a,
+            to: p,
+            turn: turn.map(|x| x / size),
+        }
+    }
+
+    /// The image of a point.
+    pub fn of(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let ([x, y], [c, s]) = ([x - self.from[0], y - self.from[1]], self.turn);
+        [self.to[0] + x * c - y * s, self.to[1] + x * s + y * c]
     }
 }
 
@@ -210,11 +271,12 @@ impl Mesh {
             faces,
             places,
         };
-        let (mesh, parents) = refinement.build();
+        let (mesh, parents, added) = refinement.build();
         Ok(Refined {
             mesh,
             vertices,
-            original_faces: self.face_count(),
+            original: self.clone(),
+            added,
             parents,
         })
     }
@@ -241,10 +303,10 @@ struct Refinement<'m> {
 }
 
 impl Refinement<'_> {
-    /// The refined mesh, and the parents of the added faces.
-    fn build(mut self) -> (Mesh, Vec<FaceId>) {
+    /// The refined mesh, the parents of the added faces, and the points of the added vertices.
+    fn build(mut self) -> (Mesh, Vec<FaceId>, Vec<SurfacePoint>) {
         if self.places.is_empty() {
-            return (self.mesh.clone(), Vec::new());
+            return (self.mesh.clone(), Vec::new(), Vec::new());
         }
         for stops in self.edges.values_mut() {
             // From the tail to the head. Near the head the weight of the tail distinguishes points.
@@ -325,7 +387,7 @@ impl Refinement<'_> {
                 matches!(place.place(), Place::Edge(h, _) if self.mesh.twin(h).is_none());
             data.add_flat_vertex(boundary);
         }
-        (build_refined(data), parents)
+        (build_refined(data), parents, self.places)
     }
 
     /// The parts of the faces that are split.

@@ -78,7 +78,7 @@ fn a_polygon_of_many_corners_took_hours() {
     let error = io::read_bytes(file.as_bytes(), Format::Obj, Path::new("star.obj")).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "star.obj: face 0, counted from 0, has 200000 corners and folds over itself, so that cutting \
+        "star.obj: face 0, counted from 0, has 200000 corners and is not convex, so that cutting \
          it into triangles takes too long; cut it into smaller faces"
     );
     assert!(start.elapsed() < Duration::from_secs(60));
@@ -159,4 +159,52 @@ fn coordinates_became_infinite_in_stl_files() {
         error.contains("1e50 is too large for the single precision of STL"),
         "{error}"
     );
+}
+
+#[test]
+fn a_convex_polygon_of_many_corners_was_refused() {
+    let corners: u32 = 50_000;
+    let mut file = String::new();
+    for i in 0..corners {
+        let (sin, cos) = (f64::from(i) / f64::from(corners) * std::f64::consts::TAU).sin_cos();
+        writeln!(file, "v {cos} {sin} 0").unwrap();
+    }
+    file.push('f');
+    (1..=corners).for_each(|i| write!(file, " {i}").unwrap());
+    let soup = io::read_bytes(file.as_bytes(), Format::Obj, Path::new("disc.obj")).unwrap();
+    assert_eq!(soup.triangles.len(), corners as usize - 2);
+    assert_eq!(soup.triangles[..2], [[0, 1, 2], [0, 2, 3]]);
+}
+
+#[test]
+fn binary_data_decided_how_the_lines_of_a_ply_header_end() {
+    let header = "ply\rformat binary_little_endian 1.0\relement vertex 3\rproperty float x\r\
+                  property float y\rproperty float z\relement face 1\r\
+                  property list uchar int vertex_indices\rend_header\r";
+    let mut file = header.as_bytes().to_vec();
+    // The bytes of the first number are line feeds.
+    let line_feeds = f32::from_le_bytes([b'\n'; 4]);
+    for x in [line_feeds, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
+        file.extend(x.to_le_bytes());
+    }
+    file.push(3);
+    file.extend([0_i32, 1, 2].map(i32::to_le_bytes).as_flattened());
+    let soup = io::read_bytes(&file, Format::Ply, Path::new("m.ply")).unwrap();
+    assert_eq!(soup.triangles, [[0, 1, 2]]);
+    assert_eq!(soup.positions[0][0], f64::from(line_feeds));
+}
+
+#[test]
+fn a_face_that_names_its_corners_twice_was_said_to_repeat_itself() {
+    let error = Mesh::from_soup(
+        io::read_bytes(
+            b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 1 2 3\n",
+            Format::Obj,
+            Path::new("m.obj"),
+        )
+        .unwrap(),
+    )
+    .unwrap_err()
+    .to_string();
+    assert!(!error.contains("face 0 repeats face 0"), "{error}");
 }

@@ -176,11 +176,7 @@ fn paths_between_points_of_faces_and_edges_are_told_of_the_original() {
         let [from, to] = [refined.vertices[0], refined.vertices[1]];
         let mut solver = VtpFast::new(&refined.mesh);
         let paths = Paths::find(&mut solver, &refined.mesh, from, &Goal::targets([to])).unwrap();
-        let path = paths
-            .to(to)
-            .unwrap()
-            .unwrap()
-            .of_original(&mesh, &refined, &points);
+        let path = paths.to(to).unwrap().unwrap().of_original(&refined);
         assert_eq!(path.length, paths.to(to).unwrap().unwrap().length);
         let line = path.polyline(&mesh);
         let ends = [line[0], line[line.len() - 1]];
@@ -251,7 +247,7 @@ fn paths_between_points_with_ties_are_straight_and_always_the_same() {
                 let paths = Paths::find(solver.as_mut(), &refined.mesh, ends[0], &goal).unwrap();
                 let told = refined.vertices[1..].iter().map(|&v| {
                     let path = paths.to(v).unwrap().unwrap();
-                    path.of_original(&mesh, &refined, &points)
+                    path.of_original(&refined)
                 });
                 told.collect::<Vec<_>>()
             };

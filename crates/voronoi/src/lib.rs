@@ -19,7 +19,8 @@ mod wave;
 mod window_vtp;
 
 pub use diagram::{
-    Bisector, BorderArc, Cell, Diagram, Dual, Node, NodeKind, Obstacle, Part, Vertex,
+    Bisector, BorderArc, Cell, Diagram, Dual, NoTriangulation, Node, NodeKind, Obstacle, Part,
+    Vertex,
 };
 pub use field::{FieldSolver, LabelledField, NO_SOURCE};
 pub use lct11::Lct11;

@@ -126,7 +126,7 @@ impl Points {
         if self.refined.mesh.vertex_count() == mesh.vertex_count() {
             return (label, path);
         }
-        (label, path.of_original(mesh, &self.refined, &self.places))
+        (label, path.of_original(&self.refined))
     }
 }
 

@@ -6,10 +6,10 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
-use anyhow::bail;
+use anyhow::{Context, anyhow};
+use geobench_mesh::VertexId;
 use geobench_mesh::io as mesh_io;
-use geobench_mesh::{TriangleSoup, VertexId};
-use geobench_voronoi::{Diagram, Dual};
+use geobench_voronoi::Diagram;
 
 use super::Verdict;
 use super::args::VoronoiOptions;
@@ -17,15 +17,12 @@ use super::points::Points;
 use super::{generate, terminal};
 use crate::exec::model;
 use crate::exec::source::SourceSpec;
-use crate::registry;
+use crate::registry::Selection;
 use crate::report::{Paint, Scene};
 use crate::schema::SourceLabel;
 use crate::table::diagram_formats::{self, BorderFormat, DiagramFile, DiagramFormat, LabelFormat};
 use crate::table::output::{OutputFile, check_distinct};
 use crate::table::{FileFormat, no_coordinates};
-
-/// Maximum number of obstacles to a dual triangulation that an error message names.
-const NAMED: usize = 4;
 
 pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let (format, output) = DiagramFormat::output(&options.output)?;
@@ -42,17 +39,17 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     outputs.extend(labels.as_ref().map(|(_, output)| output));
     outputs.extend(dual_file.as_ref().map(|(_, _, output)| output));
     check_distinct(&outputs)?;
+    if options.algo.algorithm().field.is_none() {
+        return Err(no_diagram(&options.algo));
+    }
     let model = model::only(&options.model)?;
     let mesh = &model.mesh_within(options.reading)?;
     let named = SourceSpec::joined(options.source.iter().cloned());
     let points = Points::new(mesh, &named, Some(&[]), &model.path)?;
     let refined = &points.refined.mesh;
     let sources = points.source_vertices();
-    let Some(mut solver) = registry::field_solver(&options.algo, refined) else {
-        bail!(
-            "{} keeps no windows from which a diagram could be made; use window-vtp, lct11 or xls14",
-            options.algo.label()
-        );
+    let Some(mut solver) = options.algo.field_solver(refined) else {
+        return Err(no_diagram(&options.algo));
     };
     let start = Instant::now();
     let field = solver.field(&sources)?;
@@ -66,7 +63,6 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
         sources: &points.source_labels(),
         mesh,
         refined: &points.refined,
-        places: &points.places,
         distances: field.distances(),
         diagram: &diagram,
         stage_seconds: [windows, extraction],
@@ -94,7 +90,13 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let dual = match &dual_file {
         Some((path, ..)) => {
             let dual = diagram.dual();
-            let soup = dual_mesh(&dual, &diagram, &sources, path)?;
+            let positions = diagram.mesh().positions();
+            if positions.is_empty() {
+                return Err(no_coordinates(path.display()));
+            }
+            let corners = sources.iter().map(|s| positions[s.index()]).collect();
+            let soup = dual.triangulation(corners);
+            let soup = soup.with_context(|| path.display().to_string())?;
             let _ = writeln!(
                 summary,
                 "{}: {} triangles, {} Voronoi vertices of more than three cells split",
@@ -119,6 +121,14 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
+/// The error that `algorithm` keeps no windows of which a diagram could be made.
+fn no_diagram(algorithm: &Selection) -> anyhow::Error {
+    anyhow!(
+        "{} keeps no windows from which a diagram could be made; use window-vtp, lct11 or xls14",
+        algorithm.label()
+    )
+}
+
 /// A picture of the cells with their borders and the sources, as PNG or SVG.
 fn picture(file: &DiagramFile<'_>, sources: &[VertexId], png: bool) -> anyhow::Result<Vec<u8>> {
     let mesh = file.diagram.mesh();
@@ -133,44 +143,6 @@ fn picture(file: &DiagramFile<'_>, sources: &[VertexId], png: bool) -> anyhow::R
         ..Scene::new(mesh, file.distances)
     };
     scene.draw(png, file.model, "Voronoi diagram")
-}
-
-/// The dual as a triangle mesh with the sources as vertices. `path` is its file, for messages.
-///
-/// # Errors
-///
-/// If the model has no coordinates, or if the dual is not a triangulation.
-fn dual_mesh(
-    dual: &Dual,
-    diagram: &Diagram,
-    sources: &[VertexId],
-    path: &Path,
-) -> anyhow::Result<TriangleSoup> {
-    let positions = diagram.mesh().positions();
-    if positions.is_empty() {
-        return Err(no_coordinates(path.display()));
-    }
-    if !dual.obstacles.is_empty() {
-        let named: Vec<String> = dual
-            .obstacles
-            .iter()
-            .take(NAMED)
-            .map(ToString::to_string)
-            .collect();
-        let more = dual.obstacles.len() - named.len();
-        let more = if more > 0 {
-            format!("; and {more} more")
-        } else {
-            String::new()
-        };
-        bail!(
-            "{}: the dual is no triangulation: {}{more}; add sources there",
-            path.display(),
-            named.join("; ")
-        );
-    }
-    let corners = sources.iter().map(|s| positions[s.index()]).collect();
-    Ok(TriangleSoup::new(corners, dual.triangles.clone()))
 }
 
 /// One line for each source that coincides with an earlier one. The cell of such a source is empty.

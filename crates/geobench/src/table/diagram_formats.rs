@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 use geobench_mesh::io::PlyWriter;
-use geobench_mesh::{FaceId, Mesh, Refined, SurfacePoint};
+use geobench_mesh::{FaceId, Mesh, Refined};
 use geobench_voronoi::{BorderArc, Diagram, NO_SOURCE};
 use serde::Serialize;
 
@@ -25,8 +25,6 @@ pub struct DiagramFile<'a> {
     pub mesh: &'a Mesh,
     /// The mesh of the model, refined so that there is a vertex at each source.
     pub refined: &'a Refined,
-    /// The places of the sources on the mesh of the model.
-    pub places: &'a [SurfacePoint],
     /// Distance of each vertex of the refined mesh from the nearest source.
     pub distances: &'a [f64],
     /// The diagram, on the refined mesh.
@@ -48,81 +46,9 @@ impl DiagramFile<'_> {
         if !self.is_refined() {
             return (face, weights);
         }
-        let weights = self
-            .refined
-            .in_parent(self.mesh, self.places, face, weights);
+        let weights = self.refined.in_parent(face, weights);
         (self.refined.parent(face), weights)
     }
-
-    /// The rigid motion from the plane of a face of the refined mesh to that of its parent face in
-    /// the model.
-    fn motion(&self, face: FaceId) -> Motion {
-        if !self.is_refined() {
-            return Motion::default();
-        }
-        let part = corners_of(&self.refined.mesh, face);
-        let whole = corners_of(self.mesh, self.refined.parent(face));
-        let place = |k: usize| {
-            let mut corner = [0.0; 3];
-            corner[k] = 1.0;
-            let weights = self.refined.in_parent(self.mesh, self.places, face, corner);
-            let sum = |axis: usize| (0..3).map(|i| weights[i] * whole[i][axis]).sum::<f64>();
-            [sum(0), sum(1)]
-        };
-        let length = |k: u32| self.refined.mesh.length(face.half_edge(k));
-        // The longest side gives the most accurate direction.
-        let mut k = 0;
-        for other in [1, 2] {
-            if length(other) > length(k) {
-                k = other;
-            }
-        }
-        let [tail, head] = [k as usize, (k as usize + 1) % 3];
-        Motion::between([part[tail], part[head]], [place(tail), place(head)])
-    }
-}
-
-/// A rotation and a translation of the plane, by the images of the origin and of the first axis.
-#[derive(Clone, Copy, Debug)]
-struct Motion {
-    origin: [f64; 2],
-    direction: [f64; 2],
-}
-
-impl Default for Motion {
-    fn default() -> Self {
-        Self {
-            origin: [0.0; 2],
-            direction: [1.0, 0.0],
-        }
-    }
-}
-
-impl Motion {
-    /// The motion that maps `a` to `p` and `b` to `q`.
-    fn between([a, b]: [[f64; 2]; 2], [p, q]: [[f64; 2]; 2]) -> Self {
-        let (u, v) = ([b[0] - a[0], b[1] - a[1]], [q[0] - p[0], q[1] - p[1]]);
-        let turn = [u[0] * v[0] + u[1] * v[1], u[0] * v[1] - u[1] * v[0]];
-        let long = turn[0].hypot(turn[1]);
-        let mut motion = Self {
-            origin: [0.0; 2],
-            direction: turn.map(|x| x / long),
-        };
-        let turned = motion.of(a);
-        motion.origin = [p[0] - turned[0], p[1] - turned[1]];
-        motion
-    }
-
-    fn of(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let ([ox, oy], [c, s]) = (self.origin, self.direction);
-        [ox + x * c - y * s, oy + x * s + y * c]
-    }
-}
-
-/// The corners of `face` in the frame of its first half-edge.
-fn corners_of(mesh: &Mesh, face: FaceId) -> [[f64; 2]; 3] {
-    let h = face.half_edge(0);
-    [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)]
 }
 
 /// A file format for diagrams.
@@ -301,7 +227,7 @@ fn json(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
         to: diagram.position(arc.face, arc.ends[1]),
         kind: if arc.is_line() { "line" } else { "hyperbola" },
         foci: arc.bisector.map(|bisector| {
-            let motion = file.motion(arc.face);
+            let motion = file.refined.motion(arc.face);
             bisector.images.map(|image| motion.of(image))
         }),
         offsets: arc.bisector.map(|bisector| bisector.sigmas),
@@ -479,24 +405,6 @@ impl LabelFormat {
                 let bytes = labels.iter().flat_map(|&label| number(label).to_le_bytes());
                 super::distance_formats::npy_of("<i8", &format!("({},)", labels.len()), bytes)
             }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_motion_keeps_lengths_and_takes_both_points_along() {
-        // A quarter turn and a shift.
-        let motion = Motion::between([[1.0, 0.0], [3.0, 0.0]], [[5.0, 5.0], [5.0, 7.0]]);
-        for (from, to) in [
-            ([1.0, 0.0], [5.0, 5.0]),
-            ([3.0, 0.0], [5.0, 7.0]),
-            ([1.0, 4.0], [1.0, 5.0]),
-        ] {
-            assert_eq!(motion.of(from), to);
         }
     }
 }

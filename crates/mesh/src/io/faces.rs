@@ -62,7 +62,7 @@ impl FaceList {
             triangulate(&soup.positions, corners, &mut soup.triangles, &mut budget).map_err(
                 |TooComplex| {
                     Flaw::file(format!(
-                        "face {face}, counted from 0, has {arity} corners and folds over itself, so that \
+                        "face {face}, counted from 0, has {arity} corners and is not convex, so that \
                          cutting it into triangles takes too long; cut it into smaller faces"
                     ))
                 },

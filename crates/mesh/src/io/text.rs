@@ -26,6 +26,20 @@ impl<'a> Lines<'a> {
         }
     }
 
+    /// As [`new`](Self::new), for a file that may have binary data behind its lines: they end as
+    /// the first one does.
+    pub(super) fn before_data(bytes: &'a [u8]) -> Self {
+        let mut lines = Self::new(bytes);
+        let mut ends = bytes.iter().enumerate();
+        let first = ends.find(|(_, b)| matches!(b, b'\n' | b'\r'));
+        if let Some((at, b'\r')) = first
+            && bytes.get(at + 1) != Some(&b'\n')
+        {
+            lines.ending = b'\r';
+        }
+        lines
+    }
+
     /// The bytes after the line returned last.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.rest

@@ -19,7 +19,8 @@
 
 use crate::vector::{cross, dot, sub};
 
-/// Twice the area, relative to the polygon's squared extent, up to which a triangle counts as flat.
+/// Twice the area, relative to the polygon's squared extent or to the product of two sides, up to
+/// which a triangle counts as flat.
 /// It decides between cuts only; no triangle is dropped.
 const FLAT: f64 = 1e-12;
 
@@ -70,7 +71,7 @@ pub(super) fn triangulate(
         triangles.extend(fan_from(repeated).map(name));
     } else if k > 3
         && let Some(polygon) = Polygon::new(positions, corners)
-        && fan.clone().any(|t| polygon.turn(t) <= FLAT)
+        && fan.clone().any(|t| polygon.is_folded(t))
     {
         triangles.extend(clip_ears(&polygon, budget)?.into_iter().map(name));
     } else {
@@ -138,6 +139,14 @@ impl Polygon {
     fn turn(&self, [a, b, c]: [usize; 3]) -> f64 {
         let p = &self.points;
         dot(cross(sub(p[b], p[a]), sub(p[c], p[a])), self.normal)
+    }
+
+    /// Whether a triangle of three corners is folded over or flat, by the sine of its first angle: of
+    /// a convex polygon with many corners, triangles are small but not flat.
+    fn is_folded(&self, t: [usize; 3]) -> bool {
+        let [a, b, c] = t.map(|i| self.points[i]);
+        let [ab, ac] = [sub(b, a), sub(c, a)];
+        self.turn(t) <= FLAT * (dot(ab, ab) * dot(ac, ac)).sqrt()
     }
 
     /// Whether corner `q` lies in triangle `t` or on its border, but is none of its corners.

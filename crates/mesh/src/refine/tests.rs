@@ -207,3 +207,16 @@ fn points_of_another_mesh_are_refused() {
     let vertex = small.with_points(&[90.into()]);
     assert!(matches!(vertex, Err(PointError::NoSuchVertex { .. })));
 }
+
+#[test]
+fn a_motion_keeps_lengths_and_takes_both_points_along() {
+    // A quarter turn and a shift.
+    let motion = Motion::between([[1.0, 0.0], [3.0, 0.0]], [[5.0, 5.0], [5.0, 7.0]]);
+    for (from, to) in [
+        ([1.0, 0.0], [5.0, 5.0]),
+        ([3.0, 0.0], [5.0, 7.0]),
+        ([1.0, 4.0], [1.0, 5.0]),
+    ] {
+        assert_eq!(motion.of(from), to);
+    }
+}

@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::fmt;
 
+use geobench_mesh::TriangleSoup;
+
 use super::Diagram;
 
 /// The dual of a [`Diagram`]: sources whose cells meet in a Voronoi vertex form a triangle.
@@ -92,6 +94,39 @@ impl fmt::Display for Obstacle {
                 write!(f, "cells {a} and {b} share several borders")
             }
         }
+    }
+}
+
+/// The error of a dual that is not a triangulation: its obstacles.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub struct NoTriangulation(pub Vec<Obstacle>);
+
+impl fmt::Display for NoTriangulation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        /// The greatest number of obstacles that are named.
+        const NAMED: usize = 4;
+        write!(f, "the dual is no triangulation: ")?;
+        for (i, obstacle) in self.0.iter().take(NAMED).enumerate() {
+            write!(f, "{}{obstacle}", if i > 0 { "; " } else { "" })?;
+        }
+        if self.0.len() > NAMED {
+            write!(f, "; and {} more", self.0.len() - NAMED)?;
+        }
+        write!(f, "; add sources there")
+    }
+}
+
+impl Dual {
+    /// The dual as a triangle mesh. `corners` are the positions of the sources.
+    ///
+    /// # Errors
+    ///
+    /// If the dual has obstacles.
+    pub fn triangulation(&self, corners: Vec<[f64; 3]>) -> Result<TriangleSoup, NoTriangulation> {
+        if !self.obstacles.is_empty() {
+            return Err(NoTriangulation(self.obstacles.clone()));
+        }
+        Ok(TriangleSoup::new(corners, self.triangles.clone()))
     }
 }
 

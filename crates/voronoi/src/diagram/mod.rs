@@ -18,7 +18,7 @@ use crate::field::{LabelledField, NO_SOURCE};
 use crate::store::edge_of;
 use arrange::{Arrangement, FaceNodeKind, Span, arrange};
 pub use curve::Bisector;
-pub use dual::{Dual, Obstacle};
+pub use dual::{Dual, NoTriangulation, Obstacle};
 use line::SegmentCells;
 #[cfg(test)]
 pub(crate) use plane::between;

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use geobench_mesh::{FaceId, Mesh, Place, Refined, SurfacePoint, VertexId};
+use geobench_mesh::{FaceId, Mesh, Refined, SurfacePoint, VertexId};
 use geobench_paths::Paths;
 use geobench_vtp::VtpFast;
 use geobench_window::Goal;
@@ -70,7 +70,6 @@ pub(super) fn centres(
         let moment = &mut moments[part.source as usize];
         add(moment, part.face, part.source, area);
     }
-    let original = Originals::new(mesh, sites, refined);
     let mut moved = 0.0;
     let mut centres = Vec::with_capacity(sites.len());
     for ((&site, &v), moment) in sites.iter().zip(&refined.vertices).zip(&moments) {
@@ -82,8 +81,9 @@ pub(super) fn centres(
             Tangents::new(&refined.mesh, v).exponential(vector)
         };
         let centre = line.and_then(|line| {
-            let centre = original.point(line.face, line.weights)?;
-            Some((centre, line.length))
+            let weights = refined.in_parent(line.face, line.weights);
+            let centre = mesh.point_in_face(refined.parent(line.face), weights);
+            Some((centre.ok()?, line.length))
         });
         let (centre, length) = centre.unwrap_or((site, 0.0));
         centres.push(centre);
@@ -108,66 +108,6 @@ fn logarithms(refined: &Refined) -> Result<Vec<Option<Vector>>, RemeshError> {
         tangents.logarithm(&path)
     };
     Ok(mesh.vertices().map(logarithm).collect())
-}
-
-/// Maps points of a refined mesh to the original mesh.
-struct Originals<'a> {
-    mesh: &'a Mesh,
-    refined: &'a Refined,
-    /// The site at each vertex of the refined mesh that has one.
-    added: HashMap<VertexId, SurfacePoint>,
-}
-
-impl<'a> Originals<'a> {
-    fn new(mesh: &'a Mesh, sites: &[SurfacePoint], refined: &'a Refined) -> Self {
-        let added = refined.vertices.iter().copied().zip(sites.iter().copied());
-        Self {
-            mesh,
-            refined,
-            added: added.collect(),
-        }
-    }
-
-    /// Maps a point of a face of the refined mesh, given by barycentric coordinates.
-    fn point(&self, face: FaceId, weights: [f64; 3]) -> Option<SurfacePoint> {
-        let parent = self.refined.parent(face);
-        let mut sum = [0.0; 3];
-        for (corner, weight) in self
-            .refined
-            .mesh
-            .face_vertices(face)
-            .into_iter()
-            .zip(weights)
-        {
-            let of_corner = self.corner(corner, parent)?;
-            sum = [0, 1, 2].map(|k| sum[k] + weight * of_corner[k]);
-        }
-        self.mesh.point_in_face(parent, sum).ok()
-    }
-
-    /// The barycentric coordinates of a vertex of the refined mesh in a face of the original one.
-    fn corner(&self, v: VertexId, face: FaceId) -> Option<[f64; 3]> {
-        let corners = self.mesh.face_vertices(face);
-        let mut weights = [0.0; 3];
-        let mut add = |v: VertexId, weight: f64| {
-            let k = corners.iter().position(|&corner| corner == v)?;
-            weights[k] += weight;
-            Some(())
-        };
-        if v.index() < self.mesh.vertex_count() {
-            add(v, 1.0)?;
-            return Some(weights);
-        }
-        match self.added.get(&v)?.place() {
-            Place::Vertex(v) => add(v, 1.0)?,
-            Place::Edge(h, [tail, head]) => {
-                add(self.mesh.tail(h), tail)?;
-                add(self.mesh.head(h), head)?;
-            }
-            Place::Face(_, inside) => return Some(inside),
-        }
-        Some(weights)
-    }
 }
 
 #[cfg(test)]

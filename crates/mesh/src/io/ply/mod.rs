@@ -17,7 +17,7 @@ use payload::{Binary, Payload, Text};
 
 /// Reads a PLY file.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
-    let mut lines = Lines::new(bytes);
+    let mut lines = Lines::before_data(bytes);
     let header = header::read(&mut lines)?;
     let (elements, rest) = (&header.elements, lines.rest());
     match header.encoding {

@@ -15,7 +15,6 @@ pub mod exec;
 pub mod history;
 pub mod measure;
 pub mod plan;
-pub mod registry;
 #[cfg(feature = "command-line")]
 pub mod report;
 pub mod run;
@@ -24,4 +23,5 @@ pub mod schema;
 pub mod table;
 mod usage;
 
+pub use geobench_registry as registry;
 pub use usage::{DocumentError, UsageError};

@@ -1,8 +1,9 @@
-//! Input of users: errors in it, and TOML files.
+//! Input of users: errors in it, files and their schemas, and TOML documents.
 
 pub(crate) mod document;
 
 pub use document::DocumentError;
+pub use geobench_registry::UsageError;
 
 use std::path::{Path, PathBuf};
 
@@ -44,12 +45,6 @@ pub(crate) fn files_in(directory: &Path, ending: &str) -> anyhow::Result<Vec<Pat
     paths.sort_unstable();
     Ok(paths)
 }
-
-/// An invalid value from the command line or a file. The message quotes the value and names the
-/// allowed ones.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct UsageError(pub(crate) String);
 
 /// A temporary file in `directory`. It has the usual mode of new files, restricted by the umask, so
 /// that others can read what it is renamed to; `tempfile` alone would create a private file.

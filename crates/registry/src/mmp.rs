@@ -13,7 +13,7 @@ use super::parameter::{THRESHOLD, threshold_width};
 use super::{Algorithm, Parameter, Values, single};
 
 /// The unit of propagation.
-pub(super) const TURN: Parameter = Parameter::word(
+pub(crate) const TURN: Parameter = Parameter::word(
     "turn",
     &["window", "list"],
     "`window` takes one window at a time, as in the paper; `list` takes the windows of a half-edge together, as far as the queue allows",
@@ -28,7 +28,7 @@ const SLACK: Parameter = Parameter::real(
 .only_with(TURN.name, "list");
 
 /// Filter before windows are compared. Single windows are never filtered.
-pub(super) const FILTER: Parameter = Parameter::word(
+pub(crate) const FILTER: Parameter = Parameter::word(
     "filter",
     &["none", "vertices"],
     "`none` compares all windows with those of their edge, as in the paper; `vertices` first drops those that a path through an end of their edge beats, by two of the three tests of ich",
@@ -36,7 +36,7 @@ pub(super) const FILTER: Parameter = Parameter::word(
 .only_with(TURN.name, "list");
 
 /// Which windows are stored.
-pub(super) const LISTS: Parameter = Parameter::word(
+pub(crate) const LISTS: Parameter = Parameter::word(
     "lists",
     &["keep", "forget"],
     "`keep` stores all windows that trimming leaves until the end, as in the paper; `forget` evicts those of an edge once the wavefront has passed it",
@@ -55,7 +55,7 @@ const QUEUE: Parameter = Parameter::word(
 const LISTS_BY_DISTANCE: Parameter = LISTS.only_with(QUEUE.name, "priority");
 
 /// Whether windows are taken in lists.
-pub(super) fn is_batched(values: &Values) -> bool {
+pub(crate) fn is_batched(values: &Values) -> bool {
     values.word(&TURN) == Some("list")
 }
 
@@ -67,7 +67,7 @@ fn retention(values: &Values) -> Retention {
 }
 
 /// A solver that takes single windows, with [`LISTS`] and [`THRESHOLD`].
-pub(super) fn stored<Q>(
+pub(crate) fn stored<Q>(
     solver: Continuous<Trimming, Q>,
     mesh: &Mesh,
     values: &Values,
@@ -82,7 +82,7 @@ where
 
 /// A solver that takes lists of windows, with [`FILTER`], [`LISTS`] and [`THRESHOLD`]. It has
 /// scalar code only.
-pub(super) fn batched<Q>(solver: Batched<Q>, mesh: &Mesh, values: &Values) -> Box<dyn Solver>
+pub(crate) fn batched<Q>(solver: Batched<Q>, mesh: &Mesh, values: &Values) -> Box<dyn Solver>
 where
     Q: Discipline,
     Batched<Q>: Solver + 'static,
@@ -95,7 +95,7 @@ where
     Box::new(solver.with_threshold(threshold_width(mesh, values)))
 }
 
-pub(super) const FAMILY: &[Algorithm] = &[
+pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "mmp",
         family: "mmp-family",
@@ -135,7 +135,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
     },
 ];
 
-pub(super) const FAST: &[Algorithm] = &[Algorithm {
+pub(crate) const FAST: &[Algorithm] = &[Algorithm {
     name: "mmp-fast",
     family: "mmp-family",
     paper: "Surazhsky et al. 2005, with improvements of our own",
@@ -150,7 +150,7 @@ pub(super) const FAST: &[Algorithm] = &[Algorithm {
 }];
 
 /// MMP in the order of VTP, which the papers count as a variant of VTP.
-pub(super) const VERTEX_ORDER: Algorithm = Algorithm {
+pub(crate) const VERTEX_ORDER: Algorithm = Algorithm {
     name: "vtp-mmp",
     family: "vtp-family",
     paper: "Qin et al. 2016, section 6.2",

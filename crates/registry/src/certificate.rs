@@ -15,7 +15,7 @@ const TOLERANCE: Parameter = Parameter::real(
     "the largest error that passes, as a fraction of each distance",
 );
 
-pub(super) const CERTIFIED: &[Algorithm] = &[Algorithm {
+pub(crate) const CERTIFIED: &[Algorithm] = &[Algorithm {
     name: "certificate",
     family: "certificate",
     paper: "Mitchell, Mount, Papadimitriou 1987, with proofs of our own",
@@ -25,6 +25,7 @@ pub(super) const CERTIFIED: &[Algorithm] = &[Algorithm {
     keeps: "every window until the end",
     choose: "as the reference of checks where algorithms disagree",
     memory_counter: Counter::StoredWindows,
+    ends_early: false,
     parameters: &[TOLERANCE],
     build: |mesh, values| {
         Box::new(Certified {

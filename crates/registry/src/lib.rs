@@ -1,12 +1,26 @@
 //! The table of all algorithms and their parameters.
 //!
-//! Only this module knows which algorithms exist. The rest of the program reaches a solver through
+//! Only this crate knows which algorithms exist. The benchmark reaches a solver through
 //! [`Selection::build`] and the [`Solver`] trait. The table has one file per family. A new
 //! algorithm is one entry in such a file. A new family is a file and a line in [`algorithms`].
+//!
+//! It is a crate of its own because the compiler makes the machine code of all solvers here, which
+//! takes minutes: a change of the benchmark does not repeat that.
+//!
+//! ```
+//! use geobench_mesh::Mesh;
+//! use geobench_registry::select_one;
+//!
+//! let mesh = Mesh::generate("sphere,subdiv=2")?;
+//! let mut solver = select_one("fwp-mmp{kmax=5000}")?.build(&mesh);
+//! assert_eq!(solver.solve(&[0.into()])?.distances[0], 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use std::sync::LazyLock;
 
 use geobench_mesh::Mesh;
+use geobench_voronoi::FieldSolver;
 use geobench_window::continuous::{Continuous, Policy};
 use geobench_window::queue::Discipline;
 use geobench_window::{Counter, Solver};
@@ -27,10 +41,14 @@ mod voronoi;
 mod vtp;
 
 pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, SimdChoice, Value, Values};
-pub(crate) use program::{Call, PLACEHOLDERS};
-pub use program::{ProcessLifetime, Program, Programs};
+pub use program::{Call, PLACEHOLDERS, ProcessLifetime, Program, Programs};
 pub use select::{Selection, select, select_one};
-pub(crate) use voronoi::field_solver;
+
+/// An invalid value from the command line or a file. The message quotes the value and names the
+/// allowed ones.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct UsageError(pub String);
 
 /// All algorithms, in the order of tables.
 pub fn algorithms() -> &'static [Algorithm] {
@@ -105,6 +123,17 @@ pub struct Algorithm {
     /// in about a minute. `verify` skips it on larger models unless it is selected by name.
     #[serde(skip)]
     pub comfortable_faces: Option<u64>,
+    /// Whether a run ends once the distances of its goal are final. Other algorithms run to
+    /// completion.
+    #[serde(skip)]
+    pub ends_early: bool,
+    /// Proven bound on the relative error of its distances with these parameter values, rounding
+    /// aside; `None` without one.
+    #[serde(skip)]
+    pub error_bound: fn(&Values) -> Option<f64>,
+    /// Sets up a solver for Voronoi diagrams, if the algorithm keeps the windows that these take.
+    #[serde(skip)]
+    pub field: Option<fn(&Mesh, &Values) -> Box<dyn FieldSolver>>,
     /// Its parameters, in the order of labels, `name{key=value}`.
     pub parameters: &'static [Parameter],
     /// Sets up a solver for a mesh with these parameter values. Set-up is not part of the time of a
@@ -123,11 +152,14 @@ impl Algorithm {
         exact: true,
         summary: "",
         departs: "",
-        complexity: "time O(n^2), space O(n)",
+        complexity: "time O(n^2), space O(n^2)",
         keeps: "the windows of the wavefront",
         choose: "",
         memory_counter: Counter::PeakWindows,
         comfortable_faces: None,
+        ends_early: true,
+        error_bound: |_| None,
+        field: None,
         parameters: &[parameter::THRESHOLD],
         build: |_, _| panic!("this algorithm has no solver"),
     };

@@ -4,6 +4,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use geobench_mesh::{Mesh, did_you_mean};
+use geobench_voronoi::FieldSolver;
 use geobench_window::Solver;
 use geobench_window::simd::Instructions;
 
@@ -99,46 +100,32 @@ impl Selection {
         !self.is_approximate() && !drops_windows
     }
 
-    /// Whether a run ends once the distances of its goal are final. Other algorithms run to
-    /// completion. External programs always compute all distances.
-    pub fn ends_early(&self) -> bool {
-        const TO_THE_END: [&str; 7] = [
-            "certificate",
-            "fmm-untidy",
-            "heat",
-            "lct11",
-            "pvtp",
-            "window-vtp",
-            "xls14",
-        ];
-        self.outside_name().is_none() && !TO_THE_END.contains(&self.algorithm.name)
+    /// Whether a run ends once the distances of its goal are final. External programs always
+    /// compute all distances.
+    pub const fn ends_early(&self) -> bool {
+        self.algorithm.ends_early
     }
 
     /// Proven bound on the relative error of its distances, rounding aside; `None` without one.
     pub fn error_bound(&self) -> Option<f64> {
-        super::graphs::error_bound(self.algorithm.name, &self.values)
+        (self.algorithm.error_bound)(&self.values)
     }
 
     /// The largest relative difference from exact distances that passes, if `tolerance` passes for
     /// exact algorithms: a proven bound takes its place if it is larger.
-    pub(crate) fn tolerance(&self, tolerance: f64) -> f64 {
+    pub fn tolerance(&self, tolerance: f64) -> f64 {
         tolerance.max(self.error_bound().unwrap_or(0.0))
     }
 
     /// Whether its distances may differ from exact ones by any finite amount: it is approximate,
     /// without a proven bound.
-    pub(crate) fn may_differ(&self) -> bool {
+    pub fn may_differ(&self) -> bool {
         self.is_approximate() && self.error_bound().is_none()
     }
 
     /// The algorithm.
     pub const fn algorithm(&self) -> &Algorithm {
         &self.algorithm
-    }
-
-    /// The values of its parameters.
-    pub(super) const fn values(&self) -> &Values {
-        &self.values
     }
 
     /// The name of its results in files and tables: the algorithm, followed by the parameters that
@@ -217,6 +204,12 @@ impl Selection {
     /// The value of one of its parameters.
     pub fn value(&self, parameter: &Parameter) -> Value {
         self.values.get(parameter)
+    }
+
+    /// Sets up a solver for Voronoi diagrams; `None` if the algorithm keeps no windows of which
+    /// diagrams could be made.
+    pub fn field_solver(&self, mesh: &Mesh) -> Option<Box<dyn FieldSolver>> {
+        self.algorithm.field.map(|field| field(mesh, &self.values))
     }
 
     /// Sets up a solver for `mesh`.

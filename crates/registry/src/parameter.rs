@@ -27,7 +27,7 @@ pub const MOST_THREADS: u32 = 1024;
 /// A parameter of an algorithm: a number, one of a few words, or either.
 ///
 /// ```
-/// use geobench::registry::{Parameter, Value};
+/// use geobench_registry::{Parameter, Value};
 ///
 /// const KMAX: Parameter = Parameter::integer("kmax", 20_000, 1..=1_000_000, "greatest batch");
 /// const WIDTH: Parameter = Parameter::real("width", 1.0, 0.01..=100.0, "width of a bucket");
@@ -237,12 +237,12 @@ pub struct Values {
     given: Vec<(&'static str, Value)>,
     /// The widest vector instructions that the solver may use; `None` for the widest of the
     /// processor.
-    pub(super) widest: Option<Instructions>,
+    pub(crate) widest: Option<Instructions>,
 }
 
 impl Values {
     /// The values in `given` that differ from the defaults, in the order of `parameters`.
-    pub(super) fn new(parameters: &[Parameter], given: &[(&Parameter, Value)]) -> Self {
+    pub(crate) fn new(parameters: &[Parameter], given: &[(&Parameter, Value)]) -> Self {
         let find = |p: &Parameter| {
             let (_, value) = given.iter().find(|(g, _)| g.name == p.name)?;
             (*value != p.default).then_some((p.name, *value))
@@ -254,7 +254,7 @@ impl Values {
     }
 
     /// A copy with another value of `parameter`, which is one of `parameters`.
-    pub(super) fn with(
+    pub(crate) fn with(
         &self,
         parameters: &[Parameter],
         parameter: &Parameter,
@@ -284,7 +284,7 @@ impl Values {
 
     /// If the condition of `parameter` ([`only_with`](Parameter::only_with)) does not hold, the
     /// missing setting as `key=value`.
-    pub(super) fn missing_for(
+    pub(crate) fn missing_for(
         &self,
         parameters: &[Parameter],
         parameter: &Parameter,
@@ -296,7 +296,7 @@ impl Values {
     }
 
     /// The value of [`THREADS`]; 1 if it is unset.
-    pub(super) fn threads(&self) -> usize {
+    pub(crate) fn threads(&self) -> usize {
         self.integer_or_word(&THREADS).unwrap_or(1) as usize
     }
 
@@ -356,7 +356,7 @@ impl fmt::Display for Values {
 }
 
 /// Drops narrow windows; off by default.
-pub(super) const THRESHOLD: Parameter = Parameter::real(
+pub(crate) const THRESHOLD: Parameter = Parameter::real(
     "threshold",
     1e-6,
     0.0..=1.0,
@@ -367,7 +367,7 @@ pub(super) const THRESHOLD: Parameter = Parameter::real(
 .with_default(Value::Word("none"));
 
 /// The width of [`THRESHOLD`] in the units of `mesh`; 0 for a mesh without positions.
-pub(super) fn threshold_width(mesh: &Mesh, values: &Values) -> f64 {
+pub(crate) fn threshold_width(mesh: &Mesh, values: &Values) -> f64 {
     let Some(share) = values.real_or_word(&THRESHOLD) else {
         return 0.0;
     };
@@ -382,7 +382,7 @@ pub(super) fn threshold_width(mesh: &Mesh, values: &Values) -> f64 {
 }
 
 /// The parameter for vector instructions.
-pub(super) const SIMD: Parameter = Parameter::word(
+pub(crate) const SIMD: Parameter = Parameter::word(
     "simd",
     &["auto", "avx512", "avx2", "scalar"],
     "instructions to use, the widest that there are by default; narrower ones where these are missing",
@@ -426,14 +426,14 @@ impl FromStr for SimdChoice {
 
 impl Values {
     /// A copy with instructions no wider than `widest`. Labels do not show it.
-    pub(super) fn at_most(mut self, widest: Instructions) -> Self {
+    pub(crate) fn at_most(mut self, widest: Instructions) -> Self {
         self.widest = Some(widest);
         self
     }
 
     /// The widest instructions that the solver may use: the widest of this processor, unless the
     /// parameter `simd` or a limit is narrower.
-    pub(super) fn instructions(&self) -> Instructions {
+    pub(crate) fn instructions(&self) -> Instructions {
         let there = Instructions::detect();
         let asked = self.word(&SIMD).and_then(|name| name.parse().ok());
         [asked, self.widest]

@@ -12,13 +12,14 @@ const BUCKET: Parameter = Parameter::real(
     "takes windows together whose least distances are within so many mean edge lengths",
 );
 
-pub(super) const FAMILY: &[Algorithm] = &[
+pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "ch",
         family: "ch-family",
         paper: "Chen, Han 1990; Xin, Wang 2009, sections 2 and 3.1",
         summary: "sequence tree, level by level, one angle one split, no filter",
         departs: "keeps and trims windows beside thin faces; drops no narrow ones",
+        complexity: "time O(n^2), space O(n)",
         keeps: "one level of the tree and one record for each angle",
         choose: "to see where the others come from, on models of up to some 10,000 faces",
         comfortable_faces: Some(10_000),
@@ -31,7 +32,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         paper: "Xin, Wang 2009, section 3.2",
         summary: "ch with windows filtered by vertex distances",
         departs: "as ich",
-        complexity: "time O(n^2 log n), space O(n)",
+        complexity: "time O(n^2), space O(n)",
         keeps: "the windows in the queue and one record for each angle",
         choose: "to see what the filter does without a priority queue",
         build: |mesh, values| single(ich1(mesh), mesh, values),
@@ -43,7 +44,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         paper: "Chen, Han 1990; Xin, Wang 2009, sections 3.2 and 3.3",
         summary: "ich1 with the nearest windows first",
         departs: "the margin of the filter is relative, so that rounding never deletes one of two equal paths; keeps and trims windows beside thin faces; drops no narrow windows",
-        complexity: "time O(n^2 log n), space O(n)",
+        complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with published figures of ICH; when memory is short and simplicity counts",
         build: |mesh, values| single(ich(mesh), mesh, values),
@@ -55,7 +56,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         paper: "Ying, Xin, He 2014; Xu et al. 2015, section 7.3",
         summary: "ich in rounds of windows that cross at once, on several threads",
         departs: "runs on the threads of the processor; takes all windows of a bucket where the paper selects the k nearest; as ich",
-        complexity: "time O(n^2 log n), space without a proven bound",
+        complexity: "time and space without a proven bound",
         keeps: "the windows of the wavefront and one record for each angle",
         choose: "to compare pvtp with the papers' parallel algorithm",
         parameters: &[THREADS, BUCKET],

@@ -4,7 +4,7 @@
 use geobench_approx::{SaddleVertexGraph, SvgBuilder, SvgOptions, avtp, mmp_approx};
 
 use super::parameter::THREADS;
-use super::{Algorithm, Parameter, Value, Values};
+use super::{Algorithm, Parameter, Value, Values, single};
 
 const K: Parameter = Parameter::integer(
     "k",
@@ -38,17 +38,7 @@ fn svg_options(values: &Values) -> SvgOptions {
     }
 }
 
-/// Upper bound on the relative error of an algorithm with these values; `None` without a proven
-/// bound.
-pub(super) fn error_bound(algorithm: &str, values: &Values) -> Option<f64> {
-    match algorithm {
-        "mmp-approx" | "avtp" => Some(values.real(&EPS)),
-        "svg" => (values.get(&K) == Value::Word("inf")).then_some(0.0),
-        _ => None,
-    }
-}
-
-pub(super) const FAMILY: &[Algorithm] = &[
+pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "svg",
         paper: "Ying, Wang, He 2013; Xu et al. 2015, section 5",
@@ -58,6 +48,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the graph, 12 bytes for each end of an edge",
         choose: "for many sources on one mesh",
         parameters: &[K, BUILD, THREADS],
+        error_bound: |values| (values.get(&K) == Value::Word("inf")).then_some(0.0),
         build: |mesh, values| Box::new(SaddleVertexGraph::new(mesh, svg_options(values))),
         ..Algorithm::APPROXIMATE
     },
@@ -70,6 +61,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         keeps: "the windows around the wavefront",
         choose: "to see what windows cost that distances hardly need",
         parameters: &[EPS],
+        error_bound: |values| Some(values.real(&EPS)),
         build: |mesh, values| Box::new(mmp_approx(mesh, values.real(&EPS))),
         ..Algorithm::APPROXIMATE
     },
@@ -78,11 +70,12 @@ pub(super) const FAMILY: &[Algorithm] = &[
         paper: "Qin et al. 2016, section 6.2 (vtp-ch), with a bound of our own",
         summary: "vtp-ch with windows replaced by vertices, within a proven error",
         departs: "windows are filtered as in vtp-ch, not compared as in vtp; as mmp-approx",
-        complexity: "time without a proven bound, space O(n)",
+        complexity: "time without a proven bound, space O(n^2)",
         keeps: "the windows of the wavefront and one record for each angle",
         choose: "as mmp-approx, with less memory",
         parameters: &[EPS],
-        build: |mesh, values| Box::new(avtp(mesh, values.real(&EPS))),
+        error_bound: |values| Some(values.real(&EPS)),
+        build: |mesh, values| single(avtp(mesh, values.real(&EPS)), mesh, values),
         ..Algorithm::APPROXIMATE
     },
 ];

@@ -43,7 +43,7 @@ const SHIFT: Parameter = Parameter::real(
     "is added to the diagonal of the Laplace matrix; 1e-6 in geometry-central",
 );
 
-pub(super) const FAMILY: &[Algorithm] = &[
+pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "dijkstra",
         paper: "Dijkstra 1959",
@@ -75,6 +75,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         complexity: "time O(n), space O(n)",
         keeps: "as fmm",
         choose: "to see what the order of fmm's queue costs and brings",
+        ends_early: false,
         parameters: &[BUCKET, UNFOLD],
         build: |mesh, values| {
             let unfold = is_on(values, &UNFOLD);
@@ -88,8 +89,9 @@ pub(super) const FAMILY: &[Algorithm] = &[
         summary: "directions of heat, integrated",
         departs: "edges are made a little longer where faces have no area",
         complexity: "set-up O(n^1.5), then O(n log n) for each source; space O(n log n)",
-        keeps: "the factors of two sparse matrices, or of three if there is a boundary",
+        keeps: "the factors of two sparse matrices, or of three for the average at a boundary",
         choose: "for many sources on one mesh, and for smooth distances",
+        ends_early: false,
         parameters: &[TIME, BOUNDARY, DELAUNAY, SHIFT],
         build: |mesh, values| Box::new(Heat::new(mesh, heat_options(values))),
         ..Algorithm::APPROXIMATE

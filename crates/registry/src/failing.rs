@@ -43,7 +43,7 @@ const UNLESS: Parameter = Parameter::word(
     "the instructions with which Valgrind knows all of them",
 );
 
-pub(super) const FAMILY: &[Algorithm] = &[
+pub(crate) const FAMILY: &[Algorithm] = &[
     algorithm("test-panic", &[AFTER], |mesh, values| {
         misbehave(mesh, values, || panic!("no such luck"))
     }),

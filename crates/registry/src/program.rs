@@ -48,7 +48,7 @@ pub enum ProcessLifetime {
 
 impl ProcessLifetime {
     /// All of them.
-    pub(crate) const ALL: [Self; 3] = [Self::Session, Self::Once, Self::Command];
+    pub const ALL: [Self; 3] = [Self::Session, Self::Once, Self::Command];
 
     /// The name in TOML files.
     pub const fn name(self) -> &'static str {
@@ -61,29 +61,29 @@ impl ProcessLifetime {
 }
 
 /// The placeholders of commands.
-pub(crate) const PLACEHOLDERS: [&str; 4] = ["{model}", "{source}", "{threads}", "{output}"];
+pub const PLACEHOLDERS: [&str; 4] = ["{model}", "{source}", "{threads}", "{output}"];
 
 /// The values of the placeholders of a command.
 #[derive(Clone, Debug)]
-pub(crate) struct Call<'c> {
+pub struct Call<'c> {
     /// The model, an OBJ file.
-    pub(crate) model: &'c Path,
+    pub model: &'c Path,
     /// The source vertex, counted from 0.
-    pub(crate) source: u32,
+    pub source: u32,
     /// Number of threads that the program may use.
-    pub(crate) threads: usize,
+    pub threads: usize,
     /// The file to which the program writes distances.
-    pub(crate) output: PathBuf,
+    pub output: PathBuf,
 }
 
 impl Program {
     /// Whether its command has the placeholder of the number of threads.
-    pub(crate) fn takes_threads(&self) -> bool {
+    pub fn takes_threads(&self) -> bool {
         self.command.iter().any(|word| word.contains("{threads}"))
     }
 
     /// A process command from `words`, with the placeholders filled in.
-    pub(crate) fn command(&self, words: &[String], call: &Call<'_>) -> Command {
+    pub fn command(&self, words: &[String], call: &Call<'_>) -> Command {
         let fill = |word: &String| {
             let values = [
                 call.model.display().to_string(),
@@ -123,7 +123,7 @@ impl Programs {
     }
 
     /// Adds a program; false if the name is taken.
-    pub(crate) fn add(&mut self, program: Arc<Program>) -> bool {
+    pub fn add(&mut self, program: Arc<Program>) -> bool {
         let is_free = self.called(&program.name).is_none();
         self.0.extend(is_free.then_some(program));
         is_free
@@ -140,7 +140,7 @@ impl Programs {
 
     /// The full names that `name` selects: itself, or, if its parameters have several values, the
     /// name of each combination, in the order of the file.
-    pub(crate) fn meant_by(&self, name: &str) -> Vec<String> {
+    pub fn meant_by(&self, name: &str) -> Vec<String> {
         if self.called(name).is_some() {
             return vec![name.to_owned()];
         }
@@ -176,10 +176,10 @@ impl Programs {
 }
 
 /// Prefix of the names of external programs.
-pub(super) const PREFIX: &str = "ext:";
+pub(crate) const PREFIX: &str = "ext:";
 
 /// The registry entry of all external programs.
-pub(super) static OUTSIDE: Algorithm = Algorithm {
+pub(crate) static OUTSIDE: Algorithm = Algorithm {
     name: "ext",
     family: "ext",
     paper: "its own",
@@ -188,6 +188,7 @@ pub(super) static OUTSIDE: Algorithm = Algorithm {
     keeps: "its own",
     choose: "to compare with",
     memory_counter: Counter::StoredWindows,
+    ends_early: false,
     ..Algorithm::APPROXIMATE
 };
 

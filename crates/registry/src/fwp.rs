@@ -68,7 +68,7 @@ fn label_correcting(values: &Values) -> LabelCorrectingOptions {
     }
 }
 
-pub(super) const FAMILY: &[Algorithm] = &[
+pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "fwp-mmp",
         family: "fwp-family",
@@ -127,7 +127,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         paper: "Bertsekas 1993; Xu et al. 2015, section 7.4; Xin, Wang 2009, section 3.2",
         summary: "ich in a label correcting queue",
         departs: "as ich; beta, threshold and rotation as in lc-mmp",
-        complexity: "time without a useful bound, space O(n)",
+        complexity: "time and space without a useful bound",
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with fwp-ch",
         parameters: &[BETA, THRESHOLD],

@@ -1,8 +1,7 @@
 use geobench_mesh::{Mesh, TriangleSoup, VertexId};
-use geobench_window::Counter;
 
 use super::*;
-use crate::registry::Numbers;
+use crate::Numbers;
 
 /// The names that scripts may rely on.
 const PROMISED: &str = "ch ich1 ich mmp mmp-edge fwp-mmp fwp-ch lc-mmp lc-ch ftp opftp vtp opvtp \
@@ -150,22 +149,12 @@ fn lists_that_are_not_understood() {
 
 const NO_ONE: Algorithm = Algorithm {
     name: "no-one",
-    family: "test",
-    paper: "",
-    exact: true,
-    summary: "",
-    departs: "",
-    complexity: "",
-    keeps: "",
-    choose: "",
-    memory_counter: Counter::PeakWindows,
-    comfortable_faces: None,
     parameters: &[
         Parameter::integer("kmax", 20_000, 1..=1_000_000, ""),
         Parameter::real("bucket", 1.0, 0.01..=100.0, "").only_with("order", "fifo"),
         Parameter::word("order", &["fifo", "nearest"], ""),
     ],
-    build: |_, _| unreachable!("never built"),
+    ..Algorithm::EXACT
 };
 
 /// The label of `no-one` with these settings, or the error.

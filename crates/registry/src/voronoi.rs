@@ -2,11 +2,11 @@
 
 use geobench_fwp::{BucketOptions, Buckets};
 use geobench_mesh::Mesh;
-use geobench_voronoi::{FieldSolver, Lct11, Removal, WindowVtp, WindowVtpOptions};
+use geobench_voronoi::{Lct11, Removal, WindowVtp, WindowVtpOptions};
 use geobench_window::queue::Priority;
 use geobench_window::{Counter, VertexFilter};
 
-use super::{Algorithm, Parameter, Selection, Values};
+use super::{Algorithm, Parameter, Values};
 
 const REMOVAL: Parameter = Parameter::word(
     "rwr",
@@ -69,40 +69,33 @@ fn takes_buckets(values: &Values) -> bool {
     values.word(&QUEUE) == Some("buckets")
 }
 
-/// The solver of `selection` for Voronoi diagrams; `None` if it is not of this family.
-pub(crate) fn field_solver(selection: &Selection, mesh: &Mesh) -> Option<Box<dyn FieldSolver>> {
-    let values = selection.values();
-    match selection.algorithm().name {
-        "window-vtp" => Some(Box::new(window_vtp(mesh, values))),
-        "xls14" => Some(Box::new(xls14(mesh, values))),
-        "lct11" if takes_buckets(values) => Some(Box::new(lct11_in_buckets(mesh, values))),
-        "lct11" => Some(Box::new(lct11(mesh, values))),
-        _ => None,
-    }
-}
+/// Defaults of the algorithms of this file.
+const ALGORITHM: Algorithm = Algorithm {
+    family: "voronoi-family",
+    complexity: "time O(n^2 log n), space O(n^2)",
+    ends_early: false,
+    ..Algorithm::EXACT
+};
 
-pub(super) const FAMILY: &[Algorithm] = &[
+pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "window-vtp",
-        family: "voronoi-family",
         paper: "Qin, Yu, Zhang 2017, sections 3 and 4",
         summary: "vtp's order, windows stored on edges and trimmed, redundant ones given up",
         departs: "gives an edge up only if both its faces are beyond the wave, counts their vertices, and closes it: the printed procedure loses windows of cell borders; filters windows beside thin faces and takes them nearest first",
-        complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "the windows around the wavefront and at the borders of cells",
         choose: "for Voronoi diagrams (geobench voronoi)",
         memory_counter: Counter::PeakWindows,
         parameters: &[REMOVAL, FILTER],
         build: |mesh, values| Box::new(window_vtp(mesh, values)),
-        ..Algorithm::EXACT
+        field: Some(|mesh, values| Box::new(window_vtp(mesh, values))),
+        ..ALGORITHM
     },
     Algorithm {
         name: "lct11",
-        family: "voronoi-family",
         paper: "Liu, Chen, Tang 2011, stage 1",
         summary: "mmp from several sources, with the source of every window",
         departs: "trims the windows of both directions of an edge together; filters windows beside thin faces",
-        complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "every window until the end",
         choose: "to compare with window-vtp",
         memory_counter: Counter::StoredWindows,
@@ -114,20 +107,26 @@ pub(super) const FAMILY: &[Algorithm] = &[
                 Box::new(lct11(mesh, values))
             }
         },
-        ..Algorithm::EXACT
+        field: Some(|mesh, values| {
+            if takes_buckets(values) {
+                Box::new(lct11_in_buckets(mesh, values))
+            } else {
+                Box::new(lct11(mesh, values))
+            }
+        }),
+        ..ALGORITHM
     },
     Algorithm {
         name: "xls14",
-        family: "voronoi-family",
         paper: "Xu et al. 2014, with the propagation of Qin, Yu, Zhang 2017, section 6.2",
         summary: "window-vtp that looks for redundant windows at times, among all faces",
         departs: "as window-vtp",
-        complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "as window-vtp, and what has become redundant since the last look",
         choose: "to compare with window-vtp",
         memory_counter: Counter::PeakWindows,
         parameters: &[PERIOD, FILTER],
         build: |mesh, values| Box::new(xls14(mesh, values)),
-        ..Algorithm::EXACT
+        field: Some(|mesh, values| Box::new(xls14(mesh, values))),
+        ..ALGORITHM
     },
 ];

@@ -21,7 +21,7 @@ macro_rules! list_propagation {
     };
 }
 
-pub(super) const FAMILY: &[Algorithm] = &[
+pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "ftp",
         family: "vtp-family",
@@ -69,7 +69,7 @@ pub(super) const FAMILY: &[Algorithm] = &[
         paper: "Qin et al. 2016, sections 3 and 6.2",
         summary: "vtp with every pair of windows of a face checked",
         departs: "as vtp; cases 8 and 10 have the safe form of rule 1",
-        complexity: "time O(n^3), space O(n)",
+        complexity: "time O(n^3), space O(n^2)",
         keeps: "the windows of the wavefront and one length for each half-edge",
         choose: "to see how little pruning there is left: hardly fewer windows, several times the time",
         build: list_propagation!(VtpExhaustive),
@@ -151,7 +151,7 @@ const RENUMBER: Parameter = Parameter::word(
     "puts vertices and faces into an order of its own, breadth first",
 );
 
-pub(super) const FAST: &[Algorithm] = &[
+pub(crate) const FAST: &[Algorithm] = &[
     Algorithm {
         name: "vtp-fast",
         family: "vtp-family",
@@ -172,6 +172,7 @@ pub(super) const FAST: &[Algorithm] = &[
         departs: "as vtp-fast; the paper has one thread",
         keeps: "the windows of the wavefront, in one list for each half-edge on it",
         choose: "for large models on a machine with idle processors (--threads)",
+        ends_early: false,
         parameters: &[THREADS, SIMD, PAIRS, BUCKET, SHADOW, REUNITE, RENUMBER],
         build: |mesh, values| {
             let options = options(values);

@@ -51,7 +51,7 @@ pub(crate) enum Block {
 #[derive(Clone, Debug)]
 pub(crate) struct Link {
     pub(crate) label: String,
-    /// A relative URL, or a data URL that holds the file.
+    /// A data URL that holds the file.
     pub(crate) address: String,
     /// The name of the downloaded file.
     pub(crate) file: String,

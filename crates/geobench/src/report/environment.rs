@@ -70,20 +70,18 @@ pub(crate) fn facts(result: &ResultFile) -> Vec<(String, String)> {
     facts
 }
 
-/// The isolation and the conditions of the run, except warnings. Files of older versions lack some.
+/// The isolation and the conditions of the run, except warnings, which are shown at the top.
 fn others(result: &ResultFile) -> Vec<(String, String)> {
     let mut facts = Vec::new();
-    let Ok(Value::Object(fields)) = serde_json::to_value(result) else {
-        return facts;
-    };
-    for name in ["isolation", "conditions"] {
-        if let Some(mut value) = fields.get(name).cloned() {
-            // The warnings are shown at the top of the report.
-            if let Some(fields) = value.as_object_mut() {
-                fields.remove("warnings");
-            }
-            flatten(name, &value, &mut facts);
+    for (name, value) in [
+        ("isolation", serde_json::to_value(&result.isolation)),
+        ("conditions", serde_json::to_value(&result.conditions)),
+    ] {
+        let mut value = value.unwrap_or_default();
+        if let Some(fields) = value.as_object_mut() {
+            fields.remove("warnings");
         }
+        flatten(name, &value, &mut facts);
     }
     facts
 }
@@ -94,7 +92,13 @@ fn flatten(name: &str, value: &Value, facts: &mut Vec<(String, String)>) {
         Value::Null => return,
         Value::Object(fields) => {
             for (key, value) in fields {
-                flatten(&format!("{name}, {}", key.replace('_', " ")), value, facts);
+                let unit = if key.starts_with("frequency") {
+                    " in hertz"
+                } else {
+                    ""
+                };
+                let key = key.replace('_', " ");
+                flatten(&format!("{name}, {key}{unit}"), value, facts);
             }
             return;
         }

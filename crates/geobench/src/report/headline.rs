@@ -3,7 +3,7 @@
 use crate::measure::statistics::{Variable, interval_of, median};
 use crate::schema::{Cell, ResultFile, Status};
 use crate::table::figures::time;
-use crate::table::group::{GroupCells, pairs};
+use crate::table::group::{GroupCells, distinct, pairs};
 use crate::table::{capitalised, disturbance};
 
 /// The largest relative difference from the reference that counts as exact.
@@ -32,9 +32,12 @@ pub(crate) fn headline(group: &GroupCells<'_>) -> Option<String> {
                 .filter_map(|name| Some((name, group.value(time(), &model.name, name)?.value)))
                 .collect();
             times.sort_by(|a, b| a.1.total_cmp(&b.1));
-            (times.len() > 1).then(|| times.into_iter().map(|(name, _)| name).collect())
+            (!times.is_empty()).then(|| times.into_iter().map(|(name, _)| name).collect())
         })
         .collect();
+    if ranked.iter().all(|names| names.len() < 2) {
+        return None;
+    }
     let wins = |place: usize, name: &str| {
         ranked
             .iter()
@@ -51,7 +54,7 @@ pub(crate) fn headline(group: &GroupCells<'_>) -> Option<String> {
             .filter(|name| wins(place, name) > 0)
     };
     let best = most(0, None)?;
-    let models = match ranked.len() {
+    let models = match group.models.len() {
         1 => "the only model".to_owned(),
         all => format!("{} of {all} models", wins(0, best)),
     };
@@ -155,14 +158,17 @@ pub(crate) fn warnings(result: &ResultFile) -> Vec<String> {
             .filter(|cell| !cell.time.samples.is_empty())
     };
     let imprecise = timed().filter(|cell| cell.time.is_imprecise()).count();
-    if let Some(wanted) = timed()
-        .find_map(|cell| cell.time.precision)
-        .filter(|_| imprecise > 0)
-    {
+    if imprecise > 0 {
+        let wanted = timed().filter(|cell| cell.time.is_imprecise());
+        let wanted = distinct(wanted.filter_map(|cell| cell.time.precision));
+        let wanted: Vec<String> = wanted
+            .into_iter()
+            .map(|share| format!("{} %", (1e6 * share).round() / 1e4))
+            .collect();
         warnings.push(format!(
-            "{imprecise} of {} times have a 95 % interval wider than the {} % wanted; tables mark them with ~.",
+            "{imprecise} of {} times have a 95 % interval wider than the {} wanted; tables mark them with ~.",
             timed().count(),
-            (1e6 * wanted).round() / 1e4
+            wanted.join(" or ")
         ));
     }
     warnings
@@ -238,6 +244,12 @@ mod tests {
                 .starts_with("mmp is fastest on 1 of 2 models, ")
         );
         assert_eq!(line(&times[..1], "vtp"), None);
+        // The only algorithm that has a time on `b` is the fastest there.
+        assert!(
+            line(&times[..4], "vtp")
+                .unwrap()
+                .starts_with("mmp is fastest on 1 of 2 models, ")
+        );
     }
 
     #[test]

@@ -38,9 +38,9 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::UsageError;
 use crate::exec::limits::DecompressionLimit;
-use crate::schema::{GroupRecord, ResultFile};
+use crate::schema::{GroupRecord, ResultFile, Status};
 use crate::table::group::{GroupCells, algorithms};
-use crate::table::{Format, Note, results};
+use crate::table::{Format, Note, capitalised, results};
 use chart::{LinePoint, Series};
 use document::{Block, Document, Link, Section, slug};
 
@@ -58,6 +58,36 @@ pub struct Input {
     pub path: PathBuf,
     /// The content.
     pub result: ResultFile,
+    /// If several files were joined: their names, and how their runs differ.
+    pub joined: Option<JoinedFrom>,
+}
+
+/// The files that one table was joined from.
+#[derive(Clone, Debug)]
+pub struct JoinedFrom {
+    /// All files, in order.
+    pub files: Vec<PathBuf>,
+    /// What differs between their runs, one line each.
+    pub differences: Vec<String>,
+}
+
+impl Input {
+    /// The result file at `path`.
+    pub fn new(path: PathBuf, result: ResultFile) -> Self {
+        Self {
+            path,
+            result,
+            joined: None,
+        }
+    }
+
+    /// The names of its files without directory and ending.
+    fn name(&self) -> String {
+        let alone = std::slice::from_ref(&self.path);
+        let files = self.joined.as_ref().map_or(alone, |joined| &joined.files);
+        let stems: Vec<String> = files.iter().map(|path| stem(path)).collect();
+        stems.join(", ")
+    }
 }
 
 /// Options of a report.
@@ -113,7 +143,7 @@ impl Setting<'_> {
     }
 }
 
-/// The largest result that is embedded in the page, in bytes. A larger JSON file is linked.
+/// The largest result that is embedded in the page, in bytes.
 const MOST_EMBEDDED: usize = 4 << 20;
 
 /// Builds the report on `inputs`.
@@ -166,7 +196,7 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, UsageError> 
         return Err(error);
     }
     let title = match inputs {
-        [one] => format!("Exact geodesic distances: {}", stem(&one.path)),
+        [one] => format!("Exact geodesic distances: {}", one.name()),
         _ => "Exact geodesic distances".to_owned(),
     };
     Ok(Report {
@@ -202,7 +232,7 @@ fn of_result(
     picture: Option<document::Plot>,
     options: &Options,
 ) -> Vec<Section> {
-    let name = stem(&input.path);
+    let name = input.name();
     let groups = results::groups(result);
     let mut head = Vec::new();
     let headlines: Vec<String> = groups
@@ -212,7 +242,11 @@ fn of_result(
     if !headlines.is_empty() {
         head.push(Block::Headlines(headlines));
     }
-    let warnings = headline::warnings(result);
+    let mut warnings = headline::warnings(result);
+    if let Some(joined) = &input.joined {
+        let difference = |text: &String| format!("{}.", capitalised(text));
+        warnings.extend(joined.differences.iter().map(difference));
+    }
     if !warnings.is_empty() {
         head.push(Block::Warnings(warnings));
     }
@@ -325,15 +359,22 @@ fn reading(result: &ResultFile) -> String {
     if !text.is_empty() {
         text += ". ";
     }
-    text += "Every answer was compared with the reference that the remarks name; a wrong one has no time. \
-             Intervals are 95 % bootstrap intervals of medians.";
-    text
+    let answers = result.cells.iter().filter(|cell| cell.status == Status::Ok);
+    let unchecked = answers
+        .clone()
+        .filter(|cell| cell.check.reference.is_none())
+        .count();
+    text += &match (unchecked, answers.count()) {
+        (0, _) => "Every answer was compared with the reference that the remarks name; a wrong one has no time.".to_owned(),
+        (n, all) => format!("{n} of {all} answers were not compared with a reference."),
+    };
+    text + " Intervals are 95 % bootstrap intervals of medians."
 }
 
-/// Downloads of the result as JSON and CSV. Files up to [`MOST_EMBEDDED`] are embedded as data
-/// URLs. A larger result file is linked, a larger CSV left out.
+/// Downloads of the result as JSON and CSV, embedded as data URLs. What is larger than
+/// [`MOST_EMBEDDED`] is left out.
 fn raw_numbers(input: &Input) -> Vec<Link> {
-    let stem = stem(&input.path);
+    let name = input.name();
     let mut links = Vec::new();
     for (format, ending, kind) in [
         (Format::Json, "json", "application/json"),
@@ -346,13 +387,7 @@ fn raw_numbers(input: &Input) -> Vec<Link> {
             links.push(Link {
                 label: format!("All numbers as {}", ending.to_uppercase()),
                 address: format!("data:{kind};base64,{}", STANDARD.encode(&text)),
-                file: format!("{stem}.{ending}"),
-            });
-        } else if format == Format::Json {
-            links.push(Link {
-                label: format!("All numbers: {}", input.path.display()),
-                address: input.path.display().to_string(),
-                file: format!("{stem}.{ending}"),
+                file: format!("{name}.{ending}"),
             });
         }
     }

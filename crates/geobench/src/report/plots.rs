@@ -123,7 +123,7 @@ fn ratios(group: &GroupCells<'_>, setting: Setting<'_>, base: &str) -> Option<Pl
         title: format!("Time, ratio to {base}"),
         caption: format!(
             "Logarithmic scale; right of the dashed line {base} is faster. Medians of the ratios of \
-             samples taken in turns, whiskers are 95 % intervals."
+             samples, round by round; whiskers are 95 % intervals."
         ),
         chart: Chart::Dots(Dots::new(axis, Some(1.0), bands)),
     })
@@ -191,6 +191,7 @@ fn phases(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
 fn spread(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
     let relative = |cell: &&Cell| -> Vec<f64> {
         let median = cell.time.median.filter(|median| *median > 0.0);
+        let median = median.filter(|_| cell.time.samples.len() >= FEWEST_FOR_SPREAD);
         let samples = cell.time.samples.iter();
         median.map_or_else(Vec::new, |median| samples.map(|s| s / median).collect())
     };
@@ -205,7 +206,7 @@ fn spread(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
             value: 1.0,
             interval: interval.map(|(ends, median)| ends.map(|end| end / median)),
         };
-        (samples.len() >= FEWEST_FOR_SPREAD).then(|| Lane {
+        (!samples.is_empty()).then(|| Lane {
             points: vec![Point {
                 hollow: true,
                 ..point(setting, model, algorithm, median)
@@ -233,7 +234,7 @@ fn spread(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
     })
 }
 
-/// The fewest samples for a lane of the spread plot.
+/// The fewest samples of a cell in the spread plot.
 const FEWEST_FOR_SPREAD: usize = 3;
 
 /// The fewest cells of an algorithm for a quantile plot.
@@ -267,7 +268,7 @@ fn quantiles(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
         title: "Cells solved within a time".to_owned(),
         caption: format!(
             "Quantile plot: the cells of each algorithm, a model and a source each, by increasing \
-             median time. Lower is faster; a line that ends early failed on the rest. {}",
+             median time. Lower is faster; a line that ends early failed on the rest or did not run there. {}",
             y.scale()
         ),
         chart: Chart::Lines(Lines::new(

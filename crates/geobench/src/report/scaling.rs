@@ -36,6 +36,15 @@ impl Against {
         }
     }
 
+    /// Whether `models`, which are sorted by the property, vary enough in it for a plot. Generators
+    /// meet a number of faces only nearly.
+    fn varies(self, models: &[(f64, &ModelRecord)]) -> bool {
+        match (self, models) {
+            (Self::Faces, [(least, _), .., (most, _)]) => *most >= 1.5 * least,
+            _ => true,
+        }
+    }
+
     /// The parameters of generators that determine the property.
     const fn keys(self) -> &'static [&'static str] {
         match self {
@@ -56,14 +65,16 @@ impl Against {
         }
     }
 
-    /// The family of a model: its generator spec without the parameters of this property, or its
-    /// name without the number at the end. Models of one family differ in this property only.
-    fn family(self, model: &ModelRecord) -> String {
+    /// The family of a model: its generator spec without the parameters of this property, or the
+    /// name of its file without a number at the end, which is taken for its size. Models of one
+    /// family differ in this property only. `None` for files that have no such name or property.
+    fn family(self, model: &ModelRecord) -> Option<String> {
         if !Spec::is_spec(&model.path) {
             let name = model.name.trim_end_matches(|c: char| {
                 c.is_ascii_digit() || matches!(c, '.' | '-' | '_' | ' ' | 'k' | 'K' | 'M')
             });
-            return name.to_owned();
+            let is_sized = self == Self::Faces && !name.is_empty() && name != model.name;
+            return is_sized.then(|| name.to_owned());
         }
         let is_size = |item: &&str| {
             let key = item.split('=').next().unwrap_or_default().trim();
@@ -71,12 +82,9 @@ impl Against {
         };
         let spec = model.path.strip_prefix("gen:").unwrap_or(&model.path);
         let rest: Vec<&str> = spec.split(',').filter(|item| !is_size(item)).collect();
-        rest.join(",")
+        Some(rest.join(","))
     }
 }
-
-/// The title for models without a common family.
-const ALL: &str = "all models";
 
 /// Plots of the time, and of its ratio to the base, against each property. There is a plot for each
 /// family with enough models. If no family has enough, all models are plotted against their size,
@@ -91,21 +99,25 @@ pub(super) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
                 .iter()
                 .filter_map(|m| Some((against.of(m)?, *m))),
         );
-        let families = distinct(models.iter().map(|(_, model)| against.family(model)));
+        let families = models.iter().filter_map(|(_, model)| against.family(model));
+        let families = distinct(families);
         models.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Lines join only models that differ in this property only, which are those of one family.
         let mut lines: Vec<(&str, Vec<(f64, &ModelRecord)>)> = Vec::new();
         for family in &families {
-            let own = models.iter().filter(|(_, m)| against.family(m) == *family);
-            let own: Vec<_> = own.copied().collect();
-            if differ(&own) >= FEWEST_FOR_FIT {
-                let all = family.is_empty().then_some(ALL);
-                lines.push((all.unwrap_or(family), own));
+            let is_own = |m: &ModelRecord| against.family(m).as_ref() == Some(family);
+            let own: Vec<_> = models.iter().filter(|(_, m)| is_own(m)).copied().collect();
+            if differ(&own) >= FEWEST_FOR_FIT && against.varies(&own) {
+                lines.push((family, own));
             }
         }
         let joined = !lines.is_empty();
-        if !joined && against == Against::Faces && differ(&models) >= FEWEST_FOR_FIT {
-            lines.push((ALL, models));
+        if !joined
+            && against == Against::Faces
+            && differ(&models) >= FEWEST_FOR_FIT
+            && against.varies(&models)
+        {
+            lines.push(("all models", models));
         }
         for (i, (family, models)) in lines.into_iter().enumerate() {
             let family = (i, family);
@@ -254,8 +266,18 @@ mod tests {
         );
         assert_eq!(
             of(Against::Anisotropy, "gen:anisotropic,g=4,faces=100"),
-            "anisotropic,faces=100"
+            Some("anisotropic,faces=100".into())
         );
-        assert_eq!(of(Against::Faces, "models/m_20k.obj"), "m");
+    }
+
+    #[test]
+    fn files_are_a_family_if_their_names_end_with_sizes() {
+        let of = |against: Against, name: &str| against.family(&model(name, "models/file.obj"));
+        assert_eq!(of(Against::Faces, "horse_20k"), Some("horse".into()));
+        // Their sizes differ, so their anisotropy is not all that differs.
+        assert_eq!(of(Against::Anisotropy, "horse_20k"), None);
+        for unrelated in ["12", "horse"] {
+            assert_eq!(of(Against::Faces, unrelated), None);
+        }
     }
 }

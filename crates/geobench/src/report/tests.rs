@@ -33,7 +33,7 @@ fn options() -> Options {
 
 fn report_on(result: ResultFile, options: &Options) -> Report {
     let path = PathBuf::from("some/run.json");
-    build(&[Input { path, result }], options).unwrap()
+    build(&[Input::new(path, result)], options).unwrap()
 }
 
 /// The file of this name in one form, as text.
@@ -273,10 +273,7 @@ fn ratios_are_to_the_algorithm_that_was_asked_for() {
         "{csv}"
     );
     let path = PathBuf::from("r.json");
-    let inputs = [Input {
-        path,
-        result: mixed(),
-    }];
+    let inputs = [Input::new(path, mixed())];
     let error = build(&inputs, &to("fwp-ch")).unwrap_err().to_string();
     assert_eq!(
         error,
@@ -451,10 +448,7 @@ fn a_mean_of_ratios_is_compared_with_ours() {
 
 #[test]
 fn several_results_are_apart() {
-    let input = |name: &str| Input {
-        path: PathBuf::from(name),
-        result: mixed(),
-    };
+    let input = |name: &str| Input::new(PathBuf::from(name), mixed());
     let report = build(&[input("old.json"), input("new.json")], &options()).unwrap();
     let html = page(&report);
     for id in ["r1-result", "r2-result", "r1-g1-time", "r2-g1-time"] {
@@ -471,10 +465,7 @@ fn a_picture_is_of_the_model_that_was_measured() {
         picture: "sphere,subdiv=2:5".parse().unwrap(),
         ..options()
     };
-    let input = |result: &ResultFile| Input {
-        path: PathBuf::from("r.json"),
-        result: result.clone(),
-    };
+    let input = |result: &ResultFile| Input::new(PathBuf::from("r.json"), result.clone());
     // The mock model has a hash that no file has.
     let error = build(&[input(&result)], &wanted).unwrap_err().to_string();
     assert_eq!(

@@ -83,7 +83,7 @@ fn dots(chart: &Dots) -> String {
                     absent,
                     "% {}, {}: {}",
                     remark(&band.title),
-                    lane.label,
+                    remark(&lane.label),
                     remark(text)
                 );
             }
@@ -102,6 +102,17 @@ fn dots(chart: &Dots) -> String {
             "\\draw[dashed] ({{axis cs:{place},0}} |- {{rel axis cs:0,0}}) -- ({{axis cs:{place},0}} |- {{rel axis cs:0,1}});"
         );
     }
+    let lanes = chart.bands.iter().flat_map(|band| &band.lanes).enumerate();
+    let samples =
+        lanes.flat_map(|(y, lane)| lane.samples.iter().map(move |x| format!("({x},{y})")));
+    let samples: Vec<String> = samples.collect();
+    if !samples.is_empty() {
+        let _ = writeln!(
+            tex,
+            "\\addplot[mark=*, mark size=0.6pt, gray, forget plot] coordinates {{\n  {}\n}};",
+            samples.join("\n  ")
+        );
+    }
     let series = points.iter().map(|(_, point)| (point.style, point.hollow));
     for (style, hollow) in distinct(series) {
         let of = points
@@ -111,7 +122,11 @@ fn dots(chart: &Dots) -> String {
             let at = format!("({},{y})", p.value.value);
             at + &errors(p.value, |error| format!("({error},0)"))
         });
-        tex += &addplot(style, hollow, "x", coordinates);
+        tex += &addplot(style, hollow, &["x"], coordinates);
+        let mut names = chart.legend.iter();
+        if let Some((.., name)) = names.find(|(s, h, _)| (*s, *h) == (style, hollow)) {
+            let _ = writeln!(tex, "\\addlegendentry{{{}}}", escape(name));
+        }
     }
     tex + "\\end{axis}\n\\end{tikzpicture}\n"
 }
@@ -124,14 +139,19 @@ fn errors(value: Estimate, at: impl Fn(f64) -> String) -> String {
     })
 }
 
+/// A plot with error bars along the axes `along`.
 fn addplot(
     style: usize,
     hollow: bool,
-    direction: &str,
+    along: &[&str],
     coordinates: impl Iterator<Item = String>,
 ) -> String {
+    let bars: String = along
+        .iter()
+        .map(|axis| format!(", {axis} dir=both, {axis} explicit"))
+        .collect();
     format!(
-        "\\addplot+[mark={}, mark options={{solid}}, error bars/.cd, {direction} dir=both, {direction} explicit] coordinates {{\n  {}\n}};\n",
+        "\\addplot+[mark={}, mark options={{solid}}, error bars/.cd{bars}] coordinates {{\n  {}\n}};\n",
         pgf_mark(style, hollow),
         coordinates.collect::<Vec<_>>().join("\n  ")
     )
@@ -174,12 +194,24 @@ fn lines(chart: &Lines) -> String {
         axis_of('x', &chart.x),
         axis_of('y', &chart.y)
     );
+    if let Some(place) = chart.reference {
+        let _ = writeln!(
+            tex,
+            "\\draw[dashed] ({{rel axis cs:0,0}} |- {{axis cs:1,{place}}}) -- ({{rel axis cs:1,0}} |- {{axis cs:1,{place}}});"
+        );
+    }
     for series in &chart.series {
+        let is_mean = series.points.iter().any(|point| point.deviation.is_some());
         let coordinates = series.points.iter().map(|point| {
             let at = format!("({},{})", point.x, point.value.value);
-            at + &errors(point.value, |error| format!("(0,{error})"))
+            let of_mean = point.deviation.filter(|_| point.value.interval.is_none());
+            match of_mean {
+                Some(deviation) => format!("{at} +- ({deviation},0)"),
+                None => at + &errors(point.value, |error| format!("(0,{error})")),
+            }
         });
-        tex += &addplot(series.style, series.hollow, "y", coordinates);
+        let along: &[&str] = if is_mean { &["x"] } else { &["y"] };
+        tex += &addplot(series.style, series.hollow, along, coordinates);
         let _ = writeln!(tex, "\\addlegendentry{{{}}}", escape(&series.name));
         if let Some(fit) = series.fit {
             let ([from, to], factor, exponent) = (fit.ends, fit.factor, fit.exponent);

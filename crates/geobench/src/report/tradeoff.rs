@@ -5,7 +5,7 @@ use super::Setting;
 use super::chart::{Axis, Chart, LinePoint, Lines, Series, front};
 use super::document::Plot;
 use super::headline::EXACT;
-use crate::measure::number::grouped;
+use crate::measure::number::{self, grouped};
 use crate::schema::{Cell, Check, ModelRecord};
 use crate::table::figures::{figure, time};
 use crate::table::group::{GroupCells, distinct};
@@ -344,7 +344,7 @@ pub(super) fn crossings(id: &str, group: &GroupCells<'_>) -> Option<Table> {
             let totals = [1.0, 100.0, 10_000.0].map(|sources| cost.total(sources));
             let seconds = [cost.setup, cost.solve].into_iter().chain(totals);
             std::iter::once(Entry::new(cost.algorithm))
-                .chain(seconds.map(|seconds| Entry::new(significant(seconds))))
+                .chain(seconds.map(|seconds| Entry::new(number::seconds(seconds, 9))))
                 .chain([Entry::new(when)])
                 .collect()
         };
@@ -376,16 +376,6 @@ pub(super) fn crossings(id: &str, group: &GroupCells<'_>) -> Option<Table> {
         titles: None,
         parts,
     })
-}
-
-/// Seconds with three significant digits, and at most nine decimals.
-fn significant(seconds: f64) -> String {
-    if seconds <= 0.0 {
-        return "0".to_owned();
-    }
-    let digits = 2 - libm::log10(seconds).floor() as i32;
-    let decimals = digits.clamp(0, 9) as usize;
-    format!("{seconds:.decimals$}")
 }
 
 #[cfg(test)]
@@ -434,21 +424,5 @@ mod tests {
                 other => panic!("{other:?}"),
             }
         }
-    }
-
-    #[test]
-    fn seconds_have_three_digits() {
-        assert_eq!(
-            [0.0, 1.5e-7, 0.001_234, 0.1, 5.0, 99.94, 1234.7].map(significant),
-            [
-                "0",
-                "0.000000150",
-                "0.00123",
-                "0.100",
-                "5.00",
-                "99.9",
-                "1235"
-            ]
-        );
     }
 }

@@ -161,8 +161,10 @@ fn chart(series: &TrendSeries) -> String {
         svg.holding("title", &[], &text);
         svg.close();
     }
-    for (place, anchor) in [(0, LEFT), (points.len() - 1, WIDTH - RIGHT - 80.0)] {
-        svg.text([anchor, HEIGHT - 8.0], "commit", &points[place].commit);
+    svg.text([LEFT, HEIGHT - 8.0], "commit", &points[0].commit);
+    if let [_, .., last] = &points[..] {
+        let right = [WIDTH - RIGHT - 80.0, HEIGHT - 8.0];
+        svg.text(right, "commit", &last.commit);
     }
     svg.finish()
 }

@@ -265,6 +265,9 @@ fn significant(value: f64) -> String {
     if size >= 1e4 && value.fract() == 0.0 {
         return format!("{value:.0}");
     }
+    if size < 1e-4 {
+        return format!("{value:.3e}");
+    }
     let decimals = (3 - libm::log10(size).floor() as i32).clamp(0, 9);
     format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))
 }

@@ -274,10 +274,10 @@ pub(crate) fn pgf_mark(style: usize, hollow: bool) -> &'static str {
         ["triangle*", "triangle"],
         ["diamond*", "diamond"],
         ["pentagon*", "pentagon"],
-        ["+"; 2],
-        ["x"; 2],
-        ["asterisk"; 2],
-        ["|"; 2],
+        ["oplus*", "oplus"],
+        ["otimes*", "otimes"],
+        ["asterisk", "star"],
+        ["|", "-"],
     ];
     MARKS[style % SHAPES][usize::from(hollow)]
 }

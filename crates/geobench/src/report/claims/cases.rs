@@ -21,11 +21,6 @@ pub(super) fn parameter(selection: &Selection, name: &str) -> Option<f64> {
     }
 }
 
-/// Algorithms whose behaviour has changed under the same name and parameters. In results from the
-/// time when phases were measured by a clock, a window that a round created did not wait for the
-/// next round.
-const CHANGED_BEFORE_SAMPLING: &[&str] = &["fwp-ch", "fwp-mmp"];
-
 /// The results of a suite, and the test that is computed from them.
 #[derive(Clone, Copy)]
 pub(super) struct Results<'r> {
@@ -103,16 +98,7 @@ impl<'r> Results<'r> {
         let Some(same) = namesakes.find(|planned| is_same(selection, planned)) else {
             return missing("was run with other parameters than the claim has");
         };
-        if CHANGED_BEFORE_SAMPLING.contains(&selection.algorithm().name) && self.is_clocked() {
-            return missing("has changed since this result was made");
-        }
         Ok(&same.label)
-    }
-
-    /// Whether the phases of the result were measured by a clock, as older versions did.
-    fn is_clocked(&self) -> bool {
-        let mut phases = self.result.cells.iter().map(|cell| &cell.phases);
-        phases.any(|phases| phases.management.is_some() && phases.samples.is_none())
     }
 
     /// The cells of an algorithm on a model, one for each source.
@@ -223,7 +209,8 @@ impl<'r> Results<'r> {
                     .iter()
                     .flat_map(|group| {
                         self.models(*group).into_iter().map(|model| {
-                            self.case(operand, &model.name, Some(model), |figure| {
+                            let on = self.place(model, *group, &groups);
+                            self.case(operand, &on, Some(model), |figure| {
                                 let mut leaves = Leaves::default();
                                 let node = self.on(operand, *group, model, figure, &mut leaves)?;
                                 Ok(Built {
@@ -245,6 +232,20 @@ impl<'r> Results<'r> {
             });
         }
         cases
+    }
+
+    /// The name of a model in a case: with its group if several of `groups` have the model.
+    fn place(&self, model: &ModelRecord, group: Option<&str>, groups: &[Option<&str>]) -> String {
+        let has = |group: &&Option<&str>| {
+            let mut cells = self.result.cells.iter();
+            cells.any(|cell| cell.group.as_deref() == **group && cell.model == model.name)
+        };
+        match group {
+            Some(group) if groups.iter().filter(has).count() > 1 => {
+                format!("{} in {group}", model.name)
+            }
+            _ => model.name.clone(),
+        }
     }
 
     /// Builds a case from the first figure that decides. If none does, the case has the reason why
@@ -627,10 +628,7 @@ fn phase_quantity(
         return Err(format!("{} has no phases", cell.algorithm));
     };
     let Some(samples) = phases.samples else {
-        return Err(
-            "the phases were clocked, which makes short ones look longer; only samples decide"
-                .to_owned(),
-        );
+        return Err("the phases were not sampled, so they have no interval".to_owned());
     };
     Ok(match figure.key {
         "management_share" => Quantity::Share(own / all, samples),
@@ -643,7 +641,15 @@ fn phase_quantity(
 
 /// Whether a figure depends on the build and the machine code.
 fn is_timed(figure: &Figure) -> bool {
-    matches!(figure.key, "time" | "setup" | "instructions") || phase_of(figure).is_some()
+    const KEYS: &[&str] = &[
+        "time",
+        "outside_time",
+        "claimed_time",
+        "setup",
+        "extraction",
+        "instructions",
+    ];
+    KEYS.contains(&figure.key) || phase_of(figure).is_some()
 }
 
 /// Whether a planned algorithm has exactly the parameters of `selection`.

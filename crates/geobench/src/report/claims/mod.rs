@@ -322,7 +322,12 @@ fn verdict(cases: &[ClaimCase]) -> (ClaimVerdict, String) {
             reasons.push(format!("{what}{}", page::names(named, cases)));
         }
     };
-    push("it does not hold for", &failed);
+    let fails = if failed.len() == cases.len() {
+        "it holds in no case"
+    } else {
+        "it does not hold for"
+    };
+    push(fails, &failed);
     if verdict == ClaimVerdict::Partly {
         push("sizes beyond a third of the paper's", &off);
     }

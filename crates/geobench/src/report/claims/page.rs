@@ -273,7 +273,7 @@ pub(super) fn cases(cases: &[ClaimCase]) -> String {
                 (count > 0).then(|| format!(", {count} {mark}"))
             });
             format!(
-                "{} to {} ({} models{})",
+                "{} to {} ({} cases{})",
                 number(least),
                 number(most),
                 own.len(),

@@ -78,10 +78,7 @@ fn read(test: &str) -> Result<ClaimsFile, crate::DocumentError> {
 /// The verdict of a claim with one test.
 fn judge_one(test: &str, result: &ResultFile) -> JudgedClaim {
     let file = read(test).unwrap();
-    let input = Input {
-        path: "r.json".into(),
-        result: result.clone(),
-    };
+    let input = Input::new("r.json".into(), result.clone());
     let mut report = judge(&[file], &[input]).unwrap();
     report.papers.remove(0).claims.remove(0)
 }
@@ -125,6 +122,33 @@ fn one_number_changes_a_verdict() {
             "it does not hold for: ich to vtp on small, large".to_owned()
         )
     );
+    count(&mut result, "ich", "middle", 100);
+    assert_eq!(
+        verdict_of(test, &result),
+        (Not, "it holds in no case".to_owned())
+    );
+}
+
+#[test]
+fn cases_of_one_model_in_several_groups_are_all_kept() {
+    let mut result = made_up("ich");
+    let cells = result.cells.clone();
+    for name in ["a", "b", "c"] {
+        let cells = cells.iter().cloned();
+        result.cells.extend(cells.map(|cell| Cell {
+            group: Some(name.into()),
+            ..cell
+        }));
+        let plan = result.plan.as_mut().unwrap();
+        let mut group = plan.groups[0].clone();
+        group.name = Some(name.into());
+        plan.groups.push(group);
+    }
+    result.cells.retain(|cell| cell.group.is_some());
+    let test = "of = [\"ich\"]\nfigure = \"propagated\"\nholds = \"> 0\"";
+    let judged = judge_one(test, &result);
+    assert_eq!(judged.values.len(), 9);
+    assert!(judged.values.contains_key("ich, small in b"));
 }
 
 #[test]
@@ -367,21 +391,6 @@ fn an_algorithm_of_other_parameters_is_another_one() {
         cell.algorithm = "ich{old=1}".into();
     }
     assert_eq!(verdict_of(test, &relabelled).0, Confirmed);
-
-    let mut clocked = made_up("fwp-ch,ich");
-    let test = "of = [\"fwp-ch\"]\nto = \"ich\"\nfigure = \"propagated\"\nholds = \"0.9 to 1.1\"";
-    assert_eq!(verdict_of(test, &clocked).0, Confirmed);
-    clocked
-        .cells
-        .iter_mut()
-        .for_each(|cell| cell.phases.samples = None);
-    assert_eq!(
-        verdict_of(test, &clocked),
-        (
-            Unjudged,
-            "fwp-ch has changed since this result was made".to_owned()
-        )
-    );
 }
 
 #[test]
@@ -564,7 +573,10 @@ fn shares_decide_if_they_were_sampled() {
         .for_each(|cell| cell.phases.samples = None);
     let (verdict, reason) = verdict_of(share, &result);
     assert_eq!(verdict, Unjudged);
-    assert!(reason.starts_with("the phases were clocked"), "{reason}");
+    assert!(
+        reason.starts_with("the phases were not sampled"),
+        "{reason}"
+    );
 }
 
 #[test]
@@ -605,10 +617,7 @@ fn claims_without_results_say_why() {
     assert_eq!(judged.reason, "not available yet: the heat method");
 
     let deciding = read("of = [\"vtp\"]\nholds = \"> 1\"").unwrap();
-    let input = |name: &str| Input {
-        path: name.into(),
-        result: made_up("vtp"),
-    };
+    let input = |name: &str| Input::new(name.into(), made_up("vtp"));
     let report = judge(std::slice::from_ref(&deciding), &[]).unwrap();
     let judged = &report.papers[0].claims[0];
     assert_eq!(judged.reason, "there is no result of the suite s");
@@ -715,10 +724,7 @@ fn every_form_has_the_verdict() {
     count(&mut result, "ich", "small", 250);
     let file =
         read("of = [\"ich\"]\nto = \"vtp\"\nfigure = \"propagated\"\nholds = \"> 1\"").unwrap();
-    let input = Input {
-        path: "r.json".into(),
-        result,
-    };
+    let input = Input::new("r.json".into(), result);
     let report = judge(&[file], &[input]).unwrap();
     let render = |form: ClaimsFormat| form.render(&report, Look::default()).unwrap();
     let json: serde_json::Value = serde_json::from_str(&render(ClaimsFormat::Json)).unwrap();
@@ -859,9 +865,9 @@ fn the_page_is_that_of_the_record() {
     let paths = record.map(|entry| entry.unwrap().path());
     let inputs: Vec<Input> = paths
         .filter(|path| path.extension().is_some_and(|ending| ending == "json"))
-        .map(|path| Input {
-            result: crate::schema::result_file::read(&path).unwrap(),
-            path,
+        .map(|path| {
+            let result = crate::schema::result_file::read(&path).unwrap();
+            Input::new(path, result)
         })
         .collect();
     let report = judge(&known().unwrap(), &inputs).unwrap();

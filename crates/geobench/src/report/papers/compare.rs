@@ -1,7 +1,7 @@
 //! Compares the ratios of a paper with ours.
 
 use super::{PaperTable, Printed};
-use crate::measure::number::{grouped, ratio as plain};
+use crate::measure::number::ratio as plain;
 use crate::measure::statistics::range_of;
 use crate::report::Setting;
 use crate::report::chart::{Axis, Band, Chart, Dots, Lane, Point};
@@ -9,7 +9,7 @@ use crate::report::document::{Block, Plot, slug};
 use crate::table::figures::Figure;
 use crate::table::group::{Estimate, GroupCells, distinct};
 use crate::table::results::mean_and_deviation;
-use crate::table::{Column, Entry, Part, Table};
+use crate::table::{Column, Entry, Part, Table, counted};
 
 /// The ratios of one figure between two algorithms, in the paper and here.
 #[derive(Clone, Debug)]
@@ -209,16 +209,12 @@ fn side_by_side(pairs: &[Pair], same: &[(String, String)], source: &str, prefix:
 fn models(pair: &Pair) -> String {
     let paper = match &pair.paper[..] {
         [one] => one.model.clone(),
-        several => counted(several.len()),
+        several => counted(several.len(), "model"),
     };
-    format!("paper: {paper}; here: {}", counted(pair.ours.len()))
-}
-
-fn counted(models: usize) -> String {
-    match models {
-        1 => "1 model".to_owned(),
-        n => format!("{} models", grouped(n as u64)),
-    }
+    format!(
+        "paper: {paper}; here: {}",
+        counted(pair.ours.len(), "model")
+    )
 }
 
 fn mean(values: &[f64]) -> String {

@@ -153,6 +153,7 @@ fn of_model(
         })
         .collect();
     let lines = traced.iter().map(SurfacePath::points);
+    let paths_drawn = traced.len();
     let scene = Scene {
         sources: mesh
             .positions()
@@ -190,7 +191,7 @@ fn of_model(
             } else {
                 " between vertices interpolated"
             },
-            far.len(),
+            paths_drawn,
             grouped(loaded.measures.vertices as u64),
             grouped(loaded.measures.faces as u64),
         ),

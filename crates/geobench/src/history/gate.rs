@@ -9,12 +9,17 @@ use crate::history::records::{CellRecord, Record};
 use crate::measure::statistics::median;
 use crate::schema::Status;
 
+/// The schema of the comparison in JSON.
+pub const SCHEMA: &str = "geobench-gate/1";
+
 /// Fewest base commits from which the noise of times is estimated.
 pub const FEWEST: usize = 3;
 
 /// The comparison of the newest record with the records of base commits.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gate {
+    /// Always [`SCHEMA`].
+    pub schema: &'static str,
     /// The newest commit.
     pub commit: String,
     /// The commits of the base, the oldest first.
@@ -33,12 +38,13 @@ pub struct GateLine {
     /// The figure.
     pub figure: &'static str,
     /// The value of the base. For times, the geometric mean of the medians of the base commits. For
-    /// other figures, the value at the last base commit.
-    pub base: f64,
-    /// The new value; NaN, `null` in JSON, if it is missing.
-    pub new: f64,
-    /// New divided by base; NaN if the new value is missing.
-    pub ratio: f64,
+    /// other figures, the value at the last base commit. Null for the figure `status`, and if it is
+    /// missing.
+    pub base: Option<f64>,
+    /// The new value; null as for `base`.
+    pub new: Option<f64>,
+    /// New divided by base; null if one of them is missing.
+    pub ratio: Option<f64>,
     /// 95 % prediction interval of the ratio, from the noise between the base commits; null for
     /// figures that are compared exactly.
     pub ci95: Option<[f64; 2]>,
@@ -87,22 +93,18 @@ pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Re
             .filter(|c| c.status == Status::Ok)
             .collect();
         let Some(last) = earlier.last() else {
-            notes.push(format!("{}: not in the base", cell.cell));
+            notes.push(format!("{}: no base commit solved it", cell.cell));
             continue;
         };
         if cell.status != Status::Ok {
-            lines.push(GateLine {
-                cell: cell.cell.clone(),
-                figure: "status",
-                base: 1.0,
-                new: 0.0,
-                ratio: 0.0,
-                ci95: None,
-                broken: Some(format!("was ok, is {}", cell.status.in_words())),
-            });
+            let broken = format!("was ok, is {}", cell.status.in_words());
+            lines.push(GateLine::of_status(cell, broken));
             continue;
         }
-        match time(cell, &earlier, rules) {
+        // Times of other vector instructions do not compare.
+        let alike = |c: &&&CellRecord| c.simd.is_none() || c.simd == cell.simd;
+        let timed: Vec<&CellRecord> = earlier.iter().filter(alike).copied().collect();
+        match time(cell, &timed, rules) {
             Some(line) => lines.push(line),
             None if rules.on(Subject::Time).is_some() => notes.push(format!(
                 "{}: time is not compared: the noise needs {FEWEST} base commits with times",
@@ -115,20 +117,30 @@ pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Re
                 continue;
             };
             let name = measure.name();
-            let [old, new] = [last, &cell].map(|cell| cell.figures.get(name).copied());
-            let Some(old) = old else { continue };
-            // A rule on a figure that has disappeared is broken, or the gate would stay open.
-            let new = new.unwrap_or(f64::NAN);
-            let is_broken = new.is_nan() || rule.is_broken(old, new);
-            let broken = is_broken.then(|| rule.to_string());
+            let [base, new] = [last, &cell].map(|cell| cell.figures.get(name).copied());
+            if base.is_none() && new.is_none() && !measure.is_due(&cell.cell.algorithm) {
+                continue;
+            }
+            let differ = measure == Measure::Instructions
+                && last.instructions_simd.is_some()
+                && last.instructions_simd != cell.instructions_simd;
+            let (ratio, broken) = match (base, new) {
+                (Some(base), Some(new)) if !differ => {
+                    let ratio = if base == new { 1.0 } else { new / base };
+                    (Some(ratio), rule.is_broken(base, new))
+                }
+                // A rule on a figure that is missing or does not compare is broken, or the gate
+                // would stay open.
+                _ => (None, true),
+            };
             lines.push(GateLine {
                 cell: cell.cell.clone(),
                 figure: name,
-                base: old,
+                base,
                 new,
-                ratio: if old == new { 1.0 } else { new / old },
+                ratio,
                 ci95: None,
-                broken,
+                broken: broken.then(|| rule.to_string()),
             });
         }
     }
@@ -139,19 +151,12 @@ pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Re
     let rule = rule.filter(|rule| missing.len() as f64 / last.len() as f64 > rule.limit);
     for cell in missing {
         match rule {
-            Some(rule) => lines.push(GateLine {
-                cell: cell.cell.clone(),
-                figure: "status",
-                base: 1.0,
-                new: f64::NAN,
-                ratio: f64::NAN,
-                ci95: None,
-                broken: Some(rule.to_string()),
-            }),
+            Some(rule) => lines.push(GateLine::of_status(cell, rule.to_string())),
             None => notes.push(format!("{}: not in the new record", cell.cell)),
         }
     }
     Ok(Gate {
+        schema: SCHEMA,
         commit: newest.commit.clone(),
         base: base.iter().map(|r| r.short().to_owned()).collect(),
         lines,
@@ -182,9 +187,9 @@ fn time(cell: &CellRecord, earlier: &[&CellRecord], rules: &Rules) -> Option<Gat
     Some(GateLine {
         cell: cell.cell.clone(),
         figure: "time",
-        base: mean.exp(),
-        new,
-        ratio,
+        base: Some(mean.exp()),
+        new: Some(new),
+        ratio: Some(ratio),
         ci95: Some(ci95),
         broken: broken.map(ToString::to_string),
     })
@@ -204,15 +209,32 @@ fn student(freedom: usize) -> f64 {
 }
 
 impl GateLine {
-    /// The change in words.
+    /// The line of a cell that failed or is missing.
+    fn of_status(cell: &CellRecord, broken: String) -> Self {
+        Self {
+            cell: cell.cell.clone(),
+            figure: "status",
+            base: None,
+            new: None,
+            ratio: None,
+            ci95: None,
+            broken: Some(broken),
+        }
+    }
+
+    /// The change in words; empty for a status.
     pub fn in_words(&self) -> String {
-        match self.ci95 {
-            _ if self.new.is_nan() => "missing".to_owned(),
-            Some(ends) => {
+        match (self.ratio, self.ci95) {
+            (Some(ratio), Some(ends)) => {
                 let [low, high] = ends.map(|ratio| 100.0 * (ratio - 1.0));
-                format!("{} ({low:+.1} to {high:+.1})", percent(self.ratio))
+                format!("{} ({low:+.1} to {high:+.1})", percent(ratio))
             }
-            None => percent(self.ratio),
+            (Some(ratio), None) => percent(ratio),
+            (None, _) if self.base.is_some() && self.new.is_some() => {
+                "other vector instructions".to_owned()
+            }
+            (None, _) if self.figure == "status" => String::new(),
+            (None, _) => "missing".to_owned(),
         }
     }
 }
@@ -262,6 +284,13 @@ mod tests {
         last.cells[0].figures.remove("propagated");
         assert_eq!(
             broken(&compared(&records, "propagated=0")),
+            ["mmp propagated"]
+        );
+        // The base can lack a figure, too.
+        let mut records_without = history()[..5].to_vec();
+        records_without[3].cells[0].figures.remove("propagated");
+        assert_eq!(
+            broken(&compared(&records_without, "propagated=0")),
             ["mmp propagated"]
         );
         records[4].cells.remove(0);

@@ -1,6 +1,6 @@
 //! Joins result files of different runs on one machine.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use anyhow::{Context, bail};
@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::measure::conditions;
 use crate::schema::difference::first_difference;
-use crate::schema::{Cell, CellId, GroupRecord, ResultFile};
+use crate::schema::{Cell, CellId, GroupRecord, ModelRecord, ResultFile};
 
 /// A joined file.
 #[derive(Clone, Debug)]
@@ -239,6 +239,10 @@ fn add(
     if whole.plan != file.plan {
         whole.plan = None;
     }
+    // Times of concurrent cells stay marked as such.
+    if let (Some(isolation), Some(other)) = (&mut whole.isolation, &file.isolation) {
+        isolation.jobs = isolation.jobs.max(other.jobs);
+    }
     if whole.pairing != file.pairing {
         whole.pairing = None;
     }
@@ -264,26 +268,37 @@ fn rename_models(
     name: &str,
     file: &mut ResultFile,
 ) -> anyhow::Result<()> {
+    let identity = |model: &ModelRecord| (model.name.clone(), model.sha256.clone());
+    let own: HashSet<_> = file.models.iter().map(identity).collect();
+    let mut renamed: HashMap<String, String> = HashMap::new();
     for model in &mut file.models {
-        let same_hash = |known: &&crate::schema::ModelRecord| {
-            known.sha256.is_some() && known.sha256 == model.sha256
+        // Copies of a model have one hash. Each known name is given once.
+        let is_free = |known: &&ModelRecord| {
+            !own.contains(&identity(known)) && !renamed.values().any(|taken| *taken == known.name)
         };
-        let mut known = whole.models.iter();
-        if known.clone().any(|k| k.name == model.name && same_hash(&k)) {
+        let mut same_hash = whole
+            .models
+            .iter()
+            .filter(|known| known.sha256.is_some() && known.sha256 == model.sha256);
+        if same_hash.clone().any(|known| known.name == model.name) {
             continue;
         }
-        if let Some(known) = known.clone().find(same_hash) {
-            for cell in file.cells.iter_mut().filter(|c| c.model == model.name) {
-                cell.model.clone_from(&known.name);
-            }
+        if let Some(known) = same_hash.find(is_free) {
+            renamed.insert(model.name.clone(), known.name.clone());
             model.name.clone_from(&known.name);
-        } else if let Some(known) = known.find(|known| known.name == model.name)
+        } else if let Some(known) = whole.models.iter().find(|known| known.name == model.name)
             && let (Some(a), Some(b)) = (&known.sha256, &model.sha256)
         {
             bail!(
                 "{name}: its model {} is not that of {first}: the SHA-256 is {b} and not {a}",
                 model.name
             );
+        }
+    }
+    // All at once: the new name of one model may be the old one of another.
+    for cell in &mut file.cells {
+        if let Some(name) = renamed.get(&cell.model) {
+            cell.model.clone_from(name);
         }
     }
     Ok(())
@@ -407,6 +422,29 @@ mod tests {
         let joined = join(vec![("a".into(), a), ("b".into(), b)]).unwrap();
         assert_eq!(names(&joined.file), ["horse mmp", "horse vtp"]);
         assert_eq!(joined.file.models.len(), 1);
+    }
+
+    #[test]
+    fn names_that_files_have_swapped_put_cells_under_the_wrong_model() {
+        let named = |models: [(&str, &str); 2]| {
+            let mut file = file(&models.map(|(name, _)| name), "mmp");
+            for (model, (_, hash)) in file.models.iter_mut().zip(models) {
+                model.sha256 = Some(hash.into());
+            }
+            file
+        };
+        let joined = |a: [(&str, &str); 2], b: [(&str, &str); 2]| {
+            let b = (String::from("b"), named(b));
+            join(vec![("a".into(), named(a)), b]).unwrap().file
+        };
+        let whole = joined([("y", "1"), ("z", "2")], [("x", "1"), ("y", "2")]);
+        assert_eq!(names(&whole), ["y mmp", "z mmp"]);
+        // A copy of a model stays beside it.
+        let copied = joined(
+            [("horse", "1"), ("cow", "2")],
+            [("horse", "1"), ("copy", "1")],
+        );
+        assert_eq!(names(&copied), ["horse mmp", "cow mmp", "copy mmp"]);
     }
 
     #[test]

@@ -6,6 +6,7 @@
 
 use anyhow::{Context, bail};
 
+use crate::history::compare::CellKey;
 use crate::measure::conditions;
 use crate::measure::statistics::{self, median};
 use crate::schema::{Cell, ResultFile, Status, Time};
@@ -13,8 +14,9 @@ use crate::schema::{Cell, ResultFile, Status, Time};
 /// Joins `rounds`, each given with the name of its file, in the order in which they were run.
 ///
 /// The samples of a cell are concatenated. A cell that failed in one round is the failed one.
-/// Counts are those of the first round. Peaks of memory and errors are the largest, set-up and
-/// phases the medians, and the conditions of the machine the worst.
+/// Counts are those of the first round, and so are the figures of memory that follow from them.
+/// Measured peaks of memory are the largest. The check is that of the round with the largest error.
+/// Set-up and phases are medians, and the conditions of the machine the worst.
 ///
 /// # Errors
 ///
@@ -66,18 +68,24 @@ fn difference(joined: &ResultFile, cells: &[Vec<Cell>], round: &ResultFile) -> O
     if joined.models.len() != round.models.len() || cells.len() != round.cells.len() {
         return Some("it has another number of models or cells".to_owned());
     }
-    let key = |c: &Cell| {
-        let source = c
-            .source
-            .as_ref()
-            .map_or_else(|| "unknown".to_owned(), ToString::to_string);
-        let goal = c.goal.as_ref();
-        let goal = goal.map_or_else(String::new, |goal| format!(", {goal}"));
-        format!("{}, {}, source {source}{goal}", c.model, c.algorithm)
-    };
+    if !joined.host.is_same_machine(&round.host) {
+        let [here, there] = [round, joined].map(|file| file.host.in_words());
+        return Some(format!("its machine is {here} and not {there}"));
+    }
     cells.iter().zip(&round.cells).find_map(|(all, cell)| {
-        let same = key(&all[0]) == key(cell) && all[0].group == cell.group;
-        (!same).then(|| format!("it has the cell {} instead of {}", key(cell), key(&all[0])))
+        let first = &all[0];
+        let (known, own) = (CellKey::of(joined, first), CellKey::of(round, cell));
+        if known != own {
+            return Some(format!("it has the cell {own} instead of {known}"));
+        }
+        let simd = |cell: &Cell| cell.simd.clone().unwrap_or_else(|| "unknown".to_owned());
+        (first.simd != cell.simd).then(|| {
+            format!(
+                "the vector instructions of {own} are {} and not {}",
+                simd(cell),
+                simd(first)
+            )
+        })
     })
 }
 
@@ -91,7 +99,6 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
         median(&known)
     };
     let most = |of: fn(&Cell) -> Option<u64>| rounds.iter().filter_map(of).max();
-    let largest = |of: fn(&Cell) -> Option<f64>| rounds.iter().filter_map(of).reduce(f64::max);
     let mut cell = rounds[0].clone();
     let samples = rounds.iter().flat_map(|c| c.time.samples.clone()).collect();
     cell.time = Time {
@@ -110,10 +117,14 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
     cell.phases.samples = rounds.iter().map(|c| c.phases.samples).sum();
     cell.memory.heap_peak_bytes = most(|c| c.memory.heap_peak_bytes);
     cell.memory.rss_peak_bytes = most(|c| c.memory.rss_peak_bytes);
-    cell.check.max_abs = largest(|c| c.check.max_abs);
-    cell.check.max_rel = largest(|c| c.check.max_rel);
-    cell.check.mean_rel = largest(|c| c.check.mean_rel);
-    cell.check.rms_rel = largest(|c| c.check.rms_rel);
+    // No largest error is known if it is not finite.
+    let error = |c: &&Cell| c.check.max_rel.unwrap_or(f64::INFINITY);
+    if let Some(worst) = rounds.iter().max_by(|a, b| error(a).total_cmp(&error(b))) {
+        cell.check.clone_from(&worst.check);
+    }
+    let doubts = rounds.iter().filter_map(|c| c.check.doubt);
+    cell.check.doubt = doubts.reduce(f64::max);
+    cell.check.wrong_labels = most(|c| c.check.wrong_labels);
     if let Some(counted) = rounds.iter().find(|c| c.instructions.is_some()) {
         cell.instructions = counted.instructions;
         cell.instructions_simd

@@ -42,6 +42,13 @@ pub struct CellRecord {
     pub cell: CellKey,
     /// Its outcome.
     pub status: Status,
+    /// The vector instructions of its solves; null for an outside program, and in older records.
+    #[serde(default)]
+    pub simd: Option<String>,
+    /// The vector instructions of the solve whose instructions were counted; null if none was, and
+    /// in older records.
+    #[serde(default)]
+    pub instructions_simd: Option<String>,
     /// Every sample of its time.
     pub samples: Vec<f64>,
     /// All other figures of the cell, by their names in result files.
@@ -118,18 +125,25 @@ impl Record {
     }
 
     /// Adds the cells of a later run of the same commit. If both runs solved a cell, its samples
-    /// are concatenated, and its other figures come from the later run. If one failed, the later
-    /// cell is kept. Samples that the record has already, because a file is recorded again, are not
+    /// are concatenated, and its other figures come from the later run. If one failed, or ran with
+    /// other vector instructions, the later cell is kept. Samples that the record has already, because a file is recorded again, are not
     /// repeated.
     fn merge(&mut self, later: Self) {
         for cell in later.cells {
-            match self.cells.iter_mut().find(|known| known.cell == cell.cell) {
-                Some(known) if known.status == Status::Ok && cell.status == Status::Ok => {
+            let same = |known: &&mut CellRecord| known.cell.is_same(&cell.cell);
+            match self.cells.iter_mut().find(same) {
+                Some(known)
+                    if known.status == Status::Ok
+                        && cell.status == Status::Ok
+                        && known.simd == cell.simd =>
+                {
                     let count = cell.samples.len().max(1);
                     if !known.samples.windows(count).any(|w| w == cell.samples) {
                         known.samples.extend(cell.samples);
                     }
                     known.figures.extend(cell.figures);
+                    known.instructions_simd =
+                        cell.instructions_simd.or(known.instructions_simd.take());
                 }
                 Some(known) => *known = cell,
                 None => self.cells.push(cell),
@@ -146,6 +160,8 @@ fn record(file: &ResultFile, cell: &Cell) -> CellRecord {
     CellRecord {
         cell: CellKey::of(file, cell),
         status: cell.status,
+        simd: cell.simd.clone(),
+        instructions_simd: cell.instructions_simd.clone(),
         samples: cell.time.samples.clone(),
         figures: figures.collect(),
     }

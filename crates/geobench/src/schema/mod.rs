@@ -351,7 +351,7 @@ pub struct Cell {
     /// Counters, from a separate untimed run.
     #[serde(with = "counters_as_map")]
     pub counters: Counters,
-    /// Memory, from the run that counts.
+    /// Memory: peaks from the profiled run, the others from the counted run.
     pub memory: Memory,
     /// Time in each phase, from a separate run that is sampled.
     pub phases: Phases,

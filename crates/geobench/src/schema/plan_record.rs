@@ -86,7 +86,8 @@ pub struct PlannedModel {
     pub name: String,
     /// Specification of the generator with all defaults; null for a file.
     pub spec: Option<String>,
-    /// SHA-256 of the file; null for a generated model, and if the file cannot be read.
+    /// SHA-256 of the file, or of the file that the generator starts from; null if there is none, and
+    /// if it cannot be read.
     pub file_sha256: Option<String>,
 }
 

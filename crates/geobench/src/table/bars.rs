@@ -33,7 +33,7 @@ fn lines(bars: &[TimeBar], base: Option<&str>, width: usize) -> Vec<String> {
         .iter()
         .map(|bar| match (&bar.failure, bar.seconds) {
             (Some(failure), _) => failure.clone(),
-            (None, Some(seconds)) => format!("{} s", significant(seconds)),
+            (None, Some(seconds)) => format!("{} s", number::seconds(seconds, 6)),
             (None, None) => String::new(),
         })
         .collect();
@@ -97,12 +97,6 @@ pub fn model_bars(
     let lines = lines(&bars, Some(&printable(base)), width);
     let head = std::iter::once(head.chars().take(width).collect());
     head.chain(lines).collect::<Vec<String>>().join("\n") + "\n\n"
-}
-
-/// A time with about three significant digits.
-fn significant(seconds: f64) -> String {
-    let decimals = number::decimals([seconds], 6);
-    format!("{seconds:.decimals$}")
 }
 
 fn shortened(label: &str, width: usize) -> String {

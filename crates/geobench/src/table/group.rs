@@ -1,7 +1,7 @@
 //! The cells of one group, for tables and charts.
 
 use super::figures::Figure;
-use crate::measure::statistics::{median, paired_ratio};
+use crate::measure::statistics::{Variable, interval_of, median};
 use crate::schema::{Cell, GroupRecord, ModelRecord, Status};
 
 /// A group with its models and algorithms.
@@ -89,9 +89,9 @@ impl<'r> GroupCells<'r> {
         Some(Estimate { value, interval })
     }
 
-    /// The ratio of a figure of an algorithm on a model to that of `base`. For one source, the
-    /// ratio of times is the median over the pairs of samples from the same round, with an
-    /// interval. For several sources, it is the median of their ratios, without an interval.
+    /// The ratio of a figure of an algorithm on a model to that of `base`: the median over the
+    /// sources. The ratio of times from one source is the median over the pairs of samples from the
+    /// same round. Ratios of times have an interval, if all cells have enough samples.
     pub(crate) fn ratio(
         &self,
         figure: &Figure,
@@ -105,15 +105,18 @@ impl<'r> GroupCells<'r> {
         overall(figure, &under, self.vertices(model))?;
         let pairs = over.into_iter().filter_map(|over| {
             let under = under.iter().find(|under| under.source == over.source)?;
-            Some(ratio(figure, over, under))
+            Some((over, *under))
         });
-        match &pairs.collect::<Option<Vec<Estimate>>>()?[..] {
-            [one] => Some(*one),
-            several => {
-                let ratios: Vec<f64> = several.iter().map(|ratio| ratio.value).collect();
-                median(&ratios).map(Estimate::from)
-            }
+        let pairs: Vec<(&Cell, &Cell)> = pairs.collect();
+        if figure.key == "time" {
+            return ratio_of_times(&pairs);
         }
+        let ratio = |(over, under): &(&Cell, &Cell)| {
+            let value = figure.of(over, None)? / figure.of(under, None)?;
+            value.is_finite().then_some(value)
+        };
+        let ratios = pairs.iter().map(ratio).collect::<Option<Vec<f64>>>()?;
+        median(&ratios).map(Estimate::from)
     }
 
     /// The number of vertices of a model.
@@ -160,17 +163,21 @@ pub(crate) fn pairs<'c>(over: &'c Cell, under: &'c Cell) -> (&'c [f64], &'c [f64
     (&over[..rounds], &under[..rounds])
 }
 
-/// The ratio of a figure between two cells of the same source.
-fn ratio(figure: &Figure, over: &Cell, under: &Cell) -> Option<Estimate> {
-    let (above, below) = pairs(over, under);
-    if figure.key == "time"
-        && let Some(ratio) = paired_ratio(above, below)
-    {
-        return Some(Estimate {
-            value: ratio.ratio,
-            interval: ratio.ci95,
-        });
-    }
-    let value = figure.of(over, None)? / figure.of(under, None)?;
-    value.is_finite().then_some(value.into())
+/// The median over pairs of cells of the ratios of their times, with its interval. `None` if a cell
+/// has no times.
+fn ratio_of_times(cells: &[(&Cell, &Cell)]) -> Option<Estimate> {
+    let ratios = cells.iter().map(|(over, under)| {
+        let (above, below) = pairs(over, under);
+        let ratios = above.iter().zip(below).map(|(a, b)| a / b);
+        let ratios: Vec<f64> = ratios.collect();
+        let usable = !ratios.is_empty() && ratios.iter().all(|r| r.is_finite() && *r > 0.0);
+        usable.then_some(ratios)
+    });
+    let ratios = ratios.collect::<Option<Vec<Vec<f64>>>>()?;
+    let medians: Vec<f64> = ratios.iter().filter_map(|ratios| median(ratios)).collect();
+    let variables: Vec<Variable<'_>> = ratios.iter().map(|r| Variable::Samples(r)).collect();
+    Some(Estimate {
+        value: median(&medians)?,
+        interval: interval_of(&variables, |medians| median(medians).unwrap_or(f64::NAN)),
+    })
 }

@@ -15,6 +15,11 @@ fn shown(figure: &str, value: f64) -> String {
     }
 }
 
+/// The entry of a figure; empty without a value.
+fn value(figure: &str, value: Option<f64>) -> Entry {
+    Entry::new(value.map_or_else(String::new, |value| shown(figure, value)))
+}
+
 /// The table of the change points. `shown` formats a value of a figure.
 pub(crate) fn table_of_changes(found: &[ChangePoint], shown: fn(&str, f64) -> String) -> Table {
     let row = |change: &ChangePoint| {
@@ -45,18 +50,16 @@ pub fn gate(gate: &Gate, look: Look) -> String {
             None => Mark::None,
         };
         let change = match &line.broken {
-            Some(rule) => format!("{} ! [{rule}]", line.in_words()),
+            Some(rule) => format!("{} ! [{rule}]", line.in_words())
+                .trim_start()
+                .to_owned(),
             None => line.in_words(),
         };
         vec![
             Entry::new(line.cell.to_string()),
             Entry::new(line.figure),
-            Entry::new(shown(line.figure, line.base)),
-            if line.new.is_nan() {
-                Entry::new("")
-            } else {
-                Entry::new(shown(line.figure, line.new))
-            },
+            value(line.figure, line.base),
+            value(line.figure, line.new),
             Entry::marked(change, mark),
         ]
     });

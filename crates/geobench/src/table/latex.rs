@@ -58,6 +58,7 @@ pub(crate) fn tabular(table: &Table) -> String {
         for (i, entries) in part.rows.iter().enumerate() {
             // Name and size share the first column, so that it stays narrow.
             let title = table.titles.map(|_| match i {
+                0 if part.rows.len() == 1 => escape(&format!("{} ({})", part.title, part.detail)),
                 0 => escape(&part.title),
                 1 => escape(&format!("({})", part.detail)),
                 _ => String::new(),

@@ -97,7 +97,9 @@ pub(crate) fn ending_of(path: &Path) -> String {
     let stem = path.file_stem().map(Path::new);
     match stem.and_then(Path::extension) {
         // `bmf.json` and `gab.json` are extensions of two words.
-        Some(before) if before == "bmf" || before == "gab" => {
+        Some(before)
+            if before.eq_ignore_ascii_case("bmf") || before.eq_ignore_ascii_case("gab") =>
+        {
             format!("{}.{ending}", before.to_string_lossy())
         }
         _ => ending.into_owned(),

@@ -2,6 +2,8 @@
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
+#[cfg(unix)]
+use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
@@ -44,6 +46,9 @@ impl OutputFile {
         let path = canonical(path);
         let replace = match fs::metadata(&path) {
             Ok(found) if found.is_dir() => bail!("{shown}: cannot be written: it is a directory"),
+            // The reader of a pipe would take a trial for the whole.
+            #[cfg(unix)]
+            Ok(found) if found.file_type().is_fifo() => false,
             Ok(found) => {
                 OpenOptions::new()
                     .append(true)
@@ -111,9 +116,7 @@ impl OutputFile {
     /// When the system cannot write. A regular file is then unchanged.
     pub fn write(&self, contents: &[u8]) -> anyhow::Result<()> {
         if self.is_standard_output() {
-            let mut out = io::stdout().lock();
-            return (out.write_all(contents).and_then(|()| out.flush()))
-                .with_context(|| self.failure());
+            return write_standard_output(contents).with_context(|| self.failure());
         }
         if !self.replace {
             return fs::write(&self.path, contents).with_context(|| self.failure());
@@ -132,7 +135,7 @@ impl OutputFile {
         ending: &str,
         write: impl FnOnce(&Path) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
-        if self.is_standard_output() {
+        if !self.replace {
             let file = tempfile::Builder::new().suffix(ending).tempfile()?;
             write(file.path()).with_context(|| self.failure())?;
             return self.write(&fs::read(file.path())?);
@@ -159,6 +162,20 @@ impl OutputFile {
             _ => Path::new("."),
         };
         temporary_file(directory, ending)
+    }
+}
+
+/// Writes to standard output. If its reader, such as `head`, has ended, the rest is dropped: the
+/// command goes on, and its result decides.
+///
+/// # Errors
+///
+/// If standard output is full.
+pub(crate) fn write_standard_output(contents: &[u8]) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    match out.write_all(contents).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        written => written,
     }
 }
 
@@ -207,14 +224,9 @@ pub(crate) fn check_distinct(outputs: &[&OutputFile]) -> anyhow::Result<()> {
 /// The files at `paths` with their formats, after a check that they can be written. Fails if two
 /// paths are the same file.
 pub(crate) fn prepare<F: FileFormat>(paths: &[PathBuf]) -> anyhow::Result<Vec<(F, OutputFile)>> {
-    let mut outputs: Vec<(F, OutputFile)> = Vec::new();
-    for path in paths {
-        let (form, file) = F::output(path)?;
-        if outputs.iter().any(|(_, other)| other.path() == file.path()) {
-            bail!("{}: given twice as output", path.display());
-        }
-        outputs.push((form, file));
-    }
+    let outputs = paths.iter().map(|path| F::output(path));
+    let outputs = outputs.collect::<anyhow::Result<Vec<(F, OutputFile)>>>()?;
+    check_distinct(&outputs.iter().map(|(_, file)| file).collect::<Vec<_>>())?;
     Ok(outputs)
 }
 

@@ -65,11 +65,14 @@ impl Polylines {
             for [x, y, z] in line {
                 let _ = writeln!(text, "v {x} {y} {z}"); // A string takes all.
             }
-            text.push('l');
-            for number in next..next + line.len() {
-                let _ = write!(text, " {number}");
+            // An element `l` has two points or more. The path to a source has one.
+            if line.len() > 1 {
+                text.push('l');
+                for number in next..next + line.len() {
+                    let _ = write!(text, " {number}");
+                }
+                text.push('\n');
             }
-            text.push('\n');
             next += line.len();
         }
         text

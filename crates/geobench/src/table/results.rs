@@ -1,11 +1,12 @@
 //! Builds tables of results: for each model, the rows of the papers' tables, with a column for each
 //! algorithm.
 
-use super::figures::{Figure, Style, figures};
-use super::group::{GroupCells, algorithms, distinct, overall, pairs};
+use super::counted;
+use super::figures::{Figure, Style, figures, time};
+use super::group::{Estimate, GroupCells, algorithms, distinct, overall};
 use super::model::{Column, Entry, Mark, Note, Part, Table};
 use crate::measure::number::{decimals, group, grouped, scientific};
-use crate::measure::statistics::{FEWEST_FOR_INTERVAL, Ratio, paired_ratio};
+use crate::measure::statistics::FEWEST_FOR_INTERVAL;
 use crate::schema::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
 
 /// The groups of `result`, in the order of the run.
@@ -93,7 +94,7 @@ pub(super) fn part(group: &GroupCells<'_>, model: &ModelRecord) -> Part {
         .map(|figure| figure_row(figure, &columns, model.vertices))
         .collect();
     let mut notes = notes(&cells, model.vertices);
-    if let Some((row, note)) = ratio_times(group, &columns) {
+    if let Some((row, note)) = ratio_times(group, &model.name, &columns) {
         rows.push(row);
         notes.extend(note);
     }
@@ -111,11 +112,26 @@ pub(super) fn part(group: &GroupCells<'_>, model: &ModelRecord) -> Part {
             (Some(v), Some(f)) => format!("V: {}, F: {}", grouped(v), grouped(f)),
             _ => "refused".to_owned(),
         },
-        sources: sources(columns.iter().find(|column| !column.is_empty())),
+        sources: if have_same_sources(&columns) {
+            sources(columns.iter().find(|column| !column.is_empty()))
+        } else {
+            "different sources".to_owned()
+        },
         refused,
         rows,
         notes,
     }
+}
+
+/// Whether all columns that have cells have them from the same sources. Else they do not compare.
+fn have_same_sources(columns: &[Vec<&Cell>]) -> bool {
+    let mut filled = columns.iter().filter(|column| !column.is_empty());
+    let Some(first) = filled.next() else {
+        return true;
+    };
+    let has_all =
+        |a: &[&Cell], b: &[&Cell]| a.iter().all(|a| b.iter().any(|b| a.source == b.source));
+    filled.all(|column| has_all(first, column) && has_all(column, first))
 }
 
 /// The row of a figure; a column holds one cell for each source.
@@ -130,7 +146,7 @@ fn figure_row(figure: &Figure, columns: &[Vec<&Cell>], vertices: Option<u64>) ->
         both.filter_map(|(cells, value)| value.filter(|_| is_exact(cells)))
     };
     let best = exact().fold(f64::INFINITY, f64::min);
-    let all_equal = exact().all(|v| v == best);
+    let has_best = exact().any(|v| v != best) && have_same_sources(columns);
     let digits = match figure.style {
         Style::Decimals(most) => decimals(present(), most),
         Style::Count | Style::Scientific => 0,
@@ -139,7 +155,7 @@ fn figure_row(figure: &Figure, columns: &[Vec<&Cell>], vertices: Option<u64>) ->
         let Some(value) = value else {
             return absent(cells);
         };
-        let is_best = figure.less_is_better && *value == best && !all_equal && is_exact(cells);
+        let is_best = figure.less_is_better && *value == best && has_best && is_exact(cells);
         let mut text = match figure.style {
             Style::Count => self::group(&format!("{value:.0}")),
             Style::Decimals(_) => format!("{value:.digits$}"),
@@ -284,10 +300,9 @@ fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
             }
             continue;
         }
-        let largest = others
-            .iter()
-            .filter_map(|c| c.check.max_rel)
-            .fold(0.0, f64::max);
+        let exact = others.iter().filter(|cell| !cell.approximate);
+        let largest = exact.clone().filter_map(|c| c.check.max_rel);
+        let largest = largest.fold(0.0, f64::max);
         let compared = others.iter().filter_map(|c| c.check.compared).min();
         let sample = match (compared, vertices) {
             (Some(some), Some(all)) if some < all => {
@@ -295,10 +310,14 @@ fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
             }
             _ => String::new(),
         };
-        notes.push(format!(
-            "checked against {reference}{sample}: largest relative difference {}",
-            scientific(largest)
-        ));
+        notes.push(if exact.count() == 0 {
+            format!("checked against {reference}{sample}: the errors are in rows of their own")
+        } else {
+            format!(
+                "checked against {reference}{sample}: largest relative difference {}",
+                scientific(largest)
+            )
+        });
     }
     notes.extend(notes_on_times(cells));
     notes.extend(note_on_instructions(cells));
@@ -343,6 +362,7 @@ fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
 /// deviation over the models of the ratio to the base. `None` if the group has no base or no ratio.
 pub(super) fn ratios(group: &GroupCells<'_>) -> Option<Part> {
     let baseline = group.record.ratios_to.as_deref()?;
+    let mut counts = Vec::new();
     let figures = figures(&group.record.rows).into_iter();
     let rows = figures
         .filter(|figure| figure.less_is_better)
@@ -352,8 +372,11 @@ pub(super) fn ratios(group: &GroupCells<'_>) -> Option<Part> {
                     return Entry::default();
                 }
                 let models = group.models.iter();
-                let ratios = models.filter_map(|model| ratio(group, figure, &model.name, name));
+                let ratios = models
+                    .filter_map(|model| group.ratio(figure, &model.name, name, baseline))
+                    .map(|ratio| ratio.value);
                 let ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite()).collect();
+                counts.extend(Some(ratios.len()).filter(|count| *count > 0));
                 Entry::new(match mean_and_deviation(&ratios) {
                     None => "-".to_owned(),
                     Some((mean, None)) => format!("{mean:.2} / -"),
@@ -365,11 +388,17 @@ pub(super) fn ratios(group: &GroupCells<'_>) -> Option<Part> {
     let rows: Vec<Vec<Entry>> = rows.collect();
     let entries = || rows.iter().flat_map(|row| &row[1..]);
     let compared = entries().any(|entry| !matches!(&*entry.text, "" | "-"));
+    let most = counts.iter().copied().max().unwrap_or(0);
+    let up_to = if counts.iter().all(|count| *count == most) {
+        ""
+    } else {
+        "up to "
+    };
     compared.then(|| Part {
         title: format!("ratios to {baseline}"),
         detail: format!(
-            "mean / standard deviation over {} models",
-            group.models.len()
+            "mean / standard deviation over {up_to}{}",
+            counted(most, "model")
         ),
         rows,
         ..Part::default()
@@ -385,42 +414,33 @@ pub(crate) fn mean_and_deviation(values: &[f64]) -> Option<(f64, Option<f64>)> {
     (!values.is_empty()).then_some((mean, deviation))
 }
 
-/// The ratio of a figure of an algorithm on a model to that of the base of the group.
-fn ratio(group: &GroupCells<'_>, figure: &Figure, model: &str, algorithm: &str) -> Option<f64> {
-    let over = group.of(model, algorithm);
-    let under = group.of(model, group.record.ratios_to.as_deref()?);
-    if figure.key == "time" {
-        Some(paired(&over, &under)?.ratio)
-    } else {
-        // Figures that depend on the model's size have no ratios.
-        Some(overall(figure, &over, None)? / overall(figure, &under, None)?)
-    }
-}
-
 /// The row of a model's table with the ratios of the times to those of the base of the group, and a
 /// note on it. A column holds the cells of an algorithm. `None` if the group has no base or no
 /// ratio.
 fn ratio_times(
     group: &GroupCells<'_>,
+    model: &str,
     columns: &[Vec<&Cell>],
 ) -> Option<(Vec<Entry>, Option<Note>)> {
     let baseline = group.record.ratios_to.as_deref()?;
-    let place = group.algorithms.iter().position(|name| *name == baseline)?;
-    let others = columns.iter().enumerate();
-    let ratios = others.map(|(i, over)| paired(over, &columns[place]).filter(|_| i != place));
-    let ratios: Vec<Option<Ratio>> = ratios.collect();
+    let others = group.algorithms.iter();
+    let ratios = others.map(|name| {
+        let ratio = group.ratio(time(), model, name, baseline);
+        ratio.filter(|_| *name != baseline)
+    });
+    let ratios: Vec<Option<Estimate>> = ratios.collect();
     let known = || ratios.iter().flatten();
     known().next()?;
-    let without = known().any(|ratio| ratio.ci95.is_none());
+    let without = known().any(|ratio| ratio.interval.is_none());
     let entries = ratios
         .iter()
         .zip(columns)
         .map(|(ratio, cells)| match ratio {
-            Some(Ratio {
-                ratio,
-                ci95: Some([low, high]),
-            }) => Entry::new(format!("{ratio:.2} [{low:.2}, {high:.2}]")),
-            Some(Ratio { ratio, ci95: None }) => Entry::new(format!("{ratio:.2}")),
+            Some(Estimate {
+                value,
+                interval: Some([low, high]),
+            }) => Entry::new(format!("{value:.2} [{low:.2}, {high:.2}]")),
+            Some(Estimate { value, .. }) => Entry::new(format!("{value:.2}")),
             None if cells.is_empty() => Entry::default(),
             None => Entry::new("-"),
         });
@@ -432,23 +452,4 @@ fn ratio_times(
         ))
     });
     Some((row(label, entries), note))
-}
-
-/// The ratio of the times of the cells `over` to those of `under`, over the pairs of all sources.
-/// `None` unless both ended well from the same sources.
-fn paired(over: &[&Cell], under: &[&Cell]) -> Option<Ratio> {
-    let (mut above, mut below) = (Vec::new(), Vec::new());
-    if over.len() != under.len() {
-        return None;
-    }
-    for over in over {
-        let under = under.iter().find(|c| c.source == over.source)?;
-        let (over, under) = pairs(over, under);
-        if over.is_empty() {
-            return None;
-        }
-        above.extend_from_slice(over);
-        below.extend_from_slice(under);
-    }
-    paired_ratio(&above, &below)
 }

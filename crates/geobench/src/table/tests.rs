@@ -115,7 +115,7 @@ fn latex() {
     \midrule
     % broken_mesh: source 3
     % broken_mesh: refused: broken_mesh.obj: edge 3-7 has 3 faces
-    broken\_mesh &  & \emph{refused} & \emph{refused} & \emph{refused} \\
+    broken\_mesh (refused) &  & \emph{refused} & \emph{refused} & \emph{refused} \\
     \bottomrule
     \end{tabular}
     "#);

@@ -161,7 +161,10 @@ pub fn compare(
              sources, threads and groups must be the same"
         )));
     }
-    let notes_on_instructions = notes_on_instructions(&matched.common);
+    let notes_on_simd = [
+        note_on_times(&matched.common),
+        note_on_instructions(&matched.common),
+    ];
     let paired = old.pairing.is_some() && old.pairing == new.pairing;
     let cells: Vec<CellChange> = matched
         .common
@@ -171,7 +174,7 @@ pub fn compare(
     let mut notes = matched.notes;
     notes.extend(notes_on_machines(old, new));
     notes.extend(notes_on_rules(&cells, rules));
-    notes.extend(notes_on_instructions);
+    notes.extend(notes_on_simd.into_iter().flatten());
     Ok(Comparison {
         schema: SCHEMA,
         old: side(old_name, old),
@@ -269,7 +272,7 @@ fn change(cell: CellKey, old: &Cell, new: &Cell, rules: &Rules, paired: bool) ->
             new: measure.of(new),
         };
         let rule = rules.on(Subject::Figure(measure)).filter(|_| both_ok);
-        let is_due = rule.is_some() && measure.is_due(new);
+        let is_due = rule.is_some() && measure.is_due(&new.algorithm);
         if figure.old.is_none() && figure.new.is_none() && !is_due {
             continue;
         }
@@ -407,19 +410,39 @@ fn different_instructions<'c>(old: &'c Cell, new: &'c Cell) -> Option<[&'c str; 
 }
 
 /// A note on the cells whose instructions were counted with different SIMD levels.
-fn notes_on_instructions(cells: &[(CellKey, &Cell, &Cell)]) -> Option<String> {
+fn note_on_instructions(cells: &[(CellKey, &Cell, &Cell)]) -> Option<String> {
+    let named = first_and_more(cells, different_instructions)?;
+    Some(format!(
+        "`instructions` were counted with different vector instructions and do not compare: {named}"
+    ))
+}
+
+/// A note if times were measured with different vector instructions.
+fn note_on_times(cells: &[(CellKey, &Cell, &Cell)]) -> Option<String> {
+    fn differ<'c>(old: &'c Cell, new: &'c Cell) -> Option<[&'c str; 2]> {
+        let [old, new] = [old, new].map(|cell| cell.simd.as_deref());
+        Some([old?, new?]).filter(|[old, new]| old != new)
+    }
+    let named = first_and_more(cells, differ)?;
+    Some(format!(
+        "the vector instructions of the solves differ, so that their times compare these as well: {named}"
+    ))
+}
+
+/// Names the first of the cells whose vector instructions differ, and the number of the others.
+fn first_and_more(
+    cells: &[(CellKey, &Cell, &Cell)],
+    differ: for<'c> fn(&'c Cell, &'c Cell) -> Option<[&'c str; 2]>,
+) -> Option<String> {
     let mut others = cells.iter().filter_map(|(key, old, new)| {
-        let [old, new] = different_instructions(old, new)?;
+        let [old, new] = differ(old, new)?;
         Some(format!("{key} ({old} and {new})"))
     });
     let first = others.next()?;
-    let more = match others.count() {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    Some(format!(
-        "`instructions` were counted with different vector instructions and do not compare: {first}{more}"
-    ))
+    Some(match others.count() {
+        0 => first,
+        more => format!("{first} and {more} more"),
+    })
 }
 
 /// Notes on rules that could not be applied.
@@ -537,15 +560,15 @@ impl Measure {
         }
     }
 
-    /// Whether a rule requires this figure of `cell`. Algorithms lack some counters by design, and
-    /// external programs may omit any figure.
-    pub fn is_due(self, cell: &Cell) -> bool {
+    /// Whether a rule requires this figure of cells of `algorithm`. Algorithms lack some counters by
+    /// design, and external programs may omit any figure.
+    pub fn is_due(self, algorithm: &str) -> bool {
         // The other memory figures are derived from counters.
         let is_measured = matches!(
             self.name(),
             "instructions" | "heap_peak_bytes" | "rss_peak_bytes"
         );
-        is_measured && !cell.algorithm.starts_with("ext:")
+        is_measured && !algorithm.starts_with("ext:")
     }
 
     /// Whether only an increase is worse. Any change of a counter means that the algorithm works

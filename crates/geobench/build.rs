@@ -50,7 +50,7 @@ fn commit() -> Option<String> {
     output("git", &["rev-parse", "HEAD"])
 }
 
-/// The compiler flags from `.cargo/config.toml` or the environment.
+/// The compiler flags from the environment or a configuration of cargo.
 fn rustflags() -> Option<String> {
     let flags = std::env::var("CARGO_ENCODED_RUSTFLAGS").ok()?;
     Some(flags.replace('\x1f', " "))

@@ -160,10 +160,7 @@ fn use_all(file: &ResultFile, other: &ResultFile, thoroughly: bool) {
         decompressed: DecompressionLimit::default(),
         tables: Tables::OfSuite,
     };
-    let input = Input {
-        path: "r.json".into(),
-        result: file.clone(),
-    };
+    let input = Input::new("r.json".into(), file.clone());
     if let Ok(report) = report::build(&[input], &options) {
         let _ = report::page(&report);
         let folder = tempfile::tempdir().unwrap();

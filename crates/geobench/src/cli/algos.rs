@@ -6,10 +6,10 @@ use serde::Serialize;
 
 use super::Verdict;
 use super::args::{self, Algorithms, ListFormat};
-use super::terminal::{self, Terminal};
+use super::terminal;
 use crate::registry::{self, Algorithm, Parameter, Selection, Value};
 use crate::table::terminal::listing;
-use crate::table::{Column, Entry, Table, json_lines};
+use crate::table::{Column, Entry, Look, Table, json_lines};
 
 #[derive(Args, Debug)]
 pub(super) struct AlgosOptions {
@@ -53,11 +53,10 @@ const ADVICE: [(&str, &str); 7] = [
 /// Width in columns of the output if that is not a terminal.
 const WIDTH: usize = 80;
 
-pub(super) fn algos(options: &AlgosOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
+pub(super) fn algos(options: &AlgosOptions, look: Look) -> anyhow::Result<Verdict> {
     let show = |table: &Table, width| {
-        let mut look = terminal.look();
-        look.width = look.width.or(width);
-        listing(table, look)
+        let width = look.width.or(width);
+        listing(table, Look { width, ..look })
     };
     let text = match (options.counters, options.format, &options.list) {
         (false, ListFormat::Table, None) => {

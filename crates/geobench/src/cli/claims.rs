@@ -6,10 +6,10 @@ use anyhow::bail;
 use clap::Args;
 
 use super::Verdict;
-use super::terminal::{self, Terminal};
+use super::terminal;
 use crate::report::claims::{self, ClaimsFile, ClaimsFormat, Input};
 use crate::schema::result_file;
-use crate::table::output;
+use crate::table::{Look, output};
 use crate::usage::files_in;
 
 #[derive(Args, Debug)]
@@ -40,7 +40,7 @@ pub(super) struct ClaimsOptions {
     pub(super) quiet: bool,
 }
 
-pub(super) fn claims(options: &ClaimsOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
+pub(super) fn claims(options: &ClaimsOptions, look: Look) -> anyhow::Result<Verdict> {
     let outputs = output::prepare::<ClaimsFormat>(&options.output)?;
     let wanted = match &options.claims {
         None => claims::known()?,
@@ -54,7 +54,7 @@ pub(super) fn claims(options: &ClaimsOptions, terminal: Terminal) -> anyhow::Res
     for given in &options.results {
         for path in files(given, "json")? {
             let result = result_file::read(&path)?;
-            results.push(Input { path, result });
+            results.push(Input::new(path, result));
         }
     }
     let report = claims::judge(&wanted, &results)?;
@@ -69,7 +69,7 @@ pub(super) fn claims(options: &ClaimsOptions, terminal: Terminal) -> anyhow::Res
         )?;
     }
     if outputs.is_empty() {
-        terminal::print_rendered(&options.format.render(&report, terminal.look())?)?;
+        terminal::print_rendered(&options.format.render(&report, look)?)?;
     }
     Ok(Verdict::Passed)
 }

@@ -3,22 +3,23 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use clap::{Args, Parser};
 
-use super::Verdict;
 use super::args::{Arguments, Command, RunOptions};
 use super::run::{now, possible_plans};
-use super::terminal::{self, Terminal};
-use crate::exec::expected::Expected;
+use super::terminal;
+use super::{Verdict, in_one_line};
+use crate::exec::expected::{Expected, stored_files};
+use crate::exec::model::ModelRef;
 use crate::plan::suite::Plans;
 use crate::plan::{Plan, Reference};
 use crate::run::cluster::{
-    ClusterDirectory, ClusterRecord, EXCLUSIVE, PartState, Placement, Resources, ranges,
+    ClusterDirectory, ClusterRecord, EXCLUSIVE, PartState, Placement, Resources, parts_in_words,
 };
 use crate::table::escape::shell;
 use crate::table::terminal::listing;
-use crate::table::{Column, Entry, Table};
+use crate::table::{Column, Entry, Look, Table};
 
 #[derive(Args, Debug)]
 #[command(
@@ -64,7 +65,8 @@ pub(super) struct ClusterOptions {
     #[arg(long, conflicts_with_all = ["resume", "config", "shards", "run"])]
     pub(super) status: bool,
 
-    /// Submit the parts that have failed again
+    /// Submit the parts that have failed again; --time, --partition, --exclusive and --sbatch replace
+    /// those of before
     #[arg(long, conflicts_with_all = ["config", "shards", "run"])]
     pub(super) resume: bool,
 
@@ -77,13 +79,13 @@ pub(super) struct ClusterOptions {
     pub(super) run: Vec<String>,
 }
 
-pub(super) fn cluster(options: &ClusterOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
+pub(super) fn cluster(options: &ClusterOptions, look: Look) -> anyhow::Result<Verdict> {
     let directory = ClusterDirectory::new(&options.output)?;
     if options.status {
-        return status(&directory, terminal);
+        return status(&directory, look);
     }
     if options.resume {
-        return resume(&directory);
+        return resume(&directory, options);
     }
     start(&directory, options)
 }
@@ -118,7 +120,9 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     directory.create()?;
     let program = std::env::current_exe().context("cannot tell the path of this program")?;
     let here = std::env::current_dir().context("cannot tell the current directory")?;
-    let placement = Placement::find(directory, &program, &here, &files(&run, &plans))?;
+    let fixed = fixed(&run, &plans);
+    let files = files(&run, &plans);
+    let placement = Placement::find(directory, &program, &here, &files, fixed.as_deref())?;
     let mut resources = Resources::of(&plans, parts);
     // `Resources::of` assumes one cell at a time; `--jobs` cells run concurrently.
     resources.cores *= run.jobs as usize;
@@ -128,16 +132,7 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     if let Some(time) = options.time {
         resources.seconds = Some(Duration::from(time).as_secs());
     }
-    let mut extra: Vec<String> = Vec::new();
-    extra.extend(
-        options
-            .partition
-            .iter()
-            .map(|name| format!("--partition={name}")),
-    );
-    extra.extend(options.exclusive.then(|| EXCLUSIVE.to_owned()));
-    extra.extend(options.sbatch.iter().cloned());
-    let mut record = ClusterRecord::new(parts, &placement, words, resources, extra);
+    let mut record = ClusterRecord::new(parts, &placement, words, resources, of_sbatch(options));
     directory.write(&record)?;
     let mut lines = placement.notes;
     lines.push(asked(&record.resources));
@@ -167,6 +162,15 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     Ok(Verdict::Passed)
 }
 
+/// The options of `sbatch` that the user gives.
+fn of_sbatch(options: &ClusterOptions) -> Vec<String> {
+    let partition = options.partition.iter();
+    let partition = partition.map(|name| format!("--partition={name}"));
+    let exclusive = options.exclusive.then(|| EXCLUSIVE.to_owned());
+    let others = options.sbatch.iter().cloned();
+    partition.chain(exclusive).chain(others).collect()
+}
+
 /// Options quoted for the shell.
 fn in_shell(options: &[String]) -> String {
     let words: Vec<String> = options.iter().map(|word| shell(word)).collect();
@@ -177,17 +181,12 @@ fn in_shell(options: &[String]) -> String {
 /// part separately.
 fn run_options(words: &[String]) -> anyhow::Result<RunOptions> {
     let all = std::iter::once("geobench").chain(words.iter().map(String::as_str));
-    let arguments = Arguments::try_parse_from(all).map_err(|error| {
-        let text = error.render().to_string();
-        let first = text.lines().next().unwrap_or_default();
-        anyhow::anyhow!(
-            "the options of `run`: {}",
-            first.trim_start_matches("error: ")
-        )
-    })?;
+    let arguments = Arguments::try_parse_from(all)
+        .map_err(|error| anyhow!("the options of `run`: {}", in_one_line(&error)))?;
     let Command::Run(options) = arguments.command else {
         bail!("give the options of `run` after --, without a command");
     };
+    options.isolation.check(options.jobs)?;
     let taken = [
         ("--shard", options.shard.is_some()),
         ("--resume", options.resume.is_some()),
@@ -209,19 +208,35 @@ fn run_options(words: &[String]) -> anyhow::Result<RunOptions> {
 fn files(run: &RunOptions, plans: &[Plan]) -> Vec<PathBuf> {
     let models = plans.iter().flat_map(|plan| &plan.models);
     let mut files: Vec<PathBuf> = models
-        .filter_map(|model| model.file_path().map(Path::to_owned))
+        .filter_map(|model| model.source_file().map(Path::to_owned))
         .chain(run.config.clone())
         .chain(run.isolation.ext.clone())
         .chain(run.goal.targets.clone())
         .collect();
     for plan in plans {
-        if let Reference::Files(Expected::File(path)) = &plan.reference {
-            files.push(path.clone());
+        match &plan.reference {
+            Reference::Files(Expected::File(path)) => files.push(path.clone()),
+            Reference::Files(Expected::BesideModels) => {
+                let models = plan.models.iter().filter_map(ModelRef::file_path);
+                files.extend(models.flat_map(stored_files));
+            }
+            Reference::None | Reference::Algorithm(_) => {}
         }
     }
     files.sort();
     files.dedup();
     files
+}
+
+/// What the parts need besides [`files`], and no copy of these would find.
+fn fixed(run: &RunOptions, plans: &[Plan]) -> Option<String> {
+    let mut algorithms = plans.iter().flat_map(|plan| &plan.algorithms);
+    if let Some(outside) = algorithms.find(|algorithm| algorithm.program().is_some()) {
+        return Some(format!("the outside program {}", outside.label()));
+    }
+    let from_options = run.goal.targets.is_some() || !run.goal.target.is_empty();
+    let has_targets = plans.iter().any(|plan| plan.goal.targets.is_some());
+    (has_targets && !from_options).then(|| "the targets of the suite".to_owned())
 }
 
 /// Describes the resources that each job requests.
@@ -249,7 +264,7 @@ fn submitted(record: &ClusterRecord) -> Vec<String> {
     let Some(last) = record.submissions.last() else {
         return Vec::new();
     };
-    let (parts, count) = (ranges(&last.parts), record.parts);
+    let (parts, count) = (parts_in_words(&last.parts), record.parts);
     let array = last.array.iter();
     array
         .map(|job| format!("job {job}: parts {parts} (of {count})"))
@@ -258,9 +273,17 @@ fn submitted(record: &ClusterRecord) -> Vec<String> {
 }
 
 /// Submits the parts that are neither done nor queued, and the merge job. If all parts are done and
-/// only the merged file is missing, submits the merge job alone.
-fn resume(directory: &ClusterDirectory) -> anyhow::Result<Verdict> {
+/// only the merged file is missing, submits the merge job alone. Limits and options of `sbatch` that
+/// are given replace those of the record.
+fn resume(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Result<Verdict> {
     let mut record = directory.record()?;
+    if let Some(time) = options.time {
+        record.resources.seconds = Some(Duration::from(time).as_secs());
+    }
+    let replaced = of_sbatch(options);
+    if !replaced.is_empty() {
+        record.options = replaced;
+    }
     let states = directory.states(&record)?;
     let missing: Vec<u32> = (1..)
         .zip(&states)
@@ -281,7 +304,7 @@ fn resume(directory: &ClusterDirectory) -> anyhow::Result<Verdict> {
 }
 
 /// Prints the number of parts in each state, and a table of the parts that are not done.
-fn status(directory: &ClusterDirectory, terminal: Terminal) -> anyhow::Result<Verdict> {
+fn status(directory: &ClusterDirectory, look: Look) -> anyhow::Result<Verdict> {
     let record = directory.record()?;
     let states = directory.states(&record)?;
     let count = |is: fn(&PartState) -> bool| states.iter().filter(|state| is(state)).count();
@@ -304,7 +327,7 @@ fn status(directory: &ClusterDirectory, terminal: Terminal) -> anyhow::Result<Ve
         record.parts
     );
     let rest = if done < states.len() {
-        listing(&table, terminal.look())
+        listing(&table, look)
     } else if directory.result().exists() {
         format!("result: {}\n", directory.result().display())
     } else {

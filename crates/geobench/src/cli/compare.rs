@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::Args;
 
-use super::terminal::{self, Terminal};
+use super::terminal;
 use super::{Verdict, history};
 use crate::UsageError;
 use crate::history::compare::{self as comparing, BaselineComparisons, Rules};
@@ -52,9 +52,9 @@ pub(super) struct CompareOptions {
     pub(super) output: Vec<PathBuf>,
 }
 
-pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
+pub(super) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Verdict> {
     if let Some(range) = &options.against {
-        return history::against(options, range, terminal);
+        return history::against(options, range, look);
     }
     let outputs = output::prepare::<ComparisonFormat>(&options.output)?;
     let mut paths = options.files.clone();
@@ -83,7 +83,7 @@ pub(super) fn compare(options: &CompareOptions, terminal: Terminal) -> anyhow::R
         file.write(render(*format, Look::default())?.as_bytes())?;
     }
     if outputs.iter().all(|(_, file)| !file.is_standard_output()) {
-        terminal::print_rendered(&render(options.format, terminal.look())?)?;
+        terminal::print_rendered(&render(options.format, look)?)?;
     }
     Ok(Verdict::of(!is_worse))
 }

@@ -10,13 +10,13 @@ use clap::Args;
 use super::Verdict;
 use super::args::ListFormat;
 use super::compare::CompareOptions;
-use super::terminal::{self, Terminal};
+use super::terminal;
 use crate::history::records::{self, Record};
 use crate::history::{gate, trend};
 use crate::report;
 use crate::schema::result_file;
 use crate::table::output::OutputFile;
-use crate::table::{self, ComparisonFormat, json_lines};
+use crate::table::{self, ComparisonFormat, Look, json_lines};
 
 #[derive(Args, Debug)]
 pub(super) struct RecordOptions {
@@ -108,7 +108,7 @@ fn time_of(commit: &str) -> Option<String> {
     Some(humantime::format_rfc3339_seconds(time).to_string())
 }
 
-pub(super) fn trend(options: &TrendOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
+pub(super) fn trend(options: &TrendOptions, look: Look) -> anyhow::Result<Verdict> {
     let page = options
         .output
         .as_deref()
@@ -125,7 +125,7 @@ pub(super) fn trend(options: &TrendOptions, terminal: Terminal) -> anyhow::Resul
     }
     terminal::print_rendered(&match options.format {
         ListFormat::Json => json_lines(&found)?,
-        ListFormat::Table => table::change_points(&found, terminal.look()),
+        ListFormat::Table => table::change_points(&found, look),
     })?;
     Ok(Verdict::Passed)
 }
@@ -134,7 +134,7 @@ pub(super) fn trend(options: &TrendOptions, terminal: Terminal) -> anyhow::Resul
 pub(super) fn against(
     options: &CompareOptions,
     range: &str,
-    terminal: Terminal,
+    look: Look,
 ) -> anyhow::Result<Verdict> {
     let [history] = &options.files[..] else {
         bail!("--against compares within one history; give its directory alone");
@@ -145,7 +145,7 @@ pub(super) fn against(
     };
     let commits: Vec<String> = commits.lines().map(str::to_owned).collect();
     let gate = gate::gate(&records, &commits, &options.fail_on)?;
-    let table = || table::gate(&gate, terminal.look());
+    let table = || table::gate(&gate, look);
     terminal::print_rendered(&match options.format {
         ComparisonFormat::Json => json_lines(&gate)?,
         ComparisonFormat::Table => table(),

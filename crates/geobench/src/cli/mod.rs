@@ -26,14 +26,12 @@ mod verify;
 mod voronoi;
 
 use std::ffi::OsStr;
-use std::io;
 use std::process::ExitCode;
 
 use clap::Parser;
 use clap::error::ErrorKind;
 
 use args::{Arguments, Command, CountOneSolveOptions};
-use terminal::Terminal;
 
 use crate::exec::goal::GoalSpec;
 use crate::exec::model::standard_input;
@@ -94,7 +92,7 @@ fn command() -> ExitCode {
         Err(error) => return usage(&error),
     };
     isolate::adopt_orphans();
-    let terminal = Terminal::new(arguments.color);
+    let look = terminal::look(arguments.color);
     if let Some(form) = &arguments.input_format {
         standard_input::set_form(form);
     }
@@ -102,11 +100,11 @@ fn command() -> ExitCode {
         table::set_standard_output_form(form);
     }
     let done = match arguments.command {
-        Command::Run(options) => run::run(&options, terminal),
+        Command::Run(options) => run::run(&options, look),
         Command::Verify(options) => verify::verify(&options),
-        Command::Compare(options) => compare::compare(&options, terminal),
+        Command::Compare(options) => compare::compare(&options, look),
         Command::Report(options) => report::report(&options),
-        Command::Claims(options) => claims::claims(&options, terminal),
+        Command::Claims(options) => claims::claims(&options, look),
         Command::Distance(options) => distance::distance(&options),
         Command::Path(options) => path::path(&options),
         Command::Isolines(options) => isolines::isolines(&options),
@@ -115,12 +113,12 @@ fn command() -> ExitCode {
         Command::Certify(options) => certify::certify(&options),
         Command::Gen(options) => generate::generate(&options),
         Command::Info(options) => info::info(&options),
-        Command::Algos(options) => algos::algos(&options, terminal),
+        Command::Algos(options) => algos::algos(&options, look),
         Command::Merge(options) => merge::merge(&options),
-        Command::Cluster(options) => cluster::cluster(&options, terminal),
+        Command::Cluster(options) => cluster::cluster(&options, look),
         Command::Pool(options) => pool::pool(&options),
         Command::Record(options) => history::record(&options),
-        Command::Trend(options) => history::trend(&options, terminal),
+        Command::Trend(options) => history::trend(&options, look),
         Command::Completions(options) => shell::completions(&options),
         Command::Man(options) => shell::man(&options),
         Command::CountOneSolve(o) => count_one_solve(&o).map(|()| Verdict::Passed),
@@ -131,8 +129,6 @@ fn command() -> ExitCode {
         Ok(Verdict::Failed) => ExitCode::from(1),
         Ok(Verdict::BadInput) => ExitCode::from(2),
         Ok(Verdict::Interrupted) => ExitCode::from(interrupt::EXIT_STATUS),
-        // The reader of standard output, such as `head`, has ended. That is not an error.
-        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             terminal::error(&format!("{error:#}"));
             ExitCode::from(2)
@@ -159,14 +155,6 @@ fn count_one_solve(options: &CountOneSolveOptions) -> anyhow::Result<()> {
     instructions::solve_once(&selection, &refined.mesh, from, &goal)
 }
 
-fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| {
-        cause
-            .downcast_ref::<io::Error>()
-            .is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe)
-    })
-}
-
 /// Prints the help if it was requested, else the error as a single line. Returns the exit status.
 fn usage(error: &clap::Error) -> ExitCode {
     match error.kind() {
@@ -180,17 +168,21 @@ fn usage(error: &clap::Error) -> ExitCode {
             ExitCode::from(2)
         }
         _ => {
-            let text = error.to_string();
-            let text = text.strip_prefix("error: ").unwrap_or(&text);
-            // The usage that clap appends is cut off; the message refers to --help.
-            let text = text.split("\nUsage:").next().unwrap_or(text);
-            let text = text.split("\nFor more information").next().unwrap_or(text);
-            let text = text.replace("\n\n  tip: ", "; ");
-            let words: Vec<&str> = text.split_whitespace().collect();
-            terminal::error(&format!("{}; see --help", words.join(" ")));
+            terminal::error(&format!("{}; see --help", in_one_line(error)));
             ExitCode::from(2)
         }
     }
+}
+
+/// The message of `error` without the usage that clap appends.
+fn in_one_line(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let text = text.strip_prefix("error: ").unwrap_or(&text);
+    let text = text.split("\nUsage:").next().unwrap_or(text);
+    let text = text.split("\nFor more information").next().unwrap_or(text);
+    let text = text.replace("\n\n  tip: ", "; ");
+    let words: Vec<&str> = text.split_whitespace().collect();
+    words.join(" ")
 }
 
 /// Installs a hook that reports a panic, which is a defect of this program, as a single line.

@@ -8,7 +8,7 @@ use super::Verdict;
 use super::args::ReportOptions;
 use super::terminal;
 use crate::history::join;
-use crate::report::{self, Input, Options, PictureChoice};
+use crate::report::{self, Input, JoinedFrom, Options, PictureChoice};
 use crate::schema::result_file;
 use crate::table::output::OutputFile;
 
@@ -28,10 +28,7 @@ pub(super) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
                 path.display()
             );
         }
-        inputs.push(Input {
-            path: path.clone(),
-            result,
-        });
+        inputs.push(Input::new(path.clone(), result));
     }
     // Several files become one table if their models and goals agree.
     if let [first, _, ..] = &inputs[..] {
@@ -45,6 +42,10 @@ pub(super) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
                 inputs = vec![Input {
                     path: first.path.clone(),
                     result: joined.file,
+                    joined: Some(JoinedFrom {
+                        files: options.results.clone(),
+                        differences: joined.notes,
+                    }),
                 }];
             }
             Err(error) if !options.quiet => terminal::warning(&format!(

@@ -10,7 +10,7 @@ use toml::Spanned;
 use super::Verdict;
 use super::args::RunOptions;
 use super::progress::Progress;
-use super::terminal::{self, Terminal};
+use super::terminal;
 use crate::exec::goal::GoalSpec;
 use crate::exec::limits::{DecompressionLimit, Limits, Timeout};
 use crate::exec::{InstructionCounter, Listener, Step, interrupt};
@@ -25,10 +25,10 @@ use crate::schema::{
     Cell, GroupRecord, ModelRecord, PlanRecord, ResultFile, SCHEMA, SessionRecord, SourceLabel,
     Status, result_file,
 };
-use crate::table::output::{self, OutputFile};
-use crate::table::{self, Format};
+use crate::table::output::{self, OutputFile, check_distinct};
+use crate::table::{self, Format, Look};
 
-pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Verdict> {
+pub(super) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     options.isolation.check(options.jobs)?;
     let Plans { plans, notes } = possible_plans(options)?;
     let (format, outputs) = self::outputs(options)?;
@@ -64,7 +64,7 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
         earlier,
         progress: Progress::new(runs, !options.quiet && !options.no_progress),
         format,
-        terminal,
+        look,
         instructions: options.extras.instructions,
         goal: GoalSpec::default(),
         decompressed: DecompressionLimit::default(),
@@ -99,15 +99,15 @@ pub(super) fn run(options: &RunOptions, terminal: Terminal) -> anyhow::Result<Ve
     let doubts = conditions.warnings.clone();
     // A file without conditions is that of a run that has not ended.
     listener.result.conditions = Some(conditions).filter(|_| !interrupt::requested());
-    listener.store_all()?;
+    let whole = listener.store_all()?;
     let Reporter {
         progress, result, ..
     } = listener;
     drop(progress);
     if format == Format::Table {
-        terminal::print_rendered(&table::footnote(&result, terminal.look()))?;
+        terminal::print_rendered(&table::footnote(&result, look))?;
     } else {
-        terminal::print_rendered(&format.render(&result)?)?;
+        terminal::print_rendered(&format.render(&whole)?)?;
     }
     if !options.quiet {
         for doubt in &doubts {
@@ -307,10 +307,11 @@ fn outputs(options: &RunOptions) -> anyhow::Result<(Format, Vec<(Format, OutputF
     });
     if let Some(path) = &options.add_to {
         let file = OutputFile::prepare(path)?;
-        if outputs.iter().any(|(_, other)| other.path() == file.path()) {
-            bail!("{}: given twice as output", path.display());
+        if file.is_standard_output() {
+            bail!("--add-to -: a result file grows; name one");
         }
         outputs.push((Format::Json, file));
+        check_distinct(&outputs.iter().map(|(_, file)| file).collect::<Vec<_>>())?;
     }
     Ok((format, outputs))
 }
@@ -442,7 +443,7 @@ fn open_journal(
 pub(super) struct Reporter {
     pub(super) progress: Progress,
     pub(super) format: Format,
-    pub(super) terminal: Terminal,
+    pub(super) look: Look,
     /// Whether to count instructions.
     pub(super) instructions: bool,
     /// The goal of the runs of the current group.
@@ -476,13 +477,13 @@ impl Reporter {
         if plan.runs() == 0 {
             return Ok(());
         }
-        let look = self.terminal.look();
+        let look = self.look;
         self.show(&table::group_heading(&plan.group, look))
     }
 
     /// Ends a group: prints its table of ratios.
     pub(super) fn end(&mut self, group: &GroupRecord) -> anyhow::Result<()> {
-        let look = self.terminal.look();
+        let look = self.look;
         self.show(&table::ratio_table(group, &self.result, look))
     }
 
@@ -508,13 +509,14 @@ impl Reporter {
         Ok(())
     }
 
-    /// Writes the final results to all files.
+    /// Writes the final results, with those of the file of `--add-to`, to all files, and returns
+    /// them.
     ///
     /// # Errors
     ///
     /// If one of them cannot be written. The results are then saved in a temporary file, which the
     /// error names.
-    pub(super) fn store_all(&mut self) -> anyhow::Result<()> {
+    pub(super) fn store_all(&mut self) -> anyhow::Result<ResultFile> {
         self.note_time();
         let mut failed = Vec::new();
         let Joined { file: whole, notes } = self.whole()?;
@@ -527,7 +529,7 @@ impl Reporter {
             }
         }
         if failed.is_empty() {
-            return Ok(());
+            return Ok(whole);
         }
         let rescued = rescue(&Format::Json.render(&whole)?);
         bail!("{}; {rescued}", failed.join("; "));
@@ -623,7 +625,7 @@ impl Listener for Reporter {
                 terminal::error(&summary);
             }
             if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
-                let look = self.terminal.look();
+                let look = self.look;
                 let mut text = table::model_table(group, model, cells, look);
                 // The last column stays free, because some terminals wrap a line that fills it.
                 let width = look.width.map(|width| width.saturating_sub(1));

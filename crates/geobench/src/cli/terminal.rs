@@ -7,39 +7,22 @@ use terminal_size::{Width, terminal_size_of};
 use super::args::ColorChoice;
 use crate::table::Look;
 use crate::table::escape::{for_terminal, printable};
+use crate::table::output::write_standard_output;
 
-/// Properties of standard output.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Terminal {
-    /// Whether tables on standard output use colour.
-    pub(super) styled: bool,
-    /// Width of standard output in columns; `None` if it is not a terminal.
-    pub(super) width: Option<usize>,
-}
-
-impl Terminal {
-    pub(super) fn new(color: ColorChoice) -> Self {
-        let styled = match color {
-            ColorChoice::Always => true,
-            ColorChoice::Never => false,
-            // https://no-color.org: no colour if `NO_COLOR` is set and not empty.
-            ColorChoice::Auto => {
-                io::stdout().is_terminal()
-                    && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
-                    && !is_dumb()
-            }
-        };
-        let width = terminal_size_of(io::stdout()).map(|(Width(width), _)| usize::from(width));
-        Self { styled, width }
-    }
-
-    /// Style and width of tables on standard output.
-    pub(super) const fn look(self) -> Look {
-        Look {
-            styled: self.styled,
-            width: self.width,
+/// Style and width of tables on standard output.
+pub(super) fn look(color: ColorChoice) -> Look {
+    let styled = match color {
+        ColorChoice::Always => true,
+        ColorChoice::Never => false,
+        // https://no-color.org: no colour if `NO_COLOR` is set and not empty.
+        ColorChoice::Auto => {
+            io::stdout().is_terminal()
+                && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+                && !is_dumb()
         }
-    }
+    };
+    let width = terminal_size_of(io::stdout()).map(|(Width(width), _)| usize::from(width));
+    Look { styled, width }
 }
 
 /// Whether standard error is a terminal that can redraw lines.
@@ -61,7 +44,7 @@ fn is_dumb() -> bool {
 ///
 /// If standard output is full.
 pub(super) fn print(text: &str) -> anyhow::Result<()> {
-    write(&for_terminal(text, false))
+    Ok(write_standard_output(for_terminal(text, false).as_bytes())?)
 }
 
 /// Writes rendered text to standard output in one call: a table, or text that programs read. On a
@@ -73,19 +56,11 @@ pub(super) fn print(text: &str) -> anyhow::Result<()> {
 /// As [`print()`].
 pub(super) fn print_rendered(text: &str) -> anyhow::Result<()> {
     if io::stdout().is_terminal() {
-        write(&for_terminal(text, true))
+        write_standard_output(for_terminal(text, true).as_bytes())?;
     } else {
-        write(text)
+        write_standard_output(text.as_bytes())?;
     }
-}
-
-fn write(text: &str) -> anyhow::Result<()> {
-    let mut out = io::stdout().lock();
-    let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-    match written {
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        written => Ok(written?),
-    }
+    Ok(())
 }
 
 /// Writes an error to standard error as a single line.

@@ -17,7 +17,7 @@ use crate::registry::{self, Selection};
 use crate::run::agreement::{self, Clusters, Vote};
 use crate::run::answer_layout::AnswerLayout;
 use crate::run::check::{self, Deviation};
-use crate::schema::ModelRecord;
+use crate::schema::{ModelRecord, Status};
 
 /// The reference algorithm. It runs even if it is not selected.
 const REFERENCE: &str = "mmp-fast";
@@ -250,6 +250,15 @@ impl LoadedModelCheck<'_> {
             };
             let done = session.execute(&step);
             if interrupt::requested() {
+                return Ok(());
+            }
+            // The model lacks the source or a target.
+            if let Err(failure) = &done
+                && failure.status == Status::Refused
+                && algorithm.label() == REFERENCE
+            {
+                terminal::error(&format!("{}: {}", self.record.name, failure.message));
+                tally.bad_input = true;
                 return Ok(());
             }
             match done {

@@ -4,6 +4,7 @@ use std::io;
 use std::str::FromStr;
 
 use crate::UsageError;
+use crate::measure::number::ranges;
 
 /// Processor numbers: at least one, sorted, without duplicates.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -61,7 +62,7 @@ pub fn check(cpus: &CpuList) -> Result<(), UsageError> {
         None => Ok(()),
         Some(cpu) => Err(UsageError(format!(
             "processor {cpu} is not one of those that this process may use: {}",
-            show(&allowed)
+            ranges(&allowed)
         ))),
     }
 }
@@ -89,25 +90,6 @@ pub(crate) fn inherited<T>(cpus: &[usize], start: impl FnOnce() -> io::Result<T>
     let started = start();
     system::pin(&own)?;
     started
-}
-
-/// Formats sorted numbers, with ranges for consecutive ones.
-fn show(cpus: &[usize]) -> String {
-    let mut ranges: Vec<(usize, usize)> = Vec::new();
-    for &cpu in cpus {
-        match ranges.last_mut() {
-            Some((_, last)) if *last + 1 == cpu => *last = cpu,
-            _ => ranges.push((cpu, cpu)),
-        }
-    }
-    let text: Vec<String> = ranges
-        .iter()
-        .map(|(first, last)| match last - first {
-            0 => first.to_string(),
-            _ => format!("{first}-{last}"),
-        })
-        .collect();
-    text.join(",")
 }
 
 #[cfg(target_os = "linux")]
@@ -152,7 +134,7 @@ mod tests {
     #[test]
     fn lists_are_read_and_shown() {
         for (text, shown) in [("2", "2"), ("7, 0,4-6,5", "0,4-7"), ("0-0", "0")] {
-            assert_eq!(show(text.parse::<CpuList>().unwrap().numbers()), shown);
+            assert_eq!(ranges(text.parse::<CpuList>().unwrap().numbers()), shown);
         }
         for text in [
             "",

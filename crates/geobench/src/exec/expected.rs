@@ -78,20 +78,29 @@ pub(crate) fn file_word(source: &SourceLabel) -> String {
 
 /// The source vertices for which distances of `model` are stored, in ascending order.
 pub fn stored_sources(model: &Path) -> Vec<u32> {
-    let prefix = format!("{}.s", stem(model));
-    let mut sources: Vec<u32> = folders(model)
-        .iter()
-        .filter_map(|folder| fs::read_dir(folder).ok())
-        .flatten()
-        .filter_map(|entry| {
-            let name = entry.ok()?.file_name();
-            let number = name.to_str()?.strip_prefix(&prefix)?.strip_suffix(".csv")?;
-            number.parse().ok()
-        })
-        .collect();
+    let numbers = stored(model).filter_map(|(source, _)| source.parse().ok());
+    let mut sources: Vec<u32> = numbers.collect();
     sources.sort_unstable();
     sources.dedup();
     sources
+}
+
+/// The files that hold distances of `model`.
+pub(crate) fn stored_files(model: &Path) -> Vec<PathBuf> {
+    stored(model).map(|(_, path)| path).collect()
+}
+
+/// The files that hold distances of `model`, each behind its source as in its name.
+fn stored(model: &Path) -> impl Iterator<Item = (String, PathBuf)> {
+    let prefix = format!("{}.s", stem(model));
+    let folders = folders(model).into_iter();
+    let entries = folders.filter_map(|folder| fs::read_dir(folder).ok());
+    entries.flatten().filter_map(move |entry| {
+        let path = entry.ok()?.path();
+        let name = path.file_name()?.to_str()?;
+        let source = name.strip_prefix(&prefix)?.strip_suffix(".csv")?;
+        Some((source.to_owned(), path))
+    })
 }
 
 fn folders(model: &Path) -> [PathBuf; 3] {
@@ -108,7 +117,7 @@ fn folders(model: &Path) -> [PathBuf; 3] {
 }
 
 /// The file name without `.gz` and without the extension before it.
-pub(crate) fn stem(path: &Path) -> String {
+pub fn stem(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let name = match name.len().checked_sub(3) {
         Some(at) if name.is_char_boundary(at) && name[at..].eq_ignore_ascii_case(".gz") => {

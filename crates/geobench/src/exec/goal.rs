@@ -11,8 +11,8 @@ use sha2::{Digest, Sha256};
 use crate::UsageError;
 use crate::exec::source::{PointSpec, TargetSpec};
 
-/// Maximum length of a list of targets in the name of a goal. A longer list is named by its length
-/// in bytes and a hash.
+/// Maximum length of a list of targets in the name of a goal. A longer list is named by its
+/// number of targets and a hash.
 const LONGEST_NAME: usize = 60;
 
 /// The goal of a run: the distances of some points, of everything within a radius, or of all

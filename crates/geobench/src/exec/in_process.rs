@@ -15,7 +15,6 @@ use crate::exec::model::ModelRef;
 use crate::exec::source::{LocatedPoint, Locator, SourceSpec};
 use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::PeakMemory;
-use crate::registry;
 use crate::schema::{ModelRecord, Phases, SourceLabel, Status};
 
 /// A profiled run is repeated until it has this many samples of phases. The share of a phase is
@@ -170,11 +169,11 @@ impl InProcess {
             return Ok(known.clone());
         }
         let was_refined = self.source.take().is_some_and(|known| known.is_refined);
-        let found = PreparedSource::new(&self.mesh, step.source, step.goal)?;
-        if was_refined || found.is_refined {
+        let found = PreparedSource::new(&self.mesh, step.source, step.goal);
+        if was_refined || found.as_ref().is_ok_and(|found| found.is_refined) {
             self.solvers.clear();
         }
-        Ok(self.source.insert(found).clone())
+        Ok(self.source.insert(found?).clone())
     }
 
     /// A timed run or a warm-up. The solver is set up on first use. Each solve of a batch is timed
@@ -306,7 +305,7 @@ fn extract(
     source: &PreparedSource,
     model: &Mesh,
 ) -> anyhow::Result<Option<(f64, Vec<u32>)>> {
-    let Some(mut solver) = registry::field_solver(step.algorithm, &source.mesh) else {
+    let Some(mut solver) = step.algorithm.field_solver(&source.mesh) else {
         return Ok(None);
     };
     let field = solver.field(&source.vertices)?;
@@ -332,32 +331,26 @@ fn panic_message(panic: &(dyn Any + Send)) -> &str {
 #[cfg(test)]
 mod tests {
     use geobench_mesh::TriangleSoup;
-    use geobench_window::Counter;
 
     use super::*;
     use crate::measure::memory::Peaks;
-    use crate::registry::{Algorithm, Selection, Values};
+    use crate::registry::{Algorithm, Selection, Values, select_one};
 
     static EVERYTHING: GoalSpec = GoalSpec {
         targets: None,
         radius: None,
     };
 
-    static PANICS: Algorithm = Algorithm {
-        name: "panics",
-        family: "test",
-        paper: "",
-        exact: true,
-        summary: "",
-        departs: "",
-        complexity: "",
-        keeps: "",
-        choose: "",
-        memory_counter: Counter::PeakWindows,
-        comfortable_faces: None,
-        parameters: &[],
-        build: |_, _| panic!("no such luck"),
-    };
+    /// An algorithm that panics when it is set up.
+    fn panics() -> Selection {
+        let algorithm = Algorithm {
+            name: "panics",
+            parameters: &[],
+            build: |_, _| panic!("no such luck"),
+            ..*select_one("mmp").unwrap().algorithm()
+        };
+        Selection::new(&algorithm, Values::default())
+    }
 
     fn on_a_triangle<T>(test: impl FnOnce(&mut InProcess) -> T) -> T {
         let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
@@ -387,7 +380,7 @@ mod tests {
 
     #[test]
     fn points_are_sources_and_answers_are_those_of_the_vertices() {
-        let mmp = registry::select_one("mmp").unwrap();
+        let mmp = select_one("mmp").unwrap();
         on_a_triangle(|session| {
             let mut run = |text: &str, pass| {
                 let found = session.execute(&step(&mmp, &source(text), pass));
@@ -415,7 +408,7 @@ mod tests {
 
     #[test]
     fn an_answer_holds_the_targets_in_their_order_or_what_lies_within_the_radius() {
-        let mmp = registry::select_one("mmp").unwrap();
+        let mmp = select_one("mmp").unwrap();
         on_a_triangle(|session| {
             let mut run = |targets: &str, radius, pass| {
                 let goal = GoalSpec {
@@ -441,7 +434,7 @@ mod tests {
 
     #[test]
     fn each_pass_delivers_its_figures_and_the_same_answer() {
-        let algorithm = registry::select_one("mmp").unwrap();
+        let algorithm = select_one("mmp").unwrap();
         on_a_triangle(|session| {
             let mut run = |pass| {
                 session
@@ -467,8 +460,8 @@ mod tests {
 
     #[test]
     fn a_panic_is_a_crash_of_that_cell_alone() {
-        let panics = Selection::new(&PANICS, Values::default());
-        let mmp = registry::select_one("mmp").unwrap();
+        let panics = panics();
+        let mmp = select_one("mmp").unwrap();
         on_a_triangle(|session| {
             for pass in [Pass::Time, Pass::Count] {
                 let failure = session
@@ -487,7 +480,7 @@ mod tests {
 
     #[test]
     fn a_source_that_does_not_exist_is_refused() {
-        let mmp = registry::select_one("mmp").unwrap();
+        let mmp = select_one("mmp").unwrap();
         on_a_triangle(|session| {
             let failure = session
                 .execute(&step(&mmp, &source("3"), Pass::Time))

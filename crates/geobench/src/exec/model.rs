@@ -215,7 +215,9 @@ impl ModelRef {
         let Some(path) = self.file_path().filter(|_| times > 0) else {
             return Ok(self.clone());
         };
-        let spec = format!("gen:file,path={},subdivide={times}", path.display());
+        // In quotation marks, in which a quotation mark is doubled: a path may have commas.
+        let path_text = path.display().to_string().replace('"', "\"\"");
+        let spec = format!("gen:file,path=\"{path_text}\",subdivide={times}");
         Ok(Self {
             name: format!("{}-x{}", stem(path), 4_u64.saturating_pow(times)),
             ..Self::generated(&spec)?
@@ -269,15 +271,19 @@ impl ModelRef {
         }
     }
 
-    /// SHA-256 of the file that it is read from, or that its generator starts from; none if there
-    /// is no such file or it cannot be read.
+    /// The file that it is read from, or that its generator starts from.
+    pub fn source_file(&self) -> Option<&Path> {
+        match &self.origin {
+            Origin::File(path) => Some(path),
+            Origin::Generated(spec) => spec.path().map(Path::new),
+            Origin::Memory(_) => None,
+        }
+    }
+
+    /// SHA-256 of its [source file](Self::source_file); none if there is no such file or it cannot
+    /// be read.
     pub fn file_sha256(&self) -> Option<String> {
-        let path = match &self.origin {
-            Origin::File(path) => path,
-            Origin::Generated(spec) => Path::new(spec.path()?),
-            Origin::Memory(_) => return None,
-        };
-        hash_file(path).ok()
+        hash_file(self.source_file()?).ok()
     }
 
     /// Its record before it is loaded.

@@ -10,10 +10,11 @@
 //! counted again with narrower instructions. The result names the instructions that it used.
 
 use std::fs;
+use std::io;
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::Duration;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::simd::Instructions;
 use geobench_window::{Goal, Solution, SolveError, Solver};
@@ -118,7 +119,10 @@ fn count_with(
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
-        .context(NO_VALGRIND)?;
+        .map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound => anyhow!(NO_VALGRIND),
+            _ => anyhow!("valgrind cannot be started: {error}"),
+        })?;
     // The child writes a few lines, which the pipes hold until it has ended.
     while child.try_wait().context(FAILED)?.is_none() {
         if is_stopped() {

@@ -162,11 +162,11 @@ Anonymous:             0 kB
 
     #[test]
     fn a_text_of_another_form_gives_nothing() {
-        assert_eq!(unchanged(""), []);
-        assert_eq!(unchanged("Anonymous:             0 kB\n"), []);
-        assert_eq!(unchanged("a-b\nx-y r--p\nAnonymous: 0 kB"), []);
         let cut_short = SMAPS.split_inclusive('\n').next().unwrap();
-        assert_eq!(unchanged(cut_short), []);
+        let short = "Anonymous:             0 kB\n";
+        for text in ["", short, "a-b\nx-y r--p\nAnonymous: 0 kB", cut_short] {
+            assert!(unchanged(text).is_empty(), "{text}");
+        }
     }
 
     /// Other tests of this process may map code again meanwhile. Hence the test tries more than

@@ -11,6 +11,15 @@ pub(crate) fn decimals(values: impl IntoIterator<Item = f64>, most: u8) -> usize
     usize::from((0..most).find(shows_three).unwrap_or(most))
 }
 
+/// Seconds with three significant digits, and at most `most` decimals.
+pub(crate) fn seconds(seconds: f64, most: u8) -> String {
+    if seconds <= 0.0 {
+        return "0".to_owned();
+    }
+    let decimals = decimals([seconds], most);
+    format!("{seconds:.decimals$}")
+}
+
 /// A count with thousands separators.
 pub(crate) fn grouped(count: u64) -> String {
     group(&count.to_string())
@@ -26,6 +35,16 @@ pub(crate) fn group(digits: &str) -> String {
         text.push(digit);
     }
     text
+}
+
+/// Ascending numbers with ranges for consecutive ones, such as `1-3,7`.
+pub(crate) fn ranges(numbers: &[usize]) -> String {
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
+    let runs = runs.map(|run| match run {
+        [first, .., last] => format!("{first}-{last}"),
+        _ => run[0].to_string(),
+    });
+    runs.collect::<Vec<_>>().join(",")
 }
 
 /// A ratio with two decimals; without decimals from 100.
@@ -59,6 +78,29 @@ mod tests {
         assert_eq!(decimals([1e-9], 6), 6);
         assert_eq!(decimals([0.0], 6), 0);
         assert_eq!(decimals([], 6), 0);
+    }
+
+    #[test]
+    fn seconds_have_three_digits() {
+        assert_eq!(
+            [0.0, 1.5e-7, 0.001_234, 0.1, 5.0, 99.94, 1234.7].map(|s| seconds(s, 9)),
+            [
+                "0",
+                "0.000000150",
+                "0.00123",
+                "0.100",
+                "5.00",
+                "99.9",
+                "1235"
+            ]
+        );
+    }
+
+    #[test]
+    fn consecutive_numbers_are_ranges() {
+        assert_eq!(ranges(&[1, 2, 3, 7, 9, 10]), "1-3,7,9-10");
+        assert_eq!(ranges(&[4]), "4");
+        assert_eq!(ranges(&[]), "");
     }
 
     #[test]

@@ -481,6 +481,8 @@ mod tests {
             }
             whole.sort();
             parts.sort();
+            // Every part refuses a model that has no number of sources.
+            parts.dedup_by(|a, b| a.2.is_none() && a == b);
             prop_assert_eq!(parts, whole);
         }
     }

@@ -54,6 +54,21 @@ impl Sampling {
         }
     }
 
+    /// The greatest number of seconds that the timed runs of a cell take together if a run takes up
+    /// to `limit` seconds.
+    pub fn longest(&self, limit: u64) -> u64 {
+        let runs = (self.fewest() as u64).saturating_mul(limit);
+        match self {
+            Self::Fixed(_) => runs,
+            Self::UntilPrecise(precision) => {
+                // Another run may start just before the end.
+                let time = precision.max_time.max(precision.min_time).ceil();
+                #[expect(clippy::cast_sign_loss, reason = "times are positive")]
+                runs.max((time as u64).saturating_add(limit))
+            }
+        }
+    }
+
     /// The requested precision; `None` if the number of runs is fixed.
     pub const fn precision(&self) -> Option<Precision> {
         match self {

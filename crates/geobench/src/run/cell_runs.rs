@@ -98,15 +98,15 @@ impl<'p> CellRuns<'p> {
         self.has_time = self.sampling.is_enough(samples, spent.iter().sum());
     }
 
-    /// Number of solves of a timed run, from the time of the first warm-up. External programs solve
+    /// Number of solves of a timed run, from the time of the first run. External programs solve
     /// once.
     pub(super) fn solves(&self) -> usize {
         if self.algorithm.program().is_some() {
             return 1;
         }
-        let warm = self.outcomes.get(&(Pass::Warmup, 0));
-        self.sampling
-            .solves(warm.and_then(|outcome| outcome.observation.seconds))
+        let mut known = self.outcomes.values();
+        let first = known.find_map(|outcome| outcome.observation.seconds);
+        self.sampling.solves(first)
     }
 
     /// The cluster of a run whose answer differed from the reference, if one did.
@@ -137,8 +137,12 @@ impl<'p> CellRuns<'p> {
     /// earlier file has the cell with all these samples, returns that one unchanged.
     pub(super) fn finish(self, run: RunId, places: Vec<usize>, with_wavefront: bool) -> Cell {
         let all = self.timed().count();
-        let samples = |cell: &Cell| cell.time.samples.len();
-        if let Some(same) = self.earlier.as_ref().filter(|e| samples(e) >= all) {
+        // A failure counts, also if the earlier runs ended well.
+        let is_same = |earlier: &&Cell| {
+            let fails_anew = self.failure.is_some() && earlier.status == Status::Ok;
+            earlier.time.samples.len() >= all && !fails_anew
+        };
+        if let Some(same) = self.earlier.as_ref().filter(is_same) {
             return same.clone();
         }
         let mut cell = Cell {

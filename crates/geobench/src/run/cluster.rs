@@ -17,6 +17,7 @@ use anyhow::{Context, bail};
 use serde::{Deserialize, Serialize};
 
 use crate::exec::slurm::{self, QueuedPart};
+use crate::measure::number::ranges;
 use crate::plan::Plan;
 use crate::registry::Selection;
 use crate::schema::Shard;
@@ -28,7 +29,7 @@ use crate::usage::check_schema;
 /// Schema of `cluster.json`.
 const SCHEMA: &str = "geobench-cluster/1";
 
-/// Memory in bytes that a job needs in addition to its cells, for the process that starts them.
+/// Memory in bytes that a job needs in addition to its children, for the process that starts them.
 const OWN_MEMORY: u64 = 256 << 20;
 
 /// Resources that each job of the array requests.
@@ -36,10 +37,11 @@ const OWN_MEMORY: u64 = 256 << 20;
 pub struct Resources {
     /// Number of cores: the largest number of threads of a cell.
     pub cores: usize,
-    /// Main memory in bytes: the largest memory limit of a cell plus the memory of the program
-    /// itself. Null if some cells have no limit; then Slurm's default applies.
+    /// Main memory in bytes: twice the largest memory limit of a cell, for the cell that runs and
+    /// for those that wait, plus the memory of the program itself. Null if some cells have no limit;
+    /// then Slurm's default applies.
     pub memory_bytes: Option<u64>,
-    /// Time in seconds that the largest part takes if each of its runs takes its time limit. Null
+    /// Time in seconds that the largest part takes if everything takes its time limit. Null
     /// if some runs have no limit or their number is not known; then Slurm's default applies.
     pub seconds: Option<u64>,
 }
@@ -58,16 +60,20 @@ impl Resources {
                     .map(|model| plan.units_of_model(model))
                     .sum();
                 let units = u64::try_from(units).unwrap_or(u64::MAX);
-                // The reference may run once more for each source.
-                let runs_of_unit = plan.algorithms.len() * plan.runs_per_cell() + 1;
-                let runs = units.saturating_mul(runs_of_unit as u64);
                 match (units, limit(plan)) {
                     (0, _) => Some(sum),
                     // The number of vertices is not known yet.
                     _ if plan.sources.has_all() && !plan.sources_together => None,
                     (_, None) => None,
                     (_, Some(limit)) => {
-                        Some(sum.saturating_add(runs.saturating_mul(whole_seconds(limit))))
+                        let limit = whole_seconds(limit);
+                        // Each cell loads its model. The reference may run once more.
+                        let untimed = plan.runs_per_cell() - plan.sampling.fewest() + 1;
+                        let cell = (untimed as u64).saturating_mul(limit);
+                        let cell = cell.saturating_add(plan.sampling.longest(limit));
+                        let cells = (plan.algorithms.len() as u64).saturating_mul(cell);
+                        let unit = cells.saturating_add(2 * limit);
+                        Some(sum.saturating_add(units.saturating_mul(unit)))
                     }
                 }
             })
@@ -77,7 +83,7 @@ impl Resources {
             .try_fold(0, |most: u64, plan| Some(most.max(plan.limits.memory.0?)));
         Self {
             cores: algorithms.map(Selection::threads).max().unwrap_or(1),
-            memory_bytes: memory.map(|bytes| bytes.saturating_add(OWN_MEMORY)),
+            memory_bytes: memory.map(|bytes| bytes.saturating_mul(2).saturating_add(OWN_MEMORY)),
             seconds: (1..=parts)
                 .map(seconds_of)
                 .try_fold(0, |most, seconds| Some(most.max(seconds?))),
@@ -269,8 +275,8 @@ impl ClusterDirectory {
                  --resume {dir}/journals/\"$part.$node\".jsonl \\\n    \
                  -o {dir}/parts/\"$part.$node\".unfinished.json --format csv --no-progress >/dev/null\n\
              status=$?\n\
-             # 1: some cells failed; 2: some models were refused. Both are results.\n\
-             [ \"$status\" -le 2 ] || exit \"$status\"\n\
+             # 1: some cells failed; 2: some models were refused. Both are results, if there is a file.\n\
+             [ \"$status\" -le 2 ] && [ -e {dir}/parts/\"$part.$node\".unfinished.json ] || exit \"$status\"\n\
              mv {dir}/parts/\"$part.$node\".unfinished.json {dir}/parts/\"$part\".json\n"
         ))
     }
@@ -341,7 +347,7 @@ impl ClusterDirectory {
         let log = |name: &str| format!("--output={}", self.log(name).display());
         let mut array = vec![
             "--job-name=geobench".to_owned(),
-            format!("--array={}", ranges(parts)),
+            format!("--array={}", parts_in_words(parts)),
             "--nodes=1".to_owned(),
             "--ntasks=1".to_owned(),
             // Slurm restarts a part whose node fails, on another node.
@@ -413,18 +419,19 @@ pub struct Placement {
 
 impl Placement {
     /// Decides whether the nodes use `program` and `files` in place. The program is copied to `to`
-    /// if it is on another file system. All files are copied to `to` if one of them is on another
-    /// file system. Paths of files are relative to `here`.
+    /// if it is on another file system. All files are copied to `to` if one of them, or `here`, to
+    /// which paths of files are relative, is on another file system.
     ///
     /// # Errors
     ///
     /// If a file to copy has an absolute path or is outside `here`, or if a file cannot be read or
-    /// copied.
+    /// copied, or if files must be copied while the benchmark needs `fixed`, which cannot.
     pub fn find(
         to: &ClusterDirectory,
         program: &Path,
         here: &Path,
         files: &[PathBuf],
+        fixed: Option<&str>,
     ) -> anyhow::Result<Self> {
         let shared = device(&to.path)?;
         let mut notes = Vec::new();
@@ -445,24 +452,32 @@ impl Placement {
             ));
             copy
         };
-        let mut elsewhere = Vec::new();
+        let sees_here = device(here)? == shared;
+        let mut in_place = true;
         for file in files {
-            if device(&here.join(file))? != shared {
-                elsewhere.push(file);
-            }
+            let is_found = sees_here || file.is_absolute();
+            in_place &= is_found && device(&here.join(file))? == shared;
         }
-        if elsewhere.is_empty() {
+        if in_place {
+            let directory = if sees_here { here } else { &to.path };
             if !files.is_empty() {
                 notes.push(format!(
                     "the nodes read suite and models in place, from {}",
-                    here.display()
+                    directory.display()
                 ));
             }
             return Ok(Self {
                 program,
-                directory: here.to_owned(),
+                directory: directory.to_owned(),
                 notes,
             });
+        }
+        if let Some(fixed) = fixed {
+            bail!(
+                "not all files are on the file system of {}, and {fixed} cannot be copied there; start in a \
+                 directory on that file system",
+                to.path.display()
+            );
         }
         let directory = to.path.join("files");
         for file in files {
@@ -505,6 +520,11 @@ fn is_complete(path: &Path) -> bool {
     serde_json::from_slice::<Head>(&text).is_ok_and(|head| head.conditions.is_some())
 }
 
+/// The numbers of parts in Slurm's notation for job arrays, such as `1-3,7`.
+pub fn parts_in_words(parts: &[u32]) -> String {
+    ranges(&parts.iter().map(|&part| part as usize).collect::<Vec<_>>())
+}
+
 /// ID of the device, and thus of the file system, of the file at `path`.
 fn device(path: &Path) -> anyhow::Result<u64> {
     let metadata =
@@ -525,16 +545,6 @@ fn inside(path: &Path) -> Option<PathBuf> {
         }
     }
     Some(inside)
-}
-
-/// Ascending numbers in Slurm's notation for job arrays, such as `1-3,7`.
-pub fn ranges(parts: &[u32]) -> String {
-    let runs = parts.chunk_by(|a, b| a + 1 == *b);
-    let runs = runs.map(|run| match run {
-        [first, .., last] => format!("{first}-{last}"),
-        _ => run[0].to_string(),
-    });
-    runs.collect::<Vec<_>>().join(",")
 }
 
 fn in_shell(path: &Path) -> anyhow::Result<String> {
@@ -588,13 +598,6 @@ mod tests {
         let run = words.map(str::to_owned).to_vec();
         let options = vec!["--partition=fast".to_owned(), EXCLUSIVE.to_owned()];
         ClusterRecord::new(20, &placement, run, resources, options)
-    }
-
-    #[test]
-    fn parts_are_named_by_ranges() {
-        assert_eq!(ranges(&[1, 2, 3, 7, 9, 10]), "1-3,7,9-10");
-        assert_eq!(ranges(&[4]), "4");
-        assert_eq!(ranges(&[]), "");
     }
 
     #[test]
@@ -666,7 +669,8 @@ mod tests {
         let directory = ClusterDirectory::new(&here.join("runs")).unwrap();
         directory.create().unwrap();
         let files = ["a.obj".into()];
-        let placement = Placement::find(&directory, &here.join("geobench"), here, &files).unwrap();
+        let placement =
+            Placement::find(&directory, &here.join("geobench"), here, &files, None).unwrap();
         assert_eq!(placement.program, here.join("geobench"));
         assert_eq!(placement.directory, here);
     }

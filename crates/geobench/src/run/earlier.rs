@@ -33,6 +33,11 @@ impl Earlier {
         self.models.get(name)
     }
 
+    /// The cell of this identity.
+    pub(super) fn of_id(&self, id: &CellId) -> Option<&Cell> {
+        self.cells.get(id)
+    }
+
     /// The cell of a run, if the file has it with this number of threads.
     pub(super) fn cell(&self, run: &RunId, threads: usize) -> Option<&Cell> {
         self.cells.get(&(

@@ -159,7 +159,12 @@ impl Journal {
             journal.start(&first)
         } else {
             journal.read(&bytes, header)?;
-            journal.cut()
+            let lacks_line_end = journal.length == bytes.len() as u64 && !bytes.ends_with(b"\n");
+            journal.cut().and_then(|()| match lacks_line_end {
+                // A torn write of the first line.
+                true => journal.append_text("\n"),
+                false => Ok(()),
+            })
         };
         let begun = begun.and_then(|()| {
             if journal.plans.contains(&header.plan) {

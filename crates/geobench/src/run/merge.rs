@@ -11,7 +11,7 @@ use serde_json::json;
 use crate::exec::source::SourceSpec;
 use crate::measure::conditions;
 use crate::schema::difference::first_difference;
-use crate::schema::{Cell, ModelRecord, PlanRecord, PlannedGroup, ResultFile, Shard};
+use crate::schema::{Cell, ModelRecord, PlanRecord, PlannedGroup, ResultFile, Shard, SourceLabel};
 
 /// Maximum number of missing parts that a message names.
 const MOST_NAMED: usize = 20;
@@ -173,16 +173,27 @@ fn cells(plan: &PlanRecord, parts: &mut [ShardFile]) -> anyhow::Result<Vec<Cell>
                 Some(spec) => units_of_model(spec, &model.name, parts),
                 None => planned,
             };
+            // A part that refused the model and does not know its sources has one cell for each
+            // algorithm. Of several such parts the first counts.
+            let mut refusing = Vec::new();
+            for part in &mut *parts {
+                if let Some(cells) = next_unit(group, &model.name, part, Option::is_none) {
+                    if refusing.is_empty() {
+                        all.extend(cells);
+                    }
+                    refusing.push(part.shard.index);
+                }
+            }
             for source in 0..sources {
                 let unit = first_unit + source;
                 let holder = parts.iter_mut().find(|part| part.shard.holds(unit));
                 let Some(part) = holder else { continue };
-                let taken = take_unit(group, &model.name, part, &mut all);
-                // The unknown sources of a refused model share one cell for each algorithm.
-                if taken == Some(Taken::AllSources) {
-                    break;
+                if refusing.contains(&part.shard.index) {
+                    continue;
                 }
-                if taken.is_none() {
+                if let Some(cells) = next_unit(group, &model.name, part, Option::is_some) {
+                    all.extend(cells);
+                } else {
                     bail!(
                         "{}: has no cells of {}, source {} of {sources}; it was interrupted, so run it again to its end",
                         part.name,
@@ -209,39 +220,27 @@ fn units_of_model(spec: &SourceSpec, model: &str, parts: &[ShardFile]) -> u128 {
     points.map_or(unknown, |points| points.len()) as u128
 }
 
-/// What the cells that [`take_unit`] has moved belong to.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Taken {
-    OneSource,
-    /// The unknown sources of a refused model, all together.
-    AllSources,
-}
-
-/// Moves the next cells of `part`, one for each algorithm, to `all`. `None` if they are not cells
-/// of this group and model with one source, in the order of the plan; then nothing is moved.
-fn take_unit(
+/// Takes the next cells of `part`, one for each algorithm. `None` if they are not cells of this
+/// group and model with one source that `is_wanted`, in the order of the plan; then nothing is
+/// taken.
+fn next_unit(
     group: &PlannedGroup,
     model: &str,
     part: &mut ShardFile,
-    all: &mut Vec<Cell>,
-) -> Option<Taken> {
+    is_wanted: fn(&Option<SourceLabel>) -> bool,
+) -> Option<Vec<Cell>> {
     let source = part.cells.last()?.source.clone();
     let start = part.cells.len().checked_sub(group.algorithms.len())?;
     let next = part.cells[start..].iter().rev();
-    let fits = next.zip(&group.algorithms).all(|(cell, algorithm)| {
-        cell.group == group.name
-            && cell.model == model
-            && cell.source == source
-            && cell.algorithm == algorithm.label
-    });
-    if !fits {
-        return None;
-    }
-    all.extend(part.cells.drain(start..).rev());
-    Some(match source {
-        Some(_) => Taken::OneSource,
-        None => Taken::AllSources,
-    })
+    let mut pairs = next.zip(&group.algorithms);
+    let fits = is_wanted(&source)
+        && pairs.all(|(cell, algorithm)| {
+            cell.group == group.name
+                && cell.model == model
+                && cell.source == source
+                && cell.algorithm == algorithm.label
+        });
+    fits.then(|| part.cells.drain(start..).rev().collect())
 }
 
 /// The records of the models of all parts, in the order of the plan, each once.
@@ -260,16 +259,16 @@ fn models(plan: &PlanRecord, parts: &[ShardFile]) -> anyhow::Result<Vec<ModelRec
             let found = part.file.models.iter().find(|model| model.name == *name);
             found.map(|model| (part, model))
         });
-        let Some((first, model)) = holders.next() else {
+        // A part that refused the model does not know its hash.
+        let mut loaded = holders
+            .clone()
+            .filter_map(|(part, model)| Some((part, model, model.sha256.as_ref()?)));
+        let Some((first, model, here)) = loaded.next() else {
+            models.extend(holders.next().map(|(_, model)| model.clone()));
             continue;
         };
-        if let Some((part, other)) = holders.find(|(_, other)| other.sha256 != model.sha256) {
-            let hash = |model: &ModelRecord| match &model.sha256 {
-                Some(hash) => format!("`{hash}`"),
-                None => "not known".to_owned(),
-            };
-            let (there, here) = (hash(other), hash(model));
-            let difference = format!("the SHA-256 of {name} is {there} and not {here}");
+        if let Some((part, _, there)) = loaded.find(|(.., there)| *there != here) {
+            let difference = format!("the SHA-256 of {name} is `{there}` and not `{here}`");
             return Err(part.differs_from(first, &difference));
         }
         models.push(model.clone());

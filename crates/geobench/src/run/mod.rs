@@ -176,8 +176,10 @@ fn known(
     let model = &plan.models[model_index];
     let (found, file_sha256) = recorded.model(&model.name)?;
     // `Journal::open` has refused changed model files. Those of an earlier result file are compared
-    // here. Generated models have no file.
-    if file_sha256.is_some() && model.file_sha256() != file_sha256 && model.spec().is_none() {
+    // here. The record of a model generated from a file does not have the hash of that file, so the
+    // model is loaded and compared.
+    let hash = model.file_sha256();
+    if file_sha256.is_some() && hash.is_some() && (model.spec().is_some() || hash != file_sha256) {
         return None;
     }
     let units: Vec<Unit<'_>> = sources(plan, model_index, found)
@@ -392,7 +394,10 @@ impl Benchmark<'_, '_> {
         sources
             .iter()
             .enumerate()
-            .filter(|&(number, _)| plan.has_unit(self.model_index, number))
+            .filter(|&(number, source)| match source {
+                Some(_) => plan.has_unit(self.model_index, number),
+                None => plan.units_of_model(self.model_index) > 0,
+            })
             .flat_map(|(_, source)| plan.algorithms.iter().map(move |a| (source.clone(), a)))
             .map(|(source, algorithm)| Cell {
                 group: plan.group.name.clone(),
@@ -401,8 +406,14 @@ impl Benchmark<'_, '_> {
                 status: Status::Refused,
                 message: Some(message.to_owned()),
                 threads: algorithm.threads(),
+                approximate: algorithm.is_approximate(),
                 simd: algorithm.simd(),
                 ..Cell::new(&plan.models[self.model_index].name, algorithm.label())
+            })
+            // What was measured before stands.
+            .map(|cell| {
+                let earlier = self.earlier.and_then(|earlier| earlier.of_id(&cell.id()));
+                earlier.cloned().unwrap_or(cell)
             })
             .collect()
     }

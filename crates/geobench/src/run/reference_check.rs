@@ -90,19 +90,16 @@ impl ReferenceCheck {
             ),
         };
         let name = self.answer.as_ref().map(|answer| answer.name.as_str());
-        let failure = comparison
-            .worst
-            .filter(|_| !comparison.agrees())
-            .map(|worst| {
-                wrong(format!(
-                    "differs from {}: {}; {} of {} {} differ by more than {tolerance:e} relative",
-                    name.unwrap_or("no reference"),
-                    self.layout.describe(&worst),
-                    comparison.disagreeing,
-                    comparison.compared,
-                    self.layout.noun()
-                ))
-            });
+        let failure = comparison.worst.map(|worst| {
+            wrong(format!(
+                "differs from {}: {}; {} of {} {} differ by more than {tolerance:e} relative",
+                name.unwrap_or("no reference"),
+                self.layout.describe(&worst),
+                comparison.disagreeing,
+                comparison.compared,
+                self.layout.noun()
+            ))
+        });
         let mut check = record(name, &comparison);
         let worst = check.worst_vertex.and(comparison.worst);
         let vertex = worst.and_then(|worst| self.layout.vertex(worst.vertex));

@@ -333,3 +333,42 @@ fn a_part_with_nothing_to_do_says_so() {
     assert!(!warned("1/3"));
     assert!(warned("2/3"));
 }
+
+#[test]
+fn a_model_that_one_part_cannot_load_is_refused_in_its_cells_alone() {
+    let sandbox = Sandbox::new();
+    sandbox.write("suite.toml", "algorithms = [\"mmp\", \"vtp\"]\nrepeat = 1\nwarmup = 0\nmodels = [\"square.off\"]\nsource = \"random:3\"\n");
+    for index in 1..=3 {
+        // On one machine the file is another one.
+        let text = if index == 2 {
+            NON_MANIFOLD
+        } else {
+            crate::support::SQUARE
+        };
+        sandbox.write("square.off", text);
+        sandbox.call(&format!("{RUN} --shard {index}/3 -o {index}.json"));
+    }
+    let merged = sandbox.call("merge 1.json 2.json 3.json -o r.json");
+    assert_eq!(merged.code, 0, "{}", merged.stderr);
+    let result = sandbox.json("r.json");
+    let cells = result["cells"].as_array().unwrap();
+    let count = |status: &str| cells.iter().filter(|c| c["status"] == status).count();
+    assert_eq!((count("ok"), count("refused")), (4, 2));
+    assert!(result["models"][0]["sha256"].is_string());
+}
+
+#[test]
+fn what_was_measured_stays_if_the_model_is_refused_now() {
+    let sandbox = Sandbox::with_square();
+    let run = "run square.off --quiet --repeat 2 --algo mmp --add-to r.json";
+    sandbox.succeed("run square.off --quiet --repeat 2 --algo mmp -o r.json");
+    let before = sandbox.json("r.json");
+    // The square has no vertex 9.
+    assert_eq!(sandbox.call(&format!("{run} --source 0,9")).code, 2);
+    let cells = &sandbox.json("r.json")["cells"];
+    assert_eq!(cells[0], before["cells"][0]);
+    assert_eq!(
+        (&cells[1]["source"], &cells[1]["status"]),
+        (&9.into(), &"refused".into())
+    );
+}

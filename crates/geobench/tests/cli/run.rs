@@ -287,3 +287,19 @@ fn a_reader_that_leaves_early_is_no_error() {
     assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
     assert!(output.status.success());
 }
+
+/// The reader of a pipe ends when the first writer closes it, so a trial would be taken for the
+/// whole.
+#[cfg(unix)]
+#[test]
+fn a_pipe_gets_the_whole_output_at_once() {
+    let sandbox = Sandbox::with_square();
+    let made = std::process::Command::new("mkfifo")
+        .arg(sandbox.path("p.csv"))
+        .status();
+    assert!(made.unwrap().success());
+    let pipe = sandbox.path("p.csv");
+    let reader = std::thread::spawn(move || std::fs::read_to_string(pipe).unwrap());
+    sandbox.succeed("distance square.off --source 0 -o p.csv --quiet");
+    assert!(reader.join().unwrap().starts_with("vertex,distance\n0,0\n"));
+}

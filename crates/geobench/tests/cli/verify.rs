@@ -61,3 +61,13 @@ fn where_answers_disagree_a_proof_says_which_are_right() {
     let proven = "square: source 0: proven right: mmp-fast, ich\n";
     assert!(outcome.stdout.contains(proven), "{}", outcome.stdout);
 }
+
+#[test]
+fn a_source_or_target_that_the_model_lacks_is_wrong_usage() {
+    let sandbox = Sandbox::with_square();
+    for wrong in ["--target 9", "--source edge:0-9,0.5"] {
+        let outcome = sandbox.call(&format!("verify square.off --algo ich {wrong}"));
+        assert_eq!(outcome.code, 2, "{wrong}: {}", outcome.stdout);
+        assert!(!outcome.stdout.contains("WRONG"), "{}", outcome.stdout);
+    }
+}

@@ -31,7 +31,8 @@ pub(super) struct ChildProcess {
     process: process::Child,
     descendants: Descendants,
     limits: Limits,
-    requests: ChildStdin,
+    /// Its standard input, until that is closed.
+    requests: Option<ChildStdin>,
     replies: ChildStdout,
     errors: Option<ChildStderr>,
     /// The part of the next reply received so far.
@@ -42,6 +43,8 @@ pub(super) struct ChildProcess {
     /// Whether the memory peak is sampled while the process works. Needed if the process exits with
     /// its answer.
     watched: bool,
+    /// Whether the first signal of the user is ignored.
+    outlasts_interrupts: bool,
     /// The largest memory peak seen so far, in bytes.
     peak: Option<u64>,
 }
@@ -82,13 +85,14 @@ impl ChildProcess {
             process,
             descendants,
             limits,
-            requests,
+            requests: Some(requests),
             replies,
             errors: Some(errors),
             received: Vec::new(),
             stderr_tail: Tail::default(),
             status: None,
             watched: false,
+            outlasts_interrupts: false,
             peak: None,
         };
         rustix::io::ioctl_fionbio(&child.replies, true)?;
@@ -121,10 +125,17 @@ impl ChildProcess {
         self.peak
     }
 
-    /// Waits for the exit of a process that does not reply. Its standard output is discarded.
+    /// Lets the process end although the user has asked to stop: the first signal is ignored.
+    pub(super) const fn outlast_interrupts(&mut self) {
+        self.outlasts_interrupts = true;
+    }
+
+    /// Waits for the exit of a process that does not reply. Its standard output is discarded, and
+    /// its standard input is empty.
     pub(super) fn finish(&mut self) -> Result<(), ChildError> {
         let kills = system::kernel_out_of_memory_kills();
         let deadline = self.deadline();
+        self.requests = None;
         let error = loop {
             if let Err(error) = self.wait(deadline) {
                 break error;
@@ -169,8 +180,8 @@ impl ChildProcess {
     /// Sends a request and returns the line of the reply.
     fn converse(&mut self, request: &str, longest: usize) -> Result<Vec<u8>, ChildError> {
         let deadline = self.deadline();
-        if !request.is_empty() {
-            match self.requests.write_all(format!("{request}\n").as_bytes()) {
+        if let Some(requests) = self.requests.as_mut().filter(|_| !request.is_empty()) {
+            match requests.write_all(format!("{request}\n").as_bytes()) {
                 // The process has exited. The reason is determined below.
                 Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {}
                 done => done?,
@@ -204,7 +215,7 @@ impl ChildProcess {
         let Limits {
             timeout, memory, ..
         } = self.limits;
-        if interrupt::requested() {
+        if interrupt::requested() && !self.outlasts_interrupts {
             return Err(ChildError::Interrupted);
         }
         let left = deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
@@ -228,7 +239,7 @@ impl ChildProcess {
     /// Sleeps until the child writes output, a signal arrives, or `time` has passed.
     fn sleep(&self, time: Option<Duration>) -> io::Result<()> {
         let time = time.and_then(|time| Timespec::try_from(time).ok());
-        let wake = interrupt::wake();
+        let wake = interrupt::wake().filter(|_| !self.outlasts_interrupts);
         let errors = self.errors.as_ref().map(AsFd::as_fd);
         let mut events: Vec<PollFd<'_>> = [Some(self.replies.as_fd()), errors, wake]
             .into_iter()

@@ -46,7 +46,6 @@ use crate::exec::model::ModelRef;
 use crate::exec::protocol::{ChildSettings, Reply, Request, SOLVE};
 use crate::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
 use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
-use crate::measure::host::kibibytes;
 use crate::measure::memory::Peaks;
 use crate::registry::{Call, ProcessLifetime, Program};
 use crate::schema::{ModelRecord, SourceLabel, Status};
@@ -63,6 +62,9 @@ pub(crate) use system::adopt_orphans;
 
 /// First argument of a child that runs this program; the model and its settings follow.
 const COMMAND: &str = "__cell";
+
+/// What the clean-up of an outside program does, for messages.
+const CLEANING_UP: &str = "cleaning up";
 
 /// A setting of glibc: blocks of at least this size get pages of their own, which return to the
 /// system when freed. The value is the default. Unless it is set, glibc raises the threshold with
@@ -273,7 +275,7 @@ impl ExchangeFolder {
 impl<'b> ChildPool<'b> {
     /// A pool without children, for a model with this record.
     fn new(options: &'b Isolated, model: &'b ModelRef, record: ModelRecord) -> Self {
-        let half_of_memory = || kibibytes("/proc/meminfo", "MemAvailable").map(|bytes| bytes / 2);
+        let half_of_memory = || system::available_memory().map(|bytes| bytes / 2);
         Self {
             options,
             model,
@@ -399,7 +401,12 @@ impl<'b> ChildPool<'b> {
         let handover = self.handover(step)?;
         let command = program.command(words, &handover.call(program, step));
         let process = self.options.process(command);
-        let done = process.and_then(|mut process| process.finish());
+        let done = process.and_then(|mut process| {
+            if doing == CLEANING_UP {
+                process.outlast_interrupts();
+            }
+            process.finish()
+        });
         done.map_err(|error| error.failure(doing))
     }
 
@@ -412,7 +419,7 @@ impl<'b> ChildPool<'b> {
     ) -> Result<Observation, Failure> {
         self.aside(program, &program.prepare, step, "preparing")?;
         let done = self.run(cell, step);
-        let cleaned = self.aside(program, &program.cleanup, step, "cleaning up");
+        let cleaned = self.aside(program, &program.cleanup, step, CLEANING_UP);
         // The failure of the run itself comes first.
         let observation = done?;
         cleaned.map(|()| observation)

@@ -1,5 +1,6 @@
 //! System calls. Functions that exist on Linux only do nothing elsewhere, or return `None`.
 
+use std::path::Path;
 use std::process::{self, Command};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard};
@@ -52,6 +53,36 @@ pub(super) fn raise_oom_score(at_work: bool) {
         "/proc/self/oom_score_adj",
         if at_work { "1000" } else { "500" },
     );
+}
+
+/// Bytes that this process and its children may use: what the machine has available, or the limit
+/// of its control group, such as that of a container or of a job of Slurm, if that is less.
+pub(super) fn available_memory() -> Option<u64> {
+    let machine = kibibytes("/proc/meminfo", "MemAvailable");
+    machine.into_iter().chain(group_limit()).min()
+}
+
+/// The memory limit of the control group of this process and of the groups around it.
+fn group_limit() -> Option<u64> {
+    let groups = fs::read_to_string("/proc/self/cgroup").ok()?;
+    // A line is `number:controllers:path`, without controllers in version 2.
+    let groups = groups.lines().filter_map(|line| {
+        let (controllers, path) = line.split_once(':')?.1.split_once(':')?;
+        let (root, file) = match controllers {
+            "" => ("/sys/fs/cgroup", "memory.max"),
+            "memory" => ("/sys/fs/cgroup/memory", "memory.limit_in_bytes"),
+            _ => return None,
+        };
+        Some((root, path.trim_start_matches('/'), file))
+    });
+    let limits = groups.flat_map(|(root, path, file)| {
+        let places = Path::new(path).ancestors();
+        places.filter_map(move |place| {
+            let text = fs::read_to_string(Path::new(root).join(place).join(file)).ok()?;
+            text.trim().parse::<u64>().ok()
+        })
+    });
+    limits.min()
 }
 
 /// Resident bytes of a process and its descendants.

@@ -302,10 +302,8 @@ impl Library {
     /// If the directory cannot be read, or contains no mesh file.
     pub fn open(directory: &Path) -> Result<Self, ModelError> {
         if directory.is_file() {
-            return Err(ModelError::Missing {
-                path: directory.display().to_string(),
-                problem: "a directory of models is expected".to_owned(),
-            });
+            let problem = format!("{}: not a directory", directory.display());
+            return Err(ModelError::Unreadable(problem));
         }
         Ok(Self {
             directory: directory.to_owned(),
@@ -372,9 +370,9 @@ mod tests {
         assert!(error.to_string().contains("no mesh file"), "{error}");
         let file = directory.path().join("horse.obj");
         std::fs::write(&file, "").unwrap();
-        for wrong in [file, directory.path().join("none")] {
-            let error = Library::open(&wrong).unwrap_err();
-            assert!(matches!(error, ModelError::Missing { .. }), "{error}");
-        }
+        let error = Library::open(&file).unwrap_err().to_string();
+        assert!(error.ends_with("horse.obj: not a directory"), "{error}");
+        let error = Library::open(&directory.path().join("none")).unwrap_err();
+        assert!(matches!(error, ModelError::Missing { .. }), "{error}");
     }
 }

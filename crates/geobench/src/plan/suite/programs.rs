@@ -129,6 +129,9 @@ fn combinations(
             )),
         });
         let texts = texts.collect::<Result<Vec<String>, String>>()?;
+        if (1..texts.len()).any(|i| texts[..i].contains(&texts[i])) {
+            return Err(format!("a value of `{name}` is given twice"));
+        }
         if texts.is_empty() || texts.iter().any(|text| text.contains([',', '{', '}', '='])) {
             return Err(format!(
                 "the values of `{name}` are one or more numbers or words without any of `,{{}}=`"

@@ -447,6 +447,12 @@ fn only_the_last_line_may_be_torn() {
         let message = refused(timed, &lines[timed].replacen(from, to, 1));
         assert!(message.contains(problem), "{message}");
     }
+    // A first line alone, without its end: it is completed.
+    fs::write(desk.path(), lines[0].trim_end()).unwrap();
+    let mut longer = small();
+    longer.sampling = Sampling::Fixed(7);
+    desk.run(&longer, &MockBackend::default());
+    desk.run(&longer, &MockBackend::default());
     for foreign in ["hello\n", "{}\n", "{\"schema\": 1}", "no line"] {
         fs::write(desk.path(), foreign).unwrap();
         assert_eq!(

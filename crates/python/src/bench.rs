@@ -24,6 +24,7 @@ use pyo3::prelude::*;
 
 use crate::interrupt;
 use crate::mesh::PyMesh;
+use crate::solver::check_threads;
 
 /// Ends a benchmark between two runs once the [`Stop`] is set.
 struct UntilStopped(Stop);
@@ -106,12 +107,7 @@ pub(crate) fn run_to_json(
     if repeat == Some(0) {
         return Err(PyValueError::new_err("repeat: 0, but at least 1 is needed"));
     }
-    if threads == 0 || threads > registry::MOST_THREADS {
-        return Err(PyValueError::new_err(format!(
-            "threads: {threads}, but it is a number from 1 to {}",
-            registry::MOST_THREADS
-        )));
-    }
+    let threads = check_threads(threads)?;
     if !tolerance.is_finite() || tolerance < 0.0 {
         return Err(PyValueError::new_err(format!(
             "tolerance: {tolerance} is no error that could be allowed"
@@ -119,7 +115,7 @@ pub(crate) fn run_to_json(
     }
     let selected = selected.into_iter();
     let selected: Vec<_> = selected
-        .map(|a| a.with_threads(threads as usize).with_simd(simd))
+        .map(|a| a.with_threads(threads).with_simd(simd))
         .collect();
     let reference = match check {
         None => Reference::usual(&selected),

@@ -38,14 +38,9 @@ pub(crate) fn long<T: Send + 'static>(
         })
         .map_err(|error| PyOSError::new_err(format!("no thread for the solver: {error}")))?;
     let mut wait = |time: Duration| {
-        // A `Receiver` is not `Sync`, so the closure takes it and returns it.
-        let there = std::mem::replace(&mut receiver, mpsc::channel().1);
-        let (back, result) = py.detach(move || {
-            let result = there.recv_timeout(time);
-            (there, result)
-        });
-        receiver = back;
-        result
+        // A shared reference could not be sent, since a `Receiver` is not `Sync`.
+        let receiver = &mut receiver;
+        py.detach(move || receiver.recv_timeout(time))
     };
     loop {
         match wait(PERIOD) {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc as Shared;
 
+use geodesic::window::precision;
 use geodesic::{DistanceField, FieldError, Line, Mesh, Stop, SurfacePoint};
 use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
@@ -11,6 +12,7 @@ use crate::errors::solve_error;
 use crate::interrupt;
 use crate::path::triples;
 use crate::points::{Finder, several};
+use crate::solver::warn;
 
 /// The maximum number of isolines that a step may ask for.
 const MOST_LEVELS: f64 = 10_000.0;
@@ -27,6 +29,10 @@ pub(crate) struct PyIsoline {
     /// float: the total length of the lines, in units of the mesh.
     #[pyo3(get)]
     length: f64,
+    /// float: the largest gap between ends that were joined, in units of the mesh. It is above
+    /// rounding only beside faces without area.
+    #[pyo3(get)]
+    gap: f64,
     /// list of IsolineLine: its connected parts: loops, and lines between points of the boundary.
     #[pyo3(get)]
     lines: Vec<Py<PyLine>>,
@@ -164,21 +170,24 @@ pub(crate) fn isolines(
                 field.levels_every(every)
             }
         };
-        Ok(Ok(field.isolines(&levels)))
+        let doubt = precision::doubt(&surface, field.distances());
+        let doubt = doubt.map(|doubt| doubt.to_string());
+        Ok(Ok((field.isolines(&levels), doubt)))
     };
     let found = interrupt::call(py, mesh.face_count(), &Stop::default(), work)?;
     let found = found.map_err(|error| match error {
         FieldError::Solve(error) => solve_error(error),
         other => PyValueError::new_err(format!("source: {other}")),
     })?;
-    let found = found.map_err(|count| {
+    let (found, doubt) = found.map_err(|count| {
         PyValueError::new_err(format!(
             "every: {} asks for {count:.0} isolines, more than {MOST_LEVELS}",
             every.unwrap_or_default()
         ))
     })?;
+    warn(py, doubt)?;
     let of_python = |isoline: geodesic::Isoline| {
-        let (distance, length) = (isoline.distance, isoline.length());
+        let (distance, length, gap) = (isoline.distance, isoline.length(), isoline.gap);
         let lines = isoline.lines.into_iter().map(|line| {
             let line = PyLine {
                 mesh: mesh.clone(),
@@ -190,6 +199,7 @@ pub(crate) fn isolines(
         Ok(PyIsoline {
             distance,
             length,
+            gap,
             lines: lines.collect::<PyResult<_>>()?,
         })
     };

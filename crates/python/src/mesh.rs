@@ -1,7 +1,8 @@
 //! The class `Mesh`, and the functions that read and generate meshes.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use geobench::exec::expected::stem;
 use geodesic::mesh::{MeshMeasures, Report, Severity};
 use geodesic::{Mesh, Place, RemeshOptions, Stop, TriangleSoup, VertexId, generate, io};
 use numpy::{PyArray1, PyArray2};
@@ -494,17 +495,6 @@ pub(crate) fn read(py: Python<'_>, path: PathBuf) -> PyResult<PyMesh> {
         .detach(|| io::read(&path))
         .map_err(|error| unreadable(py, &error))?;
     PyMesh::new(py, soup, stem(&path), &path.display().to_string())
-}
-
-/// The name of a file without its extension and `.gz`.
-fn stem(path: &Path) -> String {
-    let name = path
-        .file_name()
-        .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let name = name.strip_suffix(".gz").unwrap_or(&name);
-    name.rsplit_once('.')
-        .map_or(name, |(stem, _)| stem)
-        .to_owned()
 }
 
 /// Generates a mesh from a description such as `"torus,faces=5000"`, `"sphere,subdiv=4"` or

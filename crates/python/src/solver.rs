@@ -177,7 +177,8 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn warn(py: Python<'_>, doubt: Option<String>) -> PyResult<()> {
+/// Raises a warning about the precision of distances, if there is one.
+pub(crate) fn warn(py: Python<'_>, doubt: Option<String>) -> PyResult<()> {
     let Some(doubt) = doubt else { return Ok(()) };
     let message = std::ffi::CString::new(doubt)?;
     PyErr::warn(py, &py.get_type::<PrecisionWarning>(), &message, 1)
@@ -246,7 +247,7 @@ impl Algorithm {
         if threads / workers > 1 {
             // A parallel algorithm uses several threads for each source.
             let selection = self.kept.selection.clone().with_threads(threads / workers);
-            if selection.threads() > 1 {
+            if selection.threads() > 1 && selection.threads() != self.kept.selection.threads() {
                 pool = SolverPool::new(&selection, &pool.mesh);
             }
         }
@@ -284,24 +285,25 @@ impl Algorithm {
         let goal = goal(None, points.targets.as_deref(), &stop)?;
         let pool = self.pool(&points);
         let mesh = self.mesh.clone();
-        let work = move || -> Result<Vec<Option<Path>>, PathError> {
+        let work = move || -> Result<(Vec<Option<Path>>, Option<String>), PathError> {
             let found =
                 pool.with(|solver| Paths::find(solver, &pool.mesh, &points.sources, &goal))?;
+            let doubt = pool.doubt(found.distances());
             let is_refined = pool.mesh.vertex_count() > mesh.vertex_count();
             let of_original = |path: Path| {
                 if is_refined {
-                    path.of_original(&mesh, &points.refined, &points.points)
+                    path.of_original(&points.refined)
                 } else {
                     path
                 }
             };
             let targets = points.targets.iter().flatten();
-            targets
-                .map(|&target| Ok(found.to(target)?.map(of_original)))
-                .collect()
+            let paths = targets.map(|&target| Ok(found.to(target)?.map(of_original)));
+            Ok((paths.collect::<Result<_, PathError>>()?, doubt))
         };
-        let paths =
+        let (paths, doubt) =
             interrupt::call(py, self.mesh.face_count(), &stop, work)?.map_err(path_error)?;
+        warn(py, doubt)?;
         let paths = paths.into_iter();
         paths
             .map(|path| {
@@ -374,7 +376,7 @@ impl PySolver {
     /// bool: whether its distances are exact up to rounding.
     #[getter]
     fn exact(&self) -> bool {
-        self.algorithm.kept.selection.algorithm().exact
+        self.algorithm.kept.selection.is_exact()
     }
 
     /// Distances from the nearest source.

@@ -1,5 +1,6 @@
 //! Geodesic Voronoi diagrams.
 
+use std::collections::HashSet;
 use std::sync::Arc as Shared;
 
 use geobench::exec::source::PointSpec;
@@ -202,8 +203,9 @@ impl PyVoronoi {
             sources,
             ..
         } = ResolvedPoints::new(mesh, sources, "sources", None)?;
+        let mut seen = HashSet::new();
         for (i, v) in sources.iter().enumerate() {
-            if sources[..i].contains(v) {
+            if !seen.insert(v) {
                 let name = match specs[i] {
                     PointSpec::Vertex(v) => format!("vertex {v}"),
                     spec => spec.to_string(),
@@ -304,7 +306,7 @@ impl PyVoronoi {
             .map(|vertex| {
                 let node = diagram.nodes()[vertex.node as usize];
                 let weights = diagram.barycentric(node.face, node.place);
-                let weights = refined.in_parent(&surface.mesh, &surface.points, node.face, weights);
+                let weights = refined.in_parent(node.face, weights);
                 PyVoronoiVertex {
                     position: diagram.position(node.face, node.place).map(Into::into),
                     face: refined.parent(node.face).raw(),
@@ -335,30 +337,14 @@ impl PyVoronoi {
         if positions.is_empty() {
             return Err(PyValueError::new_err("the mesh has no positions"));
         }
-        let dual = self.diagram.dual();
-        if !dual.obstacles.is_empty() {
-            let named: Vec<String> = dual
-                .obstacles
-                .iter()
-                .take(4)
-                .map(ToString::to_string)
-                .collect();
-            let more = match dual.obstacles.len() - named.len() {
-                0 => String::new(),
-                more => format!("; and {more} more"),
-            };
-            return Err(PyValueError::new_err(format!(
-                "the dual is no triangulation: {}{more}; add sources there",
-                named.join("; ")
-            )));
-        }
         let corners = self
             .surface
             .sources
             .iter()
             .map(|v| positions[v.index()])
             .collect();
-        let soup = TriangleSoup::new(corners, dual.triangles.clone());
+        let soup = self.diagram.dual().triangulation(corners);
+        let soup = soup.map_err(|error| PyValueError::new_err(error.to_string()))?;
         PyMesh::new(py, soup, "dual".to_owned(), "the dual")
     }
 

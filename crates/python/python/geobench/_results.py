@@ -216,7 +216,7 @@ def run(
         Untimed runs before the timed ones.
     check : str, optional
         The algorithm whose answers the others must match, or ``"none"``. The default is
-        ``mmp-fast`` if it is among the algorithms, else the first one.
+        ``mmp-fast`` if it is among the algorithms, else the first exact one.
     tolerance : float
         Largest relative difference that passes.
     threads : int
@@ -231,13 +231,14 @@ def run(
     """
     if isinstance(models, (str, os.PathLike, _core.Mesh)):
         models = [models]
+    models = [os.fspath(model) if isinstance(model, os.PathLike) else model for model in models]
     algorithms, sources = _words(algorithms, "algorithms"), _sources(sources)
     command = ["geobench.run", f"algorithms={algorithms}", f"sources={sources}"]
     if repeat is not None:
         command.append(f"repeat={repeat}")
     text = _core.run_to_json(
         algorithms,
-        list(models),
+        models,
         sources,
         sources_together,
         repeat,

@@ -1,4 +1,4 @@
-// The protocol of bench-configs/PEERS.md for adapters in C++: `peer::serve` loads the model, and
+// The protocol of docs/protocol.md for adapters in C++: `peer::serve` loads the model, and
 // for each request makes a solver, times its solve alone and writes the distances.
 
 #pragma once

@@ -1,4 +1,4 @@
-"""The protocol of bench-configs/PEERS.md for adapters in Python: an adapter gives `serve` a function
+"""The protocol of docs/protocol.md for adapters in Python: an adapter gives `serve` a function
 that prepares its library for a mesh and returns another one that solves."""
 
 import json
@@ -8,7 +8,7 @@ import time
 
 import numpy
 
-# Libraries print what they like; only answers may go where geobench reads.
+# Redirects library output to stderr; stdout carries replies only.
 _answers = os.fdopen(os.dup(1), "w")
 os.dup2(2, 1)
 

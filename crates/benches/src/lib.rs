@@ -3,7 +3,6 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion};
-use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::Solver;
 
@@ -48,14 +47,7 @@ pub fn whole_solves(criterion: &mut Criterion, set_up: impl Fn(&Mesh) -> Vec<Nam
 
 /// The mesh of a spec.
 fn mesh(spec: &str) -> Mesh {
-    let soup = spec.parse().map(|spec| generate(&spec));
-    let Ok(Ok(soup)) = soup else {
-        panic!("`{spec}` is not a generator");
-    };
-    match Mesh::from_soup(soup) {
-        Ok((mesh, _)) => mesh,
-        Err(error) => panic!("{spec}: {error}"),
-    }
+    Mesh::generate(spec).unwrap_or_else(|error| panic!("{spec}: {error}"))
 }
 
 #[cfg(test)]

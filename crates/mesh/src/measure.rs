@@ -92,7 +92,7 @@ impl MeshMeasures {
             mean_edge_length: lengths.sum / edges.max(1) as f64,
             max_edge_length: lengths.max,
             area: shapes.area,
-            bounding_box: bounding_box(mesh),
+            bounding_box: mesh.bounding_box(),
             anisotropy: shapes.anisotropy,
         }
     }
@@ -230,18 +230,4 @@ fn component_count(mesh: &Mesh) -> usize {
 /// A count as a signed number. There are fewer than 2³² elements of any kind.
 fn signed(count: usize) -> i64 {
     i64::try_from(count).unwrap_or(i64::MAX)
-}
-
-fn bounding_box(mesh: &Mesh) -> Option<[[f64; 3]; 2]> {
-    let first = *mesh.positions().first()?;
-    let corners = mesh
-        .positions()
-        .iter()
-        .fold([first, first], |[low, high], p| {
-            [
-                [0, 1, 2].map(|i| low[i].min(p[i])),
-                [0, 1, 2].map(|i| high[i].max(p[i])),
-            ]
-        });
-    Some(corners)
 }

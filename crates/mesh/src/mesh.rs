@@ -219,6 +219,33 @@ impl Mesh {
         &self.data.positions
     }
 
+    /// The least and the greatest coordinates of the vertices; `None` without positions.
+    pub fn bounding_box(&self) -> Option<[[f64; 3]; 2]> {
+        let (first, rest) = self.positions().split_first()?;
+        Some(rest.iter().fold([*first; 2], |[low, high], p| {
+            let [least, most] = [f64::min, f64::max];
+            [
+                [0, 1, 2].map(|i| least(low[i], p[i])),
+                [0, 1, 2].map(|i| most(high[i], p[i])),
+            ]
+        }))
+    }
+
+    /// The diagonal of the [bounding box](Self::bounding_box); 0 without positions.
+    pub fn diagonal(&self) -> f64 {
+        self.bounding_box().map_or(0.0, |[low, high]| {
+            let [x, y, z] = [0, 1, 2].map(|k| high[k] - low[k]);
+            x.hypot(y).hypot(z)
+        })
+    }
+
+    /// The positions and the corners of the faces, to write or change them; O(faces).
+    pub fn to_soup(&self) -> TriangleSoup {
+        let corners = |face| self.face_vertices(face).map(VertexId::raw);
+        let triangles = self.faces().map(corners).collect();
+        TriangleSoup::new(self.positions().to_vec(), triangles)
+    }
+
     /// The vertex at which `h` starts.
     #[inline]
     pub fn tail(&self, h: HalfEdgeId) -> VertexId {

@@ -6,7 +6,8 @@ use crate::ids::{HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 
 impl Mesh {
-    /// Checks all invariants of the mesh, in linear time.
+    /// Checks the invariants of the mesh, in linear time: its arrays, twins, lengths and fans. What
+    /// is derived from the lengths for needles and slivers is not computed again.
     ///
     /// # Errors
     ///

@@ -457,11 +457,7 @@ impl PyMesh {
         if self.mesh.positions().is_empty() {
             return Err(PyValueError::new_err("the mesh has no positions to write"));
         }
-        let corners = |face| self.mesh.face_vertices(face).map(VertexId::raw);
-        let soup = TriangleSoup::new(
-            self.mesh.positions().to_vec(),
-            self.mesh.faces().map(corners).collect(),
-        );
+        let soup = self.mesh.to_soup();
         py.detach(|| io::write(&path, &soup))
             .map_err(|error| unreadable(py, &error))
     }

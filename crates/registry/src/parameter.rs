@@ -371,14 +371,11 @@ pub(crate) fn threshold_width(mesh: &Mesh, values: &Values) -> f64 {
     let Some(share) = values.real_or_word(&THRESHOLD) else {
         return 0.0;
     };
-    let side = |axis: usize| {
-        let along = mesh.positions().iter().map(|p| p[axis]);
-        let (least, most) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-            (a.min(x), b.max(x))
-        });
-        most - least
-    };
-    share * [0, 1, 2].map(side).into_iter().fold(0.0, f64::max)
+    let longest = mesh.bounding_box().map_or(0.0, |[low, high]| {
+        let sides = [0, 1, 2].map(|k| high[k] - low[k]);
+        sides.into_iter().fold(0.0, f64::max)
+    });
+    share * longest
 }
 
 /// The parameter for vector instructions.

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 use geobench_isolines::{DistanceField, Isoline};
-use geobench_mesh::Mesh;
 use geobench_window::precision;
 
 use super::Verdict;
@@ -66,7 +65,9 @@ pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
         sources: &points.source_labels(),
         mesh,
         isolines: &isolines,
-        tolerance: options.tolerance.unwrap_or_else(|| TOLERANCE * size(mesh)),
+        tolerance: options
+            .tolerance
+            .unwrap_or_else(|| TOLERANCE * mesh.diagonal()),
     };
     let contents = if format.is_picture() {
         let lines = isolines.iter().flat_map(|isoline| &isoline.lines);
@@ -87,18 +88,6 @@ pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
         terminal::print(&summary(&options.output, &isolines, farthest))?;
     }
     Ok(Verdict::Passed)
-}
-
-/// Diagonal of the bounding box of `mesh`.
-fn size(mesh: &Mesh) -> f64 {
-    let extent = |k: usize| {
-        let along = mesh.positions().iter().map(|p| p[k]);
-        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-            (low.min(x), high.max(x))
-        });
-        (high - low).max(0.0)
-    };
-    extent(0).hypot(extent(1)).hypot(extent(2))
 }
 
 fn summary(path: &Path, isolines: &[Isoline], farthest: f64) -> String {

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, bail};
 use geobench_mesh::io as mesh_io;
-use geobench_mesh::{Mesh, MeshMeasures, VertexId};
+use geobench_mesh::{Mesh, VertexId};
 use geobench_voronoi::{Deviation, Quality, RemeshOptions as Sites, Remeshed};
 
 use super::Verdict;
@@ -155,12 +155,7 @@ fn summary(
     );
     let there = Deviation::between(mesh, &new.mesh, SAMPLES)?;
     let back = Deviation::between(&new.mesh, mesh, SAMPLES)?;
-    let diagonal = MeshMeasures::of(mesh)
-        .bounding_box
-        .map_or(0.0, |[low, high]| {
-            let sides = [0, 1, 2].map(|k| high[k] - low[k]);
-            sides[0].hypot(sides[1]).hypot(sides[2])
-        });
+    let diagonal = mesh.diagonal();
     let shown = |d: f64| {
         let percent = 100.0 * d / diagonal.max(f64::MIN_POSITIVE);
         format!("{d:.3e} ({percent:.3} %)")

@@ -11,9 +11,7 @@ pub(crate) mod standard_input;
 
 use geobench_mesh::generate::{self, Spec};
 use geobench_mesh::io::ReadOptions;
-use geobench_mesh::{
-    InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, VertexId, io as mesh_io,
-};
+use geobench_mesh::{InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, io as mesh_io};
 use sha2::{Digest, Sha256};
 
 use crate::exec::expected::stem;
@@ -304,7 +302,7 @@ impl ModelRef {
         let options = options.into();
         match &self.origin {
             Origin::File(path) => read_file(path, options),
-            Origin::Memory(mesh) => Ok(soup_of(mesh)),
+            Origin::Memory(mesh) => Ok(mesh.to_soup()),
             Origin::Generated(spec) => {
                 let made = match spec.path() {
                     Some(path) => spec.modifiers().apply(read_file(Path::new(path), options)?),
@@ -324,7 +322,7 @@ impl ModelRef {
     pub fn load(&self, options: impl Into<ReadOptions>) -> Result<LoadedModel, ModelError> {
         if let Origin::Memory(mesh) = &self.origin {
             let known_by_positions = mesh.positions().len() == mesh.vertex_count();
-            let sha256 = known_by_positions.then(|| hash_soup(&soup_of(mesh)));
+            let sha256 = known_by_positions.then(|| hash_soup(&mesh.to_soup()));
             return Ok(self.loaded(mesh.clone(), Report::default(), sha256));
         }
         let start = Instant::now();
@@ -386,14 +384,6 @@ impl ModelRef {
             record,
         }
     }
-}
-
-fn soup_of(mesh: &Mesh) -> TriangleSoup {
-    let corners = |f| mesh.face_vertices(f).map(VertexId::raw);
-    TriangleSoup::new(
-        mesh.positions().to_vec(),
-        mesh.faces().map(corners).collect(),
-    )
 }
 
 fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, ModelError> {

@@ -8,7 +8,7 @@ use super::lattice::wrapped;
 use super::torus::rounded;
 use super::turn::{angle, turn};
 use crate::soup::TriangleSoup;
-use crate::vector::{norm, sub};
+use crate::vector::{cross, norm, sub};
 
 pub(super) const KEYS: &[Key] = &[
     Key::real(
@@ -158,24 +158,8 @@ impl Stretched {
     }
 }
 
-/// Mean of g = P·H / (2√3·S) over the triangles: P half the perimeter, H the longest side, S the
-/// area.
-///
-/// 1 for equilateral triangles, growing with their stretch, infinite where one has no area; NaN for
-/// a model without triangles. This is the papers' measure (Xu et al. 2015, section 5).
-///
-/// # Panics
-///
-/// If a triangle names a vertex that does not exist.
-pub fn mean_anisotropy(soup: &TriangleSoup) -> f64 {
-    let sum: f64 = soup
-        .triangles
-        .iter()
-        .map(|t| anisotropy(t.map(|v| soup.positions[v as usize])))
-        .sum();
-    sum / soup.triangles.len() as f64
-}
-
+/// g = P·H / (2√3·S) of a triangle: P half the perimeter, H the longest side, S the area (Xu et al.
+/// 2015, section 5). 1 for an equilateral triangle, infinite without area.
 fn anisotropy([a, b, c]: [[f64; 3]; 3]) -> f64 {
     let sides = [sub(b, a), sub(c, b), sub(a, c)];
     let lengths = sides.map(norm);
@@ -183,10 +167,6 @@ fn anisotropy([a, b, c]: [[f64; 3]; 3]) -> f64 {
     // Relative to the longest side, so that areas of tiny triangles do not vanish.
     let half_perimeter = (lengths[0] + lengths[1] + lengths[2]) / longest / 2.0;
     let [u, v, _] = sides.map(|side| side.map(|x| x / longest));
-    let area = norm([
-        u[1] * v[2] - u[2] * v[1],
-        u[2] * v[0] - u[0] * v[2],
-        u[0] * v[1] - u[1] * v[0],
-    ]) / 2.0;
+    let area = norm(cross(u, v)) / 2.0;
     half_perimeter / (12f64.sqrt() * area)
 }

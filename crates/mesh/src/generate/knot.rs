@@ -6,6 +6,7 @@ use super::lattice::wrapped;
 use super::torus::ring_counts;
 use super::turn::turn;
 use crate::soup::TriangleSoup;
+use crate::vector::cross;
 
 pub(super) const KEYS: &[Key] = &[
     Key::whole("faces", 6_000, [300, MAX_FACES], "wanted number of faces"),
@@ -65,10 +66,5 @@ fn frame(i: u64, rings: u64) -> ([f64; 3], [f64; 3], [f64; 3]) {
     let length = (a * a + b * b).sqrt();
     let (a, b) = (a / length, b / length);
     let tangent = [-a * y - b * up * x, a * x - b * up * y, b * out];
-    let second = [
-        normal[1] * tangent[2] - normal[2] * tangent[1],
-        normal[2] * tangent[0] - normal[0] * tangent[2],
-        normal[0] * tangent[1] - normal[1] * tangent[0],
-    ];
-    (centre, normal, second)
+    (centre, normal, cross(normal, tangent))
 }

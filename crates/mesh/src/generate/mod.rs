@@ -48,7 +48,6 @@ mod terrain;
 mod torus;
 mod turn;
 
-pub use anisotropic::mean_anisotropy;
 pub use error::GenerateError;
 pub use families::{FAMILIES, Family, Seeding, help};
 pub use keys::{Key, Kind};

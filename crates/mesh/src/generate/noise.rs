@@ -2,6 +2,7 @@
 
 use crate::random::SplitMix64;
 use crate::soup::TriangleSoup;
+use crate::vector::cross;
 
 /// Moves every vertex along its normal by a random distance, uniform between minus and plus
 /// `amplitude` times the mean length of the triangles' sides.
@@ -29,11 +30,7 @@ pub fn add_noise(soup: &mut TriangleSoup, amplitude: f64, seed: u64) {
                 mean += (length - mean) / count as f64;
             }
         }
-        let normal = [
-            u[1] * v[2] - u[2] * v[1],
-            u[2] * v[0] - u[0] * v[2],
-            u[0] * v[1] - u[1] * v[0],
-        ];
+        let normal = cross(u, v);
         for &corner in triangle {
             for k in 0..3 {
                 normals[corner as usize][k] += normal[k];

@@ -69,7 +69,7 @@ pub enum FileError {
         /// The path asked for.
         path: PathBuf,
         /// The position in the file.
-        place: Place,
+        place: FilePosition,
         /// The problem, and a remedy.
         problem: String,
     },
@@ -95,7 +95,7 @@ pub enum FileError {
 /// with a colon and a space, and is empty for the whole file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Place {
+pub enum FilePosition {
     /// The file as a whole.
     File,
     /// A line of a text file, counted from 1. For a statement of several lines, the first one.
@@ -111,7 +111,7 @@ pub enum Place {
     },
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePosition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File => Ok(()),
@@ -124,7 +124,7 @@ impl fmt::Display for Place {
 /// A [`FileError::Malformed`] without its path.
 #[derive(Debug)]
 pub(super) struct Flaw {
-    pub(super) place: Place,
+    pub(super) place: FilePosition,
     pub(super) problem: String,
 }
 
@@ -132,7 +132,7 @@ impl Flaw {
     /// A problem with the file as a whole.
     pub(super) fn file(problem: impl Into<String>) -> Self {
         Self {
-            place: Place::File,
+            place: FilePosition::File,
             problem: problem.into(),
         }
     }
@@ -140,7 +140,7 @@ impl Flaw {
     /// A problem in line `line`, counted from 1.
     pub(super) fn line(line: u64, problem: impl Into<String>) -> Self {
         Self {
-            place: Place::Line(line),
+            place: FilePosition::Line(line),
             problem: problem.into(),
         }
     }

@@ -36,7 +36,7 @@ use std::path::Path;
 
 use crate::soup::TriangleSoup;
 use error::Flaw;
-pub use error::{FileError, Place};
+pub use error::{FileError, FilePosition};
 pub use gzip::usual_decompression_limit;
 pub use write::{PlyEncoding, PlyWriter, write, write_obj};
 

@@ -8,7 +8,7 @@
 
 use std::hash::{BuildHasher, RandomState};
 
-use super::error::{Flaw, Place};
+use super::error::{FilePosition, Flaw};
 use super::text::{Lines, Words, coordinates, shown, words};
 use crate::soup::TriangleSoup;
 
@@ -58,7 +58,7 @@ fn read_binary(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     let there = (bytes.len() - HEADER) / TRIANGLE;
     if (there as u64) < u64::from(count) {
         return Err(Flaw {
-            place: Place::Element {
+            place: FilePosition::Element {
                 kind: "triangle",
                 number: there as u64,
                 byte: (HEADER + there * TRIANGLE) as u64,

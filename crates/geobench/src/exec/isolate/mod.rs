@@ -238,10 +238,7 @@ impl ExchangeFolder {
             let refined = mesh.with_points(&[found.point]);
             let refined = refined.map_err(|error| refused(error.to_string()))?;
             let fine = &refined.mesh;
-            let triangles = fine
-                .faces()
-                .map(|f| fine.face_vertices(f).map(VertexId::raw));
-            soup = TriangleSoup::new(fine.positions().to_vec(), triangles.collect());
+            soup = fine.to_soup();
             vertex = refined.vertices[0];
             note = found.note();
         }

@@ -1,7 +1,7 @@
 //! The payload of a PLY file, after the header.
 
 use super::header::{Element, Kind, Property, Role, Scalar};
-use crate::io::error::{Flaw, Place};
+use crate::io::error::{FilePosition, Flaw};
 use crate::io::text::{self, Lines, Words, integer, shown, words};
 
 /// Reads the numbers of a payload in order.
@@ -141,7 +141,7 @@ pub(super) struct Binary<'a, const BIG_ENDIAN: bool> {
     rest: &'a [u8],
     file_size: usize,
     /// The current element.
-    place: Place,
+    place: FilePosition,
 }
 
 impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
@@ -150,7 +150,7 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
         Self {
             rest,
             file_size,
-            place: Place::File,
+            place: FilePosition::File,
         }
     }
 
@@ -311,7 +311,7 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
     }
 
     fn next(&mut self, element: &Element, number: u64) -> Result<(), Flaw> {
-        self.place = Place::Element {
+        self.place = FilePosition::Element {
             kind: match element.kind {
                 Kind::Vertex => "vertex",
                 Kind::Face => "face",

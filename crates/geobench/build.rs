@@ -9,9 +9,20 @@ fn main() {
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
     set("GEOBENCH_RUSTC", output(&rustc, &["--version"]).as_deref());
     set("GEOBENCH_RUSTFLAGS", rustflags().as_deref());
-    set("GEOBENCH_PROFILE", std::env::var("PROFILE").ok().as_deref());
+    set("GEOBENCH_PROFILE", profile().as_deref());
     lie_at_one_address();
     println!("cargo::rerun-if-changed=build.rs");
+}
+
+/// The profile: `debug`, `quick`, or `release` for all others. Cargo tells custom profiles as that
+/// which they inherit from; the directory of the output has their names.
+fn profile() -> Option<String> {
+    let output = std::env::var("OUT_DIR").ok()?;
+    let directory = Path::new(&output).ancestors().nth(3)?.file_name()?;
+    if directory == "quick" {
+        return Some("quick".to_owned());
+    }
+    std::env::var("PROFILE").ok()
 }
 
 /// Has the program loaded at the same address each time. Linux maps the 64 KB around each page of

@@ -19,7 +19,7 @@ pub(super) struct AlgosOptions {
     pub(super) list: Option<Algorithms>,
 
     /// List the counters of result files instead, each with its definition
-    #[arg(long)]
+    #[arg(long, conflicts_with = "list")]
     pub(super) counters: bool,
 
     /// How to list them

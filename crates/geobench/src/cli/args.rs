@@ -145,7 +145,7 @@ pub(super) struct RunOptions {
     pub(super) algo: Option<Algorithms>,
 
     #[command(flatten)]
-    pub(super) source: SourceOptions,
+    pub(super) source: RunSourceOptions,
 
     #[command(flatten)]
     pub(super) goal: GoalOptions,
@@ -187,8 +187,8 @@ pub(super) struct RunOptions {
     #[arg(long, value_name = "N")]
     pub(super) seed: Option<u64>,
 
-    /// Threads of the parallel algorithms (pvtp, pch), and of outside programs whose command has
-    /// {threads} [default: 1]
+    /// Threads of the parallel algorithms (pvtp, pch), of the set-up of svg, and of outside programs
+    /// whose command has {threads} [default: 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = threads())]
     pub(super) threads: Option<u32>,
 
@@ -255,7 +255,7 @@ pub(super) struct RunOptions {
 
 /// Where runs start.
 #[derive(Args, Debug)]
-pub(super) struct SourceOptions {
+pub(super) struct RunSourceOptions {
     /// Sources: first, a vertex number, random:N[,seed=S], all, edge:A-B,T (from vertex A the
     /// fraction T of the way to B), face:F,U,V,W (barycentric coordinates), at:X,Y,Z (the nearest
     /// point), or a list of these; may be repeated [default: first]
@@ -309,7 +309,7 @@ pub(super) struct GoalOptions {
     pub(super) radius: Option<f64>,
 }
 
-impl SourceOptions {
+impl RunSourceOptions {
     /// All given sources as one list; `None` if none are given.
     pub(super) fn sources(&self) -> Result<Option<SourceSpec>, UsageError> {
         if self.source.is_empty() {
@@ -412,8 +412,8 @@ pub(super) struct VerifyOptions {
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
     pub(super) tolerance: f64,
 
-    /// Threads of the parallel algorithms (pvtp, pch), and of outside programs whose command has
-    /// {threads}
+    /// Threads of the parallel algorithms (pvtp, pch), of the set-up of svg, and of outside programs
+    /// whose command has {threads}
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
     pub(super) threads: u32,
 

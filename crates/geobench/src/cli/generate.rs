@@ -13,6 +13,7 @@ use crate::table::output::OutputFile;
 use crate::table::{STANDARD, ending_of};
 
 #[derive(Args, Debug)]
+#[command(after_long_help = geobench_mesh::generate::help())]
 pub(super) struct GenOptions {
     /// NAME[,key=value...], such as torus,faces=50000,bump=0.1,seed=7
     #[arg(value_name = "SPEC")]

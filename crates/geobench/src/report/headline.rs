@@ -207,7 +207,7 @@ mod tests {
         let result = result(times);
         let record = GroupRecord {
             ratios_to: Some(base.to_owned()),
-            ..GroupRecord::unnamed()
+            ..GroupRecord::default()
         };
         headline(&GroupCells::new(&record, &result.models, &result.cells))
     }
@@ -256,7 +256,7 @@ mod tests {
     fn approximate_answers_are_not_the_fastest() {
         let mut result = result(&[("a", "heat", 0.1), ("a", "mmp", 2.0), ("a", "vtp", 1.0)]);
         result.cells[0].check.max_rel = Some(0.01);
-        let record = GroupRecord::unnamed();
+        let record = GroupRecord::default();
         let group = GroupCells::new(&record, &result.models, &result.cells);
         let text = headline(&group).unwrap();
         assert!(

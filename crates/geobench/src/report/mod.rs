@@ -209,7 +209,7 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, UsageError> 
 fn with_base(result: &ResultFile, wanted: Option<&str>) -> ResultFile {
     let mut result = result.clone();
     if result.groups.is_empty() {
-        result.groups.push(GroupRecord::unnamed());
+        result.groups.push(GroupRecord::default());
     }
     let bases: Vec<Option<String>> = results::groups(&result)
         .iter()

@@ -121,7 +121,7 @@ fn names_cannot_break_the_page() {
     let mut result = mixed();
     result.groups = vec![GroupRecord {
         shows: Some("<script>alert(1)</script> & more".into()),
-        ..GroupRecord::unnamed()
+        ..GroupRecord::default()
     }];
     result.command.push("</style><img src=x>".into());
     let html = page(&report_on(result, &options()));

@@ -20,7 +20,7 @@ pub(crate) fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
     let algorithms = registry::select(algorithms).unwrap();
     let algorithms: Vec<_> = algorithms.into_iter().map(|a| a.with_simd(simd)).collect();
     Plan {
-        group: GroupRecord::unnamed(),
+        group: GroupRecord::default(),
         models: models.iter().map(|name| ModelRef::named(name)).collect(),
         reference: Reference::Algorithm(
             algorithms

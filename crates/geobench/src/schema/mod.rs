@@ -128,7 +128,7 @@ pub struct Tool {
     /// Extra compiler flags, as from `RUSTFLAGS`; empty if none, absent in files of older versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rustflags: Option<String>,
-    /// `release` or `debug`.
+    /// `release`, `quick` (without optimisation across crates) or `debug`.
     pub profile: String,
     /// Cargo features.
     pub features: Vec<String>,
@@ -193,7 +193,7 @@ pub struct IsolationRecord {
     pub jobs: Option<usize>,
 }
 
-/// A group of cells that are shown together.
+/// A group of cells that are shown together. The default is the group of a run without a suite.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GroupRecord {
     /// Its name, unique within the file; null for the only group of a run without a suite.
@@ -213,21 +213,6 @@ pub struct GroupRecord {
     /// Whether its cells record samples of the wavefront.
     #[serde(default)]
     pub wavefront: bool,
-}
-
-impl GroupRecord {
-    /// The group of a run without a suite.
-    pub const fn unnamed() -> Self {
-        Self {
-            name: None,
-            shows: None,
-            rows: Vec::new(),
-            ratios_to: None,
-            timeout: None,
-            memory_limit: None,
-            wavefront: false,
-        }
-    }
 }
 
 /// A model. One that was refused has its name and path, and few other fields.

@@ -1,6 +1,8 @@
 //! Builds tables of results: for each model, the rows of the papers' tables, with a column for each
 //! algorithm.
 
+use std::sync::LazyLock;
+
 use super::counted;
 use super::figures::{Figure, Style, figures, time};
 use super::group::{Estimate, GroupCells, algorithms, distinct, overall};
@@ -11,9 +13,9 @@ use crate::schema::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
 
 /// The groups of `result`, in the order of the run.
 pub(crate) fn groups(result: &ResultFile) -> Vec<GroupCells<'_>> {
-    static ALONE: GroupRecord = GroupRecord::unnamed();
+    static ALONE: LazyLock<GroupRecord> = LazyLock::new(GroupRecord::default);
     let groups = if result.groups.is_empty() {
-        std::slice::from_ref(&ALONE)
+        std::slice::from_ref(&*ALONE)
     } else {
         &result.groups
     };

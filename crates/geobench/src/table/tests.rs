@@ -363,7 +363,7 @@ fn one_failed_source_spoils_the_column() {
 fn colour_marks_the_best_and_the_failed() {
     let result = mixed();
     let text = super::model_table(
-        &GroupRecord::unnamed(),
+        &GroupRecord::default(),
         &result.models[1],
         &result.cells,
         Look {

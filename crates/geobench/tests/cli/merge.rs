@@ -337,7 +337,7 @@ fn a_part_with_nothing_to_do_says_so() {
 #[test]
 fn a_model_that_one_part_cannot_load_is_refused_in_its_cells_alone() {
     let sandbox = Sandbox::new();
-    sandbox.write("suite.toml", "algorithms = [\"mmp\", \"vtp\"]\nrepeat = 1\nwarmup = 0\nmodels = [\"square.off\"]\nsource = \"random:3\"\n");
+    sandbox.write("suite.toml", "algorithms = [\"mmp\", \"vtp\"]\nrepeat = 1\nwarmup = 0\n[[group]]\nname = \"g\"\nmodels = [\"square.off\"]\nsource = \"random:3\"\n");
     for index in 1..=3 {
         // On one machine the file is another one.
         let text = if index == 2 {

@@ -81,7 +81,7 @@ pub fn plans(
         };
         if asked.algorithms.is_some() || asked.simd.is_some() {
             done.plans
-                .push(plan(&asked, models, GroupRecord::unnamed())?);
+                .push(plan(&asked, models, GroupRecord::default())?);
             return Ok(done);
         }
         for (name, shows, simd, algorithms) in GROUPS {
@@ -93,7 +93,7 @@ pub fn plans(
             let record = GroupRecord {
                 name: Some(name.to_owned()),
                 shows: Some(shows.to_owned()),
-                ..GroupRecord::unnamed()
+                ..GroupRecord::default()
             };
             let settings = asked.or(&settings);
             done.plans.push(plan(&settings, models.clone(), record)?);
@@ -154,7 +154,7 @@ pub fn plans(
         let record = GroupRecord {
             name: Some(group.name.clone()),
             shows: group.shows.clone(),
-            ..GroupRecord::unnamed()
+            ..GroupRecord::default()
         };
         done.plans.push(plan(&settings, models, record)?);
     }

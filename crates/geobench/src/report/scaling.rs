@@ -59,7 +59,7 @@ impl Against {
                 "subdivide",
                 "slices",
                 "stacks",
-                "rings",
+                "holes",
             ],
             Self::Anisotropy => &["g"],
         }
@@ -70,11 +70,11 @@ impl Against {
     /// family differ in this property only. `None` for files that have no such name or property.
     fn family(self, model: &ModelRecord) -> Option<String> {
         if !Spec::is_spec(&model.path) {
-            let name = model.name.trim_end_matches(|c: char| {
-                c.is_ascii_digit() || matches!(c, '.' | '-' | '_' | ' ' | 'k' | 'K' | 'M')
-            });
-            let is_sized = self == Self::Faces && !name.is_empty() && name != model.name;
-            return is_sized.then(|| name.to_owned());
+            let size = model.name.trim_end_matches(['k', 'K', 'M']);
+            let name = size.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.');
+            let is_sized = self == Self::Faces && name != size;
+            let name = name.trim_end_matches(['-', '_', ' ']);
+            return (is_sized && !name.is_empty()).then(|| name.to_owned());
         }
         let is_size = |item: &&str| {
             let key = item.split('=').next().unwrap_or_default().trim();
@@ -168,7 +168,7 @@ fn against_plots(
         _ => String::new(),
     };
     let lines = if joined {
-        "Lines join models that differ in nothing else."
+        "Lines join models that differ only in this property."
     } else {
         "Each point is a model."
     };
@@ -276,7 +276,8 @@ mod tests {
         assert_eq!(of(Against::Faces, "horse_20k"), Some("horse".into()));
         // Their sizes differ, so their anisotropy is not all that differs.
         assert_eq!(of(Against::Anisotropy, "horse_20k"), None);
-        for unrelated in ["12", "horse"] {
+        assert_eq!(of(Against::Faces, "duck_5k"), Some("duck".into()));
+        for unrelated in ["12", "horse", "duck"] {
             assert_eq!(of(Against::Faces, unrelated), None);
         }
     }

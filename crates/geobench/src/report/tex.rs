@@ -146,10 +146,10 @@ fn addplot(
     along: &[&str],
     coordinates: impl Iterator<Item = String>,
 ) -> String {
-    let bars: String = along
-        .iter()
-        .map(|axis| format!(", {axis} dir=both, {axis} explicit"))
-        .collect();
+    let mut bars = String::new();
+    for axis in along {
+        bars += &format!(", {axis} dir=both, {axis} explicit");
+    }
     format!(
         "\\addplot+[mark={}, mark options={{solid}}, error bars/.cd{bars}] coordinates {{\n  {}\n}};\n",
         pgf_mark(style, hollow),

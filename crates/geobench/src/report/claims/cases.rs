@@ -2,24 +2,14 @@
 
 use super::ClaimCase;
 use super::expression::{Leaves, Node, Quantity};
-use super::file::{Combine, GrowthAxis, Operand, Show, SimdFilter, Size, Test, labels};
+use super::file::{Combine, GrowthAxis, Operand, Show, SimdFilter, Size, Test, labels, number_of};
 use crate::exec::source::SourceSpec;
 use crate::measure::number::grouped;
 use crate::measure::statistics::{FEWEST_FOR_FIT, FEWEST_FOR_INTERVAL, range_of};
-use crate::registry::{Selection, Value as Parameter};
+use crate::registry::Selection;
 use crate::schema::{Cell, ModelRecord, Phases, PlannedAlgorithm, ResultFile, SourceLabel, Status};
 use crate::table::figures::Figure;
 use crate::table::group::{Estimate, distinct};
-
-/// The value of a parameter of `selection`, if it is a number.
-pub(super) fn parameter(selection: &Selection, name: &str) -> Option<f64> {
-    let mut parameters = selection.algorithm().parameters.iter();
-    match selection.value(parameters.find(|parameter| parameter.name == name)?) {
-        Parameter::Integer(n) => Some(n as f64),
-        Parameter::Real(x) => Some(x),
-        Parameter::Word(_) => None,
-    }
-}
 
 /// The results of a suite, and the test that is computed from them.
 #[derive(Clone, Copy)]
@@ -236,12 +226,12 @@ impl<'r> Results<'r> {
 
     /// The name of a model in a case: with its group if several of `groups` have the model.
     fn place(&self, model: &ModelRecord, group: Option<&str>, groups: &[Option<&str>]) -> String {
-        let has = |group: &&Option<&str>| {
+        let has = |group: Option<&str>| {
             let mut cells = self.result.cells.iter();
-            cells.any(|cell| cell.group.as_deref() == **group && cell.model == model.name)
+            cells.any(|cell| cell.group.as_deref() == group && cell.model == model.name)
         };
         match group {
-            Some(group) if groups.iter().filter(has).count() > 1 => {
+            Some(group) if groups.iter().filter(|group| has(**group)).count() > 1 => {
                 format!("{} in {group}", model.name)
             }
             _ => model.name.clone(),
@@ -418,7 +408,7 @@ impl<'r> Results<'r> {
     ) -> Node {
         if let Some(best) = &self.test.best {
             let beside = operand.algorithms.iter();
-            let beside = beside.map(|one| parameter(one, best.get_ref()).unwrap_or(f64::NAN));
+            let beside = beside.map(|one| number_of(one, best.get_ref()).unwrap_or(f64::NAN));
             let all = beside.zip(over.into_iter().map(|quantity| leaves.node(quantity)));
             return Node::Best(all.collect());
         }

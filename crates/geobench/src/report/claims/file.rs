@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
-use crate::registry::{Selection, select_one};
+use crate::registry::{Selection, Value, select_one};
 use crate::report::papers::PaperTable;
 use crate::schema::Status;
 use crate::table::figures::{Figure, figure, time};
@@ -354,7 +354,7 @@ fn check_test(document: &TomlDocument<'_>, test: &Spanned<Test>) -> Result<(), D
         let parameter = best.get_ref();
         let all = test.of.iter().flat_map(|operand| &operand.algorithms);
         for selection in all {
-            if super::cases::parameter(selection, parameter).is_none() {
+            if number_of(selection, parameter).is_none() {
                 let problem = format!(
                     "{} has no number for the parameter `{parameter}`",
                     selection.label()
@@ -469,4 +469,14 @@ impl Test {
 /// The path of the file of claims called `name`, for messages.
 pub(super) fn path(name: &str) -> PathBuf {
     PathBuf::from(format!("bench-configs/papers/claims/{name}.toml"))
+}
+
+/// The value of a parameter of `selection`, if it is a number.
+pub(super) fn number_of(selection: &Selection, parameter: &str) -> Option<f64> {
+    let mut parameters = selection.algorithm().parameters.iter();
+    match selection.value(parameters.find(|known| known.name == parameter)?) {
+        Value::Integer(n) => Some(n as f64),
+        Value::Real(x) => Some(x),
+        Value::Word(_) => None,
+    }
 }

@@ -13,6 +13,7 @@ pub(super) const EXACT: f64 = 1e-6;
 /// it is the base itself, or the base is not exact, the speed-up is over the next fastest
 /// algorithm. `None` if no model has the times of two exact algorithms.
 ///
+/// Models on which fewer than two exact algorithms ran are ignored: there is nothing to win there.
 /// Approximate algorithms are ignored. The speed-up is the geometric mean over all models and
 /// sources that both solved. Its interval is a bootstrap over the samples of each.
 pub(crate) fn headline(group: &GroupCells<'_>) -> Option<String> {
@@ -22,17 +23,22 @@ pub(crate) fn headline(group: &GroupCells<'_>) -> Option<String> {
         .copied()
         .filter(|name| is_exact(group, name))
         .collect();
-    // For each model: its exact algorithms, the fastest first.
+    let ran = |model: &str, name: &str| {
+        let mut cells = group.cells.iter();
+        cells.any(|cell| cell.model == model && cell.algorithm == name)
+    };
+    // For each model: its exact algorithms that have a time, the fastest first.
     let ranked: Vec<Vec<&str>> = group
         .models
         .iter()
-        .filter_map(|model| {
+        .filter(|model| exact.iter().filter(|name| ran(&model.name, name)).count() > 1)
+        .map(|model| {
             let names = exact.iter().copied();
             let mut times: Vec<(&str, f64)> = names
                 .filter_map(|name| Some((name, group.value(time(), &model.name, name)?.value)))
                 .collect();
             times.sort_by(|a, b| a.1.total_cmp(&b.1));
-            (!times.is_empty()).then(|| times.into_iter().map(|(name, _)| name).collect())
+            times.into_iter().map(|(name, _)| name).collect()
         })
         .collect();
     if ranked.iter().all(|names| names.len() < 2) {
@@ -54,7 +60,7 @@ pub(crate) fn headline(group: &GroupCells<'_>) -> Option<String> {
             .filter(|name| wins(place, name) > 0)
     };
     let best = most(0, None)?;
-    let models = match group.models.len() {
+    let models = match ranked.len() {
         1 => "the only model".to_owned(),
         all => format!("{} of {all} models", wins(0, best)),
     };
@@ -244,12 +250,32 @@ mod tests {
                 .starts_with("mmp is fastest on 1 of 2 models, ")
         );
         assert_eq!(line(&times[..1], "vtp"), None);
-        // The only algorithm that has a time on `b` is the fastest there.
+    }
+
+    #[test]
+    fn models_that_one_algorithm_ran_on_counted_as_won() {
+        let times = [("a", "mmp", 4.0), ("a", "vtp", 2.0), ("b", "mmp", 16.0)];
         assert!(
-            line(&times[..4], "vtp")
+            line(&times, "vtp")
                 .unwrap()
-                .starts_with("mmp is fastest on 1 of 2 models, ")
+                .starts_with("vtp is fastest on the only model, ")
         );
+    }
+
+    #[test]
+    fn the_only_algorithm_that_solved_a_model_is_the_fastest_there() {
+        let mut result = result(&[
+            ("a", "mmp", 4.0),
+            ("a", "vtp", 2.0),
+            ("b", "mmp", 16.0),
+            ("b", "vtp", 1.0),
+        ]);
+        result.cells[3].status = Status::OutOfMemory;
+        result.cells[3].time = crate::schema::Time::default();
+        let record = GroupRecord::default();
+        let group = GroupCells::new(&record, &result.models, &result.cells);
+        let text = headline(&group).unwrap();
+        assert!(text.contains(" is fastest on 1 of 2 models, "), "{text}");
     }
 
     #[test]

@@ -38,7 +38,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::UsageError;
 use crate::exec::limits::DecompressionLimit;
-use crate::schema::{GroupRecord, ResultFile, Status};
+use crate::schema::{Cell, GroupRecord, ResultFile, Status};
 use crate::table::group::{GroupCells, algorithms};
 use crate::table::{Format, Note, capitalised, results};
 use chart::{LinePoint, Series};
@@ -362,13 +362,27 @@ fn reading(result: &ResultFile) -> String {
     let answers = result.cells.iter().filter(|cell| cell.status == Status::Ok);
     let unchecked = answers
         .clone()
-        .filter(|cell| cell.check.reference.is_none())
+        .filter(|cell| !is_compared(cell, &result.cells))
         .count();
     text += &match (unchecked, answers.count()) {
         (0, _) => "Every answer was compared with the reference that the remarks name; a wrong one has no time.".to_owned(),
         (n, all) => format!("{n} of {all} answers were not compared with a reference."),
     };
     text + " Intervals are 95 % bootstrap intervals of medians."
+}
+
+/// Whether the answer of `cell` was compared with another. The reference itself was compared if it
+/// is the reference of a further cell.
+fn is_compared(cell: &Cell, cells: &[Cell]) -> bool {
+    let of = |cell: &Cell| (cell.model.clone(), cell.source.clone(), cell.goal.clone());
+    match &cell.check.reference {
+        Some(name) if *name == cell.algorithm => cells.iter().any(|other| {
+            other.algorithm != *name
+                && other.check.reference.as_ref() == Some(name)
+                && of(other) == of(cell)
+        }),
+        reference => reference.is_some(),
+    }
 }
 
 /// Downloads of the result as JSON and CSV, embedded as data URLs. What is larger than

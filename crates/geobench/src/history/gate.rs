@@ -38,7 +38,7 @@ pub struct GateLine {
     /// The figure.
     pub figure: &'static str,
     /// The value of the base. For times, the geometric mean of the medians of the base commits. For
-    /// other figures, the value at the last base commit. Null for the figure `status`, and if it is
+    /// other figures, the value at the last base commit that solved the cell. Null for the figure `status`, and if it is
     /// missing.
     pub base: Option<f64>,
     /// The new value; null as for `base`.
@@ -106,10 +106,17 @@ pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Re
         let timed: Vec<&CellRecord> = earlier.iter().filter(alike).copied().collect();
         match time(cell, &timed, rules) {
             Some(line) => lines.push(line),
-            None if rules.on(Subject::Time).is_some() => notes.push(format!(
-                "{}: time is not compared: the noise needs {FEWEST} base commits with times",
-                cell.cell
-            )),
+            None if rules.on(Subject::Time).is_some() => {
+                let with = if timed.len() < earlier.len() {
+                    " of the same vector instructions"
+                } else {
+                    ""
+                };
+                notes.push(format!(
+                    "{}: time is not compared: the noise needs {FEWEST} base commits with times{with}",
+                    cell.cell
+                ));
+            }
             None => {}
         }
         for measure in Measure::all() {

@@ -38,7 +38,7 @@ pub fn join(files: Vec<(String, ResultFile)>) -> anyhow::Result<Joined> {
         let kept = add(&mut joined, &first, &name, file, Preferred::Joined)?;
         if kept > 0 {
             joined.notes.push(format!(
-                "{name}: {kept} of its cells are in the files before it, whose times are kept"
+                "{name}: {kept} of its cells are also in earlier files, whose times are kept"
             ));
         }
     }
@@ -240,8 +240,10 @@ fn add(
         whole.plan = None;
     }
     // Times of concurrent cells stay marked as such.
-    if let (Some(isolation), Some(other)) = (&mut whole.isolation, &file.isolation) {
-        isolation.jobs = isolation.jobs.max(other.jobs);
+    match (&mut whole.isolation, &file.isolation) {
+        (Some(isolation), Some(other)) => isolation.jobs = isolation.jobs.max(other.jobs),
+        (none @ None, other) => none.clone_from(other),
+        (Some(_), None) => {}
     }
     if whole.pairing != file.pairing {
         whole.pairing = None;
@@ -269,12 +271,17 @@ fn rename_models(
     file: &mut ResultFile,
 ) -> anyhow::Result<()> {
     let identity = |model: &ModelRecord| (model.name.clone(), model.sha256.clone());
+    // A model without a hash was refused; its name is not given to another one.
+    let refused = |model: &ModelRecord| (model.name.clone(), None);
     let own: HashSet<_> = file.models.iter().map(identity).collect();
     let mut renamed: HashMap<String, String> = HashMap::new();
     for model in &mut file.models {
         // Copies of a model have one hash. Each known name is given once.
         let is_free = |known: &&ModelRecord| {
-            !own.contains(&identity(known)) && !renamed.values().any(|taken| *taken == known.name)
+            ![identity(known), refused(known)]
+                .iter()
+                .any(|taken| own.contains(taken))
+                && !renamed.values().any(|taken| *taken == known.name)
         };
         let mut same_hash = whole
             .models
@@ -409,7 +416,7 @@ mod tests {
         assert_eq!(joined.file.cells[3], a.cells[3]);
         assert_eq!(
             joined.notes,
-            ["b.json: 1 of its cells are in the files before it, whose times are kept"]
+            ["b.json: 1 of its cells are also in earlier files, whose times are kept"]
         );
         let extended = extend(("a.json", a), ("this run", b.clone())).unwrap();
         assert_eq!(extended.file.cells[3], b.cells[0]);

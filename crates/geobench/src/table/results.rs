@@ -7,6 +7,7 @@ use super::counted;
 use super::figures::{Figure, Style, figures, time};
 use super::group::{Estimate, GroupCells, algorithms, distinct, overall};
 use super::model::{Column, Entry, Mark, Note, Part, Table};
+use crate::exec::source::SourceSpec;
 use crate::measure::number::{decimals, group, grouped, scientific};
 use crate::measure::statistics::FEWEST_FOR_INTERVAL;
 use crate::schema::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
@@ -80,7 +81,9 @@ pub(super) fn part(group: &GroupCells<'_>, model: &ModelRecord) -> Part {
         insert_after("time", &["outside_time", "claimed_time"], &mut figures);
     }
     let makes_diagrams = |cell: &&Cell| {
-        let several = cell.source.as_ref().is_some_and(|s| s.vertex().is_none());
+        let source = cell.source.as_ref().map(ToString::to_string);
+        let several =
+            source.is_some_and(|text| text.parse::<SourceSpec>().is_ok_and(|s| s.count() > 1));
         several && cell.time.extraction.is_some()
     };
     if group.record.rows.is_empty() && cells.iter().any(makes_diagrams) {

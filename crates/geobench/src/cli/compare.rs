@@ -66,6 +66,8 @@ pub(super) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Ve
     if paths.len() < 2 {
         bail!("{}: give two or more files to compare", paths[0].display());
     }
+    let written: Vec<_> = outputs.iter().map(|(_, output)| output).collect();
+    output::check_not_read(&written, &paths)?;
     let files = result_file::read_all(&paths)?;
     let (name, first) = &files[0];
     let render: Box<dyn Fn(ComparisonFormat, Look) -> anyhow::Result<String>>;

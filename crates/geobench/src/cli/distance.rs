@@ -19,7 +19,7 @@ use crate::registry::Selection;
 use crate::schema::SourceLabel;
 use crate::table::FileFormat;
 use crate::table::distance_formats::{DistanceField, DistanceMatrix, FieldFormat, MatrixFormat};
-use crate::table::output::OutputFile;
+use crate::table::output::{OutputFile, check_not_read};
 
 pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     if options.algo.outside_name().is_some() {
@@ -38,6 +38,10 @@ pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     }
     let output = OutputFile::prepare(&options.output)?;
     let model = model::only(&options.model)?;
+    // With `--each` the output only names the files of the sources.
+    if options.matrix || !options.each {
+        check_not_read(&[&output], &[&model.path])?;
+    }
     let wanted = options.goal.wanted()?;
     if let (Form::Field(format), Some(_)) = (&form, &wanted)
         && format.is_mesh()

@@ -14,6 +14,7 @@ use super::terminal;
 use crate::exec::model;
 use crate::report::Scene;
 use crate::table::isoline_formats::{IsolineFormat, IsolineSet};
+use crate::table::output::check_not_read;
 use crate::table::{FileFormat, counted};
 
 /// Maximum number of isolines for which the summary has a line each.
@@ -31,6 +32,7 @@ const TOLERANCE: f64 = 1e-4;
 pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let (format, output) = IsolineFormat::output(&options.output)?;
     let model = model::only(&options.model)?;
+    check_not_read(&[&output], &[&model.path])?;
     let mesh = &model.mesh_within(options.reading)?;
     let points = Points::new(mesh, &options.sources.all()?, None, &model.path)?;
     let is_quiet = options.quiet || options.output == Path::new("-");

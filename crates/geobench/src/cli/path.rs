@@ -16,6 +16,7 @@ use crate::exec::model;
 use crate::report::Scene;
 use crate::schema::SourceLabel;
 use crate::table::FileFormat;
+use crate::table::output::check_not_read;
 use crate::table::path_formats::{FoundPath, PathFormat, PathSet};
 
 /// Maximum number of paths for which the summary has a line each.
@@ -31,6 +32,9 @@ pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     let output = options.output.as_deref();
     let output = output.map(PathFormat::output).transpose()?;
     let model = model::only(&options.model)?;
+    if let Some((_, output)) = &output {
+        check_not_read(&[output], &[&model.path])?;
+    }
     let mesh = &model.mesh_within(options.reading)?;
     let wanted: Option<Vec<WantedTarget>> =
         (!options.all_targets).then(|| options.target.iter().map(|t| (t.clone(), None)).collect());

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use anyhow::bail;
 use clap::Args;
 
 use super::Verdict;
@@ -27,6 +28,11 @@ pub(super) struct PoolOptions {
 
 pub(super) fn pool(options: &PoolOptions) -> anyhow::Result<Verdict> {
     let outputs = output::prepare::<Format>(&options.output)?;
+    for (i, round) in options.rounds.iter().enumerate() {
+        if options.rounds[..i].contains(round) {
+            bail!("{}: given twice; each round counts once", round.display());
+        }
+    }
     let files = result_file::read_all(&options.rounds)?;
     let joined = rounds::pool(files, options.pairing.clone())?;
     for (format, file) in &outputs {

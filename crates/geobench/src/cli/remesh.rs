@@ -16,7 +16,7 @@ use crate::exec::model;
 use crate::report::{Paint, Scene};
 use crate::table::diagram_formats;
 use crate::table::ending_of;
-use crate::table::output::{OutputFile, check_distinct};
+use crate::table::output::{OutputFile, check_distinct, check_not_read};
 
 /// Number of sample points on each surface for its distance from the other one.
 const SAMPLES: usize = 100_000;
@@ -35,6 +35,7 @@ pub(super) fn remesh(options: &RemeshOptions) -> anyhow::Result<Verdict> {
     outputs.extend(picture.as_ref().map(|(_, output)| output));
     check_distinct(&outputs)?;
     let model = model::only(&options.model)?;
+    check_not_read(&outputs, &[&model.path])?;
     let mesh = &model.mesh_within(options.reading)?;
     let sites = Sites {
         sites: options.sites as usize,

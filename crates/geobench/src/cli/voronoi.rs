@@ -21,7 +21,7 @@ use crate::registry::Selection;
 use crate::report::{Paint, Scene};
 use crate::schema::SourceLabel;
 use crate::table::diagram_formats::{self, BorderFormat, DiagramFile, DiagramFormat, LabelFormat};
-use crate::table::output::{OutputFile, check_distinct};
+use crate::table::output::{OutputFile, check_distinct, check_not_read};
 use crate::table::{FileFormat, no_coordinates};
 
 pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
@@ -43,6 +43,7 @@ pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
         return Err(no_diagram(&options.algo));
     }
     let model = model::only(&options.model)?;
+    check_not_read(&outputs, &[&model.path])?;
     let mesh = &model.mesh_within(options.reading)?;
     let named = SourceSpec::joined(options.source.iter().cloned());
     let points = Points::new(mesh, &named, Some(&[]), &model.path)?;

@@ -221,6 +221,27 @@ pub(crate) fn check_distinct(outputs: &[&OutputFile]) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Checks that no output would replace a file that the command reads.
+///
+/// # Errors
+///
+/// Names the file.
+pub(crate) fn check_not_read(
+    outputs: &[&OutputFile],
+    inputs: &[impl AsRef<Path>],
+) -> anyhow::Result<()> {
+    for output in outputs.iter().filter(|output| output.replace) {
+        let mut inputs = inputs.iter();
+        if inputs.any(|input| canonical(input.as_ref()) == output.path) {
+            bail!(
+                "{}: would replace a file that is read; name another output",
+                output.shown
+            );
+        }
+    }
+    Ok(())
+}
+
 /// The files at `paths` with their formats, after a check that they can be written. Fails if two
 /// paths are the same file.
 pub(crate) fn prepare<F: FileFormat>(paths: &[PathBuf]) -> anyhow::Result<Vec<(F, OutputFile)>> {

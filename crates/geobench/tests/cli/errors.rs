@@ -187,6 +187,34 @@ fn a_source_that_does_not_exist() {
 }
 
 #[test]
+fn an_output_replaced_the_file_it_was_made_from() {
+    let sandbox = Sandbox::with_square();
+    sandbox.succeed("gen square.off -o x.obj");
+    sandbox.succeed("gen square.off -o x.ply");
+    for result in ["a.json", "b.json"] {
+        sandbox.succeed(&format!("run square.off --algo mmp --quiet -o {result}"));
+    }
+    for command in [
+        "distance x.ply --source 0 -o ./x.ply",
+        "path x.obj --source 0 --target 2 -o x.obj",
+        "isolines x.obj --source 0 --levels 2 -o x.obj",
+        "voronoi x.ply --source 0,2 -o x.ply",
+        "voronoi x.obj --source 0,2 -o v.ply --dual x.obj",
+        "remesh x.ply --sites 4 -o x.ply",
+        "compare a.json b.json -o b.json",
+    ] {
+        let message = sandbox.refuse(command);
+        assert!(
+            message.contains("would replace a file that is read; name another output"),
+            "{command}: {message}"
+        );
+    }
+    sandbox.succeed("distance x.ply --source 0 --each --quiet -o x.ply");
+    let message = sandbox.refuse("pool a.json b.json a.json -o c.json");
+    assert!(message.starts_with("a.json: given twice"), "{message}");
+}
+
+#[test]
 fn files_that_cannot_be_written_are_found_before_the_work() {
     let sandbox = Sandbox::with_square();
     std::fs::create_dir(sandbox.path("d.json")).unwrap();

@@ -210,9 +210,7 @@ impl<'m> Finder<'m> {
 
 /// Sources and targets as vertices of a refined mesh.
 pub(crate) struct ResolvedPoints {
-    /// The sources, then the targets, as points of the original mesh.
-    pub(crate) points: Vec<SurfacePoint>,
-    /// The mesh with a vertex inserted at each of `points`.
+    /// The mesh with a vertex inserted at each of them.
     pub(crate) refined: Refined,
     /// The sources as vertices of `refined`.
     pub(crate) sources: Vec<VertexId>,
@@ -245,7 +243,6 @@ impl ResolvedPoints {
         Ok(Self {
             sources: from.to_vec(),
             targets: targets.is_some().then(|| to.to_vec()),
-            points,
             refined,
         })
     }

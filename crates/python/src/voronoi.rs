@@ -5,9 +5,7 @@ use std::sync::Arc as Shared;
 
 use geobench::exec::source::PointSpec;
 use geodesic::voronoi::NO_SOURCE;
-use geodesic::{
-    Diagram, FieldSolver, Mesh, Refined, Stop, SurfacePoint, TriangleSoup, VertexId, WindowVtp,
-};
+use geodesic::{Diagram, FieldSolver, Mesh, Refined, Stop, VertexId, WindowVtp};
 use numpy::{PyArray1, PyArray2};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyValueError;
@@ -39,8 +37,6 @@ struct Surface {
     refined: Refined,
     /// The sources as vertices of `refined`.
     sources: Vec<VertexId>,
-    /// The sources as points of `mesh`.
-    points: Vec<SurfacePoint>,
     /// The sources as the caller gave them.
     specs: Vec<PointSpec>,
 }
@@ -198,10 +194,7 @@ impl PyVoronoi {
     pub(crate) fn new(py: Python<'_>, mesh: &Mesh, sources: &Bound<'_, PyAny>) -> PyResult<Self> {
         let specs = several(sources, "sources")?;
         let ResolvedPoints {
-            points,
-            refined,
-            sources,
-            ..
+            refined, sources, ..
         } = ResolvedPoints::new(mesh, sources, "sources", None)?;
         let mut seen = HashSet::new();
         for (i, v) in sources.iter().enumerate() {
@@ -220,7 +213,6 @@ impl PyVoronoi {
             mesh: mesh.clone(),
             refined,
             sources,
-            points,
             specs,
         });
         let asked = Shared::clone(&surface);

@@ -66,7 +66,7 @@ pub enum Retention {
 const PERIOD: u32 = 64;
 
 /// Number of sweeps after which a candidate that keeps others from eviction is set aside.
-const PATIENCE: u32 = 8;
+const MOST_WAITS: u32 = 8;
 
 /// Finds the lists that can be evicted.
 ///
@@ -81,7 +81,7 @@ const PATIENCE: u32 = 8;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Eviction {
     /// Lists in which no window waited when they were noted, oldest first, with the distance from
-    /// which they can be evicted. That distance grows by and large.
+    /// which they can be evicted. It mostly grows.
     candidates: VecDeque<(HalfEdgeId, f64)>,
     /// Candidates that were set aside, such as those on very long edges, by the bits of their
     /// distances.
@@ -135,7 +135,7 @@ impl Eviction {
         while let Some(&(h, within)) = self.candidates.front() {
             if within < label {
                 evict(lists, h);
-            } else if self.waits < PATIENCE {
+            } else if self.waits < MOST_WAITS {
                 self.waits += 1;
                 break;
             } else {

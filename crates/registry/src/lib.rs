@@ -4,8 +4,8 @@
 //! [`Selection::build`] and the [`Solver`] trait. The table has one file per family. A new
 //! algorithm is one entry in such a file. A new family is a file and a line in [`algorithms`].
 //!
-//! It is a crate of its own because the compiler makes the machine code of all solvers here, which
-//! takes minutes: a change of the benchmark does not repeat that.
+//! It is a crate of its own because the machine code of all solvers is made here: a change of the
+//! benchmark does not repeat that.
 //!
 //! ```
 //! use geobench_mesh::Mesh;
@@ -92,6 +92,9 @@ where
     Box::new(solver.with_instructions(values.instructions()))
 }
 
+/// Sets up a solver for Voronoi diagrams of a mesh with these parameter values.
+pub type BuildField = fn(&Mesh, &Values) -> Box<dyn FieldSolver>;
+
 /// A registered algorithm. Its JSON form is the output of `geobench algos`.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Algorithm {
@@ -133,7 +136,7 @@ pub struct Algorithm {
     pub error_bound: fn(&Values) -> Option<f64>,
     /// Sets up a solver for Voronoi diagrams, if the algorithm keeps the windows that these take.
     #[serde(skip)]
-    pub field: Option<fn(&Mesh, &Values) -> Box<dyn FieldSolver>>,
+    pub field: Option<BuildField>,
     /// Its parameters, in the order of labels, `name{key=value}`.
     pub parameters: &'static [Parameter],
     /// Sets up a solver for a mesh with these parameter values. Set-up is not part of the time of a

@@ -19,8 +19,8 @@
 pub const GROUP: usize = 4;
 
 /// Number of places in a block of each class: 4, and then two sizes for each power of two. A table,
-/// because a branch on the class is mispredicted every other time. It has more classes than a list
-/// can need.
+/// because a branch on the class is mispredicted every other time. The table has more classes than a
+/// list can need.
 const ROOMS: [usize; 64] = {
     let mut rooms = [0; 64];
     rooms[1] = GROUP;
@@ -47,14 +47,14 @@ pub fn larger_class(class: u8, len: usize) -> u8 {
     larger
 }
 
-/// The number of an entry by which windows are found; they have 32 bits.
+/// Converts the index of a stored window, or of its place in a list, to 32 bits.
 ///
 /// # Panics
 ///
 /// If the index has more.
 #[inline]
 pub fn number(index: usize) -> u32 {
-    u32::try_from(index).expect("2^32 windows are the most that can be stored at once")
+    u32::try_from(index).expect("more than 2^32 windows cannot be stored at once")
 }
 
 /// The free blocks of an array of places: for each class, where they start.

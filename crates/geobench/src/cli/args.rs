@@ -18,6 +18,7 @@ use super::isolation::{DecompressionOptions, IsolationOptions, ReadingOptions};
 use super::merge::MergeOptions;
 use super::pool::PoolOptions;
 use super::shell::{CompletionsOptions, ManOptions};
+use super::terminal::ColorChoice;
 use crate::UsageError;
 use crate::exec::source::{SourceSpec, TargetSpec};
 use crate::measure::instructions;
@@ -61,15 +62,6 @@ pub(super) struct Arguments {
 
     #[command(subcommand)]
     pub(super) command: Command,
-}
-
-/// When to use colour.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum ColorChoice {
-    #[default]
-    Auto,
-    Always,
-    Never,
 }
 
 #[derive(Debug, Subcommand)]

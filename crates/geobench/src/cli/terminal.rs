@@ -2,12 +2,21 @@
 
 use std::io::{self, IsTerminal, Write};
 
+use clap::ValueEnum;
 use terminal_size::{Width, terminal_size_of};
 
-use super::args::ColorChoice;
 use crate::table::Look;
 use crate::table::escape::{for_terminal, printable};
 use crate::table::output::write_standard_output;
+
+/// When to use colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum ColorChoice {
+    #[default]
+    Auto,
+    Always,
+    Never,
+}
 
 /// Style and width of tables on standard output.
 pub(super) fn look(color: ColorChoice) -> Look {

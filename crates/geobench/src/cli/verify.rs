@@ -215,6 +215,27 @@ impl LoadedModelCheck<'_> {
         ))
     }
 
+    /// Counts the judgement of an algorithm's answer and prints it.
+    fn tell_judgement(
+        &self,
+        algorithm: &Selection,
+        source: PointSpec,
+        verdict: &Judgement,
+        tally: &mut VerifyTally,
+    ) -> anyhow::Result<()> {
+        tally.answers += 1;
+        tally.wrong += usize::from(verdict.wrong);
+        if self.options.quiet && !verdict.wrong {
+            return Ok(());
+        }
+        terminal::print(&format!(
+            "{}: source {source}: {}: {}\n",
+            self.record.name,
+            algorithm.label(),
+            verdict.text()
+        ))
+    }
+
     /// Runs all algorithms from `source` and prints one line for each. If answers disagree, prints
     /// which of them agree.
     fn verify_source(
@@ -303,16 +324,7 @@ impl LoadedModelCheck<'_> {
                     }
                 }
             }
-            tally.answers += 1;
-            tally.wrong += usize::from(verdict.wrong);
-            if verdict.wrong || !self.options.quiet {
-                terminal::print(&format!(
-                    "{}: source {source}: {}: {}\n",
-                    self.record.name,
-                    algorithm.label(),
-                    verdict.text()
-                ))?;
-            }
+            self.tell_judgement(algorithm, source, &verdict, tally)?;
         }
         if let (Some(reference), Some(field)) = (&reference, &stored)
             && reference.len() == count

@@ -8,11 +8,12 @@ use crate::schema::{Host, Tool};
 
 /// The version, commit and compiler of this program.
 pub fn tool() -> Tool {
+    let rustflags = env!("GEOBENCH_RUSTFLAGS");
     Tool {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         commit: non_empty(env!("GEOBENCH_COMMIT")),
         rustc: non_empty(env!("GEOBENCH_RUSTC")),
-        rustflags: Some(env!("GEOBENCH_RUSTFLAGS").to_owned()),
+        rustflags: Some(rustflags.to_owned()),
         profile: env!("GEOBENCH_PROFILE").to_owned(),
         features: Vec::new(),
     }

@@ -74,7 +74,8 @@ pub(crate) fn check_length(found: &[f64], expected: usize) -> anyhow::Result<()>
     Ok(())
 }
 
-/// As [`compare`], but only at the vertices that `expected` has, with their distances.
+/// Compares `found` with `expected` at the vertices that `expected` has. Two distances agree if
+/// they differ by at most `tolerance` relative, or if both are infinite. NaN agrees with nothing.
 ///
 /// # Panics
 ///

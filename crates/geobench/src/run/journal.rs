@@ -160,10 +160,13 @@ impl Journal {
         } else {
             journal.read(&bytes, header)?;
             let lacks_line_end = journal.length == bytes.len() as u64 && !bytes.ends_with(b"\n");
-            journal.cut().and_then(|()| match lacks_line_end {
-                // A torn write of the first line.
-                true => journal.append_text("\n"),
-                false => Ok(()),
+            journal.cut().and_then(|()| {
+                if lacks_line_end {
+                    // A torn write of the first line.
+                    journal.append_text("\n")
+                } else {
+                    Ok(())
+                }
             })
         };
         let begun = begun.and_then(|()| {

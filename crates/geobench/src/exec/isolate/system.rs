@@ -1,4 +1,4 @@
-//! System calls. Functions that exist on Linux only do nothing elsewhere, or return `None`.
+//! System calls. Those of Linux do nothing elsewhere, or return `None`.
 
 use std::path::Path;
 use std::process::{self, Command};

@@ -7,7 +7,6 @@ use clap::Args;
 
 use super::terminal;
 use super::{Verdict, history};
-use crate::UsageError;
 use crate::history::compare::{self as comparing, BaselineComparisons, Rules};
 use crate::schema::result_file;
 use crate::table::output;
@@ -40,8 +39,8 @@ pub(super) struct CompareOptions {
 
     /// What counts as a regression, separated by commas; without any, only a cell that does not end
     /// well any more
-    #[arg(long, value_name = "RULES", default_value = "", hide_default_value = true, value_parser = rules)]
-    pub(super) fail_on: Rules,
+    #[arg(long, value_name = "RULES")]
+    pub(super) fail_on: Option<Rules>,
 
     /// What goes to standard output
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ComparisonFormat::Table)]
@@ -69,15 +68,16 @@ pub(super) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Ve
     let written: Vec<_> = outputs.iter().map(|(_, output)| output).collect();
     output::check_not_read(&written, &paths)?;
     let files = result_file::read_all(&paths)?;
+    let rules = options.fail_on.clone().unwrap_or_default();
     let (name, first) = &files[0];
     let render: Box<dyn Fn(ComparisonFormat, Look) -> anyhow::Result<String>>;
     let is_worse;
     if let [(new_name, new)] = &files[1..] {
-        let comparison = comparing::compare((name, first), (new_name, new), &options.fail_on)?;
+        let comparison = comparing::compare((name, first), (new_name, new), &rules)?;
         is_worse = comparison.is_worse();
         render = Box::new(move |format, look| format.render(&comparison, look));
     } else {
-        let several = BaselineComparisons::new((name, first), &files[1..], &options.fail_on)?;
+        let several = BaselineComparisons::new((name, first), &files[1..], &rules)?;
         is_worse = several.is_worse();
         render = Box::new(move |format, look| format.render_several(&several, look));
     }
@@ -88,12 +88,4 @@ pub(super) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Ve
         terminal::print_rendered(&render(options.format, look)?)?;
     }
     Ok(Verdict::of(!is_worse))
-}
-
-fn rules(text: &str) -> Result<Rules, UsageError> {
-    if text.is_empty() {
-        Ok(Rules::default())
-    } else {
-        text.parse()
-    }
 }

@@ -144,7 +144,8 @@ pub(super) fn against(
         bail!("--against {range}: not a range of commits of the git repository here");
     };
     let commits: Vec<String> = commits.lines().map(str::to_owned).collect();
-    let gate = gate::gate(&records, &commits, &options.fail_on)?;
+    let rules = options.fail_on.clone().unwrap_or_default();
+    let gate = gate::gate(&records, &commits, &rules)?;
     let table = || table::gate(&gate, look);
     terminal::print_rendered(&match options.format {
         ComparisonFormat::Json => json_lines(&gate)?,

@@ -189,8 +189,8 @@ fn a_source_that_does_not_exist() {
 #[test]
 fn an_output_replaced_the_file_it_was_made_from() {
     let sandbox = Sandbox::with_square();
-    sandbox.succeed("gen square.off -o x.obj");
-    sandbox.succeed("gen square.off -o x.ply");
+    sandbox.succeed("gen file,path=square.off -o x.obj");
+    sandbox.succeed("gen file,path=square.off -o x.ply");
     for result in ["a.json", "b.json"] {
         sandbox.succeed(&format!("run square.off --algo mmp --quiet -o {result}"));
     }
@@ -210,6 +210,21 @@ fn an_output_replaced_the_file_it_was_made_from() {
         );
     }
     sandbox.succeed("distance x.ply --source 0 --each --quiet -o x.ply");
+}
+
+#[test]
+fn an_empty_variable_as_rules_of_compare_gated_nothing() {
+    let sandbox = Sandbox::new();
+    let message = sandbox.refuse("compare a.json b.json --fail-on=");
+    assert!(message.contains("is not a rule"), "{message}");
+}
+
+#[test]
+fn a_round_that_was_given_twice_counted_twice() {
+    let sandbox = Sandbox::with_square();
+    for result in ["a.json", "b.json"] {
+        sandbox.succeed(&format!("run square.off --algo mmp --quiet -o {result}"));
+    }
     let message = sandbox.refuse("pool a.json b.json a.json -o c.json");
     assert!(message.starts_with("a.json: given twice"), "{message}");
 }

@@ -38,8 +38,8 @@ pub struct GateLine {
     /// The figure.
     pub figure: &'static str,
     /// The value of the base. For times, the geometric mean of the medians of the base commits. For
-    /// other figures, the value at the last base commit that solved the cell. Null for the figure `status`, and if it is
-    /// missing.
+    /// other figures, the value at the last base commit that solved the cell. Null for the figure
+    /// `status`, and if it is missing.
     pub base: Option<f64>,
     /// The new value; null as for `base`.
     pub new: Option<f64>,

@@ -126,8 +126,8 @@ impl Record {
 
     /// Adds the cells of a later run of the same commit. If both runs solved a cell, its samples
     /// are concatenated, and its other figures come from the later run. If one failed, or ran with
-    /// other vector instructions, the later cell is kept. Samples that the record has already, because a file is recorded again, are not
-    /// repeated.
+    /// other vector instructions, the later cell is kept. Samples that the record has already,
+    /// because a file is recorded again, are not repeated.
     fn merge(&mut self, later: Self) {
         for cell in later.cells {
             let same = |known: &&mut CellRecord| known.cell.is_same(&cell.cell);

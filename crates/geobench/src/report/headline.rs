@@ -3,7 +3,7 @@
 use crate::measure::statistics::{Variable, interval_of, median};
 use crate::schema::{Cell, ResultFile, Status};
 use crate::table::figures::time;
-use crate::table::group::{GroupCells, distinct, pairs};
+use crate::table::group::{GroupCells, distinct, is_same_problem, pairs};
 use crate::table::{capitalised, disturbance};
 
 /// The largest relative difference from the reference that counts as exact.
@@ -112,10 +112,8 @@ fn factor(group: &GroupCells<'_>, over: &str, under: &str) -> Option<(f64, Optio
     let ratios: Vec<Vec<f64>> = solved(over)
         .into_iter()
         .filter_map(|cell| {
-            let identity =
-                |cell: &Cell| (cell.model.clone(), cell.source.clone(), cell.goal.clone());
-            let same = |other: &&&Cell| identity(other) == identity(cell);
-            let (above, below) = pairs(cell, below.iter().find(same)?);
+            let same = below.iter().find(|other| is_same_problem(other, cell));
+            let (above, below) = pairs(cell, same?);
             let ratios = above.iter().zip(below).map(|(a, b)| a / b);
             let ratios: Vec<f64> = ratios.filter(|r| r.is_finite() && *r > 0.0).collect();
             (!ratios.is_empty()).then_some(ratios)

@@ -39,7 +39,7 @@ use base64::engine::general_purpose::STANDARD;
 use crate::UsageError;
 use crate::exec::limits::DecompressionLimit;
 use crate::schema::{Cell, GroupRecord, ResultFile, Status};
-use crate::table::group::{GroupCells, algorithms};
+use crate::table::group::{GroupCells, algorithms, is_same_problem};
 use crate::table::{Format, Note, capitalised, results};
 use chart::{LinePoint, Series};
 use document::{Block, Document, Link, Section, slug};
@@ -374,12 +374,11 @@ fn reading(result: &ResultFile) -> String {
 /// Whether the answer of `cell` was compared with another. The reference itself was compared if it
 /// is the reference of a further cell.
 fn is_compared(cell: &Cell, cells: &[Cell]) -> bool {
-    let of = |cell: &Cell| (cell.model.clone(), cell.source.clone(), cell.goal.clone());
     match &cell.check.reference {
         Some(name) if *name == cell.algorithm => cells.iter().any(|other| {
             other.algorithm != *name
                 && other.check.reference.as_ref() == Some(name)
-                && of(other) == of(cell)
+                && is_same_problem(other, cell)
         }),
         reference => reference.is_some(),
     }

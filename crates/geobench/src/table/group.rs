@@ -155,6 +155,11 @@ pub(crate) fn overall(figure: &Figure, cells: &[&Cell], vertices: Option<u64>) -
     median(&cells.iter().map(of).collect::<Option<Vec<f64>>>()?)
 }
 
+/// Whether two cells ask for the same distances: of one model, source and goal.
+pub(crate) fn is_same_problem(one: &Cell, other: &Cell) -> bool {
+    one.model == other.model && one.source == other.source && one.goal == other.goal
+}
+
 /// The samples of the rounds that both cells have. The cells can have different numbers of samples
 /// if the number of runs was not fixed.
 pub(crate) fn pairs<'c>(over: &'c Cell, under: &'c Cell) -> (&'c [f64], &'c [f64]) {

@@ -2,7 +2,7 @@
 
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::queue::MinHeap;
-use geobench_window::{Counter, Probe, Propagate, Solution, Way};
+use geobench_window::{CompiledRuns, Counter, Probe, Propagate, Solution, Way};
 
 /// The algorithm of Dijkstra (1959) on the edges of a mesh; O(n log n) for n vertices.
 ///
@@ -55,6 +55,11 @@ impl Propagate for Dijkstra {
 
     fn vertex_count(&self) -> usize {
         self.mesh.vertex_count()
+    }
+
+    #[inline(never)]
+    fn runs(&self) -> CompiledRuns<Self> {
+        CompiledRuns::new()
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {

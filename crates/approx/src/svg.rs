@@ -9,7 +9,9 @@ use geobench_ich::Splitting;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::continuous::{Continuous, Explorer, Neighbour, Policy};
 use geobench_window::queue::{Calendar, Discipline, Priority, mean_edge_length};
-use geobench_window::{Counter, Phase, Probe, Propagate, Solution, VertexFilter, prefetch};
+use geobench_window::{
+    CompiledRuns, Counter, Phase, Probe, Propagate, Solution, VertexFilter, prefetch,
+};
 
 use crate::order::{Untidy, VertexQueue};
 
@@ -268,6 +270,11 @@ impl Propagate for SaddleVertexGraph {
 
     fn vertex_count(&self) -> usize {
         self.relays.len()
+    }
+
+    #[inline(never)]
+    fn runs(&self) -> CompiledRuns<Self> {
+        CompiledRuns::new()
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {

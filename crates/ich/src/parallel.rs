@@ -7,8 +7,8 @@ use geobench_window::continuous::{EdgeView, Surface};
 use geobench_window::queue::mean_edge_length;
 use geobench_window::trimming::KeptWindows;
 use geobench_window::{
-    Counter, Crossing, Exit, Phase, Probe, Propagate, Side, Solution, SolveError, Way, Window,
-    length_past_end, spawn_window,
+    CompiledRuns, Counter, Crossing, Exit, Phase, Probe, Propagate, Side, Solution, SolveError,
+    Way, Window, length_past_end, spawn_window,
 };
 use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
@@ -477,6 +477,11 @@ impl Propagate for Pch {
 
     fn vertex_count(&self) -> usize {
         self.mesh.vertex_count()
+    }
+
+    #[inline(never)]
+    fn runs(&self) -> CompiledRuns<Self> {
+        CompiledRuns::new()
     }
 
     fn check(&self) -> Result<(), SolveError> {

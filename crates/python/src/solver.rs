@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use geobench::registry::{self, MOST_THREADS, Selection, SimdChoice};
-use geodesic::window::{Counter, PhaseSampler, precision};
+use geodesic::window::{Counter, Counters, Observer, PhaseSampler, precision};
 use geodesic::{Goal, Mesh, Path, PathError, Paths, SolveError, Solver as Solve, Stop, VertexId};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyTypeError, PyValueError};
@@ -486,7 +486,12 @@ impl PySolver {
         let stop = Stop::default();
         let goal = goal(None, None, &stop)?;
         let pool = self.algorithm.pool(&points);
-        let work = move || pool.with(|solver| solver.count_until(&points.sources, &goal));
+        let work = move || {
+            let mut counters = Counters::default();
+            let observer = Observer::Counters(&mut counters);
+            let solution = pool.with(|solver| solver.run(&points.sources, &goal, observer))?;
+            Ok((solution, counters))
+        };
         let faces = self.algorithm.mesh.face_count();
         let (solution, counters) = interrupt::call(py, faces, &stop, work)?.map_err(solve_error)?;
         let dictionary = PyDict::new(py);
@@ -521,7 +526,8 @@ impl PySolver {
         let pool = self.algorithm.pool(&points);
         let work = move || {
             let mut sampler = PhaseSampler::start()?;
-            let solution = pool.with(|solver| solver.profile(&points.sources, &mut sampler));
+            let (goal, observer) = (Goal::everything(), Observer::Phases(&mut sampler));
+            let solution = pool.with(|solver| solver.run(&points.sources, &goal, observer));
             Ok((solution, sampler.phases()))
         };
         let faces = self.algorithm.mesh.face_count();

@@ -3,7 +3,7 @@
 
 use geobench_mesh::{Mesh, VertexId};
 use geobench_mmp::mmp;
-use geobench_window::{Counter, Counters, PhaseSampler, Solution, SolveError, Solver};
+use geobench_window::{Counter, Goal, Observer, Solution, SolveError, Solver};
 use geodesic::{Certificate, CertificateError};
 
 use super::{Algorithm, Parameter};
@@ -43,29 +43,24 @@ struct Certified {
 }
 
 impl Solver for Certified {
-    fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
+    fn run(
+        &mut self,
+        sources: &[VertexId],
+        goal: &Goal,
+        observer: Observer<'_>,
+    ) -> Result<Solution, SolveError> {
+        if !matches!(observer, Observer::Nothing) {
+            mmp(&self.mesh).run(sources, &Goal::everything(), observer)?;
+        }
         let proof = Certificate::of(&self.mesh, sources).map_err(|error| match error {
             CertificateError::Solve(error) => error,
             _ => SolveError::not_certified(f64::INFINITY),
         })?;
-        if proof.relative() <= self.tolerance {
-            Ok(Solution::new(proof.distances))
-        } else {
-            Err(SolveError::not_certified(proof.relative()))
+        if proof.relative() > self.tolerance {
+            return Err(SolveError::not_certified(proof.relative()));
         }
-    }
-
-    fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
-        let (_, counters) = mmp(&self.mesh).count(sources)?;
-        Ok((self.solve(sources)?, counters))
-    }
-
-    fn profile(
-        &mut self,
-        sources: &[VertexId],
-        sampler: &mut PhaseSampler,
-    ) -> Result<Solution, SolveError> {
-        mmp(&self.mesh).profile(sources, sampler)?;
-        self.solve(sources)
+        let mut solution = Solution::new(proof.distances);
+        goal.limit(&mut solution);
+        Ok(solution)
     }
 }

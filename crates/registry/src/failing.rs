@@ -8,7 +8,7 @@ use std::time::Duration;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_mmp::mmp_fast;
 use geobench_window::simd::Instructions;
-use geobench_window::{Counters, PhaseSampler, Solution, SolveError, Solver};
+use geobench_window::{Goal, Observer, Solution, SolveError, Solver};
 use rustix::process::{Signal, getpid, kill_process};
 
 use super::{Algorithm, Parameter, Values};
@@ -179,7 +179,7 @@ struct Misbehaving<D> {
 }
 
 impl<D: FnMut()> Misbehaving<D> {
-    fn run(&mut self) {
+    fn begin(&mut self) {
         match self.well.checked_sub(1) {
             Some(less) => self.well = less,
             None => (self.deed)(),
@@ -188,25 +188,17 @@ impl<D: FnMut()> Misbehaving<D> {
 }
 
 impl<D: FnMut() + Send> Solver for Misbehaving<D> {
-    fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
-        self.run();
-        self.inner.solve(sources)
-    }
-
-    fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
-        self.run();
-        self.inner.count(sources)
-    }
-
-    fn profile(
+    fn run(
         &mut self,
         sources: &[VertexId],
-        sampler: &mut PhaseSampler,
+        goal: &Goal,
+        observer: Observer<'_>,
     ) -> Result<Solution, SolveError> {
-        if !std::mem::replace(&mut self.profiled, true) {
-            self.run();
+        let is_profile = matches!(observer, Observer::Phases(_));
+        if !is_profile || !std::mem::replace(&mut self.profiled, true) {
+            self.begin();
         }
-        self.inner.profile(sources, sampler)
+        self.inner.run(sources, goal, observer)
     }
 }
 
@@ -233,24 +225,13 @@ impl Wrong {
 }
 
 impl Solver for Wrong {
-    fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
-        let mut solution = self.inner.solve(sources)?;
-        self.spoil(&mut solution);
-        Ok(solution)
-    }
-
-    fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
-        let (mut solution, counters) = self.inner.count(sources)?;
-        self.spoil(&mut solution);
-        Ok((solution, counters))
-    }
-
-    fn profile(
+    fn run(
         &mut self,
         sources: &[VertexId],
-        sampler: &mut PhaseSampler,
+        goal: &Goal,
+        observer: Observer<'_>,
     ) -> Result<Solution, SolveError> {
-        let mut solution = self.inner.profile(sources, sampler)?;
+        let mut solution = self.inner.run(sources, goal, observer)?;
         self.spoil(&mut solution);
         Ok(solution)
     }

@@ -3,7 +3,7 @@
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::queue::{Discipline, Event, EventKind, Priority};
 use geobench_window::{
-    Counter, Probe, Propagate, Solution, SolveError, VertexFilter, check_sources,
+    CompiledRuns, Counter, Probe, Propagate, Solution, SolveError, VertexFilter, check_sources,
 };
 
 use crate::field::{FieldSolver, LabelledField};
@@ -18,6 +18,7 @@ use crate::wave::{ArrivalMode, COUNTERS, Wavefront};
 /// cells.
 #[derive(Clone, Debug)]
 pub struct Lct11<Q = Priority> {
+    runs: CompiledRuns<Self>,
     wave: Wavefront,
     queue: Q,
 }
@@ -33,12 +34,13 @@ impl<Q: Discipline> Lct11<Q> {
     /// Sets up for `mesh`, in the order of `queue` and with or without the vertex filter; O(faces).
     pub fn in_order(mesh: &Mesh, queue: Q, filter: VertexFilter) -> Self {
         Self {
+            runs: CompiledRuns::new(),
             wave: Wavefront::new(mesh, filter),
             queue,
         }
     }
 
-    fn run<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) {
+    fn fill<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) {
         self.queue.clear();
         self.wave.start(sources, false, probe);
         self.wave.improved.clear();
@@ -103,7 +105,7 @@ impl<Q: Discipline> Lct11<Q> {
 impl<Q: Discipline> FieldSolver for Lct11<Q> {
     fn field(&mut self, sources: &[VertexId]) -> Result<LabelledField<'_>, SolveError> {
         check_sources(self.wave.mesh.vertex_count(), sources)?;
-        self.run(sources, &mut ());
+        self.fill(sources, &mut ());
         Ok(self.wave.field())
     }
 }
@@ -117,8 +119,12 @@ impl<Q: Discipline> Propagate for Lct11<Q> {
         self.wave.mesh.vertex_count()
     }
 
+    fn runs(&self) -> CompiledRuns<Self> {
+        self.runs
+    }
+
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
-        self.run(sources, probe);
+        self.fill(sources, probe);
         Solution::new(self.wave.distances.clone())
     }
 }

@@ -6,7 +6,8 @@ use std::collections::VecDeque;
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::queue::MinHeap;
 use geobench_window::{
-    Counter, Probe, Propagate, Solution, SolveError, VertexFilter, check_sources, prefetch,
+    CompiledRuns, Counter, Probe, Propagate, Solution, SolveError, VertexFilter, check_sources,
+    prefetch,
 };
 
 use crate::field::{FieldSolver, LabelledField};
@@ -102,7 +103,7 @@ impl WindowVtp {
         }
     }
 
-    fn run<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) {
+    fn fill<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) {
         let (vertices, faces) = (self.wave.mesh.vertex_count(), self.wave.mesh.face_count());
         self.remover.reset(faces);
         self.queue.clear();
@@ -328,7 +329,7 @@ impl WindowVtp {
 impl FieldSolver for WindowVtp {
     fn field(&mut self, sources: &[VertexId]) -> Result<LabelledField<'_>, SolveError> {
         check_sources(self.wave.mesh.vertex_count(), sources)?;
-        self.run(sources, &mut ());
+        self.fill(sources, &mut ());
         Ok(self.wave.field())
     }
 }
@@ -342,8 +343,13 @@ impl Propagate for WindowVtp {
         self.wave.mesh.vertex_count()
     }
 
+    #[inline(never)]
+    fn runs(&self) -> CompiledRuns<Self> {
+        CompiledRuns::new()
+    }
+
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
-        self.run(sources, probe);
+        self.fill(sources, probe);
         Solution::new(self.wave.distances.clone())
     }
 }

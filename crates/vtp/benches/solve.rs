@@ -9,7 +9,7 @@ use geobench_benches::{named, whole_solves};
 use geobench_mesh::{Mesh, VertexId};
 use geobench_vtp::{FastOptions, Pvtp, Vtp, VtpFast};
 use geobench_window::simd::Instructions;
-use geobench_window::{Counters, PhaseSampler, Solution, SolveError, Solver};
+use geobench_window::{Goal, Observer, Solution, SolveError, Solver};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 fn options() -> Vec<(String, FastOptions)> {
@@ -66,27 +66,20 @@ impl Twice {
 }
 
 impl Solver for Twice {
-    fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
+    fn run(
+        &mut self,
+        sources: &[VertexId],
+        goal: &Goal,
+        observer: Observer<'_>,
+    ) -> Result<Solution, SolveError> {
         let (first, second) = (&mut self.first, &self.second);
         self.pool.in_place_scope(|scope| {
             scope.spawn_broadcast(|_, _| {
                 let mut second = second.lock().unwrap_or_else(PoisonError::into_inner);
                 black_box(second.solve(sources)).ok();
             });
-            first.solve(sources)
+            first.run(sources, goal, observer)
         })
-    }
-
-    fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
-        self.first.count(sources)
-    }
-
-    fn profile(
-        &mut self,
-        sources: &[VertexId],
-        sampler: &mut PhaseSampler,
-    ) -> Result<Solution, SolveError> {
-        self.first.profile(sources, sampler)
     }
 }
 

@@ -37,7 +37,7 @@
 //! wavefront, which meet no others, would never end.
 //!
 //! [`Vtp`] and the other aliases name combinations. Other combinations can be written out:
-//! `ListPropagation::<NearestFace, OrderFree, NoPairs, AnyExit>::new(&mesh)`.
+//! `ListPropagation::<NearestFace, OrderFree, NoPairs, AnyExit>::with_choices(&mesh)`.
 //!
 //! # Vector instructions
 //!

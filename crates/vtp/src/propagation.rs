@@ -4,7 +4,9 @@ use std::marker::PhantomData;
 
 use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
 use geobench_window::trimming::KeptWindows;
-use geobench_window::{Counter, EndCheck, Phase, Probe, Propagate, Solution, Way, Window};
+use geobench_window::{
+    CompiledRuns, Counter, EndCheck, Phase, Probe, Propagate, Solution, Way, Window,
+};
 
 use crate::crossing::{Carry, Inspect, Least};
 use crate::engine::active_list::ActiveList;
@@ -40,6 +42,7 @@ use geobench_window::simd::{Instructions, Simd};
 /// ```
 #[derive(Clone, Debug)]
 pub struct ListPropagation<S, M, P, E> {
+    runs: CompiledRuns<Self>,
     mesh: Mesh,
     simd: Simd,
     numbering: Numbering,
@@ -60,8 +63,8 @@ pub struct ListPropagation<S, M, P, E> {
 }
 
 impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
-    /// Sets up for `mesh`; O(faces).
-    pub fn new(mesh: &Mesh) -> Self {
+    /// Sets up any combination of choices for `mesh`; O(faces).
+    pub fn with_choices(mesh: &Mesh) -> Self {
         let mut numbering = Numbering::breadth_first(mesh);
         let layout = MeshLayout::new(mesh, &numbering);
         numbering.keep_new_vertices();
@@ -70,6 +73,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         let half_edges = if kept.is_empty() { 0 } else { 4 * faces };
         let thin = (0..half_edges).map(|h| kept.holds(h)).collect();
         Self {
+            runs: CompiledRuns::new(),
             mesh: mesh.clone(),
             simd: Simd::new(Instructions::detect()),
             numbering,
@@ -443,6 +447,10 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S,
 
     fn vertex_count(&self) -> usize {
         self.mesh.vertex_count()
+    }
+
+    fn runs(&self) -> CompiledRuns<Self> {
+        self.runs
     }
 
     fn propagate<B: Probe>(&mut self, sources: &[VertexId], probe: &mut B) -> Solution {

@@ -1,5 +1,7 @@
 //! The named algorithms: combinations of the four choices of [`ListPropagation`].
 
+use geobench_mesh::Mesh;
+
 use crate::{
     AcrossTheFace, AllPairs, AnyExit, EveryPath, ListPropagation, NearestFace, NearestVertex,
     Neighbours, NoPairs, OneAngleTwoSides, OrderFree, OrderPreserving, TrimmedNeighbours,
@@ -147,3 +149,18 @@ pub type VtpNoRule1 = ListPropagation<NearestVertex, OrderFree, Neighbours, AnyE
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub type VtpNoRules23 = ListPropagation<NearestVertex, OrderFree, NoPairs, OneAngleTwoSides>;
+
+/// Constructors without type parameters, so that the code of the named algorithms is made in this
+/// crate ([`CompiledRuns`](geobench_window::CompiledRuns)).
+macro_rules! set_up {
+    ($($algorithm:ident)*) => {$(
+        impl $algorithm {
+            /// Sets up for `mesh`; O(faces).
+            pub fn new(mesh: &Mesh) -> Self {
+                Self::with_choices(mesh)
+            }
+        }
+    )*};
+}
+
+set_up!(Vtp Opvtp Ftp Opftp EdgeBased VtpExhaustive VtpTrimming VtpNoRule1 VtpNoRules23);

@@ -115,13 +115,26 @@ impl Goal {
             && (self.radius.is_nan() || self.radius == f64::INFINITY)
     }
 
-    /// Makes the distances beyond the radius infinite, for a run that was not ended early.
-    pub(crate) fn cut(&self, solution: &mut Solution) {
+    /// Makes the distances beyond the radius infinite, after a run that could not end early.
+    pub fn limit(&self, solution: &mut Solution) {
         for d in &mut solution.distances {
             if *d > self.radius {
                 *d = f64::INFINITY;
             }
         }
+    }
+
+    /// Runs `run` with `probe`, until this goal is reached, and makes infinite what is not final
+    /// then. Returns what the run and the probe have found.
+    pub(crate) fn bound<'g, P>(
+        &'g self,
+        probe: P,
+        run: impl FnOnce(&mut Until<'g, P>) -> Solution,
+    ) -> (Solution, P) {
+        let mut until = Until::new(probe, self);
+        let mut solution = run(&mut until);
+        until.cut(&mut solution);
+        (solution, until.probe)
     }
 }
 

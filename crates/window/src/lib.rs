@@ -52,7 +52,9 @@ pub use origins::{Origin, Origins, Way};
 pub use phases::{PhaseProbe, PhaseSampler, Phases};
 pub use prefetch::{prefetch, prefetch_line};
 pub use probe::{Count, Phase, Probe};
-pub use solver::{Propagate, Solution, SolveError, Solver, Sources, check_sources};
+pub use solver::{
+    CompiledRuns, Observer, Propagate, Solution, SolveError, Solver, Sources, check_sources,
+};
 pub use spawn::spawn_window;
 pub use tie::{TiePoints, tie_points};
 pub use wavefront::WavefrontRecord;

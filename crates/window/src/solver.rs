@@ -2,13 +2,14 @@
 
 use std::borrow::Cow;
 use std::collections::HashSet;
+use std::fmt;
 
 use geobench_mesh::VertexId;
 
 use crate::counters::{Counter, Counters};
 use crate::goal::{Goal, Until};
 use crate::origins::Origins;
-use crate::phases::PhaseSampler;
+use crate::phases::{PhaseProbe, PhaseSampler};
 use crate::probe::{Count, Probe};
 
 /// The result of a run.
@@ -153,12 +154,39 @@ sources!(&Vec<V>, V: Copy + Into<VertexId>);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Solver: Send {
+    /// Distances of all vertices from the nearest of `sources`, until everything that `goal` asks
+    /// for is final, and what `observer` asks for. Distances that are not final then, or not within
+    /// the radius, are infinite. Final distances do not depend on goal and observer, bit for bit.
+    ///
+    /// A solver that cannot end early solves to the end and applies the radius.
+    ///
+    /// # Errors
+    ///
+    /// If `sources` is empty or has a vertex that does not exist, if a target does not exist, or if
+    /// set-up did not get the threads or the memory that it needs. [`SolveError::NoPaths`] if the
+    /// observer wants origins that the algorithm does not record.
+    fn run(
+        &mut self,
+        sources: &[VertexId],
+        goal: &Goal,
+        observer: Observer<'_>,
+    ) -> Result<Solution, SolveError>;
+
+    /// Distances of all vertices from the nearest of `sources`. This is the call that is timed.
+    ///
+    /// # Errors
+    ///
+    /// As [`run`](Solver::run).
+    fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
+        self.run(sources, &Goal::everything(), Observer::Nothing)
+    }
+
     /// Distances from the nearest of `sources`, without a [`Solution`]: `distances_from(0)` or
     /// `distances_from([3, 17])`.
     ///
     /// # Errors
     ///
-    /// As [`solve`](Solver::solve).
+    /// As [`run`](Solver::run).
     fn distances_from(&mut self, sources: impl Sources) -> Result<Vec<f64>, SolveError>
     where
         Self: Sized,
@@ -166,51 +194,27 @@ pub trait Solver: Send {
         Ok(self.solve(&sources.into_vertices())?.distances)
     }
 
-    /// Distances of all vertices from the nearest of `sources`. This is the call that is timed.
+    /// [`run`](Solver::run) without an observer.
     ///
     /// # Errors
     ///
-    /// If `sources` is empty or has a vertex that does not exist, or if set-up did not get the
-    /// threads or the memory that it needs.
-    fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError>;
+    /// As [`run`](Solver::run).
+    fn solve_until(&mut self, sources: &[VertexId], goal: &Goal) -> Result<Solution, SolveError> {
+        self.run(sources, goal, Observer::Nothing)
+    }
 
     /// As [`solve`](Solver::solve), and counts the events of the run.
     ///
     /// # Errors
     ///
-    /// As [`solve`](Solver::solve).
-    fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError>;
-
-    /// Distances from the nearest of `sources`, until everything that `goal` asks for is final.
-    /// Distances that are not final then, or not within the radius, are infinite. Final distances
-    /// equal those of [`solve`](Solver::solve) bit for bit.
-    ///
-    /// The default is for solvers that cannot end early: it solves to the end and applies the
-    /// radius.
-    ///
-    /// # Errors
-    ///
-    /// As [`solve`](Solver::solve), and if a target does not exist.
-    fn solve_until(&mut self, sources: &[VertexId], goal: &Goal) -> Result<Solution, SolveError> {
-        let mut solution = self.solve(sources)?;
-        check_goal(solution.distances.len(), goal)?;
-        goal.cut(&mut solution);
-        Ok(solution)
-    }
-
-    /// As [`solve_until`](Solver::solve_until), and counts the events of the run.
-    ///
-    /// # Errors
-    ///
-    /// As [`solve_until`](Solver::solve_until).
-    fn count_until(
-        &mut self,
-        sources: &[VertexId],
-        goal: &Goal,
-    ) -> Result<(Solution, Counters), SolveError> {
-        let (mut solution, counters) = self.count(sources)?;
-        check_goal(solution.distances.len(), goal)?;
-        goal.cut(&mut solution);
+    /// As [`run`](Solver::run).
+    fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
+        let mut counters = Counters::default();
+        let solution = self.run(
+            sources,
+            &Goal::everything(),
+            Observer::Counters(&mut counters),
+        )?;
         Ok((solution, counters))
     }
 
@@ -219,44 +223,30 @@ pub trait Solver: Send {
     ///
     /// # Errors
     ///
-    /// As [`solve_until`](Solver::solve_until), and [`SolveError::NoPaths`] if the algorithm does
-    /// not record origins.
+    /// As [`run`](Solver::run).
     fn trace(
         &mut self,
         sources: &[VertexId],
         goal: &Goal,
     ) -> Result<(Solution, Origins), SolveError> {
-        let _ = (sources, goal);
-        Err(SolveError::NoPaths)
+        let mut origins = Origins::default();
+        let solution = self.run(sources, goal, Observer::Origins(&mut origins))?;
+        Ok((solution, origins))
     }
+}
 
-    /// As [`solve`](Solver::solve), and samples the phases of the run.
-    ///
-    /// # Errors
-    ///
-    /// As [`solve`](Solver::solve).
-    fn profile(
-        &mut self,
-        sources: &[VertexId],
-        sampler: &mut PhaseSampler,
-    ) -> Result<Solution, SolveError>;
-
-    /// [`solve_until`](Solver::solve_until) with its phases sampled.
-    ///
-    /// # Errors
-    ///
-    /// As [`solve_until`](Solver::solve_until).
-    fn profile_until(
-        &mut self,
-        sources: &[VertexId],
-        goal: &Goal,
-        sampler: &mut PhaseSampler,
-    ) -> Result<Solution, SolveError> {
-        let mut solution = self.profile(sources, sampler)?;
-        check_goal(solution.distances.len(), goal)?;
-        goal.cut(&mut solution);
-        Ok(solution)
-    }
+/// What a run reports beside distances.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Observer<'a> {
+    /// Nothing. Only such runs are timed.
+    Nothing,
+    /// The counts of its events.
+    Counters(&'a mut Counters),
+    /// The origins of the shortest paths.
+    Origins(&'a mut Origins),
+    /// Samples of its phases.
+    Phases(&'a mut PhaseSampler),
 }
 
 /// The interface that an algorithm implements: one run, generic over the probe. Every `Propagate`
@@ -327,92 +317,107 @@ pub trait Propagate: Send {
 
     /// Distances of all vertices from the nearest of `sources`. These are not empty, and exist.
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution;
+
+    /// The machine code of all runs. An implementation repeats this default, with
+    /// `#[inline(never)]`, to have it in its own crate; see [`CompiledRuns`].
+    fn runs(&self) -> CompiledRuns<Self>
+    where
+        Self: Sized,
+    {
+        CompiledRuns::new()
+    }
+}
+
+/// Pointers to [`Propagate::propagate`], compiled for each probe of a [`Solver`].
+///
+/// The compiler makes the code of a generic function in the crate that names its types. Without
+/// these pointers that would be each program that calls a solver, with the program's own settings.
+/// A function without type parameters that creates them, such as a constructor of a named
+/// algorithm, fixes the crate in which the code is made, so that families of algorithms are
+/// compiled side by side, once.
+pub struct CompiledRuns<T> {
+    solve: fn(&mut T, &[VertexId], &mut ()) -> Solution,
+    solve_until: fn(&mut T, &[VertexId], &mut Until<'_, ()>) -> Solution,
+    count: fn(&mut T, &[VertexId], &mut Until<'_, Count>) -> Solution,
+    trace: fn(&mut T, &[VertexId], &mut Until<'_, Origins>) -> Solution,
+    profile: fn(&mut T, &[VertexId], &mut PhaseProbe<'_>) -> Solution,
+    profile_until: fn(&mut T, &[VertexId], &mut Until<'_, PhaseProbe<'_>>) -> Solution,
+}
+
+impl<T: Propagate> CompiledRuns<T> {
+    /// The runs of `T`, compiled in the crate of the function without type parameters that calls
+    /// this.
+    // Not `const`, not `Default`: both would hide where the code is made.
+    #[allow(clippy::new_without_default)]
+    pub fn new() -> Self {
+        // Closures, since the probes have lifetimes.
+        Self {
+            solve: |solver, sources, probe| solver.propagate(sources, probe),
+            solve_until: |solver, sources, probe| solver.propagate(sources, probe),
+            count: |solver, sources, probe| solver.propagate(sources, probe),
+            trace: |solver, sources, probe| solver.propagate(sources, probe),
+            profile: |solver, sources, probe| solver.propagate(sources, probe),
+            profile_until: |solver, sources, probe| solver.propagate(sources, probe),
+        }
+    }
+}
+
+// Derived, these would ask the same of `T`.
+impl<T> Clone for CompiledRuns<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for CompiledRuns<T> {}
+
+impl<T> fmt::Debug for CompiledRuns<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("CompiledRuns")
+    }
 }
 
 impl<T: Propagate> Solver for T {
-    fn solve(&mut self, sources: &[VertexId]) -> Result<Solution, SolveError> {
-        check_sources(self.vertex_count(), sources)?;
-        self.check()?;
-        Ok(self.propagate(&distinct(sources), &mut ()))
-    }
-
-    fn count(&mut self, sources: &[VertexId]) -> Result<(Solution, Counters), SolveError> {
-        self.count_until(sources, &Goal::everything())
-    }
-
-    fn solve_until(&mut self, sources: &[VertexId], goal: &Goal) -> Result<Solution, SolveError> {
-        if goal.is_everything() {
-            return self.solve(sources);
-        }
-        check_sources(self.vertex_count(), sources)?;
-        check_goal(self.vertex_count(), goal)?;
-        self.check()?;
-        let mut until = Until::new((), goal);
-        let mut solution = self.propagate(&distinct(sources), &mut until);
-        until.cut(&mut solution);
-        Ok(solution)
-    }
-
-    fn count_until(
+    fn run(
         &mut self,
         sources: &[VertexId],
         goal: &Goal,
-    ) -> Result<(Solution, Counters), SolveError> {
-        check_sources(self.vertex_count(), sources)?;
-        check_goal(self.vertex_count(), goal)?;
-        self.check()?;
-        let mut until = Until::new(Count::default(), goal);
-        let mut solution = self.propagate(&distinct(sources), &mut until);
-        until.cut(&mut solution);
-        Ok((solution, until.probe.counters(&T::counters())))
-    }
-
-    fn trace(
-        &mut self,
-        sources: &[VertexId],
-        goal: &Goal,
-    ) -> Result<(Solution, Origins), SolveError> {
-        check_sources(self.vertex_count(), sources)?;
-        check_goal(self.vertex_count(), goal)?;
-        if !T::TRACES {
-            return Err(SolveError::NoPaths);
-        }
-        self.check()?;
-        let mut until = Until::new(Origins::new(self.vertex_count()), goal);
-        let mut solution = self.propagate(&distinct(sources), &mut until);
-        until.cut(&mut solution);
-        Ok((solution, until.probe))
-    }
-
-    fn profile(
-        &mut self,
-        sources: &[VertexId],
-        sampler: &mut PhaseSampler,
+        observer: Observer<'_>,
     ) -> Result<Solution, SolveError> {
         check_sources(self.vertex_count(), sources)?;
-        self.check()?;
-        Ok(sampler.watch(|probe| self.propagate(&distinct(sources), probe)))
-    }
-
-    fn profile_until(
-        &mut self,
-        sources: &[VertexId],
-        goal: &Goal,
-        sampler: &mut PhaseSampler,
-    ) -> Result<Solution, SolveError> {
-        // What a run needs to end early would count to the memory of a whole one.
-        if goal.is_everything() {
-            return self.profile(sources, sampler);
-        }
-        check_sources(self.vertex_count(), sources)?;
         check_goal(self.vertex_count(), goal)?;
         self.check()?;
-        Ok(sampler.watch(|probe| {
-            let mut until = Until::new(*probe, goal);
-            let mut solution = self.propagate(&distinct(sources), &mut until);
-            until.cut(&mut solution);
-            solution
-        }))
+        let sources = &*distinct(sources);
+        let runs = self.runs();
+        Ok(match observer {
+            Observer::Nothing if goal.is_everything() => (runs.solve)(self, sources, &mut ()),
+            Observer::Nothing => {
+                goal.bound((), |probe| (runs.solve_until)(self, sources, probe))
+                    .0
+            }
+            Observer::Counters(counters) => {
+                let run = |probe: &mut _| (runs.count)(self, sources, probe);
+                let (solution, count) = goal.bound(Count::default(), run);
+                *counters = count.counters(&T::counters());
+                solution
+            }
+            Observer::Origins(_) if !T::TRACES => return Err(SolveError::NoPaths),
+            Observer::Origins(origins) => {
+                let probe = Origins::new(self.vertex_count());
+                let run = |probe: &mut _| (runs.trace)(self, sources, probe);
+                let (solution, found) = goal.bound(probe, run);
+                *origins = found;
+                solution
+            }
+            // What a run needs to end early would count to the memory of a whole one.
+            Observer::Phases(sampler) if goal.is_everything() => {
+                sampler.watch(|probe| (runs.profile)(self, sources, probe))
+            }
+            Observer::Phases(sampler) => sampler.watch(|probe| {
+                goal.bound(*probe, |probe| (runs.profile_until)(self, sources, probe))
+                    .0
+            }),
+        })
     }
 }
 

@@ -4,7 +4,7 @@ mod stencil;
 
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::queue::mean_edge_length;
-use geobench_window::{Counter, Phase, Probe, Propagate, Solution};
+use geobench_window::{CompiledRuns, Counter, Phase, Probe, Propagate, Solution};
 
 use crate::order::{Tidy, Untidy, VertexQueue};
 use stencil::Stencils;
@@ -65,6 +65,11 @@ macro_rules! propagate {
 
             fn vertex_count(&self) -> usize {
                 self.march.stencils.vertex_count()
+            }
+
+            #[inline(never)]
+            fn runs(&self) -> CompiledRuns<Self> {
+                CompiledRuns::new()
             }
 
             fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_voronoi::Diagram;
-use geobench_window::{PhaseSampler, Solution, SolveError, Solver};
+use geobench_window::{Counters, Observer, PhaseSampler, Solution, SolveError, Solver};
 
 use crate::exec::goal::GoalSpec;
 use crate::exec::limits::DecompressionLimit;
@@ -95,9 +95,6 @@ impl PreparedSource {
 
     /// Solves for the goal.
     fn solve(&self, solver: &mut dyn Solver) -> Result<Solution, SolveError> {
-        if self.goal.is_everything() {
-            return solver.solve(&self.vertices);
-        }
         let goal = self.goal.of_solver(self.targets.as_deref());
         solver.solve_until(&self.vertices, &goal)
     }
@@ -234,11 +231,11 @@ impl InProcess {
         let start = Instant::now();
         let measure = PeakMemory::start();
         let mut solver = step.algorithm.build(&source.mesh);
-        let result = solver.profile_until(&source.vertices, &goal, &mut sampler);
+        let result = solver.run(&source.vertices, &goal, Observer::Phases(&mut sampler));
         let peaks = measure.stop();
         let solution = result?;
         while sampler.samples() < ENOUGH_SAMPLES && start.elapsed() < LONGEST_PROFILE {
-            solver.profile_until(&source.vertices, &goal, &mut sampler)?;
+            solver.run(&source.vertices, &goal, Observer::Phases(&mut sampler))?;
         }
         let phases = sampler.phases();
         Ok(Observation {
@@ -259,7 +256,9 @@ impl InProcess {
         self.dismiss(step.algorithm.label());
         let goal = step.goal.of_solver(source.targets.as_deref());
         let mut solver = step.algorithm.build(&source.mesh);
-        let (solution, mut counters) = solver.count_until(&source.vertices, &goal)?;
+        let mut counters = Counters::default();
+        let observer = Observer::Counters(&mut counters);
+        let solution = solver.run(&source.vertices, &goal, observer)?;
         drop(solver);
         let wavefront = std::mem::take(&mut counters.wavefront);
         if !step.goal.is_everything() {

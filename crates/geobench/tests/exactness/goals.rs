@@ -3,7 +3,7 @@
 use geobench::registry::select;
 use geobench_mesh::{Mesh, SplitMix64, VertexId};
 use geobench_oracle::zoo;
-use geobench_window::{Counter, Counters, Goal, PhaseSampler};
+use geobench_window::{Counter, Counters, Goal, Observer, PhaseSampler};
 
 use crate::support::{EXACT, Failures, Run, can_finish, exact_runs, mesh_of};
 
@@ -19,7 +19,7 @@ fn check(run: &mut Run<'_>, sources: &[u32], seed: u64, failures: &mut Failures)
             Ok(solution) => solution.distances,
             Err(refused) => return failures.unless(false, || format!("{at}: {refused}")),
         };
-        let profiled = run.solver().profile_until(&ids, goal, &mut sampler);
+        let profiled = run.solver().run(&ids, goal, Observer::Phases(&mut sampler));
         // With several threads, the state at the end of a run varies.
         let same = profiled.is_ok_and(|again| again.distances == found || threads > 1);
         failures.unless(same, || format!("{at}, {goal:?}: other bits when observed"));
@@ -91,7 +91,9 @@ fn a_near_target_needs_few_windows_of_what_is_said_to_end_early() {
         let ends_early = algorithm.ends_early();
         let mut run = Run::new(algorithm, "bumpy sphere", mesh);
         let (whole, all) = run.solver().count(&source).unwrap();
-        let (found, few) = run.solver().count_until(&source, &near).unwrap();
+        let mut few = Counters::default();
+        let observer = Observer::Counters(&mut few);
+        let found = run.solver().run(&source, &near, observer).unwrap();
         // Dijkstra's algorithm and fast marching have no windows, and heat has no counters.
         let effort = |counters: &Counters| {
             let parents = counters.get(Counter::Parents);

@@ -3,7 +3,7 @@
 use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_oracle::{Model, edge_graph_distances, euclidean_distances, steiner_distances, zoo};
-use geobench_window::{Counter, PhaseSampler};
+use geobench_window::{Counter, Goal, Observer, PhaseSampler};
 
 use crate::support::{Failures, ROUNDING, caught, exact_runs, mesh_of};
 
@@ -91,7 +91,9 @@ fn observation_changes_no_answer_and_counts_add_up() {
         for mut run in exact_runs(&model.name, &mesh) {
             let plain = run.distances(&source);
             let mut sampler = PhaseSampler::start().unwrap();
-            let profiled = run.solver().profile(&id, &mut sampler);
+            let profiled =
+                run.solver()
+                    .run(&id, &Goal::everything(), Observer::Phases(&mut sampler));
             let (Ok((counted, counters)), Ok(profiled)) = (run.solver().count(&id), profiled)
             else {
                 failures.unless(false, || format!("{}: refused", run.at(&source)));

@@ -5,8 +5,8 @@ use geobench_window::continuous::Surface;
 use geobench_window::queue::{Discipline, Event, EventKind};
 use geobench_window::trimming::ThinFaces;
 use geobench_window::{
-    Counter, Crossing, EndCheck, Exit, FaceView, Frame, Phase, Probe, Propagate, Side, Solution,
-    VertexFilter, Way, Window, length_past_end, spawn_window,
+    CompiledRuns, Counter, Crossing, EndCheck, Exit, FaceView, Frame, Phase, Probe, Propagate,
+    Side, Solution, VertexFilter, Way, Window, length_past_end, spawn_window,
 };
 
 use super::merge::{Batch, Merger};
@@ -60,6 +60,7 @@ const AHEAD: [usize; 2] = [6, 2];
 /// ```
 #[derive(Clone, Debug)]
 pub struct Batched<Q> {
+    runs: CompiledRuns<Self>,
     state: State<Q>,
     /// The windows that are propagated, and their children on the left and on the right exit.
     taken: Batch,
@@ -89,6 +90,7 @@ impl<Q: Discipline> Batched<Q> {
     pub fn new(mesh: &Mesh, queue: Q) -> Self {
         let order = Surface::order(mesh);
         Self {
+            runs: CompiledRuns::new(),
             state: State {
                 mesh: mesh.clone(),
                 surface: Surface::new(mesh),
@@ -509,6 +511,10 @@ impl<Q: Discipline> Propagate for Batched<Q> {
 
     fn vertex_count(&self) -> usize {
         self.state.mesh.vertex_count()
+    }
+
+    fn runs(&self) -> CompiledRuns<Self> {
+        self.runs
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {

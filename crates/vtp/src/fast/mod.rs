@@ -7,7 +7,7 @@ mod serial_state;
 
 use geobench_mesh::{Mesh, Numbering, VertexId};
 use geobench_window::simd::{Instructions, Lanes, Simd, SimdProgram};
-use geobench_window::{Counter, Probe, Propagate, Solution};
+use geobench_window::{CompiledRuns, Counter, Probe, Propagate, Solution};
 
 use self::serial_state::SerialState;
 use crate::wavefront::{SurfaceState, Wavefront};
@@ -163,6 +163,11 @@ impl Propagate for VtpFast {
 
     fn vertex_count(&self) -> usize {
         self.mesh.vertex_count()
+    }
+
+    #[inline(never)]
+    fn runs(&self) -> CompiledRuns<Self> {
+        CompiledRuns::new()
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {

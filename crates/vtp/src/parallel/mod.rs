@@ -20,7 +20,7 @@ use std::sync::{Mutex, PoisonError};
 
 use geobench_mesh::{Mesh, Numbering, VertexId};
 use geobench_window::simd::{Lanes, Simd, SimdProgram};
-use geobench_window::{Count, Counter, Probe, Propagate, Solution, SolveError};
+use geobench_window::{CompiledRuns, Count, Counter, Probe, Propagate, Solution, SolveError};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use self::lag_limit::BreakOnPanic;
@@ -207,6 +207,11 @@ impl Propagate for Pvtp {
 
     fn vertex_count(&self) -> usize {
         self.mesh.vertex_count()
+    }
+
+    #[inline(never)]
+    fn runs(&self) -> CompiledRuns<Self> {
+        CompiledRuns::new()
     }
 
     fn check(&self) -> Result<(), SolveError> {

@@ -20,7 +20,7 @@ use crate::origins::Way;
 use crate::probe::{Phase, Probe};
 use crate::queue::{Discipline, Event, EventKind};
 use crate::simd::Instructions;
-use crate::solver::{Propagate, Solution};
+use crate::solver::{CompiledRuns, Propagate, Solution};
 use crate::spawn::spawn_window;
 use crate::window::Window;
 
@@ -58,6 +58,7 @@ const AHEAD: usize = 5;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Continuous<W, Q> {
+    runs: CompiledRuns<Self>,
     pub(super) mesh: Mesh,
     pub(super) surface: Surface,
     pub(super) policy: W,
@@ -75,6 +76,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     /// Sets up for `mesh`; O(faces).
     pub fn new(mesh: &Mesh, policy: W, queue: Q) -> Self {
         Self {
+            runs: CompiledRuns::new(),
             mesh: mesh.clone(),
             surface: Surface::new(mesh),
             policy,
@@ -593,6 +595,10 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
 
     fn vertex_count(&self) -> usize {
         self.mesh.vertex_count()
+    }
+
+    fn runs(&self) -> CompiledRuns<Self> {
+        self.runs
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {

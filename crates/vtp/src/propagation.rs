@@ -37,7 +37,7 @@ use geobench_window::simd::{Instructions, Simd};
 /// // FTP without its rules.
 /// type Plain = ListPropagation<NearestFace, OrderFree, NoPairs, AnyExit>;
 /// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
-/// assert_eq!(Plain::new(&mesh).distances_from(5)?[5], 0.0);
+/// assert_eq!(Plain::with_choices(&mesh).distances_from(5)?[5], 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

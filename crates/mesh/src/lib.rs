@@ -51,6 +51,7 @@ mod sound;
 mod soup;
 mod suggestion;
 pub mod threads;
+pub mod tolerance;
 mod validate;
 mod vector;
 
@@ -67,3 +68,4 @@ pub use refine::{Motion, Refined};
 pub use report::{InvalidMesh, Report, Summary};
 pub use soup::TriangleSoup;
 pub use suggestion::did_you_mean;
+pub use tolerance::Tolerance;

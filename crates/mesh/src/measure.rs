@@ -81,7 +81,7 @@ impl MeshMeasures {
             edges,
             boundary_edges: lengths.boundary_edges,
             boundary_loops,
-            components: component_count(mesh) - isolated_vertices,
+            components: parts(mesh).count() - isolated_vertices,
             isolated_vertices,
             pinched_vertices: count(Mesh::is_pinched),
             euler_characteristic: signed(vertices_in_faces) - signed(edges) + signed(faces),
@@ -218,13 +218,30 @@ fn patch_count(mesh: &Mesh) -> usize {
     patches.count()
 }
 
-/// Number of parts that are connected through vertices, including isolated vertices.
-fn component_count(mesh: &Mesh) -> usize {
+/// The parts that are connected through vertices. An isolated vertex is one.
+fn parts(mesh: &Mesh) -> DisjointSets {
     let mut parts = DisjointSets::new(mesh.vertex_count());
     for h in mesh.half_edges() {
         parts.union(mesh.tail(h).raw(), mesh.head(h).raw());
     }
-    parts.count()
+    parts
+}
+
+impl Mesh {
+    /// The connected component of each vertex. Components are numbered in the order of their first
+    /// vertices, and share no vertex. O(faces).
+    pub fn components(&self) -> Vec<u32> {
+        let mut parts = parts(self);
+        let mut numbers: Vec<u32> = Vec::with_capacity(self.vertex_count());
+        let mut count = 0;
+        for v in self.vertices() {
+            let first = parts.find(v.raw());
+            let number = numbers.get(first as usize).copied().unwrap_or(count);
+            count = count.max(number + 1);
+            numbers.push(number);
+        }
+        numbers
+    }
 }
 
 /// A count as a signed number. There are fewer than 2³² elements of any kind.

@@ -1,5 +1,4 @@
-//! Records what the program was built from and with, for the result files, and has it linked so
-//! that its memory can be measured.
+//! Records what the program was built from and with, for the result files.
 
 use std::path::Path;
 use std::process::Command;
@@ -9,37 +8,8 @@ fn main() {
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
     set("GEOBENCH_RUSTC", output(&rustc, &["--version"]).as_deref());
     set("GEOBENCH_RUSTFLAGS", rustflags().as_deref());
-    set("GEOBENCH_PROFILE", profile().as_deref());
-    lie_at_one_address();
+    set("GEOBENCH_PROFILE", std::env::var("PROFILE").ok().as_deref());
     println!("cargo::rerun-if-changed=build.rs");
-}
-
-/// The profile: `debug`, `quick`, or `release` for all others. Cargo tells custom profiles as that
-/// which they inherit from; the directory of the output has their names.
-fn profile() -> Option<String> {
-    let output = std::env::var("OUT_DIR").ok()?;
-    let directory = Path::new(&output).ancestors().nth(3)?.file_name()?;
-    if directory == "quick" {
-        return Some("quick".to_owned());
-    }
-    std::env::var("PROFILE").ok()
-}
-
-/// Has the program loaded at the same address each time. Linux maps the 64 KB around each page of
-/// code that is needed, aligned by address: with an address by chance the memory of a cell on a
-/// model of 6,000 faces differs by up to 1 MB of 8 from one start to the next, with one address by
-/// 0.3, and it is 0.1 less.
-fn lie_at_one_address() {
-    let target = |variable| std::env::var(variable).unwrap_or_default();
-    let is_static = target("CARGO_CFG_TARGET_FEATURE")
-        .split(',')
-        .any(|feature| feature == "crt-static");
-    if target("CARGO_CFG_TARGET_OS") == "linux"
-        && target("CARGO_CFG_TARGET_ENV") == "gnu"
-        && !is_static
-    {
-        println!("cargo::rustc-link-arg-bins=-no-pie");
-    }
 }
 
 /// The commit that is checked out, if this is a checkout of the project itself and not a copy

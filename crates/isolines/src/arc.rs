@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use geobench_mesh::{FaceId, Mesh};
 
 use crate::cones::corners;
-use crate::plane::{Point, add, cross, dot, nearest_on_segment, norm, sub};
+use geobench_mesh::vector::{Point, add, cross_2d, dot, nearest_on_segment, norm, sub};
 
 /// Tolerance within which the centres, the radii and the ends of two arcs of one circle agree,
 /// relative to the radius and the coordinates.
@@ -58,7 +58,7 @@ impl CircleArc {
     /// rounding; the result is between 0 and 1.5π.
     pub fn angle(&self) -> f64 {
         let [from, to] = self.ends.map(|end| sub(end, self.centre));
-        let angle = cross(from, to).atan2(dot(from, to));
+        let angle = cross_2d(from, to).atan2(dot(from, to));
         // An arc spans at most half a circle. Rounding can make the angle of a half circle
         // slightly more than π, and that of a very short arc negative.
         if angle < -0.5 * PI {
@@ -175,7 +175,7 @@ pub(crate) fn joined(arcs: Vec<CircleArc>, closed: bool) -> Vec<CircleArc> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::scale;
+    use geobench_mesh::vector::scale;
 
     fn arc(angles: [f64; 2]) -> CircleArc {
         let at = |angle: f64| [1.0 + 3.0 * angle.cos(), 2.0 + 3.0 * angle.sin()];

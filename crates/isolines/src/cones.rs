@@ -3,7 +3,7 @@
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh};
 use geobench_window::Window;
 
-use crate::plane::{Point, add, cross, dot, norm, scale, sub, turned};
+use geobench_mesh::vector::{Point, add, cross_2d, dot, norm, scale, sub, turned};
 
 /// A point outside a cone counts as inside if the sine of its angle to the cone is at most this.
 /// Rounding leaves gaps between windows that touch. A path that bends by so small an angle is
@@ -84,7 +84,7 @@ impl Cone {
     /// The angle from the right side to the direction of `x`.
     fn angle_of(&self, x: Point) -> f64 {
         let ray = sub(x, self.centre);
-        cross(self.right, ray).atan2(dot(self.right, ray))
+        cross_2d(self.right, ray).atan2(dot(self.right, ray))
     }
 
     /// The radius of the circle of points at distance `level`; not positive if there is none.
@@ -101,7 +101,7 @@ impl Cone {
     fn sees(&self, x: Point) -> bool {
         let ray = sub(x, self.centre);
         let slack = -CONE_SLACK * norm(ray);
-        cross(self.right, ray) >= slack && cross(ray, self.left) >= slack
+        cross_2d(self.right, ray) >= slack && cross_2d(ray, self.left) >= slack
     }
 
     /// The intersections of its circle of `radius` with the line through `through`. `direction` has
@@ -143,8 +143,8 @@ impl Cone {
         // The point at abscissa x is on the inner side of a side of the cone if
         // `value + x * slope` is positive.
         for (value, slope) in [
-            (cross(self.right, start), cross(self.right, direction)),
-            (cross(start, self.left), cross(direction, self.left)),
+            (cross_2d(self.right, start), cross_2d(self.right, direction)),
+            (cross_2d(start, self.left), cross_2d(direction, self.left)),
         ] {
             let zero = -value / slope;
             if slope > 0.0 {
@@ -159,7 +159,7 @@ impl Cone {
             b0,
             b1,
             px: dot(centre, direction),
-            py: cross(direction, centre),
+            py: cross_2d(direction, centre),
             sigma: self.sigma,
         })
     }
@@ -178,7 +178,7 @@ impl FaceCones {
         let mut cones = Vec::new();
         for (k, v) in mesh.face_vertices(face).into_iter().enumerate() {
             let sides = [1, 2].map(|i| sub(corners[(k + i) % 3], corners[k]));
-            let angle = cross(sides[0], sides[1]).atan2(dot(sides[0], sides[1]));
+            let angle = cross_2d(sides[0], sides[1]).atan2(dot(sides[0], sides[1]));
             cones.extend(Cone::new(
                 corners[k],
                 distances[v.index()],
@@ -218,7 +218,7 @@ impl FaceCones {
 
     fn is_inside(&self, x: Point) -> bool {
         let [a, b, c] = self.corners;
-        let left = |from: Point, to: Point| cross(sub(to, from), sub(x, from)) >= 0.0;
+        let left = |from: Point, to: Point| cross_2d(sub(to, from), sub(x, from)) >= 0.0;
         left(a, b) && left(b, c) && left(c, a)
     }
 
@@ -237,7 +237,7 @@ impl FaceCones {
     /// Whether the face is so thin that rounding decides which points lie inside ([`FLAT`]).
     fn is_flat(&self, level: f64) -> bool {
         let [a, b, c] = self.corners;
-        let height = cross(sub(b, a), sub(c, a)) / self.size;
+        let height = cross_2d(sub(b, a), sub(c, a)) / self.size;
         height < FLAT * (self.size + level)
     }
 

@@ -1,7 +1,7 @@
 //! Joins the arcs in a face and the crossings of its edges into parts of lines.
 
 use crate::arc::CircleArc;
-use crate::plane::{Point, norm, sub};
+use geobench_mesh::vector::{Point, norm, sub};
 
 /// A connected part of an isoline in one face: from the crossing at which it enters to that at
 /// which it leaves, or a loop inside the face.

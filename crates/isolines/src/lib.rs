@@ -31,7 +31,6 @@ mod arc;
 mod cones;
 mod crossings;
 mod face;
-mod plane;
 
 use std::collections::HashMap;
 
@@ -44,7 +43,7 @@ pub use arc::CircleArc;
 use cones::{ConeArc, FaceCones};
 use crossings::crossings;
 use face::Link;
-use plane::sub;
+use geobench_mesh::vector::{self, Point, sub};
 
 /// A level is lowered if the distance of a vertex differs from it by at most this fraction.
 const TIE: f64 = 4e-12;
@@ -352,7 +351,7 @@ impl DistanceField {
         let cones = self.cones(h.face());
         let k = h.corner() as usize;
         let [from, to] = [cones.corners[k], cones.corners[(k + 1) % 3]];
-        let direction = plane::scale(sub(to, from), 1.0 / l);
+        let direction = vector::scale(sub(to, from), 1.0 / l);
         // No windows are stored on a boundary edge, since no face follows. They are computed from
         // the cones of the face. The cones of the two ends are covered by `ends`.
         let seen = cones.cones.iter();
@@ -363,7 +362,7 @@ impl DistanceField {
 
     /// The arc between two points around `centre`, given in the plane of `face` of the refined
     /// mesh, converted to the face of the original mesh that contains it.
-    fn arc(&self, face: FaceId, [from, to]: [plane::Point; 2], centre: plane::Point) -> CircleArc {
+    fn arc(&self, face: FaceId, [from, to]: [Point; 2], centre: Point) -> CircleArc {
         let parent = self.refined.parent(face);
         let split = self.refined.mesh.face_vertices(face) != self.mesh.face_vertices(parent);
         if !split {
@@ -438,7 +437,7 @@ impl Tracer<'_> {
                     (i, l - crossings.at[i])
                 };
                 let t = x / l;
-                let at = plane::add(plane::scale(from, 1.0 - t), plane::scale(to, t));
+                let at = vector::add(vector::scale(from, 1.0 - t), vector::scale(to, t));
                 // Edges run counter-clockwise around the face. Where one passes from nearer to
                 // farther points, the line enters the face, since nearer points are on its left.
                 joints.cross(crossings.first + i, at, is_near);
@@ -481,7 +480,7 @@ impl Tracer<'_> {
         // No arc was found between two crossings: the face has no height, or the arc cuts off so
         // small a corner that it was lost in rounding.
         if let Some([from, to]) = link.straight {
-            let middle = plane::scale(plane::add(from, to), 0.5);
+            let middle = vector::scale(vector::add(from, to), 0.5);
             if let Some(i) = cones.nearest(middle) {
                 let centre = cones.cones[i].centre;
                 link.arcs.push(self.field.arc(face, [from, to], centre));

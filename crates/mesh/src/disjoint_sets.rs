@@ -1,13 +1,22 @@
 //! Connected sets (union-find).
 
 /// A partition of `0..n` whose sets can only be joined (union-find).
-pub(crate) struct DisjointSets {
+///
+/// ```
+/// use geobench_mesh::DisjointSets;
+///
+/// let mut sets = DisjointSets::new(4);
+/// sets.union(3, 1);
+/// assert_eq!((sets.find(3), sets.count()), (1, 3));
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct DisjointSets {
     parents: Vec<u32>,
 }
 
 impl DisjointSets {
     /// `n` sets of one element each. `n` must be at most 2³².
-    pub(crate) fn new(n: usize) -> Self {
+    pub fn new(n: usize) -> Self {
         Self {
             parents: (0..n as u32).collect(),
         }
@@ -15,12 +24,16 @@ impl DisjointSets {
 
     /// The partition given by the parent of each element, which must not be greater than the
     /// element.
-    pub(crate) fn of(parents: Vec<u32>) -> Self {
+    pub fn of(parents: Vec<u32>) -> Self {
         Self { parents }
     }
 
     /// The smallest element of the set of `x`.
-    pub(crate) fn find(&mut self, mut x: u32) -> u32 {
+    ///
+    /// # Panics
+    ///
+    /// If there is no such element.
+    pub fn find(&mut self, mut x: u32) -> u32 {
         loop {
             let parent = self.parents[x as usize];
             if parent == x {
@@ -34,13 +47,24 @@ impl DisjointSets {
     }
 
     /// Joins the sets of `x` and `y`.
-    pub(crate) fn union(&mut self, x: u32, y: u32) {
+    ///
+    /// # Panics
+    ///
+    /// If there is no such element.
+    pub fn union(&mut self, x: u32, y: u32) {
         let (x, y) = (self.find(x), self.find(y));
         self.parents[x.max(y) as usize] = x.min(y);
     }
 
+    /// Adds a set of one new element, and returns the element.
+    pub fn add(&mut self) -> u32 {
+        let new = self.parents.len() as u32;
+        self.parents.push(new);
+        new
+    }
+
     /// Number of sets.
-    pub(crate) fn count(&self) -> usize {
+    pub fn count(&self) -> usize {
         let is_root = |(x, &parent): (usize, &u32)| x == parent as usize;
         self.parents
             .iter()

@@ -53,9 +53,10 @@ mod suggestion;
 pub mod threads;
 pub mod tolerance;
 mod validate;
-mod vector;
+pub mod vector;
 
 pub use defect::{Defect, DefectKind, LONGEST_EDGE, SHORTEST_EDGE, Severity};
+pub use disjoint_sets::DisjointSets;
 pub use frames::FaceShapes;
 pub use ids::{FaceId, HalfEdgeId, VertexId};
 pub use measure::MeshMeasures;

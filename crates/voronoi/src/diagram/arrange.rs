@@ -14,9 +14,9 @@ use geobench_window::queue::MinHeap;
 use super::border::{BorderPart, BorderTracer, meeting_point};
 use super::curve::Bisector;
 use super::line::{Change, SegmentCells};
-use super::plane::{Point, between, cross, norm, sub};
 use super::sites::FaceSites;
 use super::table::MeasuredSites;
+use geobench_mesh::vector::{Point, between, cross_2d, norm, sub};
 
 /// A point of the diagram inside a face or on its sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -227,7 +227,7 @@ impl Triangle {
     /// The height over the longest side.
     fn width(&self) -> f64 {
         let [a, b, c] = self.corners;
-        cross(sub(b, a), sub(c, a)).abs() / self.size()
+        cross_2d(sub(b, a), sub(c, a)).abs() / self.size()
     }
 
     /// Whether `x` is inside, or outside by no more than `slack`.
@@ -235,7 +235,7 @@ impl Triangle {
         (0..3).all(|k| {
             let (a, b) = (self.corners[k], self.corners[(k + 1) % 3]);
             let side = sub(b, a);
-            cross(side, sub(x, a)) >= -slack * norm(side)
+            cross_2d(side, sub(x, a)) >= -slack * norm(side)
         })
     }
 

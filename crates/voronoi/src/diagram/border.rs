@@ -4,9 +4,9 @@ use std::cell::RefCell;
 
 use super::arrange::{FACE_SLACK, Triangle};
 use super::curve::{Bisector, newton_across};
-use super::plane::{Point, between, cross, dot, norm, sub};
 use super::sites::{FaceSites, Nearest};
 use super::table::{MeasuredSites, SiteTable};
+use geobench_mesh::vector::{Point, between, cross_2d, dot, norm, sub};
 
 /// Greatest number of steps along a border to find where its bisectors change. Each change takes at
 /// most about 90.
@@ -242,7 +242,7 @@ pub(super) fn meeting_point(
         let [a, b, c] = paths(x);
         let [p, q] = [b, c].map(|other| sub(a.1, other.1));
         let values = [a.0 - b.0, a.0 - c.0];
-        let determinant = cross(p, q);
+        let determinant = cross_2d(p, q);
         let step = [
             -(values[0] * q[1] - values[1] * p[1]) / determinant,
             -(p[0] * values[1] - q[0] * values[0]) / determinant,

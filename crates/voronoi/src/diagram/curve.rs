@@ -1,7 +1,7 @@
 //! Bisectors of two sites: branches of hyperbolas, or lines.
 
-use super::plane::{Point, along, between, cross, norm, sub};
 use super::sites::Site;
+use geobench_mesh::vector::{Point, along, between, cross_2d, dot, norm, sub};
 
 /// The points at which two sites are equally near: a branch of a hyperbola whose foci are the
 /// images of the sites, or a line.
@@ -119,9 +119,9 @@ impl Bisector {
             // If no point of the curve is found, its chord takes its place.
             let x = self.beside(from, to, t).unwrap_or(on_chord);
             let (_, gradient) = self.difference(x);
-            let height = cross(chord, sub(x, on_chord)) / c;
+            let height = cross_2d(chord, sub(x, on_chord)) / c;
             // The curve is perpendicular to the gradient.
-            let [with, across] = [cross(gradient, chord), super::plane::dot(gradient, chord)];
+            let [with, across] = [cross_2d(gradient, chord), dot(gradient, chord)];
             let slope = if with == 0.0 { 0.0 } else { across / with };
             length += weight * c * slope.hypot(1.0);
             area += weight * c * height;
@@ -148,7 +148,7 @@ pub(crate) fn newton_across(
     let mut last = f64::INFINITY;
     for _ in 0..STEPS {
         let (value, gradient) = function(x)?;
-        let slope = super::plane::dot(gradient, normal);
+        let slope = dot(gradient, normal);
         if slope.abs() < FLAT {
             return Some(x);
         }

@@ -5,13 +5,13 @@ mod border;
 mod curve;
 mod dual;
 mod line;
-mod plane;
 pub(crate) mod sites;
 mod table;
 
 use std::collections::{BTreeSet, HashMap};
 
-use geobench_mesh::{FaceId, HalfEdgeId, Mesh};
+use geobench_mesh::vector::{Point, between, cross_2d, norm, sub};
+use geobench_mesh::{DisjointSets, FaceId, HalfEdgeId, Mesh};
 use geobench_window::Window;
 
 use crate::field::{LabelledField, NO_SOURCE};
@@ -20,9 +20,6 @@ use arrange::{Arrangement, FaceNodeKind, Span, arrange};
 pub use curve::Bisector;
 pub use dual::{Dual, NoTriangulation, Obstacle};
 use line::SegmentCells;
-#[cfg(test)]
-pub(crate) use plane::between;
-use plane::{Point, cross, norm, sub};
 use sites::{FaceSites, corners};
 
 /// A geodesic Voronoi diagram: the cells of the sources, their borders and their Voronoi vertices.
@@ -170,7 +167,7 @@ impl BorderArc {
             return self.ends[usize::from(t == 1.0)];
         }
         let curve = self.bisector.and_then(|b| b.beside(from, to, t));
-        curve.unwrap_or_else(|| plane::between(from, to, t))
+        curve.unwrap_or_else(|| between(from, to, t))
     }
 
     /// The length of the arc, and the area between it and its chord, positive on the left of the
@@ -266,7 +263,7 @@ impl Part {
             let corner = |i: usize| self.outline[left[i % n]];
             let is_ear = |&i: &usize| {
                 let [a, b, c] = [corner(i + n - 1), corner(i), corner(i + 1)];
-                let turns = |a, b, p| cross(sub(b, a), sub(p, a));
+                let turns = |a, b, p| cross_2d(sub(b, a), sub(p, a));
                 let holds =
                     |p| turns(a, b, p) > 0.0 && turns(b, c, p) > 0.0 && turns(c, a, p) > 0.0;
                 turns(a, b, c) > 0.0 && !(0..n).map(corner).any(holds)
@@ -387,7 +384,7 @@ impl Diagram {
     /// The barycentric coordinates of a position in the plane of `face`.
     pub fn barycentric(&self, face: FaceId, place: [f64; 2]) -> [f64; 3] {
         let corners = corners(&self.mesh, face);
-        let twice = |a: Point, b: Point, c: Point| cross(sub(b, a), sub(c, a));
+        let twice = |a: Point, b: Point, c: Point| cross_2d(sub(b, a), sub(c, a));
         let [a, b, c] = corners;
         let whole = twice(a, b, c);
         let [u, v] = [twice(place, b, c), twice(a, place, c)].map(|part| part / whole);
@@ -410,10 +407,10 @@ impl Diagram {
     }
 }
 
-/// A union-find structure of the connected parts of cells.
+/// The connected parts of cells.
 #[derive(Clone, Debug, Default)]
 struct CellComponents {
-    parents: Vec<u32>,
+    sets: DisjointSets,
     /// The cell of each element.
     cells: Vec<u32>,
 }
@@ -421,26 +418,12 @@ struct CellComponents {
 impl CellComponents {
     /// The number of the next element.
     fn next(&self) -> u32 {
-        self.parents.len() as u32
+        self.cells.len() as u32
     }
 
     fn add(&mut self, cell: u32) {
-        self.parents.push(self.next());
+        self.sets.add();
         self.cells.push(cell);
-    }
-
-    fn root(&mut self, mut i: u32) -> u32 {
-        while self.parents[i as usize] != i {
-            let above = self.parents[self.parents[i as usize] as usize];
-            self.parents[i as usize] = above;
-            i = above;
-        }
-        i
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parents[a.max(b) as usize] = a.min(b);
     }
 }
 
@@ -522,7 +505,7 @@ impl<'a> Builder<'a> {
             for change in &line.changes {
                 self.nodes.push(Node {
                     face: h.face(),
-                    place: plane::between(from, to, change.at),
+                    place: between(from, to, change.at),
                     kind: NodeKind::OnEdge,
                 });
             }
@@ -621,7 +604,7 @@ impl<'a> Builder<'a> {
             }
             for &h in mesh.outgoing(v) {
                 if let Some(beside) = mesh.twin(h.prev()) {
-                    self.unions.join(self.fans[&h], self.fans[&beside]);
+                    self.unions.sets.union(self.fans[&h], self.fans[&beside]);
                 }
             }
         }
@@ -647,11 +630,11 @@ impl<'a> Builder<'a> {
             return;
         }
         let [first, second, third] = [0, 1, 2].map(|k| self.corner(face.half_edge(k)));
-        self.unions.join(first, second);
-        self.unions.join(second, third);
+        self.unions.sets.union(first, second);
+        self.unions.sets.union(second, third);
         let [a, b, c] = corners(mesh, face);
         let cell = &mut self.cells[source as usize];
-        cell.area += 0.5 * cross(sub(b, a), sub(c, a));
+        cell.area += 0.5 * cross_2d(sub(b, a), sub(c, a));
         cell.euler += 1;
     }
 
@@ -674,7 +657,7 @@ impl<'a> Builder<'a> {
         }
         for region in &arrangement.regions {
             for pair in region.runs.windows(2) {
-                self.unions.join(pair[0], pair[1]);
+                self.unions.sets.union(pair[0], pair[1]);
             }
         }
         let numbers = self.add_nodes(face, &arrangement, along, &lines);
@@ -703,7 +686,7 @@ impl<'a> Builder<'a> {
         let mut at = 0.0;
         let ends = lines[1].changes.iter().map(|change| change.at);
         for (source, end) in lines[1].cells().zip(ends.chain([1.0])) {
-            self.cells[source as usize].area += 0.5 * (end - at) * cross(second, third);
+            self.cells[source as usize].area += 0.5 * (end - at) * cross_2d(second, third);
             at = end;
         }
         for region in &arrangement.regions {
@@ -724,7 +707,7 @@ impl<'a> Builder<'a> {
     fn runs_along(&mut self, h: HalfEdgeId, along: Option<(usize, bool)>) -> Vec<u32> {
         let (tail, head) = (self.corner(h), self.corner(h.next()));
         let Some((line, is_reversed)) = along else {
-            self.unions.join(tail, head);
+            self.unions.sets.union(tail, head);
             return vec![tail];
         };
         let first = self.first_union[line];
@@ -733,8 +716,8 @@ impl<'a> Builder<'a> {
         if is_reversed {
             runs.reverse();
         }
-        self.unions.join(runs[0], tail);
-        self.unions.join(runs[count as usize], head);
+        self.unions.sets.union(runs[0], tail);
+        self.unions.sets.union(runs[count as usize], head);
         runs
     }
 
@@ -776,7 +759,7 @@ impl<'a> Builder<'a> {
         let (length, bulge) = arc.length_and_area();
         let [from, to] = arc.ends;
         // Its share of the integral counter-clockwise around the cell on its left.
-        let area = 0.5 * cross(from, to) - bulge;
+        let area = 0.5 * cross_2d(from, to) - bulge;
         let [left, right] = arc.sources;
         for (source, other, area) in [(left, right, area), (right, left, -area)] {
             let cell = &mut self.cells[source as usize];
@@ -791,7 +774,7 @@ impl<'a> Builder<'a> {
     /// surface to their perimeters.
     fn count_edges_and_vertices(&mut self) {
         let mesh = self.field.mesh;
-        self.extended = vec![false; self.unions.next() as usize];
+        self.extended = vec![false; self.unions.cells.len()];
         for h in mesh.half_edges() {
             let twin = mesh.twin(h);
             if twin.is_some_and(|twin| twin < h) {
@@ -839,7 +822,7 @@ impl<'a> Builder<'a> {
         let mut is_counted = vec![false; self.extended.len()];
         for (i, _) in (0..).zip(&self.extended).filter(|(_, extended)| **extended) {
             let source = self.unions.cells[i as usize];
-            let root = self.unions.root(i) as usize;
+            let root = self.unions.sets.find(i) as usize;
             if source != NO_SOURCE && !std::mem::replace(&mut is_counted[root], true) {
                 pieces[source as usize] += 1;
             }

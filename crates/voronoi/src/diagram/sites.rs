@@ -4,9 +4,9 @@ use geobench_mesh::{FaceId, Mesh};
 use geobench_window::Window;
 
 use super::line::SegmentCells;
-use super::plane::{Point, along, between, cross, dot, norm, sub, unit};
 use crate::field::{LabelledField, NO_SOURCE};
 use crate::store::{Stored, edge_of};
+use geobench_mesh::vector::{Point, along, between, cross_2d, dot, norm, sub, unit};
 
 /// A (pseudo-)source as seen from a face, unfolded into the plane of the face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,9 +52,9 @@ impl Site {
         let mut before = self.sigma;
         if let Some([left, right]) = self.gate {
             let ray = sub(x, self.image);
-            if cross(sub(left, self.image), ray) > 0.0 {
+            if cross_2d(sub(left, self.image), ray) > 0.0 {
                 (turn, before) = (left, self.to_gate[0]);
-            } else if cross(sub(right, self.image), ray) < 0.0 {
+            } else if cross_2d(sub(right, self.image), ray) < 0.0 {
                 (turn, before) = (right, self.to_gate[1]);
             }
         }
@@ -87,7 +87,7 @@ impl Site {
         let u = sub(to, from).map(|c| c / l);
         let frame = |p: Point| {
             let p = sub(p, from);
-            [dot(p, u), cross(u, p)]
+            [dot(p, u), cross_2d(u, p)]
         };
         let [px, py] = frame(self.image);
         let mut window = Window {
@@ -106,7 +106,7 @@ impl Site {
         for (end, side) in gate.into_iter().zip([1.0, -1.0]) {
             let ray = sub(end, self.image);
             let slack = VISIBLE * l * norm(ray);
-            let [out0, out1] = [from, to].map(|x| side * cross(ray, sub(x, self.image)) - slack);
+            let [out0, out1] = [from, to].map(|x| side * cross_2d(ray, sub(x, self.image)) - slack);
             if out0 > 0.0 && out1 > 0.0 {
                 return None;
             }

@@ -6,8 +6,8 @@
 
 use geobench_window::simd::{Block, Columns, Instructions, Lanes, Line, Simd, SimdProgram};
 
-use super::plane::{Point, between, sub};
 use super::sites::{BENT, FROM_VERTEX, FaceSites, Nearest, NearestSites, Site};
+use geobench_mesh::vector::{Point, between, sub};
 
 /// Number of columns of a table: image (0, 1), σ (2), left end of the gate (3, 4) and length of the
 /// path to it (5), right end (6, 7) and length of the path to it (8), number of the source (9),

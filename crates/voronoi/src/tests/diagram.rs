@@ -581,7 +581,7 @@ fn the_vertices_of_a_face_are_sites() {
         let mut windows = all.clone();
         windows.sites.truncate(all.sites.len() - 3);
         for k in 0..3 {
-            let x = crate::diagram::between(all.corners[k], all.corners[(k + 1) % 3], 0.3);
+            let x = geobench_mesh::vector::between(all.corners[k], all.corners[(k + 1) % 3], 0.3);
             let (expected, found) = (all.distance(x), windows.distance(x));
             too_long += usize::from(found > (1.0 + 1e-9) * expected);
         }
@@ -603,7 +603,7 @@ fn on_the_boundary_the_sites_inside_count() {
     for h in mesh.half_edges().filter(|&h| mesh.twin(h).is_none()) {
         let sites = FaceSites::new(&field, h.face());
         let k = h.corner() as usize;
-        let x = crate::diagram::between(sites.corners[k], sites.corners[(k + 1) % 3], 0.5);
+        let x = geobench_mesh::vector::between(sites.corners[k], sites.corners[(k + 1) % 3], 0.5);
         let ends = [mesh.tail(h), mesh.head(h)].map(|v| field.distances()[v.index()]);
         let along = ends[0].min(ends[1]) + 0.5 * mesh.length(h);
         too_long += usize::from(along > sites.distance(x) + 1e-9);

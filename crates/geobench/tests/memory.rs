@@ -4,14 +4,14 @@
 
 use std::hint::black_box;
 
-use geobench::exec::goal::GoalSpec;
-use geobench::exec::isolate::Isolated;
-use geobench::exec::limits::Limits;
-use geobench::exec::model::ModelRef;
-use geobench::exec::{Backend, Pass, Step};
-use geobench::measure::memory::Peaks;
-use geobench::registry;
+use geobench_harness::exec::goal::GoalSpec;
+use geobench_harness::exec::isolate::Isolated;
+use geobench_harness::exec::limits::Limits;
+use geobench_harness::exec::model::ModelRef;
+use geobench_harness::exec::{Backend, Pass, Step};
+use geobench_harness::measure::memory::Peaks;
 use geobench_mesh::VertexId;
+use geobench_registry as registry;
 
 const MEGABYTE: u64 = 1 << 20;
 

@@ -12,8 +12,8 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::{env, io};
 
-use geobench::registry;
 use geobench_mesh::{Mesh, VertexId, io as mesh_io};
+use geobench_registry as registry;
 use geobench_window::{Counter, Counters};
 
 /// A ratio of two sums of counts.

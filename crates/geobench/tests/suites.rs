@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use geobench::plan::suite::{ModelChoice, Settings, Suite, plans};
+use geobench_harness::plan::suite::{ModelChoice, Settings, Suite, plans};
 
 /// The suites that come with the program.
 fn suites() -> Vec<PathBuf> {

@@ -9,9 +9,9 @@ use std::thread;
 use std::time::Duration;
 
 use case::{Case, Expected, Skip, Verdict};
-use geobench::registry::{Selection, select_one};
 use geobench_mesh::{Mesh, VertexId};
 use geobench_oracle::nasty;
+use geobench_registry::{Selection, select_one};
 use geobench_window::Counter;
 use judge::MOST_WORK;
 

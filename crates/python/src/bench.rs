@@ -3,22 +3,20 @@
 use std::path::Path;
 use std::time::SystemTime;
 
-use geobench::exec::Listener;
-use geobench::exec::goal::GoalSpec;
-use geobench::exec::in_process::ThisProcess;
-use geobench::exec::limits::Limits;
-use geobench::exec::model::{self, ModelRef};
-use geobench::exec::source::SourceSpec;
-use geobench::measure::conditions::{self, Snapshot};
-use geobench::measure::host;
-use geobench::plan::sampling::Sampling;
-use geobench::plan::{self, Plan, Reference};
-use geobench::registry::{self, SimdChoice};
-use geobench::run;
-use geobench::schema::{
-    GroupRecord, IsolationRecord, Precision, ResultFile, SCHEMA, SessionRecord,
-};
-use geodesic::Stop;
+use geobench_harness::exec::Listener;
+use geobench_harness::exec::goal::GoalSpec;
+use geobench_harness::exec::in_process::ThisProcess;
+use geobench_harness::exec::limits::Limits;
+use geobench_harness::exec::model::{self, ModelRef};
+use geobench_harness::exec::source::SourceSpec;
+use geobench_harness::measure::conditions::{self, Snapshot};
+use geobench_harness::measure::host;
+use geobench_harness::plan::sampling::Sampling;
+use geobench_harness::plan::{self, Plan, Reference};
+use geobench_registry::{self as registry, SimdChoice};
+use geobench_harness::run;
+use geobench_harness::schema::{GroupRecord, IsolationRecord, Precision, ResultFile, SCHEMA, SessionRecord};
+use geodesics::Stop;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 

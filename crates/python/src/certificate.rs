@@ -1,8 +1,8 @@
 //! Certified distances.
 
-use geodesic::certify::{Bound as ErrorBound, FailurePlace};
-use geodesic::mesh::threads::Threads;
-use geodesic::{Certificate, CertificateError, OriginalFailure, Stop};
+use geodesics::certify::{Bound as ErrorBound, FailurePlace};
+use geodesics::mesh::threads::Threads;
+use geodesics::{Certificate, CertificateError, OriginalFailure, Stop};
 use numpy::PyArray1;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;

@@ -1,8 +1,8 @@
 //! Python exceptions for the errors of the library.
 
-use geodesic::io::FileError;
-use geodesic::paths::TraceError;
-use geodesic::{InvalidMesh, PathError, SolveError};
+use geodesics::io::FileError;
+use geodesics::paths::TraceError;
+use geodesics::{InvalidMesh, PathError, SolveError};
 use pyo3::exceptions::{
     PyFileNotFoundError, PyIndexError, PyIsADirectoryError, PyOSError, PyRuntimeError,
     PyUserWarning, PyValueError,

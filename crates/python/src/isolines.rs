@@ -2,8 +2,8 @@
 
 use std::sync::Arc as Shared;
 
-use geodesic::window::precision;
-use geodesic::{DistanceField, FieldError, Line, Mesh, Stop, SurfacePoint};
+use geodesics::window::precision;
+use geodesics::{DistanceField, FieldError, Line, Mesh, Stop, SurfacePoint};
 use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -186,7 +186,7 @@ pub(crate) fn isolines(
         ))
     })?;
     warn(py, doubt)?;
-    let of_python = |isoline: geodesic::Isoline| {
+    let of_python = |isoline: geodesics::Isoline| {
         let (distance, length, gap) = (isoline.distance, isoline.length(), isoline.gap);
         let lines = isoline.lines.into_iter().map(|line| {
             let line = PyLine {

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use geobench::exec::expected::stem;
-use geodesic::mesh::{MeshMeasures, Report, Severity};
-use geodesic::{Mesh, Place, RemeshOptions, Stop, TriangleSoup, VertexId, generate, io};
+use geobench_harness::exec::expected::stem;
+use geodesics::mesh::{MeshMeasures, Report, Severity};
+use geodesics::{Mesh, Place, RemeshOptions, Stop, TriangleSoup, VertexId, generate, io};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -445,7 +445,7 @@ impl PyMesh {
     fn remesh(&self, py: Python<'_>, sites: usize, lloyd: usize, seed: u64) -> PyResult<Self> {
         let mesh = self.mesh.clone();
         let options = RemeshOptions { sites, lloyd, seed };
-        let work = move || geodesic::remesh(&mesh, &options);
+        let work = move || geodesics::remesh(&mesh, &options);
         let made = interrupt::long(py, &Stop::default(), work)?;
         let made = made.map_err(|error| PyValueError::new_err(error.to_string()))?;
         Self::new(py, made.soup(), self.name.clone(), "the new mesh")

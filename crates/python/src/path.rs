@@ -1,6 +1,6 @@
 //! Shortest paths.
 
-use geodesic::{Mesh, Path};
+use geodesics::{Mesh, Path};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

@@ -1,7 +1,7 @@
 //! Sources and targets that are passed from Python.
 
-use geobench::exec::source::{Locator, PointSpec};
-use geodesic::{Mesh, Refined, SurfacePoint, VertexId};
+use geobench_harness::exec::source::{Locator, PointSpec};
+use geodesics::{Mesh, Refined, SurfacePoint, VertexId};
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};

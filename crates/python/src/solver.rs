@@ -3,9 +3,9 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use geobench::registry::{self, MOST_THREADS, Selection, SimdChoice};
-use geodesic::window::{Counter, Counters, Observer, PhaseSampler, precision};
-use geodesic::{Goal, Mesh, Path, PathError, Paths, SolveError, Solver as Solve, Stop, VertexId};
+use geobench_registry::{self as registry, MOST_THREADS, Selection, SimdChoice};
+use geodesics::window::{Counter, Counters, Observer, PhaseSampler, precision};
+use geodesics::{Goal, Mesh, Path, PathError, Paths, SolveError, Solver as Solve, Stop, VertexId};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyTypeError, PyValueError};
 use pyo3::prelude::*;

@@ -3,9 +3,9 @@
 use std::collections::HashSet;
 use std::sync::Arc as Shared;
 
-use geobench::exec::source::PointSpec;
-use geodesic::voronoi::NO_SOURCE;
-use geodesic::{Diagram, FieldSolver, Mesh, Refined, Stop, VertexId, WindowVtp};
+use geobench_harness::exec::source::PointSpec;
+use geodesics::voronoi::NO_SOURCE;
+use geodesics::{Diagram, FieldSolver, Mesh, Refined, Stop, VertexId, WindowVtp};
 use numpy::{PyArray1, PyArray2};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyValueError;
@@ -93,7 +93,7 @@ pub(crate) struct PyArc {
 }
 
 impl PyArc {
-    fn arc(&self) -> &geodesic::voronoi::BorderArc {
+    fn arc(&self) -> &geodesics::voronoi::BorderArc {
         &self.diagram.arcs()[self.place]
     }
 }

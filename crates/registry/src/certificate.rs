@@ -4,7 +4,7 @@
 use geobench_mesh::{Mesh, VertexId};
 use geobench_mmp::mmp;
 use geobench_window::{Counter, Goal, Observer, Solution, SolveError, Solver};
-use geodesic::{Certificate, CertificateError};
+use geodesics::{Certificate, CertificateError};
 
 use super::{Algorithm, Parameter};
 

@@ -1,15 +1,16 @@
 //! `geobench algos`.
 
 use clap::Args;
+use geobench_export::json_lines;
+use geobench_registry::{self as registry, Algorithm, Parameter, Selection, Value};
+use geobench_report::table::terminal::listing;
+use geobench_report::table::{Column, Entry, Look, Table};
 use geobench_window::{Counter, Counters};
 use serde::Serialize;
 
 use super::Verdict;
 use super::args::{self, Algorithms, ListFormat};
 use super::terminal;
-use crate::registry::{self, Algorithm, Parameter, Selection, Value};
-use crate::table::terminal::listing;
-use crate::table::{Column, Entry, Look, Table, json_lines};
 
 #[derive(Args, Debug)]
 pub(super) struct AlgosOptions {

@@ -6,6 +6,17 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::RangedI64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
+use geobench_export::output::{self, OutputFile};
+use geobench_harness::exec::source::{SourceSpec, TargetSpec};
+use geobench_harness::figures;
+use geobench_harness::measure::instructions;
+use geobench_harness::plan::sampling::{Seconds, Share};
+use geobench_harness::plan::suite::{self, MOST_RUNS};
+use geobench_harness::schema::Shard;
+use geobench_registry::UsageError;
+use geobench_registry::{self as registry, MOST_THREADS, Selection, SimdChoice};
+use geobench_report::page::{Form, PictureChoice, Tables};
+use geobench_report::table::Format;
 
 use super::algos::AlgosOptions;
 use super::claims::ClaimsOptions;
@@ -19,16 +30,6 @@ use super::merge::MergeOptions;
 use super::pool::PoolOptions;
 use super::shell::{CompletionsOptions, ManOptions};
 use super::terminal::ColorChoice;
-use crate::UsageError;
-use crate::exec::source::{SourceSpec, TargetSpec};
-use crate::measure::instructions;
-use crate::plan::sampling::{Seconds, Share};
-use crate::plan::suite::{self, MOST_RUNS};
-use crate::registry::{self, MOST_THREADS, Selection, SimdChoice};
-use crate::report::{Form, PictureChoice, Tables};
-use crate::schema::Shard;
-use crate::table::output::{self, OutputFile};
-use crate::table::{self, Format};
 
 /// Help text on models, for all commands that take models.
 pub(super) const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, each also .gz), a directory (searched \
@@ -784,7 +785,7 @@ fn tolerance(text: &str) -> Result<f64, String> {
 }
 
 fn row(name: &str) -> Result<String, UsageError> {
-    table::figure(name).map(|figure| figure.key.to_owned())
+    figures::figure(name).map(|figure| figure.key.to_owned())
 }
 
 /// The parser of a number of threads.

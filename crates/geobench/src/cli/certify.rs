@@ -3,18 +3,18 @@
 use std::fmt::Write;
 
 use geobench_certify::{Bound, FailurePlace};
+use geobench_export::json_lines;
+use geobench_harness::exec::expected::Expected;
+use geobench_harness::exec::model;
 use geobench_mesh::threads::Threads;
 use geobench_mesh::{Mesh, VertexId};
-use geodesic::{Certificate, Comparison, OriginalFailure};
+use geodesics::{Certificate, Comparison, OriginalFailure};
 use serde::Serialize;
 
 use super::Verdict;
 use super::args::{CertificateFormat, CertifyOptions};
 use super::points::Points;
 use super::terminal;
-use crate::exec::expected::Expected;
-use crate::exec::model;
-use crate::table::json_lines;
 
 pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     let threads = Threads::start(options.threads as usize)?;

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use clap::Args;
+use geobench_export::output;
+use geobench_harness::schema::result_file;
+use geobench_harness::usage::files_in;
+use geobench_report::claims::{self, ClaimsFile, ClaimsFormat, Input};
+use geobench_report::table::Look;
 
 use super::Verdict;
 use super::terminal;
-use crate::report::claims::{self, ClaimsFile, ClaimsFormat, Input};
-use crate::schema::result_file;
-use crate::table::{Look, output};
-use crate::usage::files_in;
 
 #[derive(Args, Debug)]
 #[command(
@@ -64,7 +65,7 @@ pub(super) fn claims(options: &ClaimsOptions, look: Look) -> anyhow::Result<Verd
     for (format, file) in &outputs {
         file.write(
             format
-                .render(&report, crate::table::Look::default())?
+                .render(&report, geobench_report::table::Look::default())?
                 .as_bytes(),
         )?;
     }

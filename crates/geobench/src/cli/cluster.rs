@@ -5,21 +5,21 @@ use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, Parser};
+use geobench_export::escape::shell;
+use geobench_harness::exec::expected::{Expected, stored_files};
+use geobench_harness::exec::model::ModelRef;
+use geobench_harness::plan::suite::Plans;
+use geobench_harness::plan::{Plan, Reference};
+use geobench_harness::run::cluster::{
+    ClusterDirectory, ClusterRecord, EXCLUSIVE, PartState, Placement, Resources, parts_in_words,
+};
+use geobench_report::table::terminal::listing;
+use geobench_report::table::{Column, Entry, Look, Table};
 
 use super::args::{Arguments, Command, RunOptions};
 use super::run::{now, possible_plans};
 use super::terminal;
 use super::{Verdict, in_one_line};
-use crate::exec::expected::{Expected, stored_files};
-use crate::exec::model::ModelRef;
-use crate::plan::suite::Plans;
-use crate::plan::{Plan, Reference};
-use crate::run::cluster::{
-    ClusterDirectory, ClusterRecord, EXCLUSIVE, PartState, Placement, Resources, parts_in_words,
-};
-use crate::table::escape::shell;
-use crate::table::terminal::listing;
-use crate::table::{Column, Entry, Look, Table};
 
 #[derive(Args, Debug)]
 #[command(

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
+use geobench_export::output;
+use geobench_harness::schema::result_file;
+use geobench_report::history::compare::{self as comparing, BaselineComparisons, Rules};
+use geobench_report::table::{ComparisonFormat, Look};
 
 use super::terminal;
 use super::{Verdict, history};
-use crate::history::compare::{self as comparing, BaselineComparisons, Rules};
-use crate::schema::result_file;
-use crate::table::output;
-use crate::table::{ComparisonFormat, Look};
 
 /// Help text of `compare` on rules.
 const RULES_HELP: &str = "A rule is NAME=LIMIT, such as time=10%,propagated=0,heap_peak_bytes=5%. `time` is broken if the \

@@ -4,8 +4,15 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
+use geobench_export::FileFormat;
+use geobench_export::distances::{DistanceField, DistanceMatrix, FieldFormat, MatrixFormat};
+use geobench_export::output::{OutputFile, check_not_read};
+use geobench_harness::exec::expected::file_word;
+use geobench_harness::exec::model;
+use geobench_harness::schema::SourceLabel;
 use geobench_mesh::threads::Threads;
 use geobench_mesh::{Mesh, VertexId};
+use geobench_registry::Selection;
 use geobench_window::{Solver, precision};
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
@@ -13,13 +20,6 @@ use super::Verdict;
 use super::args::DistanceOptions;
 use super::points::Points;
 use super::terminal;
-use crate::exec::expected::file_word;
-use crate::exec::model;
-use crate::registry::Selection;
-use crate::schema::SourceLabel;
-use crate::table::FileFormat;
-use crate::table::distance_formats::{DistanceField, DistanceMatrix, FieldFormat, MatrixFormat};
-use crate::table::output::{OutputFile, check_not_read};
 
 pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     if options.algo.outside_name().is_some() {

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use clap::Args;
+use geobench_export::output::OutputFile;
+use geobench_export::{STANDARD, ending_of};
+use geobench_harness::exec::model::ModelRef;
 use geobench_mesh::io as mesh_io;
 
 use super::Verdict;
 use super::isolation::DecompressionOptions;
-use crate::exec::model::ModelRef;
-use crate::table::output::OutputFile;
-use crate::table::{STANDARD, ending_of};
 
 #[derive(Args, Debug)]
 #[command(after_long_help = geobench_mesh::generate::help())]

@@ -6,17 +6,18 @@ use std::time::{Duration, SystemTime};
 
 use anyhow::{Context, bail};
 use clap::Args;
+use geobench_export::json_lines;
+use geobench_export::output::OutputFile;
+use geobench_harness::schema::result_file;
+use geobench_report::history::records::{self, Record};
+use geobench_report::history::{gate, trend};
+use geobench_report::page as report;
+use geobench_report::table::{self, ComparisonFormat, Look};
 
 use super::Verdict;
 use super::args::ListFormat;
 use super::compare::CompareOptions;
 use super::terminal;
-use crate::history::records::{self, Record};
-use crate::history::{gate, trend};
-use crate::report;
-use crate::schema::result_file;
-use crate::table::output::OutputFile;
-use crate::table::{self, ComparisonFormat, Look, json_lines};
 
 #[derive(Args, Debug)]
 pub(super) struct RecordOptions {

@@ -3,6 +3,10 @@
 use std::fmt::Write;
 
 use clap::Args;
+use geobench_export::escape::printable;
+use geobench_export::json_lines;
+use geobench_harness::exec::model::{self, LoadedModel, ModelError, ModelRef};
+use geobench_harness::measure::number::grouped;
 use geobench_mesh::{Report, Severity, Summary};
 use serde_json::{Value, json};
 
@@ -10,10 +14,6 @@ use super::Verdict;
 use super::args::{ListFormat, MODELS_HELP};
 use super::isolation::ReadingOptions;
 use super::terminal;
-use crate::exec::model::{self, LoadedModel, ModelError, ModelRef};
-use crate::measure::number::grouped;
-use crate::table::escape::printable;
-use crate::table::json_lines;
 
 #[derive(Args, Debug)]
 #[command(after_help = MODELS_HELP)]

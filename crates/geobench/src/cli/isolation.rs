@@ -5,14 +5,13 @@ use std::thread;
 
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
+use geobench_harness::exec::affinity::{self, CpuList};
+use geobench_harness::exec::isolate::Isolated;
+use geobench_harness::exec::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
+use geobench_harness::plan::suite;
+use geobench_harness::schema::IsolationRecord;
 use geobench_mesh::io::{ObjReader, ReadOptions};
-
-use crate::exec::affinity::{self, CpuList};
-use crate::exec::isolate::Isolated;
-use crate::exec::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
-use crate::plan::suite;
-use crate::registry::{Programs, Selection};
-use crate::schema::IsolationRecord;
+use geobench_registry::{Programs, Selection};
 
 #[derive(Args, Debug)]
 pub(super) struct IsolationOptions {

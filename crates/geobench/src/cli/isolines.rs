@@ -4,6 +4,12 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::{Context, bail};
+use geobench_export::FileFormat;
+use geobench_export::isolines::{IsolineFormat, IsolineSet};
+use geobench_export::output::check_not_read;
+use geobench_export::picture::Scene;
+use geobench_harness::exec::model;
+use geobench_harness::measure::number::counted;
 use geobench_isolines::{DistanceField, Isoline};
 use geobench_window::precision;
 
@@ -11,11 +17,6 @@ use super::Verdict;
 use super::args::IsolinesOptions;
 use super::points::Points;
 use super::terminal;
-use crate::exec::model;
-use crate::report::Scene;
-use crate::table::isoline_formats::{IsolineFormat, IsolineSet};
-use crate::table::output::check_not_read;
-use crate::table::{FileFormat, counted};
 
 /// Maximum number of isolines for which the summary has a line each.
 const LINES: usize = 20;

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use geobench_harness::run::merge as parts;
+use geobench_harness::schema::{ResultFile, result_file};
+use geobench_report::history::join;
 
 use super::args::CsvOptions;
 use super::run::{Tally, verdict};
 use super::{Verdict, terminal};
-use crate::history::join;
-use crate::run::merge as parts;
-use crate::schema::{ResultFile, result_file};
 
 #[derive(Args, Debug)]
 #[command(

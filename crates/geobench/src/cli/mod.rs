@@ -32,13 +32,11 @@ use clap::Parser;
 use clap::error::ErrorKind;
 
 use args::{Arguments, Command, CountOneSolveOptions};
-
-use crate::exec::goal::GoalSpec;
-use crate::exec::model::standard_input;
-use crate::exec::source::Locator;
-use crate::exec::{interrupt, isolate, model};
-use crate::measure::instructions;
-use crate::table;
+use geobench_harness::exec::goal::GoalSpec;
+use geobench_harness::exec::model::standard_input;
+use geobench_harness::exec::source::Locator;
+use geobench_harness::exec::{interrupt, isolate, model};
+use geobench_harness::measure::instructions;
 
 /// The result of a command that completed, from which the exit status follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,7 +64,7 @@ impl Verdict {
 
 /// Runs the command that the arguments of the process name, and returns its exit status. With the
 /// arguments of a child, serves the parent process instead.
-pub fn main() -> ExitCode {
+pub(crate) fn main() -> ExitCode {
     report_panics_in_one_line();
     match isolate::wanted(std::env::args_os()) {
         Some((model, settings)) => cell(&model, &settings),
@@ -97,7 +95,7 @@ fn command() -> ExitCode {
         standard_input::set_form(form);
     }
     if let Some(form) = &arguments.output_format {
-        table::set_standard_output_form(form);
+        geobench_export::set_standard_output_form(form);
     }
     let done = match arguments.command {
         Command::Run(options) => run::run(&options, look),

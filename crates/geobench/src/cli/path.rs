@@ -4,6 +4,12 @@ use std::fmt::Write;
 use std::path::Path as FilePath;
 
 use anyhow::{Context, bail};
+use geobench_export::FileFormat;
+use geobench_export::output::check_not_read;
+use geobench_export::paths::{FoundPath, PathFormat, PathSet};
+use geobench_export::picture::Scene;
+use geobench_harness::exec::model;
+use geobench_harness::schema::SourceLabel;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_paths::{Path, PathPlace, Paths, Point};
 use geobench_window::precision;
@@ -12,12 +18,6 @@ use super::Verdict;
 use super::args::PathOptions;
 use super::points::{Points, WantedTarget};
 use super::terminal;
-use crate::exec::model;
-use crate::report::Scene;
-use crate::schema::SourceLabel;
-use crate::table::FileFormat;
-use crate::table::output::check_not_read;
-use crate::table::path_formats::{FoundPath, PathFormat, PathSet};
 
 /// Maximum number of paths for which the summary has a line each.
 const LINES: usize = 20;

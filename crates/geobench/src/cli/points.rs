@@ -1,15 +1,15 @@
 //! Locates the sources and targets of a command on a mesh.
 
 use anyhow::{Context, anyhow};
+use geobench_harness::exec::goal::{GoalSpec, targets_in};
+use geobench_harness::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
+use geobench_harness::schema::SourceLabel;
+use geobench_harness::usage::read_text;
 use geobench_mesh::{Mesh, Refined, SurfacePoint, VertexId};
 use geobench_window::Goal;
 
 use super::args::GoalOptions;
 use super::terminal;
-use crate::exec::goal::{GoalSpec, targets_in};
-use crate::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
-use crate::schema::SourceLabel;
-use crate::usage::read_text;
 
 /// A target as specified by the user, and its file and line if it was read from a file.
 pub(super) type WantedTarget = (TargetSpec, Option<String>);

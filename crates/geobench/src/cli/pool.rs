@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
+use geobench_export::output;
+use geobench_harness::schema::result_file;
+use geobench_report::history::pool as rounds;
+use geobench_report::table::Format;
 
 use super::Verdict;
-use crate::history::pool as rounds;
-use crate::schema::result_file;
-use crate::table::{Format, output};
 
 #[derive(Args, Debug)]
 pub(super) struct PoolOptions {

@@ -3,12 +3,12 @@
 use std::fmt::Write;
 use std::time::Duration;
 
+use geobench_export::escape::printable;
+use geobench_harness::exec::{Pass, Step};
+use geobench_harness::schema::Status;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use super::terminal;
-use crate::exec::{Pass, Step};
-use crate::schema::Status;
-use crate::table::escape::printable;
 
 /// A row for the current model and source, and below it a bar over all runs. Drawing happens only
 /// in calls, which come between runs, so it does not disturb timed runs. There is no drawing
@@ -152,9 +152,9 @@ mod tests {
     use indicatif::{InMemoryTerm, TermLike};
 
     use super::*;
-    use crate::exec::source::SourceSpec;
-    use crate::plan::Plan;
-    use crate::run::mock::plan;
+    use geobench_harness::exec::source::SourceSpec;
+    use geobench_harness::plan::Plan;
+    use geobench_harness::run::mock::plan;
 
     /// Progress over 40 runs on an in-memory terminal with this number of columns.
     fn progress(columns: u16) -> (InMemoryTerm, Progress) {

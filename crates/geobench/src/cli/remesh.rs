@@ -5,6 +5,11 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, bail};
+use geobench_export::diagrams;
+use geobench_export::ending_of;
+use geobench_export::output::{OutputFile, check_distinct, check_not_read};
+use geobench_export::picture::{Paint, Scene};
+use geobench_harness::exec::model;
 use geobench_mesh::io as mesh_io;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_voronoi::{Deviation, Quality, RemeshOptions as Sites, Remeshed};
@@ -12,11 +17,6 @@ use geobench_voronoi::{Deviation, Quality, RemeshOptions as Sites, Remeshed};
 use super::Verdict;
 use super::args::RemeshOptions;
 use super::{generate, terminal};
-use crate::exec::model;
-use crate::report::{Paint, Scene};
-use crate::table::diagram_formats;
-use crate::table::ending_of;
-use crate::table::output::{OutputFile, check_distinct, check_not_read};
 
 /// Number of sample points on each surface for its distance from the other one.
 const SAMPLES: usize = 100_000;
@@ -88,7 +88,7 @@ fn draw(new: &Remeshed, png: bool, model: &str) -> anyhow::Result<Vec<u8>> {
     let cells = Scene {
         paint: Some(&Paint::cells(&new.diagram)),
         sources: sites,
-        isolines: &diagram_formats::long_lines(&new.diagram).unwrap_or_default(),
+        isolines: &diagrams::long_lines(&new.diagram).unwrap_or_default(),
         ..Scene::new(before, &flat)
     };
     let triangles = Scene {

@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use anyhow::bail;
+use geobench_export::output::OutputFile;
+use geobench_harness::schema::result_file;
+use geobench_report::history::join;
+use geobench_report::page::{self as report, Input, JoinedFrom, Options, PictureChoice};
 
 use super::Verdict;
 use super::args::ReportOptions;
 use super::terminal;
-use crate::history::join;
-use crate::report::{self, Input, JoinedFrom, Options, PictureChoice};
-use crate::schema::result_file;
-use crate::table::output::OutputFile;
 
 pub(super) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
     let files = options.files()?;

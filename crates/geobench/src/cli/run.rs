@@ -5,28 +5,30 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use anyhow::{Context, bail};
+use geobench_export::output::{self, OutputFile, check_distinct};
+use geobench_harness::exec::goal::GoalSpec;
+use geobench_harness::exec::limits::{DecompressionLimit, Limits, Timeout};
+use geobench_harness::exec::{InstructionCounter, Listener, Step, interrupt};
+use geobench_harness::measure::conditions::{self, Snapshot};
+use geobench_harness::measure::{host, instructions};
+use geobench_harness::plan::suite::{
+    self, Library, ModelChoice, Plans, Settings, Suite, WantedModel,
+};
+use geobench_harness::plan::{self, Plan, Reference};
+use geobench_harness::run::journal::{Journal, JournalHeader};
+use geobench_harness::run::{self, Earlier, agreement};
+use geobench_harness::schema::{
+    Cell, GroupRecord, ModelRecord, PlanRecord, ResultFile, SCHEMA, SessionRecord, SourceLabel,
+    Status, result_file,
+};
+use geobench_report::history::join::{self, Joined};
+use geobench_report::table::{self, Format, Look};
 use toml::Spanned;
 
 use super::Verdict;
 use super::args::RunOptions;
 use super::progress::Progress;
 use super::terminal;
-use crate::exec::goal::GoalSpec;
-use crate::exec::limits::{DecompressionLimit, Limits, Timeout};
-use crate::exec::{InstructionCounter, Listener, Step, interrupt};
-use crate::history::join::{self, Joined};
-use crate::measure::conditions::{self, Snapshot};
-use crate::measure::{host, instructions};
-use crate::plan::suite::{self, Library, ModelChoice, Plans, Settings, Suite, WantedModel};
-use crate::plan::{self, Plan, Reference};
-use crate::run::journal::{Journal, JournalHeader};
-use crate::run::{self, Earlier, agreement};
-use crate::schema::{
-    Cell, GroupRecord, ModelRecord, PlanRecord, ResultFile, SCHEMA, SessionRecord, SourceLabel,
-    Status, result_file,
-};
-use crate::table::output::{self, OutputFile, check_distinct};
-use crate::table::{self, Format, Look};
 
 pub(super) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     options.isolation.check(options.jobs)?;

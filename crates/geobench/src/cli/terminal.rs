@@ -3,11 +3,10 @@
 use std::io::{self, IsTerminal, Write};
 
 use clap::ValueEnum;
+use geobench_export::escape::{for_terminal, printable};
+use geobench_export::output::write_standard_output;
+use geobench_report::table::Look;
 use terminal_size::{Width, terminal_size_of};
-
-use crate::table::Look;
-use crate::table::escape::{for_terminal, printable};
-use crate::table::output::write_standard_output;
 
 /// When to use colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

@@ -1,23 +1,23 @@
 //! `geobench verify`.
 
 use anyhow::Context;
+use geobench_harness::exec::expected::{Expected, StoredDistances, stored_sources};
+use geobench_harness::exec::goal::GoalSpec;
+use geobench_harness::exec::interrupt;
+use geobench_harness::exec::model::{self, ModelRef};
+use geobench_harness::exec::source::{PointSpec, SourceSpec};
+use geobench_harness::exec::{Backend, Pass, Session, Step};
+use geobench_harness::measure::number::scientific;
+use geobench_harness::plan::{self, suite};
+use geobench_harness::run::agreement::{self, Clusters, Vote};
+use geobench_harness::run::answer_layout::AnswerLayout;
+use geobench_harness::run::check::{self, Deviation};
+use geobench_harness::schema::{ModelRecord, Status};
+use geobench_registry::{self as registry, Selection};
 
 use super::Verdict;
 use super::args::VerifyOptions;
 use super::terminal;
-use crate::exec::expected::{Expected, StoredDistances, stored_sources};
-use crate::exec::goal::GoalSpec;
-use crate::exec::interrupt;
-use crate::exec::model::{self, ModelRef};
-use crate::exec::source::{PointSpec, SourceSpec};
-use crate::exec::{Backend, Pass, Session, Step};
-use crate::measure::number::scientific;
-use crate::plan::{self, suite};
-use crate::registry::{self, Selection};
-use crate::run::agreement::{self, Clusters, Vote};
-use crate::run::answer_layout::AnswerLayout;
-use crate::run::check::{self, Deviation};
-use crate::schema::{ModelRecord, Status};
 
 /// The reference algorithm. It runs even if it is not selected.
 const REFERENCE: &str = "mmp-fast";

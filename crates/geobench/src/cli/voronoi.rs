@@ -7,22 +7,22 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, anyhow};
+use geobench_export::diagrams::{self, BorderFormat, DiagramFile, DiagramFormat, LabelFormat};
+use geobench_export::output::{OutputFile, check_distinct, check_not_read};
+use geobench_export::picture::{Paint, Scene};
+use geobench_export::{FileFormat, no_coordinates};
+use geobench_harness::exec::model;
+use geobench_harness::exec::source::SourceSpec;
+use geobench_harness::schema::SourceLabel;
 use geobench_mesh::VertexId;
 use geobench_mesh::io as mesh_io;
+use geobench_registry::Selection;
 use geobench_voronoi::Diagram;
 
 use super::Verdict;
 use super::args::VoronoiOptions;
 use super::points::Points;
 use super::{generate, terminal};
-use crate::exec::model;
-use crate::exec::source::SourceSpec;
-use crate::registry::Selection;
-use crate::report::{Paint, Scene};
-use crate::schema::SourceLabel;
-use crate::table::diagram_formats::{self, BorderFormat, DiagramFile, DiagramFormat, LabelFormat};
-use crate::table::output::{OutputFile, check_distinct, check_not_read};
-use crate::table::{FileFormat, no_coordinates};
 
 pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let (format, output) = DiagramFormat::output(&options.output)?;
@@ -140,7 +140,7 @@ fn picture(file: &DiagramFile<'_>, sources: &[VertexId], png: bool) -> anyhow::R
     let scene = Scene {
         paint: Some(&Paint::cells(file.diagram)),
         sources: &at.collect::<Vec<_>>(),
-        isolines: &diagram_formats::long_lines(file.diagram).unwrap_or_default(),
+        isolines: &diagrams::long_lines(file.diagram).unwrap_or_default(),
         ..Scene::new(mesh, file.distances)
     };
     scene.draw(png, file.model, "Voronoi diagram")

@@ -1,7 +1,7 @@
 //! `--target` and `--radius` of `geobench run` and `verify`: runs end early, and only the requested
 //! distances are compared.
 
-use geobench::registry;
+use geobench_registry as registry;
 use serde_json::{Value, json};
 
 use crate::support::Sandbox;

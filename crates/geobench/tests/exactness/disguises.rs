@@ -1,7 +1,7 @@
 //! Invariance: different meshes of the same surface have the same distances.
 
-use geobench::registry::Algorithm;
 use geobench_oracle::{Geometry, Model, Random, distances, rounded};
+use geobench_registry::Algorithm;
 use geobench_window::Counter;
 use proptest::prelude::*;
 

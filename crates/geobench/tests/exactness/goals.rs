@@ -1,8 +1,8 @@
 //! Runs with goals, which end as soon as the requested distances are final.
 
-use geobench::registry::select;
 use geobench_mesh::{Mesh, SplitMix64, VertexId};
 use geobench_oracle::zoo;
+use geobench_registry::select;
 use geobench_window::{Counter, Counters, Goal, Observer, PhaseSampler};
 
 use crate::support::{EXACT, Failures, Run, can_finish, exact_runs, mesh_of};

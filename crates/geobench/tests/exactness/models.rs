@@ -8,9 +8,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
-use geobench::registry::Selection;
 use geobench_mesh::{Mesh, io as mesh_io};
 use geobench_oracle::Random;
+use geobench_registry::Selection;
 use rayon::prelude::*;
 
 use crate::support::{AGREEMENT, Failures, Run, can_finish, caught, exact_algorithms};

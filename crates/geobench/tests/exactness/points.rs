@@ -118,7 +118,7 @@ fn refined_slivers_have_the_distances_of_slivers() {
         // faces, coordinates are rounded relative to the whole face, which exceeds that tolerance.
         let expected = sliver.distances.iter().map(|d| d.unwrap_or(f64::INFINITY));
         let expected: Vec<f64> = expected.collect();
-        for selection in geobench::registry::select("vtp-fast,vtp,mmp,ich,fwp-ch").unwrap() {
+        for selection in geobench_registry::select("vtp-fast,vtp,mmp,ich,fwp-ch").unwrap() {
             let mut run = Run::new(selection, &sliver.name, &refined.mesh);
             let Some(found) = caught(&mut failures, || run.distances(&sliver.source)) else {
                 continue;

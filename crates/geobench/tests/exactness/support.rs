@@ -4,9 +4,9 @@ use std::any::Any;
 use std::fmt::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use geobench::registry::{Algorithm, Selection, select};
 use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_oracle::{Geometry, Model};
+use geobench_registry::{Algorithm, Selection, select};
 use geobench_window::Solver;
 
 /// The tolerance for rounding in all but the hardest comparisons.

@@ -3,9 +3,9 @@
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use geobench::registry::{Selection, select_one};
 use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_oracle::{DoubleDouble, Model, Search, rounded, search};
+use geobench_registry::{Selection, select_one};
 use geobench_window::{Counter, precision};
 
 use crate::case::{Case, Expected, Failure, FailureKind, Skip, Verdict};

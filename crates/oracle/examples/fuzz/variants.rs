@@ -1,7 +1,7 @@
 //! The algorithms of the registry, each with the values of its parameters that keep it exact.
 
-use geobench::UsageError;
-use geobench::registry::{Algorithm, Numbers, Parameter, Selection, Value, select};
+use geobench_registry::UsageError;
+use geobench_registry::{Algorithm, Numbers, Parameter, Selection, Value, select};
 
 /// Most faces of a mesh for `ch`, whose windows grow exponentially with the faces that they can go
 /// around.

@@ -1,0 +1,161 @@
+//! File formats for isolines.
+
+use geobench_isolines::{Isoline, Line};
+use geobench_mesh::Mesh;
+use serde::Serialize;
+
+use crate::polylines::{LineScalars, Polylines};
+use crate::{FileFormat, SourceLabel, json_line, no_coordinates};
+
+/// The isolines of a distance field.
+#[derive(Clone, Copy, Debug)]
+pub struct IsolineSet<'a> {
+    /// Name of the model.
+    pub model: &'a str,
+    /// The sources.
+    pub sources: &'a [SourceLabel],
+    /// The mesh.
+    pub mesh: &'a Mesh,
+    /// The isolines.
+    pub isolines: &'a [Isoline],
+    /// The largest distance of chords from their arcs, in formats that cannot hold arcs.
+    pub tolerance: f64,
+}
+
+/// A file format for isolines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IsolineFormat {
+    /// Arcs of circles, in the planes of their faces.
+    Json,
+    /// Wavefront OBJ: polylines.
+    Obj,
+    /// PLY (text): vertices and edges.
+    Ply,
+    /// Legacy VTK (text): lines, with the distance of each.
+    Vtk,
+    /// A picture of the model with the isolines.
+    Svg,
+    /// The same picture as pixels.
+    Png,
+}
+
+impl FileFormat for IsolineFormat {
+    const CONTENT: &'static str = "isolines";
+    const ENDINGS: &'static [(&'static str, Self)] = &[
+        ("json", Self::Json),
+        ("obj", Self::Obj),
+        ("ply", Self::Ply),
+        ("vtk", Self::Vtk),
+        ("svg", Self::Svg),
+        ("png", Self::Png),
+    ];
+}
+
+impl IsolineFormat {
+    /// The contents of a file in this format. For the formats of pictures, which
+    /// [`picture`](crate::picture) draws, it is the lines as VTK.
+    ///
+    /// # Errors
+    ///
+    /// When the mesh has no coordinates.
+    pub fn render(self, set: &IsolineSet<'_>) -> anyhow::Result<Vec<u8>> {
+        if set.mesh.positions().len() != set.mesh.vertex_count() {
+            return Err(no_coordinates(set.model));
+        }
+        Ok(match self {
+            Self::Json => json(set)?,
+            Self::Obj => set.polylines().obj().into_bytes(),
+            Self::Ply => set.polylines().ply().into_bytes(),
+            Self::Vtk | Self::Svg | Self::Png => set.polylines().vtk().into_bytes(),
+        })
+    }
+}
+
+impl IsolineSet<'_> {
+    /// The lines with their distances.
+    fn lines(&self) -> impl Iterator<Item = (f64, &Line)> {
+        let isolines = self.isolines.iter();
+        isolines.flat_map(|isoline| isoline.lines.iter().map(|line| (isoline.distance, line)))
+    }
+
+    fn polylines(&self) -> Polylines {
+        let lines = self.lines();
+        let distances = self.lines().map(|(distance, _)| distance);
+        Polylines {
+            title: format!("isolines of the geodesic distance, model {}", self.model),
+            lines: lines
+                .map(|(_, line)| line.polyline(self.mesh, self.tolerance))
+                .collect(),
+            scalars: vec![LineScalars::new("distance", "double", distances)],
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct IsolineDocument<'a> {
+    schema: &'static str,
+    model: &'a str,
+    sources: &'a [SourceLabel],
+    levels: Vec<LevelRecord>,
+}
+
+#[derive(Serialize)]
+struct LevelRecord {
+    distance: f64,
+    length: f64,
+    loops: Vec<LineRecord>,
+}
+
+#[derive(Serialize)]
+struct LineRecord {
+    closed: bool,
+    length: f64,
+    arcs: Vec<IsolineArcRecord>,
+}
+
+#[derive(Serialize)]
+struct IsolineArcRecord {
+    face: u32,
+    from: Option<[f64; 3]>,
+    to: Option<[f64; 3]>,
+    /// The centre of the circle, in the plane of the face.
+    centre: [f64; 2],
+    radius: f64,
+    /// Barycentric coordinates of both ends.
+    barycentric: [[f64; 3]; 2],
+}
+
+fn json(set: &IsolineSet<'_>) -> anyhow::Result<Vec<u8>> {
+    let mesh = set.mesh;
+    let line = |line: &Line| LineRecord {
+        closed: line.closed,
+        length: line.length(),
+        arcs: line
+            .arcs
+            .iter()
+            .map(|arc| {
+                let [from, to] = arc.ends.map(|end| arc.position(mesh, end));
+                IsolineArcRecord {
+                    face: arc.face.raw(),
+                    from,
+                    to,
+                    centre: arc.centre,
+                    radius: arc.radius,
+                    barycentric: arc.ends.map(|end| arc.barycentric(mesh, end)),
+                }
+            })
+            .collect(),
+    };
+    let level = |isoline: &Isoline| LevelRecord {
+        distance: isoline.distance,
+        length: isoline.length(),
+        loops: isoline.lines.iter().map(line).collect(),
+    };
+    let document = IsolineDocument {
+        schema: "geobench-isolines/1",
+        model: set.model,
+        sources: set.sources,
+        levels: set.isolines.iter().map(level).collect(),
+    };
+    json_line(&document)
+}

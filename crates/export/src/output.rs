@@ -1,0 +1,306 @@
+//! Output files. They are checked before the work starts and replaced atomically.
+
+use std::fs::{self, OpenOptions};
+use std::io::{self, Write};
+#[cfg(unix)]
+use std::os::unix::fs::FileTypeExt;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+
+use crate::{FileFormat, STANDARD};
+
+/// A file that a command writes when it ends.
+#[derive(Clone, Debug)]
+pub struct OutputFile {
+    /// The path as the user wrote it.
+    shown: String,
+    /// The canonical path.
+    path: PathBuf,
+    /// Whether a write replaces the file. Only regular files are replaced; devices, pipes and
+    /// standard output are written to.
+    replace: bool,
+}
+
+/// The name of standard output in messages.
+const STANDARD_OUTPUT: &str = "standard output";
+
+impl OutputFile {
+    /// Checks that `path` can be written. The file is not changed.
+    ///
+    /// # Errors
+    ///
+    /// When its directory does not exist or cannot be written to, or the path is a directory or a
+    /// file that cannot be written.
+    pub fn prepare(path: &Path) -> anyhow::Result<Self> {
+        if path == Path::new(STANDARD) {
+            return Ok(Self {
+                shown: STANDARD_OUTPUT.to_owned(),
+                path: path.to_owned(),
+                replace: false,
+            });
+        }
+        let shown = path.display().to_string();
+        // A symbolic link is followed, so that its target is replaced and not the link.
+        let path = canonical(path);
+        let replace = match fs::metadata(&path) {
+            Ok(found) if found.is_dir() => bail!("{shown}: cannot be written: it is a directory"),
+            // The reader of a pipe would take a trial for the whole.
+            #[cfg(unix)]
+            Ok(found) if found.file_type().is_fifo() => false,
+            Ok(found) => {
+                OpenOptions::new()
+                    .append(true)
+                    .open(&path)
+                    .map_err(|error| plain(&error))
+                    .with_context(|| format!("{shown}: cannot be written"))?;
+                found.is_file()
+            }
+            Err(_) => true,
+        };
+        let file = Self {
+            shown,
+            path,
+            replace,
+        };
+        if replace {
+            file.temporary("")
+                .map_err(|error| plain(&error))
+                .with_context(|| file.failure())?;
+        }
+        Ok(file)
+    }
+
+    /// As [`prepare`](Self::prepare), for a page, whose name ends with `.html` or `.htm`. Standard
+    /// output, pipes and devices may have any name.
+    ///
+    /// # Errors
+    ///
+    /// As `prepare`, and when a file has another ending. So no result file is overwritten by a page.
+    pub fn page(path: &Path) -> anyhow::Result<Self> {
+        let file = Self::prepare(path)?;
+        let is_page = |ending: &str| {
+            let found = path.extension().unwrap_or_default();
+            found.eq_ignore_ascii_case(ending)
+        };
+        if file.replace && !is_page("html") && !is_page("htm") {
+            bail!(
+                "{}: the page is HTML; let the name end with .html",
+                path.display()
+            );
+        }
+        Ok(file)
+    }
+
+    /// The canonical path, which is equal for equal files.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Whether it is standard output.
+    pub fn is_standard_output(&self) -> bool {
+        self.path == Path::new(STANDARD)
+    }
+
+    /// Whether a write replaces the earlier content. Devices and pipes receive all writes.
+    pub const fn is_replaced(&self) -> bool {
+        self.replace
+    }
+
+    /// Writes the file. A regular file is replaced atomically: readers see either the old or the
+    /// new content.
+    ///
+    /// # Errors
+    ///
+    /// When the system cannot write. A regular file is then unchanged.
+    pub fn write(&self, contents: &[u8]) -> anyhow::Result<()> {
+        if self.is_standard_output() {
+            return write_standard_output(contents).with_context(|| self.failure());
+        }
+        if !self.replace {
+            return fs::write(&self.path, contents).with_context(|| self.failure());
+        }
+        self.write_with("", |path| Ok(fs::write(path, contents)?))
+    }
+
+    /// Replaces the file by one that `write` creates under a temporary name that ends with
+    /// `ending`.
+    ///
+    /// # Errors
+    ///
+    /// When `write` or the replacement fails. The file is then unchanged.
+    pub fn write_with(
+        &self,
+        ending: &str,
+        write: impl FnOnce(&Path) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        if !self.replace {
+            let file = tempfile::Builder::new().suffix(ending).tempfile()?;
+            write(file.path()).with_context(|| self.failure())?;
+            return self.write(&fs::read(file.path())?);
+        }
+        let file = self
+            .temporary(ending)
+            .map_err(|error| plain(&error))
+            .with_context(|| self.failure())?;
+        write(file.path()).with_context(|| self.failure())?;
+        file.persist(&self.path)
+            .map_err(|error| error.error)
+            .with_context(|| self.failure())?;
+        Ok(())
+    }
+
+    fn failure(&self) -> String {
+        format!("{}: cannot be written", self.shown)
+    }
+
+    /// A temporary file in the same directory, so that it can be renamed to the path.
+    fn temporary(&self, ending: &str) -> io::Result<tempfile::NamedTempFile> {
+        let directory = match self.path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        temporary_file(directory, ending)
+    }
+}
+
+/// Writes to standard output. If its reader, such as `head`, has ended, the rest is dropped: the
+/// command goes on, and its result decides.
+///
+/// # Errors
+///
+/// If standard output is full.
+pub fn write_standard_output(contents: &[u8]) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    match out.write_all(contents).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        written => written,
+    }
+}
+
+/// A temporary file in `directory`. It has the usual mode of new files, restricted by the umask, so
+/// that others can read what it is renamed to; `tempfile` alone would create a private file.
+///
+/// # Errors
+///
+/// When the file cannot be created.
+pub fn temporary_file(directory: &Path, ending: &str) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".geobench-").suffix(ending);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(directory)
+}
+
+/// The canonical path of a file, which need not exist.
+pub fn canonical(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| in_canonical_directory(path))
+}
+
+/// The path of a file that does not exist yet, canonical if its directory exists.
+fn in_canonical_directory(path: &Path) -> PathBuf {
+    let canonical = || {
+        let directory = match path.parent()? {
+            parent if parent.as_os_str().is_empty() => Path::new("."),
+            parent => parent,
+        };
+        Some(fs::canonicalize(directory).ok()?.join(path.file_name()?))
+    };
+    canonical().unwrap_or_else(|| path.to_owned())
+}
+
+/// The error without the name of the temporary file, which would confuse users.
+fn plain(error: &io::Error) -> anyhow::Error {
+    match error.kind() {
+        io::ErrorKind::NotFound => anyhow::anyhow!("its directory does not exist"),
+        kind => anyhow::anyhow!("{kind}"),
+    }
+}
+
+/// Checks that no two outputs are the same file.
+///
+/// # Errors
+///
+/// Names the file that is given twice.
+pub fn check_distinct(outputs: &[&OutputFile]) -> anyhow::Result<()> {
+    for (i, output) in outputs.iter().enumerate() {
+        if outputs[..i]
+            .iter()
+            .any(|other| other.path() == output.path())
+        {
+            bail!("{}: given twice as output", output.shown);
+        }
+    }
+    Ok(())
+}
+
+/// Checks that no output would replace a file that the command reads.
+///
+/// # Errors
+///
+/// Names the file.
+pub fn check_not_read(outputs: &[&OutputFile], inputs: &[impl AsRef<Path>]) -> anyhow::Result<()> {
+    for output in outputs.iter().filter(|output| output.replace) {
+        let mut inputs = inputs.iter();
+        if inputs.any(|input| canonical(input.as_ref()) == output.path) {
+            bail!(
+                "{}: would replace a file that is read; name another output",
+                output.shown
+            );
+        }
+    }
+    Ok(())
+}
+
+/// The files at `paths` with their formats.
+///
+/// # Errors
+///
+/// When a format is unknown, a file cannot be written, or two paths are the same file.
+pub fn prepare<F: FileFormat>(paths: &[PathBuf]) -> anyhow::Result<Vec<(F, OutputFile)>> {
+    let outputs = paths.iter().map(|path| F::output(path));
+    let outputs = outputs.collect::<anyhow::Result<Vec<(F, OutputFile)>>>()?;
+    check_distinct(&outputs.iter().map(|(_, file)| file).collect::<Vec<_>>())?;
+    Ok(outputs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_whole_and_nothing_is_left_beside_it() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("x.csv");
+        let file = OutputFile::prepare(&path).unwrap();
+        assert!(!path.exists(), "preparing writes nothing");
+        file.write(b"long contents").unwrap();
+        file.write(b"short").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"short");
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_found_at_once() {
+        let directory = tempfile::tempdir().unwrap();
+        let error = OutputFile::prepare(directory.path()).unwrap_err();
+        assert!(error.to_string().contains("it is a directory"));
+        let missing = directory.path().join("no/such/x.csv");
+        let error = OutputFile::prepare(&missing).unwrap_err();
+        assert!(
+            format!("{error:#}").contains("x.csv: cannot be written: its directory does not exist")
+        );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_a_link() {
+        let directory = tempfile::tempdir().unwrap();
+        let (real, link) = (directory.path().join("real"), directory.path().join("link"));
+        fs::write(&real, "old").unwrap();
+        std::os::unix::fs::symlink(&real, &link).unwrap();
+        OutputFile::prepare(&link).unwrap().write(b"new").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&real).unwrap(), b"new");
+    }
+}

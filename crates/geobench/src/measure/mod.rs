@@ -1,8 +1,0 @@
-//! Measurements of runs: memory, instructions, the machine and its state, statistics of times.
-
-pub mod conditions;
-pub mod host;
-pub mod instructions;
-pub mod memory;
-pub(crate) mod number;
-pub mod statistics;

@@ -1,0 +1,684 @@
+//! Child processes: one per cell, so that a crash, an endless loop or a memory leak costs one row.
+//!
+//! A child is this program with a hidden command, or an outside program (`ext:NAME`), often a small
+//! adapter around a library. Both load the model, solve on request and write lines of JSON to
+//! standard output (`exec::protocol`); standard error is kept for the message of a crash. The
+//! parent never loads a mesh.
+//!
+//! **Lifetime.** The runs of one model and source are interleaved between algorithms, so a child
+//! loads the model once, makes all runs of its cell and ends with the next source or model. Between
+//! runs it sleeps and keeps its mesh and solver. All children together may hold half of the memory
+//! available at the start. Beyond that, a child ends after its run; a new one, with one more
+//! warm-up, replaces it when its next run is due. The first child of this program reports the
+//! record of the model and becomes the child of the first cell. `verify`, which measures nothing,
+//! uses one child for all algorithms of the suite, and a new one after a failure.
+//!
+//! **Limits** ([`crate::exec::limits`]). The parent sleeps in `poll` until a reply, the deadline or
+//! a signal. With a memory limit it wakes every 10 ms to read the resident memory of the child and
+//! its descendants: two or three files of `/proc`, without a lock in the child. Between two checks
+//! `RLIMIT_DATA` bounds the damage, at twice the limit. It is not set to the limit itself, because
+//! it counts reserved memory, and a growing vector reserves more than it touches.
+//!
+//! **End.** A child leads a process group. The group is killed as a whole, and with it the
+//! processes that the child started in other groups (`system`). A child ends with its parent: by
+//! `PR_SET_PDEATHSIG` and by the end of its standard input. When the kernel runs out of memory it
+//! kills the child at work first (`oom_score_adj`), not the parent with all results.
+//!
+//! **Clock.** The child reads it around the solve and nothing else (`exec::in_process`).
+//! Distances are sent afterwards, and only if they differ from the last ones sent. Outside programs
+//! read clocks of their own and write distances to a file, which is checked (`answer`).
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::os::unix::process::CommandExt;
+use std::path::PathBuf;
+use std::process::Command;
+use std::sync::Arc;
+use std::time::Instant;
+
+use geobench_mesh::{Mesh, TriangleSoup, VertexId, io as mesh_io};
+use tempfile::TempDir;
+
+use crate::exec::affinity::CpuList;
+use crate::exec::in_process::InProcess;
+use crate::exec::limits::{DecompressionLimit, Limits, Timeout};
+use crate::exec::model::ModelRef;
+use crate::exec::protocol::{ChildSettings, Reply, Request, SOLVE};
+use crate::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
+use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
+use crate::measure::memory::Peaks;
+use crate::schema::{ModelRecord, SourceLabel, Status};
+
+mod answer;
+mod cell;
+mod child;
+mod system;
+
+use child::{ChildError, ChildProcess};
+use geobench_registry::{Call, ProcessLifetime, Program};
+
+pub use cell::cell;
+pub use system::adopt_orphans;
+
+/// First argument of a child that runs this program; the model and its settings follow.
+const COMMAND: &str = "__cell";
+
+/// What the clean-up of an outside program does, for messages.
+const CLEANING_UP: &str = "cleaning up";
+
+/// A setting of glibc: blocks of at least this size get pages of their own, which return to the
+/// system when freed. The value is the default. Unless it is set, glibc raises the threshold with
+/// every such block freed. Memory freed by loading and by earlier solvers then stays between the
+/// blocks of the next run and counts towards its peak: 2 to 10 MB on the horse, 0.3 to 1 MB on
+/// models of 6,000 faces. Times differ by less than 3 %.
+const OWN_PAGES: (&str, &str) = ("MALLOC_MMAP_THRESHOLD_", "131072");
+
+/// Model and settings, if the arguments are those of a child process; `None` for other commands.
+/// The command-line parser is not used: its code and tables would count towards the memory of every
+/// cell.
+pub fn wanted(mut arguments: impl Iterator<Item = OsString>) -> Option<(OsString, String)> {
+    let command = arguments.nth(1)?;
+    let model = (command == COMMAND).then(|| arguments.next())??;
+    let settings = arguments.next()?.into_string().ok()?;
+    arguments.next().is_none().then_some((model, settings))
+}
+
+/// Backend that runs cells in child processes.
+#[derive(Clone, Debug, Default)]
+pub struct Isolated {
+    /// Limits of every child.
+    pub limits: Limits,
+    /// Processors to which children are pinned; `None` for no pinning.
+    pub cpus: Option<CpuList>,
+    /// Whether one child serves all algorithms of this program, until a failure ends it.
+    pub shared: bool,
+    /// Path of the `geobench` executable, if the caller is another program.
+    pub program: Option<PathBuf>,
+    /// Maximum number of bytes that all children of a model may hold between runs; `None` for half
+    /// of the available memory.
+    pub budget: Option<u64>,
+    /// Whether this process runs the algorithms of the registry itself. Children then run external
+    /// programs only.
+    pub here: bool,
+}
+
+impl Backend for Isolated {
+    fn open<'b>(&'b self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal> {
+        let mut pool = ChildPool::new(self, model, ModelRecord::default());
+        if self.here {
+            let here = InProcess::open(model, self.limits.decompressed)?;
+            pool.record = here.model().clone();
+            pool.here = Some(here);
+        } else {
+            let (child, record) = pool.load().map_err(|failure| Refusal {
+                message: match failure.status {
+                    Status::Refused => failure.message,
+                    _ => format!("{}: {}", model.path, failure.message),
+                },
+            })?;
+            pool.record = record;
+            pool.spare = Some(child);
+        }
+        Ok(Box::new(pool))
+    }
+
+    fn open_further<'b>(
+        &'b self,
+        model: &'b ModelRef,
+        record: &ModelRecord,
+    ) -> Result<Box<dyn Session + 'b>, Refusal> {
+        if self.here {
+            return self.open(model);
+        }
+        // The children load the model.
+        Ok(Box::new(ChildPool::new(self, model, record.clone())))
+    }
+}
+
+impl Isolated {
+    /// Starts a process under these limits.
+    fn process(&self, command: Command) -> Result<ChildProcess, ChildError> {
+        let cpus = self.cpus.as_ref().map_or(&[][..], CpuList::numbers);
+        ChildProcess::start(command, self.limits, cpus)
+    }
+}
+
+/// The child processes of one model.
+struct ChildPool<'b> {
+    options: &'b Isolated,
+    model: &'b ModelRef,
+    /// Maximum number of bytes that all children may hold between runs.
+    budget: u64,
+    /// Record of the model, from the first child. The other children must report the same hash.
+    record: ModelRecord,
+    /// Runs the algorithms of the registry in this process if [`Isolated::here`] is set.
+    here: Option<InProcess>,
+    /// The source of the current runs.
+    source: Option<SourceLabel>,
+    children: Vec<Child>,
+    /// The first child, until it is assigned to a cell.
+    spare: Option<Child>,
+    /// Cells whose child was ended because all children together held too much memory.
+    evicted: Vec<String>,
+    /// The files that external programs read and write.
+    handover: Option<ExchangeFolder>,
+    /// Last result of each external program for the current source.
+    solved: BTreeMap<String, Observation>,
+}
+
+/// A child that has loaded the model, or loads it in its only run.
+struct Child {
+    process: ChildProcess,
+    /// Label of the algorithm; empty if the child serves all algorithms.
+    cell: String,
+    /// The last distances received from it.
+    distances: Vec<f64>,
+    /// Set for an external program.
+    outside: Option<Outside>,
+    /// Start time of its process.
+    started: Instant,
+}
+
+struct Outside {
+    program: Arc<Program>,
+    /// The file to which it writes distances.
+    output: PathBuf,
+    /// Number of vertices of the model that it reads, which is refined at the source.
+    vertices: usize,
+    /// Actual position of the source, if it differs from the requested one.
+    note: Option<String>,
+}
+
+/// Temporary folder with the model and the distances.
+struct ExchangeFolder {
+    folder: TempDir,
+    /// The model as an OBJ file, with unchanged vertex numbers. If the source is not a vertex, the
+    /// model has an additional one.
+    model: PathBuf,
+    vertices: usize,
+    source: VertexId,
+    /// Actual position of the source, if it differs from the requested one.
+    note: Option<String>,
+}
+
+impl ExchangeFolder {
+    /// Writes `model` for a run from `source`.
+    fn new(
+        model: &ModelRef,
+        vertices: usize,
+        limit: DecompressionLimit,
+        source: &SourceSpec,
+    ) -> Result<Self, Failure> {
+        let refused = |message: String| Failure::new(Status::Refused, message);
+        let points = source
+            .points(vertices)
+            .map_err(|e| refused(e.to_string()))?;
+        let [point] = points[..] else {
+            let message = "outside programs take one source at a time; leave out \
+                --sources-together, or the program";
+            return Err(refused(message.to_owned()));
+        };
+        let crashed = |error: anyhow::Error| {
+            let message = format!("the model cannot be handed over: {error}");
+            Failure::new(Status::Crashed, message)
+        };
+        let read = || -> anyhow::Result<(TempDir, TriangleSoup)> {
+            let folder = tempfile::Builder::new().prefix("geobench-").tempdir()?;
+            Ok((folder, model.read(limit)?))
+        };
+        let (folder, mut soup) = read().map_err(crashed)?;
+        let vertex;
+        let mut note = None;
+        if let PointSpec::Vertex(v) = point {
+            vertex = VertexId::new(v);
+        } else {
+            let (mesh, _) = Mesh::from_soup(soup.clone()).map_err(|e| refused(e.to_string()))?;
+            let found = Locator::new(&mesh).locate(point);
+            let found = found.map_err(|error| refused(error.to_string()))?;
+            let refined = mesh.with_points(&[found.point]);
+            let refined = refined.map_err(|error| refused(error.to_string()))?;
+            let fine = &refined.mesh;
+            soup = fine.to_soup();
+            vertex = refined.vertices[0];
+            note = found.note();
+        }
+        let path = folder.path().join("model.obj");
+        mesh_io::write(&path, &soup).map_err(|error| crashed(error.into()))?;
+        Ok(Self {
+            folder,
+            model: path,
+            vertices: soup.positions.len(),
+            source: vertex,
+            note,
+        })
+    }
+}
+
+impl ExchangeFolder {
+    /// The values of the placeholders in the commands of a program.
+    fn call(&self, program: &Program, step: &Step<'_>) -> Call<'_> {
+        // Parameter values may contain slashes.
+        let plain = |c: char| if c.is_alphanumeric() { c } else { '_' };
+        let name: String = program.name.chars().map(plain).collect();
+        Call {
+            model: &self.model,
+            source: self.source.raw(),
+            threads: step.algorithm.threads(),
+            output: self.folder.path().join(format!("{name}.csv")),
+        }
+    }
+}
+
+impl<'b> ChildPool<'b> {
+    /// A pool without children, for a model with this record.
+    fn new(options: &'b Isolated, model: &'b ModelRef, record: ModelRecord) -> Self {
+        let half_of_memory = || system::available_memory().map(|bytes| bytes / 2);
+        Self {
+            options,
+            model,
+            budget: options.budget.or_else(half_of_memory).unwrap_or(u64::MAX),
+            record,
+            here: None,
+            source: None,
+            children: Vec::new(),
+            spare: None,
+            evicted: Vec::new(),
+            handover: None,
+            solved: BTreeMap::new(),
+        }
+    }
+
+    /// Starts a child that runs this program and loads the model; returns it with the record.
+    fn load(&self) -> Result<(Child, ModelRecord), Failure> {
+        let settings = serde_json::json!(ChildSettings {
+            name: self.model.name.clone(),
+            parent: std::process::id(),
+            memory_limit: self.options.limits.memory.0,
+            max_decompressed: self.options.limits.decompressed.0,
+        });
+        let program = self.options.program.as_ref();
+        let mut command = program.map_or_else(system::this_program, Command::new);
+        command
+            .arg0("geobench")
+            .args([COMMAND.as_ref(), self.model.argument()])
+            .arg(settings.to_string())
+            // Standard error then ends with the reason of a crash instead of a backtrace.
+            .env("RUST_BACKTRACE", "0")
+            .env(OWN_PAGES.0, OWN_PAGES.1);
+        let (child, record) = self.start(command, None)?;
+        Ok((
+            child,
+            record.map_or_else(ModelRecord::default, |record| *record),
+        ))
+    }
+
+    /// Starts a child. Unless its protocol is `once`, waits until it has loaded the model.
+    fn start(
+        &self,
+        command: Command,
+        outside: Option<Outside>,
+    ) -> Result<(Child, Option<Box<ModelRecord>>), Failure> {
+        const DOING: &str = "loading the model";
+        let started = Instant::now();
+        let process = self.options.process(command);
+        let mut child = Child {
+            process: process.map_err(|error| error.failure(DOING))?,
+            cell: String::new(),
+            distances: Vec::new(),
+            outside,
+            started,
+        };
+        if child.solves_once() {
+            child.process.watch();
+            return Ok((child, None));
+        }
+        let reply = child.ask("", Reply::longest(0), DOING)?;
+        if !reply.ready {
+            return Err(ChildError::Garbage("not \"ready\": true".into()).failure(DOING));
+        }
+        Ok((child, reply.model))
+    }
+
+    /// A new child for an algorithm of the registry; the spare one if there is one.
+    fn own_child(&mut self) -> Result<Child, Failure> {
+        if let Some(spare) = self.spare.take() {
+            return Ok(spare);
+        }
+        let (child, found) = self.load()?;
+        if found.sha256 != self.record.sha256 {
+            let message = format!("{} has changed since the run began", self.model.path);
+            return Err(Failure::new(Status::Refused, message));
+        }
+        Ok(child)
+    }
+
+    /// The files for external programs, written on first use.
+    fn handover(&mut self, step: &Step<'_>) -> Result<&ExchangeFolder, Failure> {
+        Ok(match &mut self.handover {
+            Some(handover) => handover,
+            none => {
+                let limit = self.options.limits.decompressed;
+                let vertices = self.record.vertex_count();
+                none.insert(ExchangeFolder::new(
+                    self.model,
+                    vertices,
+                    limit,
+                    step.source,
+                )?)
+            }
+        })
+    }
+
+    /// A new child for an external program.
+    fn outside_child(&mut self, program: &Arc<Program>, step: &Step<'_>) -> Result<Child, Failure> {
+        let handover = self.handover(step)?;
+        let call = handover.call(program, step);
+        let command = program.command(&program.command, &call);
+        let outside = Outside {
+            program: program.clone(),
+            output: call.output,
+            vertices: handover.vertices,
+            note: handover.note.clone(),
+        };
+        outside.forget();
+        Ok(self.start(command, Some(outside))?.0)
+    }
+
+    /// Runs an untimed command of an external program, such as its preparation, to its end.
+    fn aside(
+        &mut self,
+        program: &Program,
+        words: &[String],
+        step: &Step<'_>,
+        doing: &str,
+    ) -> Result<(), Failure> {
+        if words.is_empty() {
+            return Ok(());
+        }
+        let handover = self.handover(step)?;
+        let command = program.command(words, &handover.call(program, step));
+        let process = self.options.process(command);
+        let done = process.and_then(|mut process| {
+            if doing == CLEANING_UP {
+                process.outlast_interrupts();
+            }
+            process.finish()
+        });
+        done.map_err(|error| error.failure(doing))
+    }
+
+    /// Executes a run of an external program, with its preparation and clean-up.
+    fn run_outside(
+        &mut self,
+        program: &Arc<Program>,
+        cell: &str,
+        step: &Step<'_>,
+    ) -> Result<Observation, Failure> {
+        self.aside(program, &program.prepare, step, "preparing")?;
+        let done = self.run(cell, step);
+        let cleaned = self.aside(program, &program.cleanup, step, CLEANING_UP);
+        // The failure of the run itself comes first.
+        let observation = done?;
+        cleaned.map(|()| observation)
+    }
+
+    /// Executes a run in the child of `cell`, which is started if needed.
+    fn run(&mut self, cell: &str, step: &Step<'_>) -> Result<Observation, Failure> {
+        let known = self.children.iter().position(|child| child.cell == cell);
+        let mut child = match (known, step.algorithm.program()) {
+            (Some(place), _) => self.children.swap_remove(place),
+            (None, Some(program)) => self.outside_child(program, step)?,
+            (None, None) => self.own_child()?,
+        };
+        cell.clone_into(&mut child.cell);
+        let vertices = self.record.vertex_count();
+        if let Some(place) = self.evicted.iter().position(|evicted| evicted == cell) {
+            self.evicted.swap_remove(place);
+            if step.pass == Pass::Time {
+                let pass = Pass::Warmup;
+                child.execute(
+                    self.options.limits.timeout,
+                    vertices,
+                    &Step {
+                        pass,
+                        solves: 1,
+                        ..*step
+                    },
+                )?;
+            }
+        }
+        let observation = child.execute(self.options.limits.timeout, vertices, step)?;
+        self.keep(child);
+        Ok(observation)
+    }
+
+    /// Keeps `child` for its next run, unless it solves only once or all children hold too much
+    /// memory.
+    fn keep(&mut self, child: Child) {
+        if child.solves_once() {
+            return;
+        }
+        self.children.push(child);
+        let children = self.children.iter();
+        let held: u64 = children.filter_map(|c| c.process.resident()).sum();
+        if held > self.budget && self.children.len() > 1 {
+            self.evicted
+                .extend(self.children.pop().map(|child| child.cell));
+        }
+    }
+}
+
+impl Session for ChildPool<'_> {
+    fn model(&self) -> &ModelRecord {
+        &self.record
+    }
+
+    fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure> {
+        let source = Some(step.source.label());
+        if self.source != source {
+            // The same file serves all sources that are vertices.
+            let is_vertex = |label: &Option<SourceLabel>| {
+                label.as_ref().is_some_and(|label| label.vertex().is_some())
+            };
+            if !is_vertex(&source) || !is_vertex(&self.source) {
+                self.handover = None;
+            }
+            if let (Some(handover), Some(vertex)) = (
+                &mut self.handover,
+                source.as_ref().and_then(SourceLabel::vertex),
+            ) {
+                handover.source = VertexId::new(vertex);
+            }
+            self.children.retain(|child| child.cell.is_empty());
+            self.evicted.clear();
+            self.solved.clear();
+        }
+        self.source = source;
+        let label = step.algorithm.label();
+        let Some(program) = step.algorithm.program() else {
+            return match &mut self.here {
+                Some(here) => here.execute(step),
+                None if self.options.shared => self.run("", step),
+                None => self.run(label, step),
+            };
+        };
+        // External programs report counters with each run, and no phases.
+        let counts = matches!(step.pass, Pass::Count | Pass::Profile);
+        let solved = match self.solved.get(label) {
+            Some(solved) if counts => solved.clone(),
+            _ => self.run_outside(program, label, step)?,
+        };
+        self.solved.insert(label.to_owned(), solved.clone());
+        Ok(match step.pass {
+            Pass::Warmup | Pass::Time => solved,
+            Pass::Count => Observation {
+                seconds: None,
+                outside_seconds: None,
+                setup_seconds: None,
+                ..solved
+            },
+            Pass::Profile => Observation {
+                distances: solved.distances,
+                ..Observation::default()
+            },
+        })
+    }
+}
+
+impl Child {
+    /// Whether it is an external program that exits after one solve.
+    fn solves_once(&self) -> bool {
+        let outside = self.outside.as_ref();
+        outside.is_some_and(|outside| outside.program.lifetime != ProcessLifetime::Session)
+    }
+
+    /// Runs a command that knows no protocol, from its start to its exit.
+    fn finish(
+        &mut self,
+        timeout: Timeout,
+        vertices: usize,
+        output: &std::path::Path,
+    ) -> Result<Observation, Failure> {
+        self.process
+            .finish()
+            .map_err(|error| error.failure("solving"))?;
+        let seconds = self.started.elapsed().as_secs_f64();
+        let distances = answer::read_distances(output, vertices, timeout, Instant::now())?;
+        Ok(Observation {
+            distances,
+            seconds: Some(seconds),
+            outside_seconds: Some(seconds),
+            peaks: Peaks {
+                heap: None,
+                rss: self.process.peak(),
+            },
+            ..Observation::default()
+        })
+    }
+
+    fn execute(
+        &mut self,
+        timeout: Timeout,
+        vertices: usize,
+        step: &Step<'_>,
+    ) -> Result<Observation, Failure> {
+        if let Some(outside) = &self.outside
+            && outside.program.lifetime == ProcessLifetime::Command
+        {
+            let (output, refined) = (outside.output.clone(), outside.vertices);
+            let mut observation = self.finish(timeout, refined, &output)?;
+            observation.distances.truncate(vertices);
+            return Ok(observation);
+        }
+        let mut start = Instant::now();
+        if self.outside.is_some() {
+            if self.solves_once() {
+                start = self.started;
+            } else {
+                self.process.reset_peak();
+                start = Instant::now();
+            }
+        }
+        let doing = match (&self.outside, step.pass) {
+            (Some(_), _) => "solving",
+            (None, Pass::Warmup) => "warming up",
+            (None, Pass::Time) => "being timed",
+            (None, Pass::Count) => "being counted",
+            (None, Pass::Profile) => "being profiled",
+        };
+        let targets = step.goal.targets.as_ref().map_or(0, TargetSpec::count);
+        let longest = Reply::longest(vertices.saturating_add(targets));
+        let mut reply = self.ask(&self.request(step), longest, doing)?;
+        if reply.ready && self.solves_once() {
+            reply = self.ask("", longest, doing)?;
+        }
+        let outside_seconds = start.elapsed().as_secs_f64();
+        let Some(outside) = &self.outside else {
+            if let Some(distances) = reply.distances.take() {
+                self.distances = distances;
+            }
+            return Ok(reply.observation(self.distances.clone()));
+        };
+        if reply.seconds.is_none() {
+            return Err(ChildError::Garbage("no \"seconds\"".into()).failure(doing));
+        }
+        (reply.solves, reply.extraction_seconds, reply.labels) = (None, None, None);
+        // The figure of the program itself is used only if the system provides none.
+        let measured = self.process.peak();
+        reply.rss_peak_bytes = measured.or(reply.rss_peak_bytes);
+        reply.note.clone_from(&outside.note);
+        let mut distances =
+            answer::read_distances(&outside.output, outside.vertices, timeout, start)?;
+        distances.truncate(vertices);
+        Ok(Observation {
+            outside_seconds: Some(outside_seconds),
+            ..reply.observation(distances)
+        })
+    }
+
+    /// The request of a run.
+    fn request(&self, step: &Step<'_>) -> String {
+        match &self.outside {
+            None => serde_json::json!(Request {
+                algorithm: step.algorithm.spelled(),
+                simd: step.algorithm.instructions().to_string(),
+                source: step.source.label(),
+                targets: step.goal.targets.as_ref().map(ToString::to_string),
+                radius: step.goal.radius,
+                pass: step.pass,
+                solves: step.solves,
+            })
+            .to_string(),
+            // It solves without a request.
+            Some(_) if self.solves_once() => String::new(),
+            Some(outside) => {
+                outside.forget();
+                SOLVE.to_owned()
+            }
+        }
+    }
+
+    fn ask(&mut self, request: &str, longest: usize, doing: &str) -> Result<Reply, Failure> {
+        let reply = self.process.ask(request, longest);
+        reply.map_err(|error| match (error, &self.outside) {
+            (ChildError::Refused(why), Some(Outside { program, .. })) => {
+                let message = format!("ext:{} refused: {why}", program.name);
+                Failure::new(Status::Refused, message)
+            }
+            (error, _) => error.failure(doing),
+        })
+    }
+}
+
+impl Outside {
+    /// Removes the file of distances of an earlier run.
+    fn forget(&self) {
+        let _ = std::fs::remove_file(&self.output);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn child_of(arguments: &[&str]) -> Option<(OsString, String)> {
+        wanted(arguments.iter().map(OsString::from))
+    }
+
+    #[test]
+    fn only_the_call_of_a_parent_makes_a_child() {
+        for model in ["horse.obj", "-o", "__cell", "gen:cube,n=2"] {
+            let found = child_of(&["geobench", COMMAND, model, "{}"]);
+            assert_eq!(found, Some((model.into(), "{}".into())));
+        }
+        for arguments in [
+            &["geobench"][..],
+            &["geobench", COMMAND],
+            &["geobench", COMMAND, "horse.obj"],
+            &["geobench", "run", "horse.obj", "{}"],
+            &["geobench", COMMAND, "horse.obj", "cow.off", "{}"],
+        ] {
+            assert_eq!(child_of(arguments), None, "{arguments:?}");
+        }
+    }
+}

@@ -1,0 +1,365 @@
+//! System calls. Those of Linux do nothing elsewhere, or return `None`.
+
+use std::path::Path;
+use std::process::{self, Command};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard};
+use std::time::{Duration, Instant};
+use std::{fs, io, thread};
+
+use rustix::process::{
+    Pid, Resource, Rlimit, Signal, WaitId, WaitIdOptions, getpgrp, getppid, kill_process,
+    setrlimit, waitid,
+};
+
+use crate::exec::lock;
+use crate::measure::host::kibibytes;
+
+/// A command that starts this program, even if its executable has been replaced.
+pub(super) fn this_program() -> Command {
+    if cfg!(target_os = "linux") {
+        Command::new("/proc/self/exe")
+    } else {
+        Command::new(std::env::current_exe().unwrap_or_else(|_| "geobench".into()))
+    }
+}
+
+/// Turns this process into a child of `parent`: it exits with the parent, has its own name, and
+/// writes no core dumps, which take long. Allocations fail beyond `data_limit` bytes of private
+/// data, touched or not. Returns false if the parent has exited.
+pub(super) fn become_child(parent: u32, data_limit: Option<u64>) -> bool {
+    #[cfg(target_os = "linux")]
+    {
+        let _ = rustix::process::set_parent_process_death_signal(Some(Signal::KILL));
+        // Shown by `ps` and `top`.
+        let _ = rustix::thread::set_name(c"geobench-cell");
+    }
+    for (resource, bytes) in [(Resource::Core, Some(0)), (Resource::Data, data_limit)] {
+        if bytes.is_some() {
+            let limit = Rlimit {
+                current: bytes,
+                maximum: bytes,
+            };
+            let _ = setrlimit(resource, limit);
+        }
+    }
+    getppid().is_some_and(|pid| u32::try_from(pid.as_raw_pid()) == Ok(parent))
+}
+
+/// Sets the priority of this process for out-of-memory kills. The kernel should kill a working
+/// child rather than a waiting one or the parent, which holds all results.
+pub(super) fn raise_oom_score(at_work: bool) {
+    let _ = fs::write(
+        "/proc/self/oom_score_adj",
+        if at_work { "1000" } else { "500" },
+    );
+}
+
+/// Bytes that this process and its children may use: what the machine has available, or the limit
+/// of its control group, such as that of a container or of a job of Slurm, if that is less.
+pub(super) fn available_memory() -> Option<u64> {
+    let machine = kibibytes("/proc/meminfo", "MemAvailable");
+    machine.into_iter().chain(group_limit()).min()
+}
+
+/// The memory limit of the control group of this process and of the groups around it.
+fn group_limit() -> Option<u64> {
+    let groups = fs::read_to_string("/proc/self/cgroup").ok()?;
+    // A line is `number:controllers:path`, without controllers in version 2.
+    let groups = groups.lines().filter_map(|line| {
+        let (controllers, path) = line.split_once(':')?.1.split_once(':')?;
+        let (root, file) = match controllers {
+            "" => ("/sys/fs/cgroup", "memory.max"),
+            "memory" => ("/sys/fs/cgroup/memory", "memory.limit_in_bytes"),
+            _ => return None,
+        };
+        Some((root, path.trim_start_matches('/'), file))
+    });
+    let limits = groups.flat_map(|(root, path, file)| {
+        let places = Path::new(path).ancestors();
+        places.filter_map(move |place| {
+            let text = fs::read_to_string(Path::new(root).join(place).join(file)).ok()?;
+            text.trim().parse::<u64>().ok()
+        })
+    });
+    limits.min()
+}
+
+/// Resident bytes of a process and its descendants.
+pub(super) fn resident(pid: u32) -> Option<u64> {
+    let pages = fs::read_to_string(format!("/proc/{pid}/statm")).ok()?;
+    let pages: u64 = pages.split(' ').nth(1)?.parse().ok()?;
+    let own = pages * rustix::param::page_size() as u64;
+    let others: u64 = children(pid).into_iter().filter_map(resident).sum();
+    Some(own + others)
+}
+
+/// Resets the memory peak of a process and its descendants.
+pub(super) fn reset_peak(pid: u32) {
+    // Without permission, the peak stays that since the start.
+    let _ = fs::write(format!("/proc/{pid}/clear_refs"), "5");
+    children(pid).into_iter().for_each(reset_peak);
+}
+
+/// Sum of the peak resident bytes of a process and its current descendants.
+pub(super) fn peak_resident(pid: u32) -> Option<u64> {
+    let own = kibibytes(format!("/proc/{pid}/status"), "VmHWM")?;
+    let others: u64 = children(pid).into_iter().filter_map(peak_resident).sum();
+    Some(own + others)
+}
+
+/// The child processes of process `pid`.
+pub(super) fn children(pid: u32) -> Vec<u32> {
+    let Ok(threads) = fs::read_dir(format!("/proc/{pid}/task")) else {
+        return Vec::new();
+    };
+    let lists = threads
+        .flatten()
+        .filter_map(|thread| fs::read_to_string(thread.path().join("children")).ok());
+    lists
+        .flat_map(|list| {
+            let numbers = list.split_whitespace().map(str::parse);
+            numbers.collect::<Vec<_>>()
+        })
+        .flatten()
+        .collect()
+}
+
+/// Number of processes that the kernel has killed for lack of memory.
+pub(super) fn kernel_out_of_memory_kills() -> Option<u64> {
+    let text = fs::read_to_string("/proc/vmstat").ok()?;
+    text.lines()
+        .find_map(|line| line.strip_prefix("oom_kill "))
+        .and_then(|count| count.trim().parse().ok())
+}
+
+/// Name of the environment variable that marks a child and its descendants.
+const MARK: &str = "GEOBENCH_CHILD";
+
+/// Time that the orphans of a child have to exit after being killed.
+const GRACE: Duration = Duration::from_secs(1);
+
+/// Whether this process adopts orphans.
+static ADOPTS: AtomicBool = AtomicBool::new(false);
+
+/// Ids of the children that were started and have not been waited for.
+static STARTED: Mutex<Vec<u32>> = Mutex::new(Vec::new());
+
+/// Makes this process the parent of orphaned descendants from now on.
+pub fn adopt_orphans() {
+    #[cfg(target_os = "linux")]
+    if rustix::process::set_child_subreaper(Some(rustix::process::getpid())).is_ok() {
+        ADOPTS.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Identifies the descendants of a child, including those that outlive it.
+///
+/// A process that calls `setsid` leaves the process group of the child. A process whose parent has
+/// exited is no longer a descendant of the child. The `geobench` command is therefore a child
+/// subreaper ([`adopt_orphans`]): Linux makes it the parent of such orphans. An orphan is killed
+/// with the child to which it belongs. That child is identified by one of:
+///
+/// 1. the mark in the environment, which descendants inherit;
+/// 2. the descendants of the child and of its orphans, recorded before these were killed.
+///
+/// An orphan with neither is killed when no child is left. Other children of this process are in
+/// its own process group and are left alone. Outside Linux, and in programs that use this library,
+/// nothing is adopted.
+#[derive(Debug)]
+pub(super) struct Descendants {
+    child: u32,
+    /// The mark, as `name=value`.
+    mark: String,
+}
+
+/// A process. Ids are reused, so the start time is part of its identity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Process {
+    number: u32,
+    /// Start time in clock ticks since boot.
+    start: u64,
+}
+
+impl Descendants {
+    /// Starts a child with a unique mark.
+    pub(super) fn of(command: &mut Command) -> io::Result<(process::Child, Self)> {
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let mark = format!("{}.{count}", process::id());
+        command.env(MARK, &mark);
+        // The lock is held so that the child is not taken for an orphan before its id is recorded.
+        let mut started = started();
+        let child = command.spawn()?;
+        started.push(child.id());
+        let descendants = Self {
+            child: child.id(),
+            mark: format!("{MARK}={mark}"),
+        };
+        Ok((child, descendants))
+    }
+
+    /// The current descendants of the child.
+    pub(super) fn present(&self) -> DescendantList {
+        let mut present = DescendantList(Vec::new());
+        if ADOPTS.load(Ordering::Relaxed) {
+            present.add_below(self.child);
+        }
+        present
+    }
+
+    /// Resident bytes of the orphans with the mark, and of their descendants.
+    pub(super) fn resident_orphans(&self) -> u64 {
+        if !ADOPTS.load(Ordering::Relaxed) {
+            return 0;
+        }
+        let orphans = orphans(&started());
+        let marked = orphans.into_iter().filter(|orphan| self.marks(*orphan));
+        marked.filter_map(|orphan| resident(orphan.number)).sum()
+    }
+
+    /// Kills all orphans of the child, which has been waited for. `present` lists the descendants
+    /// recorded before that.
+    pub(super) fn end(&self, mut present: DescendantList) {
+        let mut started = started();
+        started.retain(|child| *child != self.child);
+        if !ADOPTS.load(Ordering::Relaxed) {
+            return;
+        }
+        let deadline = Instant::now() + GRACE;
+        loop {
+            let mut left = false;
+            for orphan in orphans(&started) {
+                let belongs =
+                    present.0.contains(&orphan) || started.is_empty() || self.marks(orphan);
+                if belongs {
+                    left = true;
+                    present.add_below(orphan.number);
+                    // The id of a child stays reserved until the child is waited for.
+                    if let Some(pid) = pid(orphan.number) {
+                        let _ = kill_process(pid, Signal::KILL);
+                    }
+                }
+                forget_if_ended(orphan.number);
+            }
+            if !left || Instant::now() >= deadline {
+                return;
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    fn marks(&self, orphan: Process) -> bool {
+        let environment = fs::read(format!("/proc/{}/environ", orphan.number)).unwrap_or_default();
+        let mut entries = environment.split(|byte| *byte == 0);
+        entries.any(|entry| entry == self.mark.as_bytes())
+    }
+}
+
+/// The processes that belong to a child.
+pub(super) struct DescendantList(Vec<Process>);
+
+impl DescendantList {
+    /// Adds all descendants of a process.
+    fn add_below(&mut self, number: u32) {
+        for child in children(number) {
+            if let Some((process, _)) = look(child)
+                && !self.0.contains(&process)
+            {
+                self.0.push(process);
+                self.add_below(child);
+            }
+        }
+    }
+}
+
+fn started() -> MutexGuard<'static, Vec<u32>> {
+    lock(&STARTED)
+}
+
+/// The orphans that this process has adopted: its children that it has not started.
+fn orphans(started: &[u32]) -> Vec<Process> {
+    let own_group = getpgrp().as_raw_pid();
+    let children = children(process::id());
+    let strangers = children.into_iter().filter(|c| !started.contains(c));
+    strangers
+        .filter_map(look)
+        .filter(|(_, group)| *group != own_group)
+        .map(|(process, _)| process)
+        .collect()
+}
+
+/// A process and the number of its process group.
+fn look(number: u32) -> Option<(Process, i32)> {
+    let text = fs::read(format!("/proc/{number}/stat")).ok()?;
+    let text = String::from_utf8_lossy(&text);
+    // The name of the program, in parentheses, may contain any character.
+    let (_, facts) = text.rsplit_once(") ")?;
+    let mut facts = facts.split(' ');
+    let group = facts.nth(2)?.parse().ok()?;
+    let start = facts.nth(16)?.parse().ok()?;
+    Some((Process { number, start }, group))
+}
+
+/// Reaps a child if it has exited.
+fn forget_if_ended(number: u32) {
+    if let Some(pid) = pid(number) {
+        let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG;
+        let _ = waitid(WaitId::Pid(pid), options);
+    }
+}
+
+fn pid(number: u32) -> Option<Pid> {
+    i32::try_from(number).ok().and_then(Pid::from_raw)
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn linux_tells_what_is_asked() {
+        assert!(kernel_out_of_memory_kills().is_some());
+        let own = resident(std::process::id()).unwrap();
+        assert!(own > 1 << 20, "{own}");
+        assert_eq!(resident(u32::MAX), None);
+    }
+
+    #[test]
+    fn processes_that_a_process_started_count_with_it() {
+        let mut shell = Command::new("sh")
+            .args(["-c", "sleep 60 & echo; wait"])
+            .stdout(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut line = [0];
+        std::io::Read::read_exact(shell.stdout.as_mut().unwrap(), &mut line).unwrap();
+        let started = children(shell.id());
+        assert_eq!(started.len(), 1);
+        let both = resident(shell.id()).unwrap();
+        assert!(both > resident(started[0]).unwrap());
+        let sleep = rustix::process::Pid::from_raw(started[0].cast_signed()).unwrap();
+        rustix::process::kill_process(sleep, rustix::process::Signal::KILL).unwrap();
+        shell.wait().unwrap();
+    }
+
+    #[test]
+    fn a_process_is_known_by_its_number_and_start() {
+        let (own, group) = look(process::id()).unwrap();
+        assert_eq!(group, getpgrp().as_raw_pid());
+        assert!(own.start > 0);
+        assert_eq!(look(process::id()).unwrap().0, own);
+        assert_eq!(look(u32::MAX), None);
+    }
+
+    #[test]
+    fn a_library_leaves_children_alone() {
+        let mut command = Command::new("sh");
+        command.args(["-c", "exec sleep 60"]);
+        let (mut child, descendants) = Descendants::of(&mut command).unwrap();
+        descendants.end(descendants.present());
+        assert_eq!(child.try_wait().unwrap(), None);
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+}

@@ -1,0 +1,512 @@
+//! Models: what users name, and loading it.
+
+use std::collections::HashMap;
+use std::ffi::OsStr;
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+pub mod standard_input;
+
+use geobench_mesh::generate::{self, Spec};
+use geobench_mesh::io::ReadOptions;
+use geobench_mesh::{InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, io as mesh_io};
+use sha2::{Digest, Sha256};
+
+use crate::exec::expected::stem;
+use crate::exec::limits::MemoryLimit;
+use crate::schema::ModelRecord;
+
+/// A model that a user named, not loaded yet.
+#[derive(Clone, Debug)]
+pub struct ModelRef {
+    /// Its name in tables and results, unique among the models of the command.
+    pub name: String,
+    /// The file as the user wrote it, or `gen:` and the spec.
+    pub path: String,
+    origin: Origin,
+}
+
+#[derive(Clone, Debug)]
+enum Origin {
+    File(PathBuf),
+    Generated(Spec),
+    Memory(Mesh),
+}
+
+/// A model in memory.
+#[derive(Clone, Debug)]
+pub struct LoadedModel {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Its counts and sizes.
+    pub measures: MeshMeasures,
+    /// Defects and repairs.
+    pub report: Report,
+    /// Its record in result files.
+    pub record: ModelRecord,
+}
+
+/// Why a model cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// The file does not exist or is not accessible.
+    #[error("{path}: {problem}; give a mesh file, a directory or `gen:NAME,...`")]
+    Missing {
+        /// The argument.
+        path: String,
+        /// The error.
+        problem: String,
+    },
+    /// The file, the directory or the spec cannot be read: the error and its place.
+    #[error("{0}")]
+    Unreadable(String),
+    /// The mesh has fatal defects.
+    #[error("{path}: {error}")]
+    Invalid {
+        /// The argument.
+        path: String,
+        /// The defects.
+        error: InvalidMesh,
+    },
+}
+
+/// The only model that `argument` names.
+///
+/// # Errors
+///
+/// As [`collect`]; also when it names several.
+pub fn only(argument: &str) -> anyhow::Result<ModelRef> {
+    let mut models = collect(&[argument])?;
+    match (models.pop(), models.len()) {
+        (Some(model), 0) => Ok(model),
+        (_, others) => anyhow::bail!("{argument}: holds {} models; name one of them", others + 1),
+    }
+}
+
+/// The models that `arguments` name: files, directories (searched recursively, sorted by name)
+/// and `gen:` specs.
+///
+/// # Errors
+///
+/// When an argument is none of these; models themselves are only read by [`ModelRef::load`].
+pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelError> {
+    let mut models = Vec::new();
+    for argument in arguments {
+        let argument = argument.as_ref();
+        if Spec::is_spec(argument) {
+            models.push(ModelRef::generated(argument)?);
+            continue;
+        }
+        let of_standard_input;
+        let mut path = Path::new(argument);
+        if argument == "-" {
+            of_standard_input = standard_input::file()?;
+            path = &of_standard_input;
+        }
+        let missing = |error: io::Error| ModelError::Missing {
+            path: argument.to_owned(),
+            problem: match error.kind() {
+                io::ErrorKind::NotFound => "no such file or directory".to_owned(),
+                kind => kind.to_string(),
+            },
+        };
+        if fs::metadata(path).map_err(missing)?.is_dir() {
+            let mut found = Vec::new();
+            search(path, &mut found).map_err(missing)?;
+            if found.is_empty() {
+                return Err(ModelError::Unreadable(format!(
+                    "{argument}: no mesh file (OBJ, PLY, OFF, STL, also .gz) in this directory or below it"
+                )));
+            }
+            models.extend(found.into_iter().map(ModelRef::file));
+        } else if mesh_io::is_mesh_file(path) {
+            models.push(ModelRef::file(path.to_owned()));
+        } else {
+            return Err(ModelError::Unreadable(format!(
+                "{argument}: not a mesh file by its ending; OBJ, PLY, OFF and STL are read, each also with .gz"
+            )));
+        }
+    }
+    make_names_unique(&mut models);
+    Ok(models)
+}
+
+/// Adds the mesh files in `directory` and below it, sorted by name. Links to directories are not
+/// followed: they could lead in a circle.
+fn search(directory: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
+    let mut entries = fs::read_dir(directory)?.collect::<io::Result<Vec<_>>>()?;
+    entries.sort_unstable_by_key(fs::DirEntry::file_name);
+    for entry in entries {
+        let path = entry.path();
+        if entry.file_type()?.is_dir() {
+            search(&path, found)?;
+        } else if mesh_io::is_mesh_file(&path) && path.is_file() {
+            found.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// Models of the same name get their whole path as name, and a number if that is the same too.
+pub(crate) fn make_names_unique(models: &mut [ModelRef]) {
+    let mut uses = HashMap::<String, usize>::new();
+    for model in models.iter() {
+        *uses.entry(model.name.clone()).or_default() += 1;
+    }
+    let mut seen = HashMap::<String, usize>::new();
+    for model in models {
+        if uses[&model.name] > 1 {
+            model.name.clone_from(&model.path);
+        }
+        let count = seen.entry(model.name.clone()).or_default();
+        *count += 1;
+        if *count > 1 {
+            model.name = format!("{} #{count}", model.name);
+        }
+    }
+}
+
+impl ModelRef {
+    fn file(path: PathBuf) -> Self {
+        Self {
+            name: stem(&path),
+            path: path.display().to_string(),
+            origin: Origin::File(path),
+        }
+    }
+
+    /// The model that a generator makes from `spec`. Its name is the spec as written, without
+    /// `gen:`. Its path is the spec with all defaults.
+    ///
+    /// # Errors
+    ///
+    /// When there is no such generator or its parameters are not valid.
+    pub fn generated(spec: &str) -> Result<Self, ModelError> {
+        let parsed = spec.parse::<Spec>();
+        let parsed = parsed.map_err(|error| ModelError::Unreadable(format!("{spec}: {error}")))?;
+        Ok(Self {
+            name: spec.strip_prefix("gen:").unwrap_or(spec).to_owned(),
+            path: parsed.to_string(),
+            origin: Origin::Generated(parsed),
+        })
+    }
+
+    /// A mesh that the caller has, for runs in this process only.
+    pub fn in_memory(name: &str, mesh: &Mesh) -> Self {
+        Self {
+            name: name.to_owned(),
+            path: name.to_owned(),
+            origin: Origin::Memory(mesh.clone()),
+        }
+    }
+
+    /// The model of a file, each face split into four `times` times. Its name has the factor by
+    /// which the faces grow, such as `horse-x16`. A generated model stays as it is.
+    ///
+    /// # Errors
+    ///
+    /// When the spec is invalid.
+    pub(crate) fn subdivided(&self, times: u32) -> Result<Self, ModelError> {
+        let Some(path) = self.file_path().filter(|_| times > 0) else {
+            return Ok(self.clone());
+        };
+        // In quotation marks, in which a quotation mark is doubled: a path may have commas.
+        let path_text = path.display().to_string().replace('"', "\"\"");
+        let spec = format!("gen:file,path=\"{path_text}\",subdivide={times}");
+        Ok(Self {
+            name: format!("{}-x{}", stem(path), 4_u64.saturating_pow(times)),
+            ..Self::generated(&spec)?
+        })
+    }
+
+    /// A model that does not exist, for tests.
+    #[cfg(any(test, feature = "mock"))]
+    pub(crate) fn named(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            path: format!("{name}.obj"),
+            origin: Origin::File(PathBuf::from(format!("{name}.obj"))),
+        }
+    }
+
+    /// The inverse of [`argument`](Self::argument).
+    ///
+    /// # Errors
+    ///
+    /// When the argument is invalid.
+    pub(crate) fn named_by(argument: &OsStr, name: String) -> Result<Self, ModelError> {
+        let model = match argument.to_str().filter(|text| Spec::is_spec(text)) {
+            Some(spec) => Self::generated(spec)?,
+            None => Self::file(argument.into()),
+        };
+        Ok(Self { name, ..model })
+    }
+
+    /// Identifies the model, except its name, to a child process.
+    pub(crate) fn argument(&self) -> &OsStr {
+        match &self.origin {
+            Origin::File(path) => path.as_os_str(),
+            Origin::Generated(_) | Origin::Memory(_) => OsStr::new(&self.path),
+        }
+    }
+
+    /// The file behind it; none if it is generated.
+    pub fn file_path(&self) -> Option<&Path> {
+        match &self.origin {
+            Origin::File(path) => Some(path),
+            Origin::Generated(_) | Origin::Memory(_) => None,
+        }
+    }
+
+    /// The generator's spec with all defaults written out; none if it is read from a file.
+    pub fn spec(&self) -> Option<String> {
+        match &self.origin {
+            Origin::File(_) | Origin::Memory(_) => None,
+            Origin::Generated(spec) => Some(spec.to_string()),
+        }
+    }
+
+    /// The file that it is read from, or that its generator starts from.
+    pub fn source_file(&self) -> Option<&Path> {
+        match &self.origin {
+            Origin::File(path) => Some(path),
+            Origin::Generated(spec) => spec.path().map(Path::new),
+            Origin::Memory(_) => None,
+        }
+    }
+
+    /// SHA-256 of its [source file](Self::source_file); none if there is no such file or it cannot
+    /// be read.
+    pub fn file_sha256(&self) -> Option<String> {
+        hash_file(self.source_file()?).ok()
+    }
+
+    /// Its record before it is loaded.
+    pub fn record(&self) -> ModelRecord {
+        ModelRecord {
+            name: self.name.clone(),
+            path: self.path.clone(),
+            ..ModelRecord::default()
+        }
+    }
+
+    /// Reads or generates the triangles, unchecked.
+    ///
+    /// # Errors
+    ///
+    /// When the file or generator does not exist or is invalid.
+    pub fn read(&self, options: impl Into<ReadOptions>) -> Result<TriangleSoup, ModelError> {
+        let options = options.into();
+        match &self.origin {
+            Origin::File(path) => read_file(path, options),
+            Origin::Memory(mesh) => Ok(mesh.to_soup()),
+            Origin::Generated(spec) => {
+                let made = match spec.path() {
+                    Some(path) => spec.modifiers().apply(read_file(Path::new(path), options)?),
+                    None => generate::generate(spec),
+                };
+                made.map_err(|error| ModelError::Unreadable(format!("{}: {error}", self.path)))
+            }
+        }
+    }
+
+    /// Reads or generates the model, checks it and builds its mesh. Files are read with `options`,
+    /// such as a limit of what compressed ones decompress to.
+    ///
+    /// # Errors
+    ///
+    /// Names the file and the line or the elements that make it unusable.
+    pub fn load(&self, options: impl Into<ReadOptions>) -> Result<LoadedModel, ModelError> {
+        if let Origin::Memory(mesh) = &self.origin {
+            let known_by_positions = mesh.positions().len() == mesh.vertex_count();
+            let sha256 = known_by_positions.then(|| hash_soup(&mesh.to_soup()));
+            return Ok(self.loaded(mesh.clone(), Report::default(), sha256));
+        }
+        let start = Instant::now();
+        let soup = self.read(options)?;
+        let load_seconds = start.elapsed().as_secs_f64();
+        let sha256 = match &self.origin {
+            Origin::File(path) => hash_file(path).ok(),
+            Origin::Generated(_) | Origin::Memory(_) => Some(hash_soup(&soup)),
+        };
+        let start = Instant::now();
+        let (mesh, report) = self.build(soup)?;
+        let build_seconds = start.elapsed().as_secs_f64();
+        let mut loaded = self.loaded(mesh, report, sha256);
+        loaded.record.load_seconds = Some(load_seconds);
+        loaded.record.build_seconds = Some(build_seconds);
+        Ok(loaded)
+    }
+
+    /// Its mesh alone. As [`load`](Self::load), but nothing is hashed or measured.
+    ///
+    /// # Errors
+    ///
+    /// As [`load`](Self::load).
+    pub fn mesh_within(&self, options: impl Into<ReadOptions>) -> Result<Mesh, ModelError> {
+        if let Origin::Memory(mesh) = &self.origin {
+            return Ok(mesh.clone());
+        }
+        let (mesh, _) = self.build(self.read(options)?)?;
+        Ok(mesh)
+    }
+
+    fn build(&self, soup: TriangleSoup) -> Result<(Mesh, Report), ModelError> {
+        Mesh::from_soup(soup).map_err(|error| ModelError::Invalid {
+            path: self.path.clone(),
+            error,
+        })
+    }
+
+    /// The model with its measures and record.
+    fn loaded(&self, mesh: Mesh, report: Report, sha256: Option<String>) -> LoadedModel {
+        let measures = MeshMeasures::of(&mesh);
+        let record = ModelRecord {
+            sha256,
+            vertices: Some(measures.vertices as u64),
+            faces: Some(measures.faces as u64),
+            edges: Some(measures.edges as u64),
+            boundary_edges: Some(measures.boundary_edges as u64),
+            components: Some(measures.components as u64),
+            genus: Some(measures.genus as u64),
+            saddles: Some(measures.saddles as u64),
+            anisotropy: Some(measures.anisotropy),
+            longest_edge: Some(measures.max_edge_length),
+            ..self.record()
+        };
+        LoadedModel {
+            mesh,
+            measures,
+            report,
+            record,
+        }
+    }
+}
+
+fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, ModelError> {
+    let read = options.read(path).map_err(|error| match error {
+        mesh_io::FileError::TooLarge {
+            path,
+            compressed,
+            limit,
+        } => format!(
+            "{}: {} decompress to more than {}; if the file can be trusted, raise the limit with \
+             --max-decompressed SIZE",
+            path.display(),
+            MemoryLimit(Some(compressed)),
+            MemoryLimit(Some(limit))
+        ),
+        error => error.to_string(),
+    });
+    read.map_err(ModelError::Unreadable)
+}
+
+/// SHA-256 of a file's bytes in hexadecimal.
+fn hash_file(path: &Path) -> io::Result<String> {
+    let mut hash = Sha256::new();
+    io::copy(&mut File::open(path)?, &mut HashWriter(&mut hash))?;
+    Ok(hexadecimal(hash))
+}
+
+/// SHA-256 of positions and triangles as little-endian numbers.
+fn hash_soup(soup: &TriangleSoup) -> String {
+    let mut hash = Sha256::new();
+    for coordinate in soup.positions.as_flattened() {
+        hash.update(coordinate.to_le_bytes());
+    }
+    for vertex in soup.triangles.as_flattened() {
+        hash.update(vertex.to_le_bytes());
+    }
+    hexadecimal(hash)
+}
+
+fn hexadecimal(hash: Sha256) -> String {
+    use std::fmt::Write;
+    hash.finalize()
+        .iter()
+        .fold(String::new(), |mut text, byte| {
+            let _ = write!(text, "{byte:02x}"); // Writing to a string cannot fail.
+            text
+        })
+}
+
+struct HashWriter<'h>(&'h mut Sha256);
+
+impl io::Write for HashWriter<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exec::limits::DecompressionLimit;
+
+    const FACE: &str = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+    fn names(arguments: &[String]) -> Vec<String> {
+        let models = collect(arguments).unwrap();
+        models.into_iter().map(|model| model.name).collect()
+    }
+
+    #[test]
+    fn names_are_short_where_they_can_be_and_always_unique() {
+        let root = tempfile::tempdir().unwrap();
+        let path = |name: &str| root.path().join(name).display().to_string();
+        for name in ["a.off", "b.off", "b.off.gz", "b.txt"] {
+            fs::write(path(name), FACE).unwrap();
+        }
+        assert_eq!(
+            names(&[path("a.off"), "gen:cube,n=2".into()]),
+            ["a", "cube,n=2"]
+        );
+        assert_eq!(
+            names(&[path("a.off"), path("a.off")]),
+            [path("a.off"), format!("{} #2", path("a.off"))]
+        );
+        assert_eq!(
+            names(&[path("")]),
+            ["a".to_owned(), path("b.off"), path("b.off.gz")]
+        );
+    }
+
+    #[test]
+    fn a_file_is_hashed_as_it_lies_on_the_disk() {
+        let root = tempfile::tempdir().unwrap();
+        let path = root.path().join("abc");
+        fs::write(&path, "abc").unwrap();
+        // The example of FIPS 180-2.
+        assert_eq!(
+            hash_file(&path).unwrap(),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+        );
+    }
+
+    #[test]
+    fn a_generated_model_is_hashed_by_its_data() {
+        let load = |spec: &str| {
+            ModelRef::generated(spec)
+                .unwrap()
+                .load(DecompressionLimit::default())
+                .unwrap()
+                .record
+        };
+        let plain = load("gen:cube,n=2");
+        assert_eq!(plain.path, "gen:cube,n=2,side=1");
+        assert_eq!(plain.sha256, load("gen:cube,side=1,n=2").sha256);
+        assert_ne!(plain.sha256, load("gen:cube,n=2,side=2").sha256);
+        assert_eq!(
+            (plain.vertices, plain.faces, plain.genus),
+            (Some(26), Some(48), Some(0))
+        );
+    }
+}

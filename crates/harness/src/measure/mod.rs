@@ -1,0 +1,8 @@
+//! Measurements of runs: memory, instructions, the machine and its state, statistics of times.
+
+pub mod conditions;
+pub mod host;
+pub mod instructions;
+pub mod memory;
+pub mod number;
+pub mod statistics;

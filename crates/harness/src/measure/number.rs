@@ -1,0 +1,121 @@
+//! Formats numbers for tables and messages.
+
+/// Number of decimals for a row of values: enough for three significant digits of the smallest
+/// positive one, and at most `most`.
+pub fn decimals(values: impl IntoIterator<Item = f64>, most: u8) -> usize {
+    let smallest = values
+        .into_iter()
+        .filter(|v| *v > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    let shows_three = |decimals: &u8| smallest * 10_f64.powi(i32::from(*decimals)) >= 100.0;
+    usize::from((0..most).find(shows_three).unwrap_or(most))
+}
+
+/// Seconds with three significant digits, and at most `most` decimals.
+pub fn seconds(seconds: f64, most: u8) -> String {
+    if seconds <= 0.0 {
+        return "0".to_owned();
+    }
+    let decimals = decimals([seconds], most);
+    format!("{seconds:.decimals$}")
+}
+
+/// A count with thousands separators.
+pub fn grouped(count: u64) -> String {
+    group(&count.to_string())
+}
+
+/// Inserts thousands separators into a string of `digits`.
+pub fn group(digits: &str) -> String {
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Ascending numbers with ranges for consecutive ones, such as `1-3,7`.
+pub(crate) fn ranges(numbers: &[usize]) -> String {
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
+    let runs = runs.map(|run| match run {
+        [first, .., last] => format!("{first}-{last}"),
+        _ => run[0].to_string(),
+    });
+    runs.collect::<Vec<_>>().join(",")
+}
+
+/// A ratio with two decimals; without decimals from 100.
+pub fn ratio(ratio: f64) -> String {
+    if ratio < 99.5 {
+        format!("{ratio:.2}")
+    } else {
+        format!("{ratio:.0}")
+    }
+}
+
+/// A number in scientific notation with one decimal; 0 as `0`.
+pub fn scientific(value: f64) -> String {
+    if value == 0.0 {
+        "0".to_owned()
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
+/// A number with its noun: `1 loop`, `2 loops`.
+pub fn counted(count: usize, thing: &str) -> String {
+    match count {
+        1 => format!("1 {thing}"),
+        _ => format!("{count} {thing}s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_show_three_digits_of_the_smallest() {
+        assert_eq!(decimals([0.329, 1.2], 6), 3);
+        assert_eq!(decimals([0.002_13, 0.1], 6), 5);
+        assert_eq!(decimals([12.3, 456.0], 6), 1);
+        assert_eq!(decimals([1234.0], 6), 0);
+        assert_eq!(decimals([1e-9], 6), 6);
+        assert_eq!(decimals([0.0], 6), 0);
+        assert_eq!(decimals([], 6), 0);
+    }
+
+    #[test]
+    fn seconds_have_three_digits() {
+        assert_eq!(
+            [0.0, 1.5e-7, 0.001_234, 0.1, 5.0, 99.94, 1234.7].map(|s| seconds(s, 9)),
+            [
+                "0",
+                "0.000000150",
+                "0.00123",
+                "0.100",
+                "5.00",
+                "99.9",
+                "1235"
+            ]
+        );
+    }
+
+    #[test]
+    fn consecutive_numbers_are_ranges() {
+        assert_eq!(ranges(&[1, 2, 3, 7, 9, 10]), "1-3,7,9-10");
+        assert_eq!(ranges(&[4]), "4");
+        assert_eq!(ranges(&[]), "");
+    }
+
+    #[test]
+    fn thousands_are_apart() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(1000), "1,000");
+        assert_eq!(grouped(68_553_846), "68,553,846");
+    }
+}

@@ -1,0 +1,646 @@
+//! Statistics of repeated times. All figures are robust; a mean never stands alone.
+//!
+//! * One set of samples: [`summarise`] gives median, deviation, interval and outliers.
+//! * Two sets taken alternately: [`paired_ratio`] is unaffected by slow drift of the machine.
+//! * Two independent sets: [`unpaired_ratio`] estimates the size of the difference,
+//!   [`mann_whitney()`] tests whether there is one.
+//!
+//! Intervals come from the percentile bootstrap of Efron (1979). Its seed is fixed, so the same
+//! samples always give the same interval.
+
+use std::f64::consts::SQRT_2;
+
+use geobench_mesh::SplitMix64;
+
+use crate::schema::Time;
+
+/// Minimum number of samples for a confidence interval.
+pub const FEWEST_FOR_INTERVAL: usize = 5;
+
+/// Robust figures of a set of samples, in the unit of the samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    /// Median; for an even number of samples the mean of the middle two.
+    pub median: f64,
+    /// Smallest sample.
+    pub min: f64,
+    /// Median absolute deviation from the median, unscaled.
+    pub mad: f64,
+    /// 95 % confidence interval of the median by the percentile bootstrap; `None` for fewer than
+    /// [`FEWEST_FOR_INTERVAL`] samples.
+    pub ci95: Option<[f64; 2]>,
+    /// Number of [`outliers()`]. All other figures include them. `None` for fewer than
+    /// [`FEWEST_FOR_INTERVAL`] samples.
+    pub outliers: Option<usize>,
+}
+
+/// Summarises `samples`; `None` if there are none.
+pub fn summarise(samples: &[f64]) -> Option<Summary> {
+    let median = median(samples)?;
+    let enough = samples.len() >= FEWEST_FOR_INTERVAL;
+    Some(Summary {
+        median,
+        min: samples.iter().copied().fold(f64::INFINITY, f64::min),
+        mad: deviation(samples, median)?,
+        ci95: enough.then(|| bootstrap_interval(&[Variable::Samples(samples)], |x| x[0])),
+        outliers: enough.then(|| outliers(samples).len()),
+    })
+}
+
+/// The record of a cell's times: `samples` with their summary. Places and the fields of external
+/// programs stay empty.
+pub fn time(samples: Vec<f64>, setup: Option<f64>) -> Time {
+    let summary = summarise(&samples);
+    Time {
+        median: summary.map(|s| s.median),
+        min: summary.map(|s| s.min),
+        mad: summary.map(|s| s.mad),
+        ci95: summary.and_then(|s| s.ci95),
+        note: too_few(samples.len()),
+        outliers: summary.and_then(|s| s.outliers),
+        setup,
+        samples,
+        ..Time::default()
+    }
+}
+
+/// The note that explains why there is no interval; `None` if there are enough `samples` for one.
+pub fn too_few(samples: usize) -> Option<String> {
+    (samples < FEWEST_FOR_INTERVAL)
+        .then(|| format!("no confidence interval from fewer than {FEWEST_FOR_INTERVAL} samples"))
+}
+
+/// The minimum and the maximum of `values`; `None` if there are none.
+pub fn range_of(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
+    let ends = values.into_iter().map(|value| [value; 2]);
+    ends.reduce(|[least, most], [value, _]| [least.min(value), most.max(value)])
+}
+
+/// The median of unsorted `values`; `None` if there are none.
+pub fn median(values: &[f64]) -> Option<f64> {
+    let mut values = values.to_vec();
+    median_in_place(&mut values)
+}
+
+fn median_in_place(values: &mut [f64]) -> Option<f64> {
+    values.sort_unstable_by(f64::total_cmp);
+    let n = values.len();
+    match n {
+        0 => None,
+        _ if n % 2 == 1 => Some(values[n / 2]),
+        _ => Some(f64::midpoint(values[n / 2 - 1], values[n / 2])),
+    }
+}
+
+/// The median absolute deviation of `values` from `center`.
+fn deviation(values: &[f64], center: f64) -> Option<f64> {
+    let mut deviations: Vec<f64> = values.iter().map(|v| (v - center).abs()).collect();
+    median_in_place(&mut deviations)
+}
+
+/// Minimum number of points of a fit.
+pub const FEWEST_FOR_FIT: usize = 3;
+
+/// The exponent e of the power law y = c x^e that fits `points` best, by least squares on
+/// logarithms. `None` for fewer than [`FEWEST_FOR_FIT`] points, if all x are equal, or if a
+/// coordinate is not positive.
+pub fn exponent_of_growth(points: impl Iterator<Item = [f64; 2]>) -> Option<f64> {
+    power_law(points).map(|[_, exponent]| exponent)
+}
+
+/// The factor c and the exponent e of the fit of [`exponent_of_growth`].
+pub fn power_law(points: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 2]> {
+    let points: Vec<[f64; 2]> = points.map(|point| point.map(libm::log)).collect();
+    let count = points.len();
+    let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / count as f64;
+    let [mx, my] = [mean(0), mean(1)];
+    let spread: f64 = points.iter().map(|[x, _]| (x - mx) * (x - mx)).sum();
+    let shared: f64 = points.iter().map(|[x, y]| (x - mx) * (y - my)).sum();
+    // Means of equal numbers round, so the spread of equal x need not be 0.
+    let is_varied = points.iter().any(|[x, _]| *x != points[0][0]);
+    let exponent = shared / spread;
+    let factor = libm::exp(my - exponent * mx);
+    let is_fit = count >= FEWEST_FOR_FIT && is_varied && exponent.is_finite();
+    is_fit.then_some([factor, exponent])
+}
+
+/// Number of resamples of the bootstrap.
+const RESAMPLES: usize = 10_000;
+
+/// Seed of the bootstrap. It is fixed so that the same samples always give the same interval.
+const SEED: u64 = 0x6765_6f62_656e_6368;
+
+/// An input of a computed figure, with its uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Variable<'s> {
+    /// An exact number.
+    Exact(f64),
+    /// The median of samples.
+    Samples(&'s [f64]),
+    /// An estimate with a normal error, such as a share found by sampling.
+    Estimate {
+        /// The estimate.
+        value: f64,
+        /// Its standard error.
+        error: f64,
+    },
+}
+
+impl Variable<'_> {
+    /// Its value; `None` without samples.
+    pub fn value(&self) -> Option<f64> {
+        match *self {
+            Self::Exact(value) | Self::Estimate { value, .. } => Some(value),
+            Self::Samples(samples) => median(samples),
+        }
+    }
+
+    /// A random draw of its value: the median of a resample, or a normal deviate.
+    fn draw(&self, random: &mut SplitMix64, resample: &mut Vec<f64>) -> f64 {
+        match *self {
+            Self::Exact(value) => value,
+            Self::Samples(samples) => {
+                resample.clear();
+                resample.extend(samples.iter().map(|_| samples[random.below(samples.len())]));
+                median_in_place(resample).unwrap_or(f64::NAN)
+            }
+            Self::Estimate { value, error } => {
+                // Box-Muller transform (1958). The argument of the logarithm is positive.
+                let radius = (-2.0 * libm::log(1.0 - random.unit())).sqrt();
+                value + error * radius * libm::cos(std::f64::consts::TAU * random.unit())
+            }
+        }
+    }
+}
+
+/// The 2.5th and 97.5th percentiles of `figure`, a function of the values of `variables`. Samples
+/// are drawn with replacement; no set of samples is empty. O(10,000 n log n).
+fn bootstrap_interval(variables: &[Variable<'_>], figure: impl Fn(&[f64]) -> f64) -> [f64; 2] {
+    let mut random = SplitMix64::new(SEED);
+    let (mut resample, mut values) = (Vec::new(), Vec::new());
+    let mut figures: Vec<f64> = (0..RESAMPLES)
+        .map(|_| {
+            values.clear();
+            let draws = variables.iter();
+            values.extend(draws.map(|variable| variable.draw(&mut random, &mut resample)));
+            figure(&values)
+        })
+        .collect();
+    figures.sort_unstable_by(f64::total_cmp);
+    let tail = RESAMPLES / 40;
+    [figures[tail], figures[RESAMPLES - 1 - tail]]
+}
+
+/// The modified z-score above which a sample is an outlier. It is ten times that of one standard
+/// deviation of a normal distribution.
+///
+/// The usual threshold of 3.5 is too low for five samples. Their MAD is often small by chance. On a
+/// quiet machine every fifth cell would have an outlier.
+pub const OUTLIER_SCORE: f64 = 10.0;
+
+/// Mean absolute deviation of the standard normal distribution, sqrt(2/π).
+const NORMAL_MEAN_DEVIATION: f64 = 0.797_884_560_802_865_4;
+
+/// Median absolute deviation of the standard normal distribution, its 75th percentile.
+const NORMAL_MEDIAN_DEVIATION: f64 = 0.674_489_750_196_081_7;
+
+/// The indices of the samples whose modified z-score (Iglewicz and Hoaglin 1993), 0.6745 |x -
+/// median| / MAD, is above [`OUTLIER_SCORE`]. If more than half of the samples are equal, the MAD
+/// is 0, and the mean absolute deviation replaces it.
+pub fn outliers(samples: &[f64]) -> Vec<usize> {
+    let Some(median) = median(samples) else {
+        return Vec::new();
+    };
+    let scale = match deviation(samples, median) {
+        Some(mad) if mad > 0.0 => mad / NORMAL_MEDIAN_DEVIATION,
+        _ => {
+            let sum: f64 = samples.iter().map(|x| (x - median).abs()).sum();
+            sum / samples.len() as f64 / NORMAL_MEAN_DEVIATION
+        }
+    };
+    let far = |x: f64| (x - median).abs() > OUTLIER_SCORE * scale;
+    (0..samples.len()).filter(|&i| far(samples[i])).collect()
+}
+
+/// A ratio with its uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ratio {
+    /// The estimate.
+    pub ratio: f64,
+    /// 95 % interval by the percentile bootstrap; `None` for fewer than [`FEWEST_FOR_INTERVAL`]
+    /// samples on a side.
+    pub ci95: Option<[f64; 2]>,
+}
+
+/// The median of `over[i] / under[i]`, where the two samples with index i were taken next to each
+/// other. Slow changes of the machine affect both and cancel out.
+///
+/// `None` if the lengths differ, there are no samples, or a sample is not finite and positive.
+pub fn paired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
+    if over.len() != under.len() || !usable(over) || !usable(under) {
+        return None;
+    }
+    let ratios: Vec<f64> = over.iter().zip(under).map(|(a, b)| a / b).collect();
+    Some(Ratio {
+        ratio: median(&ratios)?,
+        ci95: (ratios.len() >= FEWEST_FOR_INTERVAL)
+            .then(|| bootstrap_interval(&[Variable::Samples(&ratios)], |x| x[0])),
+    })
+}
+
+/// The ratio of the medians of two independent sets of samples. The bootstrap resamples each set
+/// separately.
+///
+/// `None` if a set is empty, or a sample is not finite and positive.
+pub fn unpaired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
+    if !usable(over) || !usable(under) {
+        return None;
+    }
+    let enough = over.len().min(under.len()) >= FEWEST_FOR_INTERVAL;
+    Some(Ratio {
+        ratio: median(over)? / median(under)?,
+        ci95: enough.then(|| {
+            let medians = [over, under].map(Variable::Samples);
+            bootstrap_interval(&medians, |x| x[0] / x[1])
+        }),
+    })
+}
+
+/// The 95 % interval of `figure`, a function of independent variables.
+///
+/// `None` if one of them has fewer than [`FEWEST_FOR_INTERVAL`] samples.
+pub fn interval_of(variables: &[Variable<'_>], figure: impl Fn(&[f64]) -> f64) -> Option<[f64; 2]> {
+    let is_enough = |variable: &Variable<'_>| match variable {
+        Variable::Samples(samples) => samples.len() >= FEWEST_FOR_INTERVAL,
+        _ => true,
+    };
+    let enough = variables.iter().all(is_enough);
+    enough.then(|| bootstrap_interval(variables, figure))
+}
+
+fn usable(samples: &[f64]) -> bool {
+    !samples.is_empty() && samples.iter().all(|&x| x.is_finite() && x > 0.0)
+}
+
+/// Maximum number of samples of both sets together for the exact probability. Up to it every number
+/// of arrangements, at most 50 choose 25, is an integer that `f64` represents.
+const MOST_FOR_EXACT: usize = 50;
+
+/// The outcome of a Mann-Whitney test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MannWhitney {
+    /// Number of pairs (x, y), x from the first set and y from the second, with x > y. A tie counts
+    /// one half.
+    pub u: f64,
+    /// Two-sided p-value: the probability of a `u` at least as far from its mean, if both sets have
+    /// the same distribution.
+    pub p: f64,
+}
+
+/// The two-sided test of Mann and Whitney (1947): whether samples of one set tend to be larger than
+/// those of the other. `None` if a set is empty or has a NaN.
+///
+/// The p-value is exact for up to fifty samples without ties. Otherwise it is that of the normal
+/// distribution, corrected for ties (Lehmann 1975, section 1.4) and for continuity. O(n³ log n) for
+/// the exact p-value, with n ≤ 50; otherwise O(n log n).
+///
+/// `statrs` 0.19 is not used. Its exact test takes the wrong tail unless the first set is the
+/// larger one, and enumerates all arrangements, 10^11 for 8 and 100 samples.
+pub fn mann_whitney(first: &[f64], second: &[f64]) -> Option<MannWhitney> {
+    let (m, n) = (first.len(), second.len());
+    if m == 0 || n == 0 {
+        return None;
+    }
+    let mut all: Vec<(f64, bool)> = Vec::with_capacity(m + n);
+    all.extend(first.iter().map(|&x| (x, true)));
+    all.extend(second.iter().map(|&x| (x, false)));
+    if all.iter().any(|(x, _)| x.is_nan()) {
+        return None;
+    }
+    all.sort_unstable_by(|(x, _), (y, _)| x.total_cmp(y));
+
+    // `twice_ranks` is twice the sum of the ranks of the first set, since ties have half-integer
+    // ranks. `ties` is the tie term, the sum of t³ - t over the groups of t equal samples.
+    let (mut twice_ranks, mut ties, mut start) = (0, 0.0, 0);
+    // `chunk_by` compares with ==, so -0 and 0 are a tie.
+    for tie in all.chunk_by(|(x, _), (y, _)| x == y) {
+        let twice_rank = 2 * start + tie.len() + 1;
+        twice_ranks += twice_rank * tie.iter().filter(|(_, is_first)| *is_first).count();
+        let t = tie.len() as f64;
+        ties += t.powi(3) - t;
+        start += tie.len();
+    }
+    let twice_u = twice_ranks - m * (m + 1);
+    let p = if ties == 0.0 && m + n <= MOST_FOR_EXACT {
+        exact(m, n, twice_u / 2)
+    } else {
+        normal(m as f64, n as f64, twice_u as f64 / 2.0, ties)
+    };
+    Some(MannWhitney {
+        u: twice_u as f64 / 2.0,
+        p,
+    })
+}
+
+/// The exact p-value, from the counts of all arrangements of `m` and `n` samples.
+fn exact(m: usize, n: usize, u: usize) -> f64 {
+    let counts = arrangements(m, n);
+    let total: f64 = counts.iter().sum();
+    let tail: f64 = counts[..=u.min(m * n - u)].iter().sum();
+    (2.0 * tail / total).min(1.0)
+}
+
+/// The number of arrangements of `m` and `n` distinct samples for each value of U from 0 to `m n`:
+/// the coefficients of the Gaussian binomial, the product of (1 - q^(n+i)) / (1 - q^i) for i from 1
+/// to m. All intermediate values are integers and at most the largest binomial.
+fn arrangements(m: usize, n: usize) -> Vec<f64> {
+    let mut counts = vec![0.0; m * n + 1];
+    counts[0] = 1.0;
+    for i in 1..=m {
+        for u in (n + i..counts.len()).rev() {
+            counts[u] -= counts[u - n - i];
+        }
+        for u in i..counts.len() {
+            counts[u] += counts[u - i];
+        }
+    }
+    counts
+}
+
+/// The p-value by the normal approximation.
+fn normal(m: f64, n: f64, u: f64, ties: f64) -> f64 {
+    let all = m + n;
+    let variance = m * n / 12.0 * (all + 1.0 - ties / (all * (all - 1.0)));
+    if variance <= 0.0 {
+        return 1.0; // All samples are equal.
+    }
+    let distance = ((u - m * n / 2.0).abs() - 0.5).max(0.0);
+    libm::erfc(distance / (variance.sqrt() * SQRT_2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn odd_even_and_no_samples() {
+        assert_eq!(median(&[]), None);
+        assert_eq!(median(&[3.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(&[4.0, 1.0, 3.0, 2.0]), Some(2.5));
+        assert_eq!(summarise(&[]), None);
+    }
+
+    #[test]
+    fn an_outlier_moves_neither_median_nor_deviation() {
+        let summary = summarise(&[1.0, 1.1, 0.9, 1.0, 50.0]).unwrap();
+        assert_eq!(summary.median, 1.0);
+        assert_eq!(summary.min, 0.9);
+        assert!((summary.mad - 0.1).abs() < 1e-12);
+        assert_eq!(summary.outliers, Some(1));
+    }
+
+    #[test]
+    fn the_interval_of_a_function_is_that_of_a_ratio() {
+        let over: Vec<f64> = (0..9).map(|i| 2.0 + f64::from(i) / 10.0).collect();
+        let under = [1.0, 1.1, 0.9, 1.05, 0.95];
+        let ratio = |x: &[f64]| x[0] / x[1];
+        let known = unpaired_ratio(&over, &under).unwrap().ci95;
+        let [over, under] = [&over[..], &under[..]].map(Variable::Samples);
+        assert_eq!(interval_of(&[over, under], ratio), known);
+        let exact = [3.0, 2.0].map(Variable::Exact);
+        assert_eq!(interval_of(&exact, ratio), Some([1.5, 1.5]));
+        assert_eq!(
+            interval_of(&[over, Variable::Samples(&[1.0, 2.0])], ratio),
+            None
+        );
+        assert_eq!(interval_of(&[over, Variable::Samples(&[])], ratio), None);
+    }
+
+    #[test]
+    fn an_estimate_varies_by_its_standard_error() {
+        let share = Variable::Estimate {
+            value: 0.4,
+            error: 0.01,
+        };
+        let [low, high] = interval_of(&[share], |x| x[0]).unwrap();
+        // ±1.96 standard errors.
+        assert!(
+            (low - 0.3804).abs() < 1e-3 && (high - 0.4196).abs() < 1e-3,
+            "{low} {high}"
+        );
+    }
+
+    #[test]
+    fn few_samples_have_no_interval_and_say_so() {
+        let few = summarise(&[1.0, 2.0, 3.0, 4.0]).unwrap();
+        assert_eq!((few.ci95, few.outliers), (None, None));
+        assert!(too_few(4).unwrap().contains("fewer than 5"));
+        let enough = summarise(&[1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
+        assert!(enough.ci95.is_some() && too_few(5).is_none());
+    }
+
+    #[test]
+    fn the_interval_holds_the_median_and_narrows_with_more_samples() {
+        let spread = |n: usize| -> f64 {
+            let samples: Vec<f64> = (0..n).map(|i| (i * 37 % 101) as f64).collect();
+            let summary = summarise(&samples).unwrap();
+            let [low, high] = summary.ci95.unwrap();
+            assert!(low <= summary.median && summary.median <= high);
+            high - low
+        };
+        // 95 % intervals of the median of 101 and of 10 values spread over 0..=100: about
+        // 100 / sqrt(n) to either side.
+        let (few, many) = (spread(10), spread(101));
+        assert!(many < few, "{many} {few}");
+        assert!((10.0..40.0).contains(&many), "{many}");
+    }
+
+    #[test]
+    fn equal_samples_have_a_point_interval_and_the_seed_is_fixed() {
+        assert_eq!(summarise(&[2.0; 7]).unwrap().ci95, Some([2.0, 2.0]));
+        let samples = [0.3, 0.1, 0.9, 0.4, 0.7, 0.2];
+        assert_eq!(summarise(&samples), summarise(&samples));
+    }
+
+    #[test]
+    fn what_lies_far_out_on_either_side_is_found() {
+        let samples = [1.0, 1.02, 0.98, 1.01, 0.99, 9.0, 0.1];
+        assert_eq!(outliers(&samples), [5, 6]);
+        assert!(outliers(&[1.0, 1.02, 0.98, 1.01, 0.99]).is_empty());
+        assert!(outliers(&[]).is_empty());
+    }
+
+    #[test]
+    fn where_most_samples_are_equal_the_mean_deviation_decides() {
+        assert!(outliers(&[2.0; 9]).is_empty());
+        let mut samples = [2.0; 99];
+        samples[17] = 2.5;
+        assert_eq!(outliers(&samples), [17]);
+        // Of nine samples, one has at least a ninth of the total deviation, so its score stays low.
+        assert!(outliers(&samples[..9]).is_empty());
+    }
+
+    /// Verifies the claim in the documentation of [`OUTLIER_SCORE`].
+    #[test]
+    fn a_quiet_machine_has_few_outliers() {
+        let mut random = geobench_mesh::SplitMix64::new(3);
+        let mut uniform = || (random.below(1 << 30) as f64 + 0.5) / f64::from(1 << 30);
+        let mut share = |n: usize| {
+            let cells = 20_000;
+            let hit = (0..cells)
+                .filter(|_| {
+                    let samples: Vec<f64> = (0..n)
+                        .map(|_| {
+                            let (r, turn) = (uniform(), uniform());
+                            (-2.0 * r.ln()).sqrt() * (std::f64::consts::TAU * turn).cos()
+                        })
+                        .collect();
+                    !outliers(&samples).is_empty()
+                })
+                .count();
+            hit as f64 / f64::from(cells)
+        };
+        let (five, twenty) = (share(5), share(20));
+        assert!(five < 0.05 && twenty < 0.001, "{five} {twenty}");
+    }
+
+    #[test]
+    fn drift_leaves_a_paired_ratio_alone() {
+        // The machine becomes three times as slow; the second program always takes 1.2 times as
+        // long as the first.
+        let under: Vec<f64> = (0..9).map(|i| 1.0 + 0.25 * f64::from(i)).collect();
+        let over: Vec<f64> = under.iter().map(|t| 1.2 * t).collect();
+        let paired = paired_ratio(&over, &under).unwrap();
+        assert!((paired.ratio - 1.2).abs() < 1e-12);
+        let [low, high] = paired.ci95.unwrap();
+        assert!((low - 1.2).abs() < 1e-12 && (high - 1.2).abs() < 1e-12);
+
+        let unpaired = unpaired_ratio(&over, &under).unwrap();
+        assert!((unpaired.ratio - 1.2).abs() < 1e-12);
+        let [low, high] = unpaired.ci95.unwrap();
+        assert!(low < 0.9 && high > 1.5, "{low} {high}");
+    }
+
+    #[test]
+    fn too_few_samples_have_a_ratio_and_no_interval() {
+        let ratio = paired_ratio(&[3.0, 3.0], &[2.0, 2.0]).unwrap();
+        assert_eq!((ratio.ratio, ratio.ci95), (1.5, None));
+        let ratio = unpaired_ratio(&[3.0; 9], &[2.0; 4]).unwrap();
+        assert_eq!((ratio.ratio, ratio.ci95), (1.5, None));
+    }
+
+    #[test]
+    fn what_has_no_ratio_has_none() {
+        assert_eq!(paired_ratio(&[], &[]), None);
+        assert_eq!(paired_ratio(&[1.0], &[1.0, 2.0]), None);
+        assert_eq!(paired_ratio(&[1.0], &[0.0]), None);
+        assert_eq!(unpaired_ratio(&[1.0], &[]), None);
+        assert_eq!(unpaired_ratio(&[f64::NAN], &[1.0]), None);
+    }
+
+    fn close(found: f64, published: f64) {
+        assert!((found - published).abs() < 1e-12, "{found} {published}");
+    }
+
+    /// The example in the documentation of `scipy.stats.mannwhitneyu`, and the same with the sets
+    /// exchanged.
+    #[test]
+    fn the_example_of_scipy() {
+        let males = [19.0, 22.0, 16.0, 29.0, 24.0];
+        let females = [20.0, 11.0, 17.0, 12.0];
+        let test = mann_whitney(&males, &females).unwrap();
+        assert_eq!(test.u, 17.0);
+        close(test.p, 0.111_111_111_111_111_1);
+        let test = mann_whitney(&females, &males).unwrap();
+        assert_eq!(test.u, 3.0);
+        close(test.p, 0.111_111_111_111_111_1);
+        // The same documentation gives this for the normal approximation.
+        close(normal(5.0, 4.0, 17.0, 0.0), 0.111_346_886_533_140_41);
+    }
+
+    /// Critical values of the two-sided test at 5 %, from textbook tables: the largest U whose
+    /// p-value is at most 0.05.
+    #[test]
+    fn the_critical_values_of_the_tables() {
+        let table = [
+            (4, 4, 0),
+            (5, 5, 2),
+            (5, 8, 6),
+            (6, 6, 5),
+            (7, 7, 8),
+            (8, 8, 13),
+            (10, 10, 23),
+            (12, 15, 49),
+            (20, 20, 127),
+        ];
+        for (m, n, critical) in table {
+            assert!(exact(m, n, critical) <= 0.05, "{m} {n}");
+            assert!(exact(m, n, critical + 1) > 0.05, "{m} {n}");
+            assert_eq!(exact(m, n, critical), exact(n, m, m * n - critical));
+        }
+    }
+
+    #[test]
+    fn sets_apart_are_as_unlikely_as_one_arrangement_in_all() {
+        let low: Vec<f64> = (0..5).map(f64::from).collect();
+        let high: Vec<f64> = (10..15).map(f64::from).collect();
+        for (first, second, u) in [(&low, &high, 0.0), (&high, &low, 25.0)] {
+            let test = mann_whitney(first, second).unwrap();
+            assert_eq!(test.u, u);
+            close(test.p, 2.0 / 252.0);
+        }
+    }
+
+    #[test]
+    fn the_counts_are_those_of_all_arrangements() {
+        // Enumerates all choices of 3 of 7 ranks.
+        let mut counted = vec![0.0; 13];
+        for a in 1..=7_usize {
+            for b in a + 1..=7 {
+                for c in b + 1..=7 {
+                    counted[a + b + c - 6] += 1.0;
+                }
+            }
+        }
+        assert_eq!(arrangements(3, 4), counted);
+        assert_eq!(arrangements(4, 3), counted);
+        let largest = arrangements(25, 25);
+        assert_eq!(largest.iter().sum::<f64>(), 126_410_606_437_752.0);
+    }
+
+    #[test]
+    fn ties_and_many_samples_go_by_the_normal_distribution() {
+        assert_eq!(mann_whitney(&[1.0; 6], &[1.0; 6]).unwrap().p, 1.0);
+        // Ranks 1.5, 1.5, 3.5, 3.5, 5, 6; U = 0.5; variance 0.75 (7 - 12/30) = 4.95.
+        let test = mann_whitney(&[1.0, 1.0, 2.0], &[2.0, 3.0, 4.0]).unwrap();
+        assert_eq!(test.u, 0.5);
+        close(test.p, libm::erfc(3.5 / (2.0 * 4.95_f64).sqrt()));
+        // At the limit of the exact test the approximation is close to the exact value.
+        for u in [180, 220, 250, 312] {
+            let (exact, normal) = (exact(25, 25, u), normal(25.0, 25.0, u as f64, 0.0));
+            assert!((exact - normal).abs() < 0.003, "{u}: {exact} {normal}");
+        }
+    }
+
+    #[test]
+    fn the_exponent_of_a_power_is_found_and_of_nothing_is_none() {
+        let power = |e: f64| [2e3, 1e4, 5e4, 3e5].map(|x: f64| [x, 7e-8 * x.powf(e)]);
+        for e in [1.0, 1.37, 2.0, -0.5] {
+            let found = exponent_of_growth(power(e).into_iter()).unwrap();
+            assert!((found - e).abs() < 1e-12, "{found} is not {e}");
+        }
+        assert_eq!(exponent_of_growth(power(1.0).into_iter().take(2)), None);
+        assert_eq!(exponent_of_growth([[1e4, 2.0]; 5].into_iter()), None);
+        assert_eq!(
+            exponent_of_growth([[1e4, 2.0], [2e4, 0.0], [4e4, 1.0]].into_iter()),
+            None
+        );
+    }
+
+    #[test]
+    fn without_samples_there_is_no_test() {
+        assert_eq!(mann_whitney(&[], &[1.0]), None);
+        assert_eq!(mann_whitney(&[1.0], &[]), None);
+        assert_eq!(mann_whitney(&[1.0], &[f64::NAN]), None);
+    }
+}

@@ -1,0 +1,222 @@
+//! Reads TOML files with serde. Errors name the file, the line and the key.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use geobench_mesh::did_you_mean;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{DeserializeOwned, Error, IgnoredAny, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use serde_path_to_error::Segment;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// An error in a TOML file that a user wrote.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}{}: {problem}", path.display(), at(*line))]
+pub struct DocumentError {
+    /// The file.
+    pub path: PathBuf,
+    /// The line, counted from 1; `None` if the error has no place in the file.
+    pub line: Option<usize>,
+    /// Description of the error, with the allowed values.
+    pub problem: String,
+}
+
+fn at(line: Option<usize>) -> String {
+    line.map_or_else(String::new, |line| format!(", line {line}"))
+}
+
+/// The path and the text of a TOML file.
+#[derive(Clone, Debug)]
+pub struct TomlDocument<'p> {
+    path: &'p Path,
+    text: String,
+}
+
+impl<'p> TomlDocument<'p> {
+    /// A document with this text, which messages attribute to `path`.
+    pub fn new(path: &'p Path, text: &str) -> Self {
+        let text = text.to_owned();
+        Self { path, text }
+    }
+
+    /// Reads the file at `path`.
+    ///
+    /// # Errors
+    ///
+    /// When the file cannot be read.
+    pub fn open(path: &'p Path) -> Result<Self, DocumentError> {
+        let text = std::fs::read_to_string(path).map_err(|error| DocumentError {
+            path: path.to_owned(),
+            line: None,
+            problem: error.to_string(),
+        })?;
+        Ok(Self { path, text })
+    }
+
+    /// The directory to which paths in the file are relative.
+    pub(crate) fn directory(&self) -> &'p Path {
+        self.path.parent().unwrap_or(Path::new(""))
+    }
+
+    /// Parses the file as TOML.
+    ///
+    /// # Errors
+    ///
+    /// At the first line that is no TOML.
+    pub fn parse(&self) -> Result<Spanned<DeTable<'_>>, DocumentError> {
+        DeTable::parse(&self.text).map_err(|error| self.error(error.span(), error.message()))
+    }
+
+    /// Removes the array of tables at `key` from `table` and returns it; empty if the key is
+    /// absent.
+    pub(crate) fn take_tables<'t>(
+        &self,
+        table: &mut Spanned<DeTable<'t>>,
+        key: &str,
+    ) -> Result<Vec<Spanned<DeTable<'t>>>, DocumentError> {
+        let Some(value) = table.get_mut().remove(key) else {
+            return Ok(Vec::new());
+        };
+        let span = value.span();
+        let DeValue::Array(tables) = value.into_inner() else {
+            return Err(self.error_at(key, Some(span), "a list in [] is expected"));
+        };
+        let tables = tables.into_iter().map(|value| {
+            let span = value.span();
+            match value.into_inner() {
+                DeValue::Table(table) => Ok(Spanned::new(span, table)),
+                _ => Err(self.error_at(key, Some(span), "a table is expected")),
+            }
+        });
+        tables.collect()
+    }
+
+    /// Deserializes a table. `more` lists keys that are allowed in addition to those of `T`. The
+    /// error for an unknown key suggests them as well.
+    ///
+    /// # Errors
+    ///
+    /// At the first key or value that `T` does not accept.
+    pub fn read<T: DeserializeOwned>(
+        &self,
+        table: Spanned<DeTable<'_>>,
+        more: &[&str],
+    ) -> Result<T, DocumentError> {
+        let toml = toml::Deserializer::from(table);
+        serde_path_to_error::deserialize(toml).map_err(|error| {
+            let last_key = error.path().iter().rev().find_map(|segment| match segment {
+                // The internal keys of `Spanned` are not keys of the file.
+                Segment::Map { key } if !key.starts_with("$__serde_spanned") => Some(key.clone()),
+                _ => None,
+            });
+            let is_nested = error.path().iter().len() > 1;
+            let more = if is_nested { &[] } else { more };
+            let error = error.into_inner();
+            match (unknown_key(error.message(), more), last_key) {
+                (None, Some(key)) => self.error_at(&key, error.span(), &plain(error.message())),
+                (Some(problem), _) => self.error(error.span(), &problem),
+                (None, None) => self.error(error.span(), &plain(error.message())),
+            }
+        })
+    }
+
+    /// An error in the value of `key`.
+    pub fn error_at(&self, key: &str, span: Option<Range<usize>>, problem: &str) -> DocumentError {
+        self.error(span, &format!("`{key}`: {problem}"))
+    }
+
+    pub(crate) fn error(&self, span: Option<Range<usize>>, problem: &str) -> DocumentError {
+        DocumentError {
+            path: self.path.to_owned(),
+            line: span.map(|span| self.line(&span)),
+            problem: problem.replace('\n', " "),
+        }
+    }
+
+    /// The line on which `span` starts, counted from 1.
+    pub(crate) fn line(&self, span: &Range<usize>) -> usize {
+        let before = self.text.as_bytes().iter().take(span.start);
+        1 + before.filter(|byte| **byte == b'\n').count()
+    }
+}
+
+/// The message for an unknown key; `None` if `message` of serde is another error. Serde puts the
+/// unknown key and then the known keys between backticks.
+fn unknown_key(message: &str, more: &[&str]) -> Option<String> {
+    let mut names = message.strip_prefix("unknown field")?.split('`').skip(1);
+    let name = names.next()?;
+    let known = more.iter().copied().chain(names.skip(1).step_by(2));
+    let known: Vec<&str> = known.collect();
+    Some(format!(
+        "there is no key `{name}` here{}; known are {}",
+        did_you_mean(name, &known),
+        known.join(", ")
+    ))
+}
+
+/// Translates serde's message for a value of the wrong type into the terms of TOML. Other messages
+/// come from this crate and stay as they are.
+fn plain(message: &str) -> String {
+    let wrong_type = message.strip_prefix("invalid type: ");
+    let Some((_, expected)) = wrong_type.and_then(|rest| rest.rsplit_once(", expected ")) else {
+        return message.to_owned();
+    };
+    let expected = match expected {
+        "a string" => "a text in quotes",
+        "a boolean" => "true or false",
+        "a sequence" => "a list in []",
+        "a map" => "a table",
+        other => other,
+    };
+    format!("{expected} is expected")
+}
+
+/// Deserializes a string by `text`, or a table of type `T` by `table`. Errors of the visitor carry
+/// the line of the value. Errors of `#[serde(try_from)]` in a list carry the line of the list.
+///
+/// # Errors
+///
+/// Those of `text` and `table`, and for a value of another type.
+pub fn text_or_table<'de, D: Deserializer<'de>, T: Deserialize<'de>, V>(
+    deserializer: D,
+    text: fn(&str) -> Result<V, String>,
+    table: fn(T) -> Result<V, String>,
+) -> Result<V, D::Error> {
+    struct TextOrTable<T, V> {
+        text: fn(&str) -> Result<V, String>,
+        table: fn(T) -> Result<V, String>,
+    }
+    impl<'de, T: Deserialize<'de>, V> Visitor<'de> for TextOrTable<T, V> {
+        type Value = V;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a string")
+        }
+
+        fn visit_str<E: Error>(self, text: &str) -> Result<V, E> {
+            (self.text)(text).map_err(E::custom)
+        }
+
+        fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<V, M::Error> {
+            let table = T::deserialize(MapAccessDeserializer::new(map))?;
+            (self.table)(table).map_err(M::Error::custom)
+        }
+    }
+    deserializer.deserialize_any(TextOrTable { text, table })
+}
+
+/// Deserializes a string by `text`.
+///
+/// # Errors
+///
+/// Those of `text`, and for a value of another type.
+pub fn parsed<'de, D: Deserializer<'de>, V>(
+    deserializer: D,
+    text: fn(&str) -> Result<V, String>,
+) -> Result<V, D::Error> {
+    let no_table = |_: IgnoredAny| Err("a text in quotes is expected".to_owned());
+    text_or_table(deserializer, text, no_table)
+}

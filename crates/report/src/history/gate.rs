@@ -1,0 +1,318 @@
+//! A regression gate: compares the newest record of a history with earlier ones. The noise of times
+//! is estimated from the variation between commits, not within one run.
+
+use anyhow::bail;
+use geobench_harness::measure::statistics::median;
+use geobench_harness::schema::Status;
+use serde::Serialize;
+
+use crate::history::compare::{CellKey, Measure, Rules, Subject, percent};
+use crate::history::records::{CellRecord, Record};
+
+/// The schema of the comparison in JSON.
+pub const SCHEMA: &str = "geobench-gate/1";
+
+/// Fewest base commits from which the noise of times is estimated.
+pub const FEWEST: usize = 3;
+
+/// The comparison of the newest record with the records of base commits.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gate {
+    /// Always [`SCHEMA`].
+    pub schema: &'static str,
+    /// The newest commit.
+    pub commit: String,
+    /// The commits of the base, the oldest first.
+    pub base: Vec<String>,
+    /// The figures that were compared.
+    pub lines: Vec<GateLine>,
+    /// What could not be compared.
+    pub notes: Vec<String>,
+}
+
+/// A figure of a cell, compared with the base.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GateLine {
+    /// The cell.
+    pub cell: CellKey,
+    /// The figure.
+    pub figure: &'static str,
+    /// The value of the base. For times, the geometric mean of the medians of the base commits. For
+    /// other figures, the value at the last base commit that solved the cell. Null for the figure
+    /// `status`, and if it is missing.
+    pub base: Option<f64>,
+    /// The new value; null as for `base`.
+    pub new: Option<f64>,
+    /// New divided by base; null if one of them is missing.
+    pub ratio: Option<f64>,
+    /// 95 % prediction interval of the ratio, from the noise between the base commits; null for
+    /// figures that are compared exactly.
+    pub ci95: Option<[f64; 2]>,
+    /// The broken rule, or the new status of a failed cell; null if the cell is not worse.
+    pub broken: Option<String>,
+}
+
+impl Gate {
+    /// Whether a rule is broken.
+    pub fn is_worse(&self) -> bool {
+        self.lines.iter().any(|line| line.broken.is_some())
+    }
+}
+
+/// Compares the last of `records` with the records of the commits `against`, which are full hashes.
+/// Only records of the same machine class and suite are used.
+///
+/// # Errors
+///
+/// When `records` is empty or has no record of these commits apart from the last.
+pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Result<Gate> {
+    let Some(newest) = records.last() else {
+        bail!("the history has no records");
+    };
+    let is_base = |record: &&Record| {
+        let is_asked = |commit: &String| commit.starts_with(&record.commit);
+        record.commit != newest.commit
+            && record.machine() == newest.machine()
+            && record.suite == newest.suite
+            && against.iter().any(is_asked)
+    };
+    let base: Vec<&Record> = records.iter().filter(is_base).collect();
+    if base.is_empty() {
+        bail!(
+            "the history has no record of these commits on this class of machine ({}) and suite, \
+             apart from the newest, {}",
+            newest.machine(),
+            newest.short()
+        );
+    }
+    let (mut lines, mut notes) = (Vec::new(), Vec::new());
+    for cell in &newest.cells {
+        let earlier: Vec<&CellRecord> = base
+            .iter()
+            .filter_map(|r| r.cells.iter().find(|c| c.cell.is_same(&cell.cell)))
+            .filter(|c| c.status == Status::Ok)
+            .collect();
+        let Some(last) = earlier.last() else {
+            notes.push(format!("{}: no base commit solved it", cell.cell));
+            continue;
+        };
+        if cell.status != Status::Ok {
+            let broken = format!("was ok, is {}", cell.status.in_words());
+            lines.push(GateLine::of_status(cell, broken));
+            continue;
+        }
+        // Times of other vector instructions do not compare.
+        let alike = |c: &&&CellRecord| c.simd.is_none() || c.simd == cell.simd;
+        let timed: Vec<&CellRecord> = earlier.iter().filter(alike).copied().collect();
+        match time(cell, &timed, rules) {
+            Some(line) => lines.push(line),
+            None if rules.on(Subject::Time).is_some() => {
+                let with = if timed.len() < earlier.len() {
+                    " of the same vector instructions"
+                } else {
+                    ""
+                };
+                notes.push(format!(
+                    "{}: time is not compared: the noise needs {FEWEST} base commits with times{with}",
+                    cell.cell
+                ));
+            }
+            None => {}
+        }
+        for measure in Measure::all() {
+            let Some(rule) = rules.on(Subject::Figure(measure)) else {
+                continue;
+            };
+            let name = measure.name();
+            let [base, new] = [last, &cell].map(|cell| cell.figures.get(name).copied());
+            if base.is_none() && new.is_none() && !measure.is_due(&cell.cell.algorithm) {
+                continue;
+            }
+            let differ = measure == Measure::Instructions
+                && last.instructions_simd.is_some()
+                && last.instructions_simd != cell.instructions_simd;
+            let (ratio, broken) = match (base, new) {
+                (Some(base), Some(new)) if !differ => {
+                    let ratio = if base == new { 1.0 } else { new / base };
+                    (Some(ratio), rule.is_broken(base, new))
+                }
+                // A rule on a figure that is missing or does not compare is broken, or the gate
+                // would stay open.
+                _ => (None, true),
+            };
+            lines.push(GateLine {
+                cell: cell.cell.clone(),
+                figure: name,
+                base,
+                new,
+                ratio,
+                ci95: None,
+                broken: broken.then(|| rule.to_string()),
+            });
+        }
+    }
+    let last = &base[base.len() - 1].cells;
+    let is_left = |cell: &&CellRecord| newest.cells.iter().all(|c| !c.cell.is_same(&cell.cell));
+    let missing: Vec<&CellRecord> = last.iter().filter(is_left).collect();
+    let rule = rules.on(Subject::Missing);
+    let rule = rule.filter(|rule| missing.len() as f64 / last.len() as f64 > rule.limit);
+    for cell in missing {
+        match rule {
+            Some(rule) => lines.push(GateLine::of_status(cell, rule.to_string())),
+            None => notes.push(format!("{}: not in the new record", cell.cell)),
+        }
+    }
+    Ok(Gate {
+        schema: SCHEMA,
+        commit: newest.commit.clone(),
+        base: base.iter().map(|r| r.short().to_owned()).collect(),
+        lines,
+        notes,
+    })
+}
+
+/// Compares the time of a cell with the medians of the base commits. The interval is the 95 %
+/// prediction interval for one more value, from the mean and the standard deviation of the
+/// logarithms and Student's t-distribution. `None` if fewer than [`FEWEST`] commits have times.
+fn time(cell: &CellRecord, earlier: &[&CellRecord], rules: &Rules) -> Option<GateLine> {
+    let of = |cell: &CellRecord| median(&cell.samples).filter(|median| *median > 0.0);
+    let medians: Vec<f64> = earlier.iter().filter_map(|cell| of(cell)).collect();
+    let new = of(cell)?;
+    if medians.len() < FEWEST {
+        return None;
+    }
+    let n = medians.len() as f64;
+    let logarithms: Vec<f64> = medians.iter().map(|median| median.ln()).collect();
+    let mean = logarithms.iter().sum::<f64>() / n;
+    let squares: f64 = logarithms.iter().map(|x| (x - mean).powi(2)).sum();
+    let deviation = (squares / (n - 1.0)).sqrt() * (1.0 + 1.0 / n).sqrt();
+    let reach = student(medians.len() - 1) * deviation;
+    let ratio = (new.ln() - mean).exp();
+    let ci95 = [ratio * (-reach).exp(), ratio * reach.exp()];
+    let rule = rules.on(Subject::Time);
+    let broken = rule.filter(|rule| ci95[0] > 1.0 + rule.limit);
+    Some(GateLine {
+        cell: cell.cell.clone(),
+        figure: "time",
+        base: Some(mean.exp()),
+        new: Some(new),
+        ratio: Some(ratio),
+        ci95: Some(ci95),
+        broken: broken.map(ToString::to_string),
+    })
+}
+
+/// The 97.5th percentile of Student's t-distribution with `freedom` degrees of freedom.
+fn student(freedom: usize) -> f64 {
+    const TABLE: [f64; 30] = [
+        12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160,
+        2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064, 2.060, 2.056,
+        2.052, 2.048, 2.045, 2.042,
+    ];
+    match freedom {
+        0 => f64::INFINITY,
+        few => TABLE.get(few - 1).copied().unwrap_or(2.042),
+    }
+}
+
+impl GateLine {
+    /// The line of a cell that failed or is missing.
+    fn of_status(cell: &CellRecord, broken: String) -> Self {
+        Self {
+            cell: cell.cell.clone(),
+            figure: "status",
+            base: None,
+            new: None,
+            ratio: None,
+            ci95: None,
+            broken: Some(broken),
+        }
+    }
+
+    /// The change in words; empty for a status.
+    pub fn in_words(&self) -> String {
+        match (self.ratio, self.ci95) {
+            (Some(ratio), Some(ends)) => {
+                let [low, high] = ends.map(|ratio| 100.0 * (ratio - 1.0));
+                format!("{} ({low:+.1} to {high:+.1})", percent(ratio))
+            }
+            (Some(ratio), None) => percent(ratio),
+            (None, _) if self.base.is_some() && self.new.is_some() => {
+                "other vector instructions".to_owned()
+            }
+            (None, _) if self.figure == "status" => String::new(),
+            (None, _) => "missing".to_owned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::history::trend::tests::history;
+
+    fn compared(records: &[Record], rules: &str) -> Gate {
+        let all: Vec<String> = records.iter().map(|r| r.commit.clone()).collect();
+        gate(records, &all, &rules.parse().unwrap()).unwrap()
+    }
+
+    fn broken(gate: &Gate) -> Vec<String> {
+        let lines = gate.lines.iter().filter(|line| line.broken.is_some());
+        lines
+            .map(|l| format!("{} {}", l.cell.algorithm, l.figure))
+            .collect()
+    }
+
+    #[test]
+    fn the_gate_opens_for_noise_and_closes_for_a_slow_commit() {
+        let records = history();
+        assert_eq!(
+            broken(&compared(&records[..8], "time=5%,propagated=0")),
+            [""; 0]
+        );
+        // First the slow commit, then the commit that changes a count.
+        assert_eq!(
+            broken(&compared(&records[..13], "time=5%,propagated=0")),
+            ["vtp time"]
+        );
+        assert_eq!(
+            broken(&compared(&records[..9], "time=5%,propagated=0")),
+            ["mmp propagated", "vtp propagated"]
+        );
+        let mut failed = records[..5].to_vec();
+        failed[4].cells[0].status = Status::Crashed;
+        assert_eq!(broken(&compared(&failed, "time=5%")), ["mmp status"]);
+    }
+
+    #[test]
+    fn figures_and_cells_that_disappear_passed_the_gate() {
+        let mut records = history()[..5].to_vec();
+        let last = &mut records[4];
+        last.cells[0].figures.remove("propagated");
+        assert_eq!(
+            broken(&compared(&records, "propagated=0")),
+            ["mmp propagated"]
+        );
+        // The base can lack a figure, too.
+        let mut records_without = history()[..5].to_vec();
+        records_without[3].cells[0].figures.remove("propagated");
+        assert_eq!(
+            broken(&compared(&records_without, "propagated=0")),
+            ["mmp propagated"]
+        );
+        records[4].cells.remove(0);
+        assert_eq!(broken(&compared(&records, "missing=0")), ["mmp status"]);
+        let kept = compared(&records, "missing=50%");
+        assert!(broken(&kept).is_empty() && kept.notes[0].contains("not in the new record"));
+    }
+
+    #[test]
+    fn too_few_commits_and_none_are_said() {
+        let records = history();
+        let gate_of_two = compared(&records[..3], "time=5%");
+        assert!(gate_of_two.notes[0].contains("the noise needs 3 base commits"));
+        assert!(gate_of_two.lines.is_empty());
+        let none = gate(&records, &[], &Rules::default()).unwrap_err();
+        assert!(none.to_string().contains("no record of these commits"));
+    }
+}

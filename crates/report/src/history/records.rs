@@ -1,0 +1,317 @@
+//! A history: a directory with a small file for each commit, machine class and suite.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, anyhow, bail};
+use geobench_export::output::temporary_file;
+use geobench_harness::schema::{Cell, Host, ResultFile, Status};
+use geobench_harness::usage::{check_schema, files_in};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::history::compare::{CellKey, Measure};
+
+/// The schema of a record.
+pub const SCHEMA: &str = "geobench-record/1";
+
+/// The figures of one commit on one machine class.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Always [`SCHEMA`].
+    pub schema: String,
+    /// The commit that was measured.
+    pub commit: String,
+    /// The time of the commit, RFC 3339 in UTC; null if unknown.
+    pub committed: Option<String>,
+    /// When the first run started, RFC 3339 in UTC.
+    pub started: String,
+    /// The machine.
+    pub host: Host,
+    /// The suite; null without one.
+    pub suite: Option<String>,
+    /// The cells.
+    pub cells: Vec<CellRecord>,
+}
+
+/// A cell of a record.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CellRecord {
+    /// The identity of the cell.
+    pub cell: CellKey,
+    /// Its outcome.
+    pub status: Status,
+    /// The vector instructions of its solves; null for an outside program, and in older records.
+    #[serde(default)]
+    pub simd: Option<String>,
+    /// The vector instructions of the solve whose instructions were counted; null if none was, and
+    /// in older records.
+    #[serde(default)]
+    pub instructions_simd: Option<String>,
+    /// Every sample of its time.
+    pub samples: Vec<f64>,
+    /// All other figures of the cell, by their names in result files.
+    pub figures: BTreeMap<String, f64>,
+}
+
+impl Record {
+    /// The record of a result file of `suite`. `commit` overrides the commit that the file names;
+    /// `committed` is the time of the commit.
+    ///
+    /// # Errors
+    ///
+    /// When neither `commit` nor the file names a commit, or when the name is not alphanumeric.
+    pub fn new(
+        file: &ResultFile,
+        commit: Option<&str>,
+        committed: Option<String>,
+        suite: Option<String>,
+    ) -> anyhow::Result<Self> {
+        let Some(commit) = commit.or(file.tool.commit.as_deref()) else {
+            bail!("the file does not say which commit was measured; give it with --commit");
+        };
+        if commit.is_empty() || !commit.chars().all(|c| c.is_ascii_alphanumeric()) {
+            bail!("`{commit}` is not a commit; give its hash");
+        }
+        Ok(Self {
+            schema: SCHEMA.to_owned(),
+            commit: commit.to_owned(),
+            committed,
+            started: file.started.clone(),
+            host: file.host.clone(),
+            suite,
+            cells: file.cells.iter().map(|cell| record(file, cell)).collect(),
+        })
+    }
+
+    /// The machine class. Only records of the same class are compared with each other.
+    pub fn machine(&self) -> String {
+        self.host.in_words()
+    }
+
+    /// The time by which records are ordered: that of the commit if known, else that of the run.
+    pub fn time(&self) -> &str {
+        self.committed.as_deref().unwrap_or(&self.started)
+    }
+
+    /// The first 12 digits of the commit.
+    pub fn short(&self) -> &str {
+        self.commit.get(..12).unwrap_or(&self.commit)
+    }
+
+    /// The name of the record's file: date, commit, the first words of the machine class and suite,
+    /// and a hash of both.
+    fn file_name(&self) -> String {
+        let date = self.time().get(..10).unwrap_or("0000-00-00");
+        let class = format!(
+            "{} {}",
+            self.machine(),
+            self.suite.as_deref().unwrap_or_default()
+        );
+        let mut words: Vec<String> = class
+            .split(|c: char| !c.is_ascii_alphanumeric())
+            .filter(|word| !word.is_empty())
+            .map(str::to_lowercase)
+            .collect();
+        words.truncate(4);
+        let digest = Sha256::digest(class.as_bytes());
+        let digits = u32::from_be_bytes([0, digest[0], digest[1], digest[2]]);
+        format!(
+            "{date}-{}-{}-{digits:06x}.json",
+            self.short(),
+            words.join("-")
+        )
+    }
+
+    /// Adds the cells of a later run of the same commit. If both runs solved a cell, its samples
+    /// are concatenated, and its other figures come from the later run. If one failed, or ran with
+    /// other vector instructions, the later cell is kept. Samples that the record has already,
+    /// because a file is recorded again, are not repeated.
+    fn merge(&mut self, later: Self) {
+        for cell in later.cells {
+            let same = |known: &&mut CellRecord| known.cell.is_same(&cell.cell);
+            match self.cells.iter_mut().find(same) {
+                Some(known)
+                    if known.status == Status::Ok
+                        && cell.status == Status::Ok
+                        && known.simd == cell.simd =>
+                {
+                    let count = cell.samples.len().max(1);
+                    if !known.samples.windows(count).any(|w| w == cell.samples) {
+                        known.samples.extend(cell.samples);
+                    }
+                    known.figures.extend(cell.figures);
+                    known.instructions_simd =
+                        cell.instructions_simd.or(known.instructions_simd.take());
+                }
+                Some(known) => *known = cell,
+                None => self.cells.push(cell),
+            }
+        }
+    }
+}
+
+fn record(file: &ResultFile, cell: &Cell) -> CellRecord {
+    let figures = Measure::all().filter_map(|measure| {
+        let value = measure.of(cell)?;
+        Some((measure.name().to_owned(), value))
+    });
+    CellRecord {
+        cell: CellKey::of(file, cell),
+        status: cell.status,
+        simd: cell.simd.clone(),
+        instructions_simd: cell.instructions_simd.clone(),
+        samples: cell.time.samples.clone(),
+        figures: figures.collect(),
+    }
+}
+
+/// Adds `record` to the history in `directory`, and returns the path of its file. Creates the
+/// directory if it does not exist. A lock file serialises concurrent processes. The file is
+/// replaced atomically, so a killed process leaves it unchanged.
+///
+/// # Errors
+///
+/// When the directory cannot be written to, or the file of that name is not a record.
+pub fn add(directory: &Path, record: Record) -> anyhow::Result<PathBuf> {
+    let shown = directory.display();
+    let failed = || format!("{shown}: cannot be written");
+    fs::create_dir_all(directory).with_context(failed)?;
+    let lock = File::create(directory.join(".lock")).with_context(failed)?;
+    lock.lock().with_context(failed)?;
+    let path = directory.join(record.file_name());
+    let record = if path.exists() {
+        let mut known = read(&path)?;
+        known.merge(record);
+        known
+    } else {
+        record
+    };
+    // A temporary file in the same directory replaces the record atomically.
+    let mut file = temporary_file(directory, ".json").with_context(failed)?;
+    let text = serde_json::to_string(&record)? + "\n";
+    file.write_all(text.as_bytes()).with_context(failed)?;
+    file.as_file().sync_all().with_context(failed)?;
+    file.persist(&path).with_context(failed)?;
+    Ok(path)
+}
+
+/// Reads a record.
+fn read(path: &Path) -> anyhow::Result<Record> {
+    let shown = path.display();
+    let text = fs::read_to_string(path).with_context(|| format!("{shown}: cannot be read"))?;
+    let record: Record = serde_json::from_str(&text)
+        .map_err(|error| anyhow!("{shown}: not a record of `geobench record`: {error}"))?;
+    check_schema(path, &record.schema, SCHEMA)?;
+    Ok(record)
+}
+
+/// All records in `directory`, the oldest first.
+///
+/// # Errors
+///
+/// When there are none, or a JSON file is not a record.
+pub fn read_all(directory: &Path) -> anyhow::Result<Vec<Record>> {
+    let paths = files_in(directory, "json")?;
+    let records = paths.iter().map(|path| read(path));
+    let mut records = records.collect::<anyhow::Result<Vec<Record>>>()?;
+    if records.is_empty() {
+        bail!(
+            "{}: no records in this directory; add some with `geobench record`",
+            directory.display()
+        );
+    }
+    // RFC 3339 times sort as text.
+    records.sort_by(|a, b| (a.time(), &a.started).cmp(&(b.time(), &b.started)));
+    Ok(records)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geobench_harness::exec::mock::MockBackend;
+    use geobench_harness::run::mock::{plan, result, run_mock};
+
+    fn record(commit: &str) -> Record {
+        let records = run_mock(&plan(&["horse"], "mmp,vtp", "0"), &MockBackend::default());
+        let committed = Some("2025-03-04T05:06:07Z".to_owned());
+        Record::new(
+            &result(records),
+            Some(commit),
+            committed,
+            Some("quick".into()),
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn a_record_comes_back_and_grows() {
+        let directory = tempfile::tempdir().unwrap();
+        let history = directory.path().join("a/b");
+        let first = record("c0ffee0123456789");
+        let path = add(&history, first.clone()).unwrap();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        assert!(
+            name.starts_with("2025-03-04-c0ffee012345-unknown-processor-2-cores-"),
+            "{name}"
+        );
+        assert_eq!(read_all(&history).unwrap(), std::slice::from_ref(&first));
+        assert_eq!(first.cells[0].figures["propagated"], 3_000_009.0);
+        let mut second = first.clone();
+        for sample in &mut second.cells[0].samples {
+            *sample *= 1.5;
+        }
+        // The second record twice: its samples are there once.
+        for _ in 0..2 {
+            assert_eq!(add(&history, second.clone()).unwrap(), path);
+        }
+        let grown = &read_all(&history).unwrap()[0];
+        assert_eq!(grown.cells[0].samples.len(), 10);
+        assert_eq!(grown.cells.len(), 2);
+    }
+
+    #[test]
+    fn writers_wait_for_each_other() {
+        let directory = tempfile::tempdir().unwrap();
+        std::thread::scope(|scope| {
+            for writer in 0..8 {
+                let path = directory.path();
+                scope.spawn(move || {
+                    let mut record = record("c0ffee");
+                    record.cells.truncate(1);
+                    record.cells[0].samples = vec![f64::from(writer)];
+                    add(path, record).unwrap();
+                });
+            }
+        });
+        let mut samples = read_all(directory.path()).unwrap()[0].cells[0]
+            .samples
+            .clone();
+        samples.sort_by(f64::total_cmp);
+        assert_eq!(samples, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+    }
+
+    #[test]
+    fn what_is_no_history_is_refused() {
+        let directory = tempfile::tempdir().unwrap();
+        let error = read_all(directory.path()).unwrap_err().to_string();
+        assert!(error.contains("no records in this directory"), "{error}");
+        fs::write(directory.path().join("x.json"), "{}").unwrap();
+        let error = read_all(directory.path()).unwrap_err().to_string();
+        assert!(
+            error.contains("x.json: not a record of `geobench record`"),
+            "{error}"
+        );
+        let records = run_mock(&plan(&["horse"], "mmp", "0"), &MockBackend::default());
+        let file = result(records);
+        let refused = |commit| {
+            Record::new(&file, commit, None, None)
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(refused(None).contains("give it with --commit"));
+        assert!(refused(Some("../x")).contains("is not a commit"));
+    }
+}

@@ -1,0 +1,108 @@
+//! Writes each table and plot to a file of its own, for use in papers.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use geobench_export::output::OutputFile;
+
+use super::chart::{Chart, Datum};
+use super::document::{Document, Plot};
+use super::{Report, html, tex};
+use crate::table::{Column, Entry, Table, csv};
+
+/// An output format of a report.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Form {
+    /// The page.
+    Html,
+    /// Every plot as SVG.
+    Svg,
+    /// Every table, and the numbers behind every plot, as CSV.
+    Csv,
+    /// Every table as LaTeX for the booktabs package, every plot for pgfplots.
+    Tex,
+}
+
+/// Writes the files of `report` in one format into `directory`, which is created if missing.
+/// Returns their paths. Files of the same names are replaced; other files are kept.
+///
+/// # Errors
+///
+/// When the directory cannot be created or a file cannot be written.
+pub fn write_files(report: &Report, form: Form, directory: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    fs::create_dir_all(directory)
+        .with_context(|| format!("{}: cannot be made", directory.display()))?;
+    let mut paths = Vec::new();
+    for (name, contents) in files(report, form)? {
+        let path = directory.join(name);
+        OutputFile::prepare(&path)?.write(&contents)?;
+        paths.push(path);
+    }
+    Ok(paths)
+}
+
+/// Names and contents of the files of a report.
+pub(super) fn files(report: &Report, form: Form) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
+    let document = &report.document;
+    Ok(match form {
+        Form::Html => vec![("report.html".to_owned(), html::page(report).into_bytes())],
+        Form::Svg => document.plots().map(drawing).collect(),
+        Form::Csv => csvs(document)?,
+        Form::Tex => texs(document),
+    })
+}
+
+fn drawing(plot: &Plot) -> (String, Vec<u8>) {
+    let svg = plot.draw(true);
+    let text = format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{svg}");
+    (format!("{}.svg", plot.id), text.into_bytes())
+}
+
+fn csvs(document: &Document) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
+    let mut files = Vec::new();
+    for table in document.tables() {
+        files.push((format!("{}.csv", table.id), csv::table(table)?.into_bytes()));
+    }
+    for plot in document.plots() {
+        // A picture has no numbers.
+        if !matches!(plot.chart, Chart::Picture(_)) {
+            let text = csv::table(&numbers(plot))?;
+            files.push((format!("{}.csv", plot.id), text.into_bytes()));
+        }
+    }
+    Ok(files)
+}
+
+/// The data of a plot, one row per point.
+fn numbers(plot: &Plot) -> Table {
+    let heads = ["of", "series", "x", "value", "low", "high", "absent"];
+    let row = |datum: Datum| {
+        let number = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
+        let [low, high] = datum.interval.map_or([None; 2], |ends| ends.map(Some));
+        let numbers = [datum.x, datum.value, low, high].map(number);
+        let texts = [datum.of, datum.series].into_iter().chain(numbers);
+        texts
+            .chain(datum.absent.or(Some(String::new())))
+            .map(Entry::new)
+            .collect()
+    };
+    Table::new(
+        Column::of(heads, [""; 0]),
+        plot.chart.data().into_iter().map(row).collect(),
+    )
+}
+
+fn texs(document: &Document) -> Vec<(String, Vec<u8>)> {
+    let mut files = Vec::new();
+    for table in document.tables() {
+        files.push((format!("{}.tex", table.id), tex::table(table).into_bytes()));
+    }
+    for plot in document.plots() {
+        files.push((format!("{}.tex", plot.id), tex::plot(plot).into_bytes()));
+        if let Chart::Picture(picture) = &plot.chart {
+            files.push((format!("{}.png", plot.id), picture.flat.png()));
+        }
+    }
+    files
+}

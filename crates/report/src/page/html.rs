@@ -1,0 +1,175 @@
+//! Writes a report as one self-contained HTML page that needs no network. The page shows everything
+//! without scripts. The scripts in `assets` add filters, sorting, values on hover and the model in
+//! 3D.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use geobench_export::escape::xml as escape;
+use geobench_export::svg;
+use sha2::{Digest, Sha256};
+
+use super::Report;
+use super::chart::Chart;
+use super::document::{Block, Document, Plot, Section};
+use super::tables::by_algorithm;
+use crate::table;
+
+pub(super) const STYLE: &str = include_str!("assets/page.css");
+
+/// The scripts, in the order in which they run.
+const SCRIPTS: &str = concat!(
+    include_str!("assets/charts.js"),
+    include_str!("assets/tables.js"),
+    include_str!("assets/surface.js"),
+    include_str!("assets/explore.js"),
+);
+
+/// The content security policy. It allows the page's own script (by its hash), inline styles and
+/// embedded images. Nothing is loaded, and no other script can run, even if a name were not
+/// escaped.
+fn policy() -> String {
+    let hash = STANDARD.encode(Sha256::digest(SCRIPTS));
+    format!(
+        "default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src 'sha256-{hash}'"
+    )
+}
+
+/// The start of a page: its head with `meta` and `styles`, and its heading.
+pub(super) fn head(title: &str, meta: &str, styles: [&str; 2]) -> String {
+    let (title, styles) = (escape(title), styles.concat());
+    // The empty icon keeps browsers from requesting one.
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <link rel=\"icon\" href=\"data:,\">\n{meta}<title>{title}</title>\n\
+         <style>\n{styles}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n</header>\n"
+    )
+}
+
+/// The report as an HTML page.
+pub fn page(report: &Report) -> String {
+    let document = &report.document;
+    let policy = format!(
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n",
+        policy()
+    );
+    let mut html = head(&document.title, &policy, [svg::STYLE, STYLE]);
+    contents(&mut html, document);
+    html += "<main>\n";
+    for part in &document.sections {
+        section(&mut html, part);
+    }
+    html += "</main>\n<footer><p>Made by <code>geobench report</code> ";
+    html += env!("CARGO_PKG_VERSION");
+    html += ".</p></footer>\n";
+    html += &format!("<script>{SCRIPTS}</script>\n");
+    html += "</body>\n</html>\n";
+    html
+}
+
+fn contents(html: &mut String, document: &Document) {
+    html.push_str("<nav aria-label=\"Contents\"><ul>\n");
+    for section in &document.sections {
+        let class = if section.top { " class=\"top\"" } else { "" };
+        *html += &format!(
+            "<li{class}><a href=\"#{}\">{}</a></li>\n",
+            section.id,
+            escape(&section.heading)
+        );
+    }
+    html.push_str("</ul></nav>\n");
+}
+
+fn section(html: &mut String, section: &Section) {
+    let (id, heading) = (&section.id, escape(&section.heading));
+    let tag = if section.top { "h2" } else { "h3" };
+    *html += &format!("<section id=\"{id}\">\n<{tag}>{heading}</{tag}>\n");
+    for block in &section.blocks {
+        write_block(html, block);
+    }
+    html.push_str("</section>\n");
+}
+
+fn write_block(html: &mut String, block: &Block) {
+    match block {
+        Block::Headlines(texts) => {
+            for text in texts {
+                *html += &format!("<p class=\"headline\">{}</p>\n", escape(text));
+            }
+        }
+        Block::Warnings(texts) => {
+            html.push_str("<ul class=\"warnings\" aria-label=\"Warnings\">\n");
+            for text in texts {
+                *html += &format!("<li>{}</li>\n", escape(text));
+            }
+            html.push_str("</ul>\n");
+        }
+        Block::Text(text) => *html += &format!("<p>{}</p>\n", escape(text)),
+        Block::Heading(text) => *html += &format!("<h4>{}</h4>\n", escape(text)),
+        Block::Facts(facts) => {
+            html.push_str("<dl>\n");
+            for (name, value) in facts {
+                *html += &format!("<dt>{}</dt><dd>{}</dd>\n", escape(name), escape(value));
+            }
+            html.push_str("</dl>\n");
+        }
+        Block::Table(table) => table::html::table(html, table),
+        Block::Figures(table) => table::html::table(html, &by_algorithm(table)),
+        Block::Plots(plots) => {
+            html.push_str("<div class=\"plots\">\n");
+            for plot in plots {
+                write_plot(html, plot);
+            }
+            html.push_str("</div>\n");
+        }
+        Block::Notes(notes) => {
+            html.push_str("<ul class=\"notes\">\n");
+            for note in notes {
+                let class = if note.failure {
+                    " class=\"failed\""
+                } else {
+                    ""
+                };
+                *html += &format!("<li{class}>{}</li>\n", escape(&note.text));
+            }
+            html.push_str("</ul>\n");
+        }
+        Block::Links(links) => {
+            html.push_str("<p class=\"links\">\n");
+            for link in links {
+                *html += &format!(
+                    "<a href=\"{}\" download=\"{}\">{}</a>\n",
+                    escape(&link.address),
+                    escape(&link.file),
+                    escape(&link.label)
+                );
+            }
+            html.push_str("</p>\n");
+        }
+    }
+}
+
+fn write_plot(html: &mut String, plot: &Plot) {
+    *html += &format!(
+        "<figure id=\"{}\">\n<figcaption><b>{}</b> {}</figcaption>\n{}{}</figure>\n",
+        plot.id,
+        escape(&plot.title),
+        escape(&plot.caption),
+        plot.draw(false),
+        data(plot)
+    );
+}
+
+/// The data from which the scripts draw a plot, as a JSON script element.
+fn data(plot: &Plot) -> String {
+    let json = match &plot.chart {
+        Chart::Picture(picture) => picture.surface_json(),
+        chart => serde_json::to_string(chart).ok(),
+    };
+    // A `<` in the text could end the element or start a comment.
+    let json = json.map(|json| json.replace('<', "\\u003c"));
+    json.map_or_else(String::new, |json| {
+        format!("<script type=\"application/json\">{json}</script>\n")
+    })
+}

@@ -1,0 +1,413 @@
+//! Reports of results: tables, plots and a picture.
+//!
+//! There are three independent steps. [`build`] turns results into a document: sections with
+//! tables, charts and remarks. `chart` draws a chart as SVG or lists its numbers. `html`, `files`
+//! and `tex` write the document as one self-contained page, or as a file for each table and plot.
+//!
+//! `table::results` builds the tables, so that a report and the terminal show the same. The SVG is
+//! written here, because no plotting crate that was considered has all that the page needs: text
+//! drawn as text, lines in the text colour of the page, descriptions for screen readers, and
+//! patterns in addition to colours.
+
+// Positions, sizes and counts are never negative here, and writing a page is not a hot loop.
+#![allow(clippy::cast_sign_loss, clippy::format_push_string)]
+
+mod chart;
+mod document;
+mod environment;
+mod files;
+mod headline;
+mod html;
+pub(crate) mod papers;
+mod picture;
+mod plots;
+mod scaling;
+mod tables;
+#[cfg(test)]
+mod tests;
+mod tex;
+mod tradeoff;
+mod trend;
+
+use std::path::PathBuf;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use geobench_harness::exec::limits::DecompressionLimit;
+use geobench_harness::figures::capitalised;
+use geobench_harness::schema::{Cell, GroupRecord, ResultFile, Status};
+use geobench_registry::UsageError;
+
+use crate::table::group::{GroupCells, algorithms, is_same_problem};
+use crate::table::{Format, Note, results};
+use chart::{LinePoint, Series};
+use document::{Block, Document, Link, Section, slug};
+
+pub use files::{Form, write_files};
+pub use html::page;
+pub use papers::Tables;
+pub use picture::PictureChoice;
+pub use trend::page as trend_page;
+
+/// An input of a report: a result file with its path.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// The file.
+    pub path: PathBuf,
+    /// The content.
+    pub result: ResultFile,
+    /// If several files were joined: their names, and how their runs differ.
+    pub joined: Option<JoinedFrom>,
+}
+
+/// The files that one table was joined from.
+#[derive(Clone, Debug)]
+pub struct JoinedFrom {
+    /// All files, in order.
+    pub files: Vec<PathBuf>,
+    /// What differs between their runs, one line each.
+    pub differences: Vec<String>,
+}
+
+impl Input {
+    /// The result file at `path`.
+    pub fn new(path: PathBuf, result: ResultFile) -> Self {
+        Self {
+            path,
+            result,
+            joined: None,
+        }
+    }
+
+    /// The names of its files without directory and ending.
+    fn name(&self) -> String {
+        let alone = std::slice::from_ref(&self.path);
+        let files = self.joined.as_ref().map_or(alone, |joined| &joined.files);
+        let stems: Vec<String> = files.iter().map(|path| stem(path)).collect();
+        stems.join(", ")
+    }
+}
+
+/// Options of a report.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The base of ratios. If `None`, or if a group does not have this algorithm: the algorithm
+    /// that the group names, else `vtp`, else the reference of the checks, else the first
+    /// algorithm.
+    pub ratio_to: Option<String>,
+    /// The model that is drawn.
+    pub picture: PictureChoice,
+    /// Limit on the decompressed size of the model of the picture.
+    pub decompressed: DecompressionLimit,
+    /// The papers' tables whose ratios are shown beside ours.
+    pub tables: Tables,
+}
+
+/// A report, ready to be written.
+#[derive(Clone, Debug)]
+pub struct Report {
+    document: Document,
+}
+
+/// The context of the plots of a group.
+#[derive(Clone, Copy, Debug)]
+struct Setting<'a> {
+    /// The prefix of the ids of plots.
+    prefix: &'a str,
+    /// The algorithms of the whole result. The index of an algorithm is its style: marker and
+    /// colour.
+    styles: &'a [&'a str],
+    /// The base of ratios.
+    base: Option<&'a str>,
+}
+
+impl Setting<'_> {
+    fn style(&self, algorithm: &str) -> usize {
+        let found = self.styles.iter().position(|name| *name == algorithm);
+        found.unwrap_or(0)
+    }
+
+    /// The line of an algorithm in a chart.
+    fn series(&self, algorithm: &str, points: Vec<LinePoint>) -> Series {
+        Series {
+            style: self.style(algorithm),
+            name: algorithm.to_owned(),
+            algorithm: algorithm.to_owned(),
+            joined: true,
+            hollow: false,
+            points,
+            fit: None,
+        }
+    }
+}
+
+/// The largest result that is embedded in the page, in bytes.
+const MOST_EMBEDDED: usize = 4 << 20;
+
+/// Builds the report on `inputs`.
+///
+/// # Errors
+///
+/// When no result has the algorithm of `options.ratio_to`, or the model of `options.picture` cannot
+/// be drawn.
+pub fn build(inputs: &[Input], options: &Options) -> Result<Report, UsageError> {
+    if let Some(name) = &options.ratio_to {
+        let known = algorithms(inputs.iter().flat_map(|input| &input.result.cells));
+        if !known.contains(&name.as_str()) {
+            return Err(UsageError(format!(
+                "--ratio-to {name}: no group has this algorithm; there are {}",
+                known.join(", ")
+            )));
+        }
+    }
+    let mut sections = Vec::new();
+    let mut pictured = options.picture == PictureChoice::None;
+    let mut missing = None;
+    for (i, input) in inputs.iter().enumerate() {
+        let prefix = if inputs.len() == 1 {
+            String::new()
+        } else {
+            format!("r{}-", i + 1)
+        };
+        let result = with_base(&input.result, options.ratio_to.as_deref());
+        let picture = if pictured {
+            None
+        } else {
+            match picture::plot(
+                &result,
+                &options.picture,
+                options.decompressed,
+                &format!("{prefix}result"),
+            ) {
+                Ok(picture) => picture,
+                // A later result may have the model.
+                Err(error) => {
+                    missing = missing.or(Some(error));
+                    None
+                }
+            }
+        };
+        pictured |= picture.is_some();
+        sections.extend(of_result(input, &result, &prefix, picture, options));
+    }
+    if let (false, Some(error), PictureChoice::Of { .. }) = (pictured, missing, &options.picture) {
+        return Err(error);
+    }
+    let title = match inputs {
+        [one] => format!("Exact geodesic distances: {}", one.name()),
+        _ => "Exact geodesic distances".to_owned(),
+    };
+    Ok(Report {
+        document: Document { title, sections },
+    })
+}
+
+/// `result` with the base of ratios set in every group of several algorithms. `wanted` is the base
+/// in groups that have it.
+fn with_base(result: &ResultFile, wanted: Option<&str>) -> ResultFile {
+    let mut result = result.clone();
+    if result.groups.is_empty() {
+        result.groups.push(GroupRecord::default());
+    }
+    let bases: Vec<Option<String>> = results::groups(&result)
+        .iter()
+        .map(|group| {
+            let base = group.base()?;
+            let wanted = wanted.filter(|name| group.algorithms.contains(name));
+            Some(wanted.unwrap_or(base).to_owned())
+        })
+        .collect();
+    for (group, base) in result.groups.iter_mut().zip(bases) {
+        group.ratios_to = base;
+    }
+    result
+}
+
+fn of_result(
+    input: &Input,
+    result: &ResultFile,
+    prefix: &str,
+    picture: Option<document::Plot>,
+    options: &Options,
+) -> Vec<Section> {
+    let name = input.name();
+    let groups = results::groups(result);
+    let mut head = Vec::new();
+    let headlines: Vec<String> = groups
+        .iter()
+        .filter_map(|group| named(group, groups.len()))
+        .collect();
+    if !headlines.is_empty() {
+        head.push(Block::Headlines(headlines));
+    }
+    let mut warnings = headline::warnings(result);
+    if let Some(joined) = &input.joined {
+        let difference = |text: &String| format!("{}.", capitalised(text));
+        warnings.extend(joined.differences.iter().map(difference));
+    }
+    if !warnings.is_empty() {
+        head.push(Block::Warnings(warnings));
+    }
+    head.push(Block::Text(environment::summary(result)));
+    head.push(Block::Links(raw_numbers(input)));
+    head.extend(picture.map(|plot| Block::Plots(vec![plot])));
+    let mut all = vec![Section {
+        id: format!("{prefix}result"),
+        heading: name,
+        top: true,
+        blocks: head,
+    }];
+    let styles = algorithms(&result.cells);
+    let tables = options.tables.of(result);
+    for (i, group) in groups.iter().enumerate() {
+        let record = group.record;
+        let id = match record.name.as_deref().map(slug) {
+            Some(slug) if !slug.is_empty() => format!("{prefix}g{}-{slug}", i + 1),
+            _ => format!("{prefix}g{}", i + 1),
+        };
+        let setting = Setting {
+            prefix: &id,
+            styles: &styles,
+            base: record.ratios_to.as_deref(),
+        };
+        let mut blocks = of_group(group, setting);
+        for (k, table) in tables.iter().enumerate() {
+            let prefix = format!("{id}-paper-{}", k + 1);
+            blocks.extend(papers::compare(group, table, setting, &prefix));
+        }
+        all.push(Section {
+            heading: record
+                .name
+                .clone()
+                .unwrap_or_else(|| "Time, work and memory".to_owned()),
+            top: false,
+            blocks,
+            id,
+        });
+    }
+    let models = tables::models(&format!("{prefix}models-table"), result);
+    let environment = vec![
+        Block::Facts(environment::facts(result)),
+        Block::Text(reading(result)),
+    ];
+    for (heading, blocks) in [
+        ("Models", vec![Block::Table(models)]),
+        ("Environment", environment),
+    ] {
+        all.push(Section {
+            id: format!("{prefix}{}", slug(heading)),
+            heading: heading.to_owned(),
+            top: false,
+            blocks,
+        });
+    }
+    all
+}
+
+/// The headline of a group, after its name if there are several groups.
+fn named(group: &GroupCells<'_>, groups: usize) -> Option<String> {
+    let text = headline::headline(group)?;
+    Some(match &group.record.name {
+        Some(name) if groups > 1 => format!("{name}: {text}"),
+        _ => text,
+    })
+}
+
+fn of_group(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    if let Some(shows) = &group.record.shows {
+        blocks.push(Block::Text(
+            shows.split_whitespace().collect::<Vec<_>>().join(" "),
+        ));
+    }
+    if group.cells.is_empty() {
+        let text = "No cell of this group is in the file: the run ended before it.".to_owned();
+        blocks.push(Block::Notes(vec![Note {
+            text,
+            failure: true,
+        }]));
+        return blocks;
+    }
+    let table = tables::figures(&format!("{}-table", setting.prefix), group);
+    let notes = tables::notes(&table);
+    blocks.push(Block::Figures(table));
+    if !notes.is_empty() {
+        blocks.push(Block::Notes(notes));
+    }
+    let id = format!("{}-sources-table", setting.prefix);
+    blocks.extend(tradeoff::crossings(&id, group).map(Block::Table));
+    let plots = plots::plots(group, setting);
+    if !plots.is_empty() {
+        blocks.push(Block::Plots(plots));
+    }
+    blocks
+}
+
+/// An explanation of the figures.
+fn reading(result: &ResultFile) -> String {
+    let mut text = crate::table::footnote(
+        result,
+        crate::table::Look {
+            styled: true,
+            width: None,
+        },
+    )
+    .trim_end()
+    .to_owned();
+    if !text.is_empty() {
+        text += ". ";
+    }
+    let answers = result.cells.iter().filter(|cell| cell.status == Status::Ok);
+    let unchecked = answers
+        .clone()
+        .filter(|cell| !is_compared(cell, &result.cells))
+        .count();
+    text += &match (unchecked, answers.count()) {
+        (0, _) => "Every answer was compared with the reference that the remarks name; a wrong one has no time.".to_owned(),
+        (n, all) => format!("{n} of {all} answers were not compared with a reference."),
+    };
+    text + " Intervals are 95 % bootstrap intervals of medians."
+}
+
+/// Whether the answer of `cell` was compared with another. The reference itself was compared if it
+/// is the reference of a further cell.
+fn is_compared(cell: &Cell, cells: &[Cell]) -> bool {
+    match &cell.check.reference {
+        Some(name) if *name == cell.algorithm => cells.iter().any(|other| {
+            other.algorithm != *name
+                && other.check.reference.as_ref() == Some(name)
+                && is_same_problem(other, cell)
+        }),
+        reference => reference.is_some(),
+    }
+}
+
+/// Downloads of the result as JSON and CSV, embedded as data URLs. What is larger than
+/// [`MOST_EMBEDDED`] is left out.
+fn raw_numbers(input: &Input) -> Vec<Link> {
+    let name = input.name();
+    let mut links = Vec::new();
+    for (format, ending, kind) in [
+        (Format::Json, "json", "application/json"),
+        (Format::Csv, "csv", "text/csv"),
+    ] {
+        let Ok(text) = format.render(&input.result) else {
+            continue;
+        };
+        if text.len() <= MOST_EMBEDDED {
+            links.push(Link {
+                label: format!("All numbers as {}", ending.to_uppercase()),
+                address: format!("data:{kind};base64,{}", STANDARD.encode(&text)),
+                file: format!("{name}.{ending}"),
+            });
+        }
+    }
+    links
+}
+
+fn stem(path: &std::path::Path) -> String {
+    path.file_stem().map_or_else(
+        || path.display().to_string(),
+        |stem| stem.to_string_lossy().into_owned(),
+    )
+}

@@ -1,0 +1,70 @@
+//! Exports of results for services that track benchmarks over commits.
+
+use geobench_harness::schema::{Cell, ResultFile, Status};
+use serde_json::{Map, Value, json};
+
+use crate::history::compare::{CellKey, Measure};
+
+/// The figures that are exported in addition to the time, with their exported name and unit.
+const FIGURES: [(&str, &str, &str); 3] = [
+    ("instructions", "instructions", "instructions"),
+    ("heap_peak_bytes", "heap-peak", "bytes"),
+    ("propagated", "propagations", "windows"),
+];
+
+/// Nanoseconds per second.
+const NANOSECONDS: f64 = 1e9;
+
+/// The cells with status ok, each with its name.
+fn cells(result: &ResultFile) -> impl Iterator<Item = (String, &Cell)> {
+    let well = result.cells.iter().filter(|c| c.status == Status::Ok);
+    well.map(|cell| (CellKey::of(result, cell).to_string(), cell))
+}
+
+/// The exported figures of a cell: name, unit and value.
+fn figures(cell: &Cell) -> impl Iterator<Item = (&'static str, &'static str, f64)> {
+    Measure::all().filter_map(|measure| {
+        let (_, name, unit) = FIGURES.iter().find(|(key, ..)| *key == measure.name())?;
+        Some((*name, *unit, measure.of(cell)?))
+    })
+}
+
+/// Bencher Metric Format: benchmarks by name, with their measures. `latency` is in nanoseconds.
+pub(super) fn bencher(result: &ResultFile) -> Value {
+    let mut all = Map::new();
+    for (name, cell) in cells(result) {
+        let mut measures = Map::new();
+        if let Some(median) = cell.time.median {
+            let mut latency = json!({"value": median * NANOSECONDS});
+            if let Some([low, high]) = cell.time.ci95 {
+                latency["lower_value"] = (low * NANOSECONDS).into();
+                latency["upper_value"] = (high * NANOSECONDS).into();
+            }
+            measures.insert("latency".to_owned(), latency);
+        }
+        for (figure, _, value) in figures(cell) {
+            measures.insert(figure.to_owned(), json!({"value": value}));
+        }
+        all.insert(name, Value::Object(measures));
+    }
+    Value::Object(all)
+}
+
+/// The list that github-action-benchmark reads with `tool: customSmallerIsBetter`.
+pub(super) fn github_action(result: &ResultFile) -> Value {
+    let mut all = Vec::new();
+    for (name, cell) in cells(result) {
+        if let Some(median) = cell.time.median {
+            let mut entry = json!({"name": name, "unit": "s", "value": median});
+            if let Some(width) = cell.time.half_width() {
+                entry["range"] = format!("± {}", width * median).into();
+            }
+            entry["extra"] = format!("{} samples", cell.time.samples.len()).into();
+            all.push(entry);
+        }
+        for (figure, unit, value) in figures(cell) {
+            all.push(json!({"name": format!("{name}, {figure}"), "unit": unit, "value": value}));
+        }
+    }
+    Value::Array(all)
+}

@@ -1,0 +1,188 @@
+//! The cells of one group, for tables and charts.
+
+use geobench_harness::figures::Figure;
+use geobench_harness::measure::statistics::{Variable, interval_of, median};
+use geobench_harness::schema::{Cell, GroupRecord, ModelRecord, Status};
+
+/// A group with its models and algorithms.
+#[derive(Debug)]
+pub(crate) struct GroupCells<'r> {
+    pub(crate) record: &'r GroupRecord,
+    pub(crate) cells: Vec<&'r Cell>,
+    pub(crate) models: Vec<&'r ModelRecord>,
+    /// In the order in which they first appear.
+    pub(crate) algorithms: Vec<&'r str>,
+}
+
+/// A value with its uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub(crate) struct Estimate {
+    pub(crate) value: f64,
+    /// The ends of its 95 % interval.
+    pub(crate) interval: Option<[f64; 2]>,
+}
+
+impl From<f64> for Estimate {
+    fn from(value: f64) -> Self {
+        Self {
+            value,
+            interval: None,
+        }
+    }
+}
+
+/// `items` without duplicates, in the order of first appearance. O(items × distinct items).
+pub(crate) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
+    items.into_iter().fold(Vec::new(), |mut all, item| {
+        if !all.contains(&item) {
+            all.push(item);
+        }
+        all
+    })
+}
+
+/// The algorithms of `cells`, in the order in which they first appear.
+pub(crate) fn algorithms<'r>(cells: impl IntoIterator<Item = &'r Cell>) -> Vec<&'r str> {
+    distinct(cells.into_iter().map(|cell| cell.algorithm.as_str()))
+}
+
+impl<'r> GroupCells<'r> {
+    /// The group of `record`, with those of `models` and `cells` that belong to it.
+    pub(crate) fn new(
+        record: &'r GroupRecord,
+        models: &'r [ModelRecord],
+        cells: &'r [Cell],
+    ) -> Self {
+        let cells: Vec<&Cell> = cells.iter().filter(|c| c.group == record.name).collect();
+        let measured = |model: &&ModelRecord| cells.iter().any(|c| c.model == model.name);
+        Self {
+            record,
+            models: models.iter().filter(measured).collect(),
+            algorithms: algorithms(cells.iter().copied()),
+            cells,
+        }
+    }
+
+    /// Whether an algorithm is approximate in any cell.
+    pub(crate) fn is_approximate(&self, algorithm: &str) -> bool {
+        let mut cells = self.cells.iter();
+        cells.any(|cell| cell.algorithm == algorithm && cell.approximate)
+    }
+
+    /// The cells of an algorithm on a model, one for each source.
+    pub(crate) fn of(&self, model: &str, algorithm: &str) -> Vec<&'r Cell> {
+        let cells = self.cells.iter().copied();
+        cells
+            .filter(|c| c.model == model && c.algorithm == algorithm)
+            .collect()
+    }
+
+    /// The figure of an algorithm on a model: the median over the sources. Only the time from a
+    /// single source has an interval.
+    pub(crate) fn value(&self, figure: &Figure, model: &str, algorithm: &str) -> Option<Estimate> {
+        let cells = self.of(model, algorithm);
+        let value = overall(figure, &cells, self.vertices(model))?;
+        let interval = match (&cells[..], figure.key) {
+            ([cell], "time") => cell.time.ci95,
+            _ => None,
+        };
+        Some(Estimate { value, interval })
+    }
+
+    /// The ratio of a figure of an algorithm on a model to that of `base`: the median over the
+    /// sources. The ratio of times from one source is the median over the pairs of samples from the
+    /// same round. Ratios of times have an interval, if all cells have enough samples.
+    pub(crate) fn ratio(
+        &self,
+        figure: &Figure,
+        model: &str,
+        algorithm: &str,
+        base: &str,
+    ) -> Option<Estimate> {
+        let (over, under) = (self.of(model, algorithm), self.of(model, base));
+        // There is no ratio if one of the algorithms failed from any source.
+        overall(figure, &over, self.vertices(model))?;
+        overall(figure, &under, self.vertices(model))?;
+        let pairs = over.into_iter().filter_map(|over| {
+            let under = under.iter().find(|under| under.source == over.source)?;
+            Some((over, *under))
+        });
+        let pairs: Vec<(&Cell, &Cell)> = pairs.collect();
+        if figure.key == "time" {
+            return ratio_of_times(&pairs);
+        }
+        let ratio = |(over, under): &(&Cell, &Cell)| {
+            let value = figure.of(over, None)? / figure.of(under, None)?;
+            value.is_finite().then_some(value)
+        };
+        let ratios = pairs.iter().map(ratio).collect::<Option<Vec<f64>>>()?;
+        median(&ratios).map(Estimate::from)
+    }
+
+    /// The number of vertices of a model.
+    fn vertices(&self, model: &str) -> Option<u64> {
+        let mut models = self.models.iter();
+        models.find(|record| record.name == model)?.vertices
+    }
+
+    /// The status in words of an algorithm that failed on a model; `None` if it did not fail.
+    pub(crate) fn failure(&self, model: &str, algorithm: &str) -> Option<String> {
+        let cells = self.of(model, algorithm);
+        let failed = cells.iter().find(|cell| cell.status != Status::Ok)?;
+        Some(failed.status.in_words())
+    }
+
+    /// The base of ratios: the algorithm that the group names, else `vtp`, else the reference of
+    /// the checks, else the first. `None` if the group has no other algorithm.
+    pub(crate) fn base(&self) -> Option<&'r str> {
+        let ran = |name: &&str| self.algorithms.contains(name);
+        let mut references = self.cells.iter().map(|c| c.check.reference.as_deref());
+        let reference = references.find_map(|reference| reference);
+        let wanted = [self.record.ratios_to.as_deref(), Some("vtp"), reference];
+        let base = wanted.into_iter().flatten().find(ran);
+        let base = base.or_else(|| self.algorithms.first().copied())?;
+        (self.algorithms.len() > 1).then_some(base)
+    }
+}
+
+/// The median of a figure over the cells of all sources, on a model with this number of vertices.
+/// `None` if a cell failed or lacks the figure.
+pub(crate) fn overall(figure: &Figure, cells: &[&Cell], vertices: Option<u64>) -> Option<f64> {
+    let of = |cell: &&Cell| {
+        let value = figure.of(cell, vertices);
+        value.filter(|_| cell.status == Status::Ok)
+    };
+    median(&cells.iter().map(of).collect::<Option<Vec<f64>>>()?)
+}
+
+/// Whether two cells ask for the same distances: of one model, source and goal.
+pub(crate) fn is_same_problem(one: &Cell, other: &Cell) -> bool {
+    one.model == other.model && one.source == other.source && one.goal == other.goal
+}
+
+/// The samples of the rounds that both cells have. The cells can have different numbers of samples
+/// if the number of runs was not fixed.
+pub(crate) fn pairs<'c>(over: &'c Cell, under: &'c Cell) -> (&'c [f64], &'c [f64]) {
+    let [over, under] = [over, under].map(|cell| &cell.time.samples[..]);
+    let rounds = over.len().min(under.len());
+    (&over[..rounds], &under[..rounds])
+}
+
+/// The median over pairs of cells of the ratios of their times, with its interval. `None` if a cell
+/// has no times.
+fn ratio_of_times(cells: &[(&Cell, &Cell)]) -> Option<Estimate> {
+    let ratios = cells.iter().map(|(over, under)| {
+        let (above, below) = pairs(over, under);
+        let ratios = above.iter().zip(below).map(|(a, b)| a / b);
+        let ratios: Vec<f64> = ratios.collect();
+        let usable = !ratios.is_empty() && ratios.iter().all(|r| r.is_finite() && *r > 0.0);
+        usable.then_some(ratios)
+    });
+    let ratios = ratios.collect::<Option<Vec<Vec<f64>>>>()?;
+    let medians: Vec<f64> = ratios.iter().filter_map(|ratios| median(ratios)).collect();
+    let variables: Vec<Variable<'_>> = ratios.iter().map(|r| Variable::Samples(r)).collect();
+    Some(Estimate {
+        value: median(&medians)?,
+        interval: interval_of(&variables, |medians| median(medians).unwrap_or(f64::NAN)),
+    })
+}

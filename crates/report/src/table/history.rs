@@ -1,0 +1,90 @@
+//! Tables of histories: change points, and the comparison of the newest commit with earlier ones.
+
+use geobench_harness::measure::number::decimals;
+
+use crate::history::compare::{exact, percent};
+use crate::history::gate::Gate;
+use crate::history::trend::ChangePoint;
+use crate::table::model::{Column, Entry, Mark, Table};
+use crate::table::terminal::{self, Look};
+
+/// A value of a figure: seconds, or a number with all digits.
+fn shown(figure: &str, value: f64) -> String {
+    match figure {
+        "time" => format!("{value:.*}", decimals([value], 6)),
+        _ => exact(value),
+    }
+}
+
+/// The entry of a figure; empty without a value.
+fn value(figure: &str, value: Option<f64>) -> Entry {
+    Entry::new(value.map_or_else(String::new, |value| shown(figure, value)))
+}
+
+/// The table of the change points. `shown` formats a value of a figure.
+pub(crate) fn table_of_changes(found: &[ChangePoint], shown: fn(&str, f64) -> String) -> Table {
+    let row = |change: &ChangePoint| {
+        let [before, after] = [change.before, change.after].map(|x| shown(change.figure, x));
+        let cell = change.cell.to_string();
+        let (commit, figure) = (change.commit.clone(), change.figure.to_owned());
+        let texts = [commit, cell, figure, before, after, percent(change.ratio)];
+        texts.map(Entry::new).into()
+    };
+    let columns = Column::of(["Commit", "Cell", "Figure"], ["Before", "After", "Change"]);
+    Table::new(columns, found.iter().map(row).collect())
+}
+
+/// The table of the change points for the terminal; a sentence if there are none.
+pub fn change_points(found: &[ChangePoint], look: Look) -> String {
+    if found.is_empty() {
+        return "no figure has changed its level\n".to_owned();
+    }
+    let table = table_of_changes(found, shown);
+    terminal::grid(&table, &table.parts[0].rows, look) + "\n"
+}
+
+/// The comparison of the newest commit with the base, for the terminal.
+pub fn gate(gate: &Gate, look: Look) -> String {
+    let rows = gate.lines.iter().map(|line| {
+        let mark = match line.broken {
+            Some(_) => Mark::Failed,
+            None => Mark::None,
+        };
+        let change = match &line.broken {
+            Some(rule) => format!("{} ! [{rule}]", line.in_words())
+                .trim_start()
+                .to_owned(),
+            None => line.in_words(),
+        };
+        vec![
+            Entry::new(line.cell.to_string()),
+            Entry::new(line.figure),
+            value(line.figure, line.base),
+            value(line.figure, line.new),
+            Entry::marked(change, mark),
+        ]
+    });
+    let rows: Vec<Vec<Entry>> = rows.collect();
+    let worse = gate.lines.iter().filter(|l| l.broken.is_some()).count();
+    let head = format!(
+        "new: {}; base: {} commits, {}",
+        gate.commit,
+        gate.base.len(),
+        gate.base.join(", ")
+    );
+    let table = Table::new(
+        Column::of(["Cell", "Figure"], ["Base", "New", "Change"]),
+        rows,
+    );
+    let mut lines = vec![terminal::line_in(look, "", &head), String::new()];
+    if !gate.lines.is_empty() {
+        lines.push(terminal::grid(&table, &table.parts[0].rows, look));
+    }
+    lines.extend(
+        gate.notes
+            .iter()
+            .map(|note| terminal::line_in(look, "  ", note)),
+    );
+    lines.push(format!("{worse} of {} figures are worse", gate.lines.len()));
+    lines.join("\n") + "\n"
+}

@@ -1,0 +1,101 @@
+//! Tables in HTML.
+
+use std::fmt::Write;
+
+use geobench_export::escape::xml as escape;
+
+use crate::table::model::{Entry, Mark, Part, Table};
+
+/// A table under its caption.
+pub(crate) fn table(html: &mut String, table: &Table) {
+    // The caption is outside of the scrolling element, so it does not scroll. The element has a tab
+    // index, so that it can be scrolled by keyboard. Writing to a string cannot fail.
+    let _ = writeln!(
+        html,
+        "<p class=\"caption\" id=\"{0}-caption\">{1}</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"{0}-caption\">\n<table id=\"{0}\" aria-labelledby=\"{0}-caption\"{2}>",
+        table.id,
+        escape(&table.caption),
+        match table.rows_are {
+            "" => String::new(),
+            rows => format!(" data-rows=\"{rows}\""),
+        }
+    );
+    html.push_str("<thead>\n");
+    let second_heads = table.second_heads();
+    if !second_heads.is_empty() {
+        row(
+            html,
+            second_heads.into_iter().map(|(text, width)| match text {
+                "" => format!("<td colspan=\"{width}\"></td>"),
+                text => format!(
+                    "<th scope=\"colgroup\" colspan=\"{width}\" class=\"over\">{}</th>",
+                    escape(text)
+                ),
+            }),
+        );
+    }
+    let heads = table.columns.iter().map(|column| {
+        let class = if column.numeric { " class=\"n\"" } else { "" };
+        // Non-breaking spaces keep a unit on the line of the word before it.
+        let head = column
+            .head
+            .replace(" (", "\u{a0}(")
+            .replace(" %", "\u{a0}%");
+        format!("<th scope=\"col\"{class}>{}</th>", escape(&head))
+    });
+    row(html, heads);
+    html.push_str("</thead>\n");
+    for part in &table.parts {
+        body(html, table, part);
+    }
+    html.push_str("</table>\n</div>\n");
+}
+
+fn body(html: &mut String, table: &Table, part: &Part) {
+    html.push_str("<tbody>\n");
+    if !part.title.is_empty() {
+        let details = match part.details() {
+            details if details.is_empty() => details,
+            details => format!(" <small>{}</small>", escape(&details)),
+        };
+        let _ = writeln!(
+            html,
+            "<tr class=\"part\"><th scope=\"rowgroup\" colspan=\"{}\"><span><span class=\"of\">{}</span>{details}</span></th></tr>",
+            table.columns.len(),
+            escape(&part.title)
+        );
+    }
+    for entries in &part.rows {
+        let fields = entries.iter().zip(&table.columns).enumerate();
+        let fields = fields.map(|(i, (entry, column))| match i {
+            0 => format!("<th scope=\"row\">{}</th>", escape(&entry.text)),
+            _ => self::entry(entry, column.numeric),
+        });
+        row(html, fields);
+    }
+    html.push_str("</tbody>\n");
+}
+
+fn row(html: &mut String, fields: impl Iterator<Item = String>) {
+    let _ = writeln!(html, "<tr>{}</tr>", fields.collect::<String>());
+}
+
+fn entry(entry: &Entry, numeric: bool) -> String {
+    let class = match (entry.mark, numeric) {
+        (Mark::Failed, _) => " class=\"n failed\"",
+        (_, true) => " class=\"n\"",
+        _ => "",
+    };
+    // Non-breaking spaces allow line breaks only before the interval of a value.
+    let text = if numeric {
+        let kept = entry.text.replace(", ", ",\u{a0}");
+        kept.replace(" / ", "\u{a0}/\u{a0}")
+    } else {
+        entry.text.clone()
+    };
+    let text = escape(&text);
+    match entry.mark {
+        Mark::Best => format!("<td{class}><b>{text}</b></td>"),
+        _ => format!("<td{class}>{text}</td>"),
+    }
+}

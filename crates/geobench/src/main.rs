@@ -1,16 +1,227 @@
-//! The `geobench` command.
+//! The `geobench` command: dispatch to commands, exit statuses, and errors as single lines.
 
-mod cli;
+mod args;
+mod commands;
+mod git;
+mod isolation;
+mod points;
+mod progress;
+mod terminal;
+mod verdict;
 
 use std::alloc::System;
+use std::ffi::OsStr;
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser, Subcommand};
+use geobench_harness::exec::model::standard_input;
+use geobench_harness::exec::{interrupt, isolate};
+use geobench_harness::measure::instructions;
 use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAlloc};
+
+use commands::{
+    algos, certify, claims, cluster, compare, count_one_solve, distance, generate, info, isolines,
+    merge, path, pool, record, remesh, report, run, shell, trend, verify, voronoi,
+};
+use terminal::ColorChoice;
+use verdict::Verdict;
 
 /// Counts heap bytes, for the peak memory of algorithms; see `geobench_harness::measure::memory`.
 #[global_allocator]
 static ALLOCATOR: &PeakMemAlloc<System> = &INSTRUMENTED_SYSTEM;
 
+/// Runs, checks and compares exact geodesic-distance algorithms on triangle meshes.
+#[derive(Debug, Parser)]
+#[command(
+    name = "geobench",
+    version,
+    about,
+    max_term_width = 100,
+    arg_required_else_help = true
+)]
+#[command(
+    after_help = "Exit status: 0 done and every check passed; 1 a check or a cell failed; 2 wrong usage or \
+    unreadable input; 130 interrupted, with what was done until then."
+)]
+struct Arguments {
+    /// When to use colour; auto: on a terminal, unless `NO_COLOR` is set
+    #[arg(long, global = true, value_name = "WHEN", value_enum, default_value_t)]
+    color: ColorChoice,
+
+    /// Format of a model that is read from standard input (-): obj, ply, off or stl
+    #[arg(long, global = true, value_name = "FORM")]
+    input_format: Option<String>,
+
+    /// Format of a file that is written to standard output (-): one of its endings, such as csv
+    #[arg(long, global = true, value_name = "FORM")]
+    output_format: Option<String>,
+
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Benchmark algorithms on models and check every answer
+    Run(Box<run::RunOptions>),
+    /// Compare the answers of all algorithms with each other and with stored distances
+    Verify(verify::VerifyOptions),
+    /// Compare result files, or the newest commit of a history with earlier ones, and fail if
+    /// something is worse
+    Compare(compare::CompareOptions),
+    /// Make tables, plots and a picture of result files: one page, or files to take into a paper
+    Report(report::ReportOptions),
+    /// Compute what results say of the papers' claims: confirmed, partly, not, or cannot be judged
+    Claims(claims::ClaimsOptions),
+    /// Write the distances of all vertices from one or several sources
+    Distance(Box<distance::DistanceOptions>),
+    /// Trace shortest paths over the surface
+    Path(path::PathOptions),
+    /// Write the points at given distances: arcs of circles, as lines or as a picture
+    Isolines(isolines::IsolinesOptions),
+    /// Write the Voronoi diagram of several sources: cells, their borders, the dual triangulation
+    Voronoi(voronoi::VoronoiOptions),
+    /// Make a new mesh for a surface, with evenly spread vertices: the dual of a Voronoi diagram
+    Remesh(remesh::RemeshOptions),
+    /// Prove distances right, or say where they are not
+    Certify(certify::CertifyOptions),
+    /// Write a generated model to a file
+    Gen(generate::GenOptions),
+    /// Show counts, defects, genus and anisotropy of models
+    Info(info::InfoOptions),
+    /// List the algorithms and which one to take, or all about some: paper, cost, use, parameters
+    Algos(algos::AlgosOptions),
+    /// Join the parts of a benchmark that was run with --shard, or different runs on one machine
+    Merge(merge::MergeOptions),
+    /// Run a benchmark on a cluster, as a job array of Slurm
+    Cluster(cluster::ClusterOptions),
+    /// Join the rounds of a benchmark that was started once for each round, as when two versions of
+    /// geobench take turns
+    Pool(pool::PoolOptions),
+    /// Add result files to a history: a directory with a small file for each commit, class of
+    /// machine and suite
+    Record(record::RecordOptions),
+    /// Show how the figures of a history have changed, and since which commits
+    Trend(trend::TrendOptions),
+    /// Print a script that lets a shell complete commands, options and values
+    Completions(shell::CompletionsOptions),
+    /// Print the manual page of the program or of a command
+    Man(shell::ManOptions),
+    /// Solve once, under callgrind
+    #[command(hide = true, name = instructions::COMMAND)]
+    CountOneSolve(count_one_solve::CountOneSolveOptions),
+}
+
+/// Runs the command that the arguments of the process name, and returns its exit status. With the
+/// arguments of a child, serves the parent process instead.
 fn main() -> ExitCode {
-    cli::main()
+    report_panics_in_one_line();
+    match isolate::wanted(std::env::args_os()) {
+        Some((model, settings)) => cell(&model, &settings),
+        None => command(),
+    }
+}
+
+/// Serves the parent process as the child for `model`.
+fn cell(model: &OsStr, settings: &str) -> ExitCode {
+    match isolate::cell(model, settings) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            terminal::error(&error.to_string());
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Parses the arguments and runs a command for the user.
+fn command() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return usage(&error),
+    };
+    isolate::adopt_orphans();
+    let look = terminal::look(arguments.color);
+    if let Some(form) = &arguments.input_format {
+        standard_input::set_form(form);
+    }
+    if let Some(form) = &arguments.output_format {
+        geobench_export::set_standard_output_form(form);
+    }
+    let done = match arguments.command {
+        Command::Run(options) => run::run(&options, look),
+        Command::Verify(options) => verify::verify(&options),
+        Command::Compare(options) => compare::compare(&options, look),
+        Command::Report(options) => report::report(&options),
+        Command::Claims(options) => claims::claims(&options, look),
+        Command::Distance(options) => distance::distance(&options),
+        Command::Path(options) => path::path(&options),
+        Command::Isolines(options) => isolines::isolines(&options),
+        Command::Voronoi(options) => voronoi::voronoi(&options),
+        Command::Remesh(options) => remesh::remesh(&options),
+        Command::Certify(options) => certify::certify(&options),
+        Command::Gen(options) => generate::generate(&options),
+        Command::Info(options) => info::info(&options),
+        Command::Algos(options) => algos::algos(&options, look),
+        Command::Merge(options) => merge::merge(&options),
+        Command::Cluster(options) => cluster::cluster(&options, look),
+        Command::Pool(options) => pool::pool(&options),
+        Command::Record(options) => record::record(&options),
+        Command::Trend(options) => trend::trend(&options, look),
+        Command::Completions(options) => shell::completions(&options, Arguments::command()),
+        Command::Man(options) => shell::man(&options, Arguments::command()),
+        Command::CountOneSolve(options) => {
+            count_one_solve::count_one_solve(&options).map(|()| Verdict::Passed)
+        }
+    };
+    standard_input::remove();
+    match done {
+        Ok(Verdict::Passed) => ExitCode::SUCCESS,
+        Ok(Verdict::Failed) => ExitCode::from(1),
+        Ok(Verdict::BadInput) => ExitCode::from(2),
+        Ok(Verdict::Interrupted) => ExitCode::from(interrupt::EXIT_STATUS),
+        Err(error) => {
+            terminal::error(&format!("{error:#}"));
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Prints the help if it was requested, else the error as a single line. Returns the exit status.
+fn usage(error: &clap::Error) -> ExitCode {
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            // Write errors are ignored.
+            let _ = error.print();
+            ExitCode::SUCCESS
+        }
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            let _ = error.print();
+            ExitCode::from(2)
+        }
+        _ => {
+            terminal::error(&format!("{}; see --help", args::in_one_line(error)));
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Installs a hook that reports a panic, which is a defect of this program, as a single line.
+fn report_panics_in_one_line() {
+    std::panic::set_hook(Box::new(|panic| {
+        let text = panic.to_string();
+        terminal::error(&format!(
+            "{text}; this is a defect of geobench, please report it"
+        ));
+    }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        Arguments::command().debug_assert();
+    }
 }

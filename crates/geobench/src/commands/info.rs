@@ -10,27 +10,27 @@ use geobench_harness::measure::number::grouped;
 use geobench_mesh::{Report, Severity, Summary};
 use serde_json::{Value, json};
 
-use super::Verdict;
-use super::args::{ListFormat, MODELS_HELP};
-use super::isolation::ReadingOptions;
-use super::terminal;
+use crate::args::{ListFormat, MODELS_HELP};
+use crate::isolation::ReadingOptions;
+use crate::terminal;
+use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
 #[command(after_help = MODELS_HELP)]
-pub(super) struct InfoOptions {
+pub(crate) struct InfoOptions {
     /// Models
     #[arg(value_name = "MODEL", required = true)]
-    pub(super) models: Vec<String>,
+    pub(crate) models: Vec<String>,
 
     #[command(flatten)]
-    pub(super) reading: ReadingOptions,
+    pub(crate) reading: ReadingOptions,
 
     /// How to show them
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(super) format: ListFormat,
+    pub(crate) format: ListFormat,
 }
 
-pub(super) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
+pub(crate) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
     let mut verdict = Verdict::Passed;
     let mut list = Vec::new();
     let as_json = options.format == ListFormat::Json;

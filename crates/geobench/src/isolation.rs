@@ -14,7 +14,7 @@ use geobench_mesh::io::{ObjReader, ReadOptions};
 use geobench_registry::{Programs, Selection};
 
 #[derive(Args, Debug)]
-pub(super) struct IsolationOptions {
+pub(crate) struct IsolationOptions {
     /// Where cells run: each in a process of its own, so that a crash, an endless loop or too much
     /// memory costs one row only, or all in this process
     #[arg(long, value_name = "WHERE", value_enum, default_value_t)]
@@ -23,15 +23,15 @@ pub(super) struct IsolationOptions {
     /// Time limit of each run, such as 90s or 1h30m, or none; a cell that exceeds it ends as
     /// `timeout` [default: 10m]
     #[arg(long, value_name = "DUR", allow_negative_numbers = true)]
-    pub(super) timeout: Option<Timeout>,
+    pub(crate) timeout: Option<Timeout>,
 
     /// Memory limit of the process of each cell, such as 8GiB, or none; a cell that exceeds it ends
     /// as `out_of_memory` [default: none]
     #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
-    pub(super) memory_limit: Option<MemoryLimit>,
+    pub(crate) memory_limit: Option<MemoryLimit>,
 
     #[command(flatten)]
-    pub(super) decompression: DecompressionOptions,
+    pub(crate) decompression: DecompressionOptions,
 
     /// Processors that cells may run on, such as 3 or 0,4-7 [default: all]
     #[arg(long, value_name = "LIST", allow_negative_numbers = true)]
@@ -40,28 +40,28 @@ pub(super) struct IsolationOptions {
     /// File with tables [ext.NAME] of outside programs, which become algorithms ext:NAME; a suite
     /// file may hold such tables too
     #[arg(long, value_name = "FILE")]
-    pub(super) ext: Vec<PathBuf>,
+    pub(crate) ext: Vec<PathBuf>,
 }
 
 /// Limit of decompression.
 #[derive(Args, Clone, Copy, Debug)]
-pub(super) struct DecompressionOptions {
+pub(crate) struct DecompressionOptions {
     /// Bytes that a compressed model may decompress to, such as 16GiB [default: 100 times its size,
     /// at least 64MiB, at most 8GiB]
     #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
-    pub(super) max_decompressed: Option<DecompressionLimit>,
+    pub(crate) max_decompressed: Option<DecompressionLimit>,
 }
 
 impl DecompressionOptions {
     /// The limit, or the default.
-    pub(super) fn limit(self) -> DecompressionLimit {
+    pub(crate) fn limit(self) -> DecompressionLimit {
         self.max_decompressed.unwrap_or_default()
     }
 }
 
 /// How a model is read.
 #[derive(Args, Clone, Copy, Debug)]
-pub(super) struct ReadingOptions {
+pub(crate) struct ReadingOptions {
     #[command(flatten)]
     decompression: DecompressionOptions,
 
@@ -108,7 +108,7 @@ impl IsolationOptions {
     ///
     /// If the isolation cannot enforce a given limit or separate concurrent jobs, or if this
     /// process may not run on the processors of `--cpu`.
-    pub(super) fn check(&self, jobs: u32) -> anyhow::Result<()> {
+    pub(crate) fn check(&self, jobs: u32) -> anyhow::Result<()> {
         if self.isolate == Isolate::None && jobs > 1 {
             bail!(
                 "--jobs needs --isolate process: within one process the memory of each cell could \
@@ -134,7 +134,7 @@ impl IsolationOptions {
 
     /// The external programs of the `--ext` files. If a name repeats, the first file takes
     /// precedence.
-    pub(super) fn programs(&self) -> anyhow::Result<Programs> {
+    pub(crate) fn programs(&self) -> anyhow::Result<Programs> {
         let mut programs = Programs::default();
         for path in &self.ext {
             programs = programs.or(&suite::read_programs(path)?);
@@ -143,12 +143,12 @@ impl IsolationOptions {
     }
 
     /// Whether limits are enforced.
-    pub(super) fn keeps_limits(&self) -> bool {
+    pub(crate) fn keeps_limits(&self) -> bool {
         self.isolate == Isolate::Process
     }
 
     /// The limits, with defaults for options that are not given.
-    pub(super) fn limits(&self) -> Limits {
+    pub(crate) fn limits(&self) -> Limits {
         Limits {
             timeout: self.timeout.unwrap_or(Timeout::USUAL),
             memory: self.memory_limit.unwrap_or_default(),
@@ -158,7 +158,7 @@ impl IsolationOptions {
 
     /// A warning if `jobs` concurrent cells of the algorithm with the most threads have more
     /// threads than there are processors.
-    pub(super) fn crowding<'a>(
+    pub(crate) fn crowding<'a>(
         &self,
         algorithms: impl IntoIterator<Item = &'a Selection>,
         jobs: u32,
@@ -182,7 +182,7 @@ impl IsolationOptions {
     }
 
     /// The isolation as recorded in result files.
-    pub(super) fn record(&self, jobs: u32) -> IsolationRecord {
+    pub(crate) fn record(&self, jobs: u32) -> IsolationRecord {
         IsolationRecord {
             process: self.isolate == Isolate::Process,
             cpus: self.cpu.as_ref().map(|cpus| cpus.numbers().to_vec()),
@@ -192,7 +192,7 @@ impl IsolationOptions {
 
     /// The backend for these options. With `shared`, one child process serves all algorithms of
     /// this program. Without isolation, pins this process to the processors of `--cpu`.
-    pub(super) fn backend(&self, limits: Limits, shared: bool) -> anyhow::Result<Isolated> {
+    pub(crate) fn backend(&self, limits: Limits, shared: bool) -> anyhow::Result<Isolated> {
         let here = self.isolate == Isolate::None;
         if let (true, Some(cpus)) = (here, &self.cpu) {
             affinity::pin(cpus.numbers()).context("--cpu")?;

@@ -1,7 +1,12 @@
 //! `geobench path`.
 
+use clap::Args;
+use geobench_harness::exec::source::TargetSpec;
+use geobench_registry as registry;
+use geobench_registry::Selection;
 use std::fmt::Write;
 use std::path::Path as FilePath;
+use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use geobench_export::FileFormat;
@@ -14,15 +19,56 @@ use geobench_mesh::{Mesh, VertexId};
 use geobench_paths::{Path, PathPlace, Paths, Point};
 use geobench_window::precision;
 
-use super::Verdict;
-use super::args::PathOptions;
-use super::points::{Points, WantedTarget};
-use super::terminal;
+use crate::args::MODELS_HELP;
+use crate::isolation::ReadingOptions;
+use crate::points::{Points, SourcesOptions, WantedTarget};
+use crate::terminal;
+use crate::verdict::Verdict;
+
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(crate) struct PathOptions {
+    /// The model
+    #[arg(value_name = "MODEL")]
+    model: String,
+
+    #[command(flatten)]
+    sources: SourcesOptions,
+
+    /// The targets, in the same forms; the search ends when all are reached
+    #[arg(
+        long,
+        value_name = "DST",
+        required_unless_present = "all_targets",
+        allow_negative_numbers = true
+    )]
+    target: Vec<TargetSpec>,
+
+    /// Paths to all vertices
+    #[arg(long, conflicts_with = "target")]
+    all_targets: bool,
+
+    /// The algorithm, an exact one
+    #[arg(long, value_name = "A", default_value = "vtp-fast", value_parser = registry::select_one)]
+    algo: Selection,
+
+    #[command(flatten)]
+    reading: ReadingOptions,
+
+    /// File to write, by its ending: .json, .csv, .obj, .ply, .vtk, or a picture of the model with
+    /// the paths, .svg or .png
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    /// Print no summary
+    #[arg(long)]
+    quiet: bool,
+}
 
 /// Maximum number of paths for which the summary has a line each.
 const LINES: usize = 20;
 
-pub(super) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
+pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     if options.algo.outside_name().is_some() {
         bail!(
             "{} is an outside program: those take part in `run` and `verify`",

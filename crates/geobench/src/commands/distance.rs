@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
+use clap::Args;
 use geobench_export::FileFormat;
 use geobench_export::distances::{DistanceField, DistanceMatrix, FieldFormat, MatrixFormat};
 use geobench_export::output::{OutputFile, check_not_read};
@@ -12,16 +13,66 @@ use geobench_harness::exec::model;
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::threads::Threads;
 use geobench_mesh::{Mesh, VertexId};
-use geobench_registry::Selection;
+use geobench_registry::{self as registry, Selection, SimdChoice};
 use geobench_window::{Solver, precision};
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
-use super::Verdict;
-use super::args::DistanceOptions;
-use super::points::Points;
-use super::terminal;
+use crate::args::{MODELS_HELP, threads};
+use crate::isolation::ReadingOptions;
+use crate::points::{GoalOptions, Points, SourcesOptions};
+use crate::terminal;
+use crate::verdict::Verdict;
 
-pub(super) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(crate) struct DistanceOptions {
+    /// The model
+    #[arg(value_name = "MODEL")]
+    model: String,
+
+    #[command(flatten)]
+    sources: SourcesOptions,
+
+    #[command(flatten)]
+    goal: GoalOptions,
+
+    /// The algorithm
+    #[arg(long, value_name = "A", default_value = "vtp-fast", value_parser = registry::select_one)]
+    algo: Selection,
+
+    /// One field for each source, in a file of its own, which is called FILE with the source before
+    /// the ending, as in d.s17.csv
+    #[arg(long)]
+    each: bool,
+
+    /// One matrix of all distances in FILE (.npy or .csv): a row for each source, a column for each
+    /// vertex or target
+    #[arg(long, requires = "each")]
+    matrix: bool,
+
+    /// Threads that read the model, set up the solver and write the distances; also of a parallel
+    /// algorithm (pvtp), or with --each so many sources at a time
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
+    threads: u32,
+
+    /// Instructions of every algorithm: auto (the widest of the processor), scalar, avx2 or avx512;
+    /// narrower ones where the processor lacks them. Distances and counts do not depend on it
+    #[arg(long, value_name = "SIMD", default_value_t)]
+    simd: SimdChoice,
+
+    #[command(flatten)]
+    reading: ReadingOptions,
+
+    /// File to write, by its ending: .csv, .json, .npy, .ply or .vtk
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+
+    /// Print no summary
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     if options.algo.outside_name().is_some() {
         bail!(
             "{} is an outside program: those take part in `run` and `verify`",

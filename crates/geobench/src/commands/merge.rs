@@ -7,29 +7,30 @@ use geobench_harness::run::merge as parts;
 use geobench_harness::schema::{ResultFile, result_file};
 use geobench_report::history::join;
 
-use super::args::CsvOptions;
 use super::run::{Tally, verdict};
-use super::{Verdict, terminal};
+use crate::args::CsvOptions;
+use crate::terminal;
+use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
 #[command(
     after_help = "The exit status is that of the whole run: 1 if a cell failed, 2 if a model was refused."
 )]
-pub(super) struct MergeOptions {
+pub(crate) struct MergeOptions {
     /// Result files (.json) of all parts, in any order, or of different runs, of which the first has
     /// the cells that several have
     #[arg(value_name = "PART", required = true)]
-    pub(super) parts: Vec<PathBuf>,
+    pub(crate) parts: Vec<PathBuf>,
 
     /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
-    pub(super) output: Vec<PathBuf>,
+    pub(crate) output: Vec<PathBuf>,
 
     #[command(flatten)]
-    pub(super) csv_rows: CsvOptions,
+    pub(crate) csv_rows: CsvOptions,
 }
 
-pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<Verdict> {
+pub(crate) fn merge(options: &MergeOptions) -> anyhow::Result<Verdict> {
     let outputs = options.csv_rows.outputs(&options.output)?;
     let files = result_file::read_all(&options.parts)?;
     // Files of shards are merged as one benchmark; other files are joined as different runs.

@@ -3,10 +3,11 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, anyhow};
+use clap::Args;
 use geobench_export::diagrams::{self, BorderFormat, DiagramFile, DiagramFormat, LabelFormat};
 use geobench_export::output::{OutputFile, check_distinct, check_not_read};
 use geobench_export::picture::{Paint, Scene};
@@ -16,15 +17,61 @@ use geobench_harness::exec::source::SourceSpec;
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::VertexId;
 use geobench_mesh::io as mesh_io;
-use geobench_registry::Selection;
+use geobench_registry::{self as registry, Selection};
 use geobench_voronoi::Diagram;
 
-use super::Verdict;
-use super::args::VoronoiOptions;
-use super::points::Points;
-use super::{generate, terminal};
+use super::generate;
+use crate::args::MODELS_HELP;
+use crate::isolation::ReadingOptions;
+use crate::points::Points;
+use crate::terminal;
+use crate::verdict::Verdict;
 
-pub(super) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(crate) struct VoronoiOptions {
+    /// The model
+    #[arg(value_name = "MODEL")]
+    model: String,
+
+    /// The source: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W,
+    /// at:X,Y,Z or a list of these; may be repeated. One that is named twice has one cell
+    #[arg(long, value_name = "SRC", required = true, allow_negative_numbers = true, value_parser = SourceSpec::with_repeats)]
+    source: Vec<SourceSpec>,
+
+    /// The algorithm: window-vtp, lct11 or xls14
+    #[arg(long, value_name = "A", default_value = "window-vtp", value_parser = registry::select_one)]
+    algo: Selection,
+
+    #[command(flatten)]
+    reading: ReadingOptions,
+
+    /// File to write, by its ending: .json (cells, vertices, arcs), .obj or .vtk (borders as
+    /// polylines), .ply (the model coloured by cell, cut along the borders), .svg or .png (a
+    /// picture)
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+
+    /// Mesh to write as well, .obj, .ply, .off or .stl: the dual triangulation, whose vertices are
+    /// the sources
+    #[arg(long, value_name = "FILE")]
+    dual: Option<PathBuf>,
+
+    /// File to write as well, .obj, .ply or .vtk: the borders between cells as polylines
+    #[arg(long, value_name = "FILE")]
+    borders: Option<PathBuf>,
+
+    /// File to write as well, .csv or .npy: the place of the nearest source of each vertex in the
+    /// list of sources
+    #[arg(long, value_name = "FILE")]
+    labels: Option<PathBuf>,
+
+    /// Print no summary
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let (format, output) = DiagramFormat::output(&options.output)?;
     let borders = options.borders.as_deref();
     let borders = borders.map(BorderFormat::output).transpose()?;

@@ -1,18 +1,72 @@
 //! `geobench report`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::bail;
+use clap::{Args, ValueEnum};
 use geobench_export::output::OutputFile;
 use geobench_harness::schema::result_file;
 use geobench_report::history::join;
-use geobench_report::page::{self as report, Input, JoinedFrom, Options, PictureChoice};
+use geobench_report::page::{
+    self as report, Form, Input, JoinedFrom, Options, PictureChoice, Tables,
+};
 
-use super::Verdict;
-use super::args::ReportOptions;
-use super::terminal;
+use crate::isolation::DecompressionOptions;
+use crate::terminal;
+use crate::verdict::Verdict;
 
-pub(super) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
+#[derive(Args, Debug)]
+pub(crate) struct ReportOptions {
+    /// Result files (.json)
+    #[arg(value_name = "RESULT", required = true)]
+    results: Vec<PathBuf>,
+
+    /// Page to write: one self-contained HTML file
+    #[arg(short, long, value_name = "FILE", required_unless_present = "format")]
+    output: Option<PathBuf>,
+
+    /// Files to write into a directory: html (the page), svg (every plot), csv (every table and the
+    /// numbers behind every plot) or tex (every table and plot for LaTeX); may be repeated
+    #[arg(long, num_args = 2, value_names = ["FORMAT", "DIR"])]
+    format: Vec<String>,
+
+    /// Algorithm to which all are compared [default: that of the suite, else vtp, else the
+    /// reference of the checks]
+    #[arg(long, value_name = "ALGO")]
+    ratio_to: Option<String>,
+
+    /// Model of the result to draw coloured by distance from a vertex, or none [default: the first
+    /// one that can be loaded again and is the same, from its first source]
+    #[arg(long, value_name = "MODEL[:SOURCE]")]
+    picture: Option<PictureChoice>,
+
+    /// Tables of the papers to compare ratios with, such as 000-table-1, separated by commas, or
+    /// none [default: that of the suite that the result was made with]
+    #[arg(long, value_name = "LIST")]
+    papers: Option<Tables>,
+
+    #[command(flatten)]
+    decompression: DecompressionOptions,
+
+    /// Print no summary and no warnings
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl ReportOptions {
+    /// The requested forms of report files, each with its directory.
+    pub(crate) fn files(&self) -> anyhow::Result<Vec<(Form, &Path)>> {
+        let pairs = self.format.chunks_exact(2);
+        pairs
+            .map(|pair| match Form::from_str(&pair[0], true) {
+                Ok(form) => Ok((form, Path::new(&pair[1]))),
+                Err(_) => anyhow::bail!("--format {}: use html, svg, csv or tex", pair[0]),
+            })
+            .collect()
+    }
+}
+
+pub(crate) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
     let files = options.files()?;
     let page = options
         .output

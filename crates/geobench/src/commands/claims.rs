@@ -10,38 +10,38 @@ use geobench_harness::usage::files_in;
 use geobench_report::claims::{self, ClaimsFile, ClaimsFormat, Input};
 use geobench_report::table::Look;
 
-use super::Verdict;
-use super::terminal;
+use crate::terminal;
+use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
 #[command(
     after_help = "A claim is decided by the results of its suite (`run --config bench-configs/SUITE.toml`). docs/claims.md has \
     the rules and the form of files of claims. Exit status: 0 whatever the verdicts are; 2 a file cannot be used."
 )]
-pub(super) struct ClaimsOptions {
+pub(crate) struct ClaimsOptions {
     /// Result files (.json), or directories of some; at most one of each suite
     #[arg(value_name = "RESULT", required = true)]
-    pub(super) results: Vec<PathBuf>,
+    pub(crate) results: Vec<PathBuf>,
 
     /// File of claims (.toml), or a directory of some [default: those of the papers, which are part
     /// of the program]
     #[arg(long, value_name = "DIR|FILE")]
-    pub(super) claims: Option<PathBuf>,
+    pub(crate) claims: Option<PathBuf>,
 
     /// What goes to standard output
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ClaimsFormat::Markdown)]
-    pub(super) format: ClaimsFormat,
+    pub(crate) format: ClaimsFormat,
 
     /// File to write instead, by its ending: .md, .json, .csv or .txt; may be repeated
     #[arg(short, long, value_name = "FILE")]
-    pub(super) output: Vec<PathBuf>,
+    pub(crate) output: Vec<PathBuf>,
 
     /// Print no warnings
     #[arg(long)]
-    pub(super) quiet: bool,
+    pub(crate) quiet: bool,
 }
 
-pub(super) fn claims(options: &ClaimsOptions, look: Look) -> anyhow::Result<Verdict> {
+pub(crate) fn claims(options: &ClaimsOptions, look: Look) -> anyhow::Result<Verdict> {
     let outputs = output::prepare::<ClaimsFormat>(&options.output)?;
     let wanted = match &options.claims {
         None => claims::known()?,

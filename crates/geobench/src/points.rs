@@ -1,18 +1,71 @@
 //! Locates the sources and targets of a command on a mesh.
 
+use std::path::PathBuf;
+
 use anyhow::{Context, anyhow};
+use clap::Args;
 use geobench_harness::exec::goal::{GoalSpec, targets_in};
 use geobench_harness::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
 use geobench_harness::schema::SourceLabel;
 use geobench_harness::usage::read_text;
 use geobench_mesh::{Mesh, Refined, SurfacePoint, VertexId};
+use geobench_registry::UsageError;
 use geobench_window::Goal;
 
-use super::args::GoalOptions;
-use super::terminal;
+use crate::terminal;
+
+/// Sources of a command on one model.
+#[derive(Args, Debug)]
+pub(crate) struct SourcesOptions {
+    /// The source: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W,
+    /// at:X,Y,Z or a list of these; may be repeated. Of several sources the nearest counts
+    #[arg(
+        long,
+        value_name = "SRC",
+        required = true,
+        allow_negative_numbers = true
+    )]
+    pub(crate) source: Vec<SourceSpec>,
+}
+
+impl SourcesOptions {
+    /// All sources.
+    ///
+    /// # Errors
+    ///
+    /// If a source is named twice.
+    pub(crate) fn all(&self) -> Result<SourceSpec, UsageError> {
+        SourceSpec::of_all(self.source.iter().cloned())
+    }
+}
+
+/// What runs are to find.
+#[derive(Args, Debug)]
+pub(crate) struct GoalOptions {
+    /// Only the distances of these points, in the forms of --source; may be repeated. Runs end as
+    /// soon as they are final [default: all vertices]
+    #[arg(long, value_name = "DST", allow_negative_numbers = true)]
+    pub(crate) target: Vec<TargetSpec>,
+
+    /// The same from a file with one DST in a line
+    #[arg(long, value_name = "FILE")]
+    pub(crate) targets: Option<PathBuf>,
+
+    /// Only distances up to R, in the units of the model; others are infinite. Runs end there
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = radius)]
+    pub(crate) radius: Option<f64>,
+}
+
+/// Parses a distance that is at least 0.
+fn radius(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(radius) if radius >= 0.0 && radius.is_finite() => Ok(radius),
+        _ => Err("give a distance of 0 or more".to_owned()),
+    }
+}
 
 /// A target as specified by the user, and its file and line if it was read from a file.
-pub(super) type WantedTarget = (TargetSpec, Option<String>);
+pub(crate) type WantedTarget = (TargetSpec, Option<String>);
 
 impl GoalOptions {
     /// The targets of the options and of the targets file, where `-` is standard input. `None` if
@@ -21,7 +74,7 @@ impl GoalOptions {
     /// # Errors
     ///
     /// If the file cannot be read, has no targets, or has a line that is not a target.
-    pub(super) fn wanted(&self) -> anyhow::Result<Option<Vec<WantedTarget>>> {
+    pub(crate) fn wanted(&self) -> anyhow::Result<Option<Vec<WantedTarget>>> {
         let named = self.target.iter().map(|target| (target.clone(), None));
         let mut all: Vec<WantedTarget> = named.collect();
         if let Some(path) = &self.targets {
@@ -37,7 +90,7 @@ impl GoalOptions {
     /// # Errors
     ///
     /// As [`wanted`](Self::wanted).
-    pub(super) fn goal(&self) -> anyhow::Result<GoalSpec> {
+    pub(crate) fn goal(&self) -> anyhow::Result<GoalSpec> {
         let targets = self.wanted()?;
         let targets = targets.map(|all| TargetSpec::of_all(all.into_iter().map(|(one, _)| one)));
         Ok(GoalSpec {
@@ -49,16 +102,16 @@ impl GoalOptions {
 
 /// Sources and targets as vertices of a refined mesh. The refined mesh is the mesh of the model
 /// with further vertices at the points that are not vertices.
-pub(super) struct Points {
-    pub(super) refined: Refined,
+pub(crate) struct Points {
+    pub(crate) refined: Refined,
     /// The points on the mesh of the model, in the order of `refined.vertices`: sources, then
     /// targets.
-    pub(super) places: Vec<SurfacePoint>,
-    pub(super) sources: Vec<(SourceLabel, VertexId)>,
+    pub(crate) places: Vec<SurfacePoint>,
+    pub(crate) sources: Vec<(SourceLabel, VertexId)>,
     /// Labels and vertices of the targets; `None` for all vertices of the model.
-    pub(super) targets: Option<(Vec<SourceLabel>, Vec<VertexId>)>,
+    pub(crate) targets: Option<(Vec<SourceLabel>, Vec<VertexId>)>,
     /// Messages to the user, for example on a point that was moved onto the mesh.
-    pub(super) notes: Vec<String>,
+    pub(crate) notes: Vec<String>,
 }
 
 impl Points {
@@ -68,7 +121,7 @@ impl Points {
     /// # Errors
     ///
     /// If a point does not exist.
-    pub(super) fn new(
+    pub(crate) fn new(
         mesh: &Mesh,
         sources: &SourceSpec,
         wanted: Option<&[WantedTarget]>,
@@ -108,12 +161,12 @@ impl Points {
     }
 
     /// The sources as vertices.
-    pub(super) fn source_vertices(&self) -> Vec<VertexId> {
+    pub(crate) fn source_vertices(&self) -> Vec<VertexId> {
         self.sources.iter().map(|(_, vertex)| *vertex).collect()
     }
 
     /// The labels of the sources.
-    pub(super) fn source_labels(&self) -> Vec<SourceLabel> {
+    pub(crate) fn source_labels(&self) -> Vec<SourceLabel> {
         self.sources
             .iter()
             .map(|(label, _)| label.clone())
@@ -122,7 +175,7 @@ impl Points {
 
     /// The goal of a solver: the distances of the targets, or of all vertices without targets, up
     /// to `radius`.
-    pub(super) fn goal(&self, radius: Option<f64>) -> Goal {
+    pub(crate) fn goal(&self, radius: Option<f64>) -> Goal {
         let goal = GoalSpec {
             targets: None,
             radius,
@@ -131,18 +184,18 @@ impl Points {
     }
 
     /// Prints the notes, one per line.
-    pub(super) fn print_notes(&self) -> anyhow::Result<()> {
+    pub(crate) fn print_notes(&self) -> anyhow::Result<()> {
         let mut notes = self.notes.iter();
         notes.try_for_each(|note| terminal::print(&format!("{note}\n")))
     }
 
     /// The labels of the targets; `None` for all vertices.
-    pub(super) fn labels(&self) -> Option<&[SourceLabel]> {
+    pub(crate) fn labels(&self) -> Option<&[SourceLabel]> {
         self.targets.as_ref().map(|(labels, _)| &labels[..])
     }
 
     /// Coordinates of the sources; empty for a mesh without positions.
-    pub(super) fn positions(&self, mesh: &Mesh) -> Vec<[f64; 3]> {
+    pub(crate) fn positions(&self, mesh: &Mesh) -> Vec<[f64; 3]> {
         let places = self.places.iter().take(self.sources.len());
         places.filter_map(|place| mesh.position_of(place)).collect()
     }

@@ -10,7 +10,7 @@ use terminal_size::{Width, terminal_size_of};
 
 /// When to use colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum ColorChoice {
+pub(crate) enum ColorChoice {
     #[default]
     Auto,
     Always,
@@ -18,7 +18,7 @@ pub(super) enum ColorChoice {
 }
 
 /// Style and width of tables on standard output.
-pub(super) fn look(color: ColorChoice) -> Look {
+pub(crate) fn look(color: ColorChoice) -> Look {
     let styled = match color {
         ColorChoice::Always => true,
         ColorChoice::Never => false,
@@ -34,7 +34,7 @@ pub(super) fn look(color: ColorChoice) -> Look {
 }
 
 /// Whether standard error is a terminal that can redraw lines.
-pub(super) fn standard_error_can_move() -> bool {
+pub(crate) fn standard_error_can_move() -> bool {
     io::stderr().is_terminal() && !is_dumb()
 }
 
@@ -51,7 +51,7 @@ fn is_dumb() -> bool {
 /// # Errors
 ///
 /// If standard output is full.
-pub(super) fn print(text: &str) -> anyhow::Result<()> {
+pub(crate) fn print(text: &str) -> anyhow::Result<()> {
     Ok(write_standard_output(for_terminal(text, false).as_bytes())?)
 }
 
@@ -62,7 +62,7 @@ pub(super) fn print(text: &str) -> anyhow::Result<()> {
 /// # Errors
 ///
 /// As [`print()`].
-pub(super) fn print_rendered(text: &str) -> anyhow::Result<()> {
+pub(crate) fn print_rendered(text: &str) -> anyhow::Result<()> {
     if io::stdout().is_terminal() {
         write_standard_output(for_terminal(text, true).as_bytes())?;
     } else {
@@ -72,17 +72,17 @@ pub(super) fn print_rendered(text: &str) -> anyhow::Result<()> {
 }
 
 /// Writes an error to standard error as a single line.
-pub(super) fn error(message: &str) {
+pub(crate) fn error(message: &str) {
     note("error", message);
 }
 
 /// Writes a warning to standard error as a single line.
-pub(super) fn warning(message: &str) {
+pub(crate) fn warning(message: &str) {
     note("warning", message);
 }
 
 /// Writes a warning for each of `messages`.
-pub(super) fn warnings(messages: &[String]) {
+pub(crate) fn warnings(messages: &[String]) {
     for message in messages {
         warning(message);
     }

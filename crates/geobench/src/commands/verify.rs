@@ -1,6 +1,7 @@
 //! `geobench verify`.
 
 use anyhow::Context;
+use clap::Args;
 use geobench_harness::exec::expected::{Expected, StoredDistances, stored_sources};
 use geobench_harness::exec::goal::GoalSpec;
 use geobench_harness::exec::interrupt;
@@ -13,11 +14,65 @@ use geobench_harness::run::agreement::{self, Clusters, Vote};
 use geobench_harness::run::answer_layout::AnswerLayout;
 use geobench_harness::run::check::{self, Deviation};
 use geobench_harness::schema::{ModelRecord, Status};
-use geobench_registry::{self as registry, Selection};
+use geobench_registry::{self as registry, Selection, SimdChoice};
 
-use super::Verdict;
-use super::args::VerifyOptions;
-use super::terminal;
+use crate::args::{Algorithms, MODELS_HELP, algorithms, threads, tolerance};
+use crate::isolation::IsolationOptions;
+use crate::points::GoalOptions;
+use crate::terminal;
+use crate::verdict::Verdict;
+
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(crate) struct VerifyOptions {
+    /// Models; without any, a built-in suite of generated ones
+    #[arg(value_name = "MODEL")]
+    models: Vec<String>,
+
+    /// Algorithms by name, by family, or exact, or all; separated by commas [default: exact,
+    /// without ch where it would take hours]
+    #[arg(long, value_name = "LIST", value_parser = algorithms)]
+    algo: Option<Algorithms>,
+
+    /// Sources: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W, at:X,Y,Z
+    /// or a list of these; may be repeated. Vertices for which distances are stored
+    /// (MODEL.sSOURCE.csv) are added
+    #[arg(
+        long,
+        value_name = "SRC",
+        default_value = "first",
+        allow_negative_numbers = true
+    )]
+    source: Vec<SourceSpec>,
+
+    #[command(flatten)]
+    goal: GoalOptions,
+
+    /// Largest relative difference that passes
+    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
+    tolerance: f64,
+
+    /// Threads of the parallel algorithms (pvtp, pch), of the set-up of svg, and of outside programs
+    /// whose command has {threads}
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
+    threads: u32,
+
+    /// Instructions of every algorithm: auto (the widest of the processor), scalar, avx2 or avx512;
+    /// narrower ones where the processor lacks them. Distances and counts do not depend on it
+    #[arg(long, value_name = "SIMD", default_value_t)]
+    simd: SimdChoice,
+
+    /// Where answers disagree, prove which are right, as `geobench certify` does
+    #[arg(long)]
+    certify: bool,
+
+    #[command(flatten)]
+    isolation: IsolationOptions,
+
+    /// Print only disagreements
+    #[arg(long)]
+    quiet: bool,
+}
 
 /// The reference algorithm. It runs even if it is not selected.
 const REFERENCE: &str = "mmp-fast";
@@ -25,7 +80,7 @@ const REFERENCE: &str = "mmp-fast";
 /// The algorithm that returns only distances that it has proven.
 const CERTIFICATE: &str = "certificate";
 
-pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
+pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     let models = if options.models.is_empty() {
         model::collect(suite::SMALL_MODELS)?
     } else {

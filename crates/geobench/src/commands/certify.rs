@@ -1,7 +1,9 @@
 //! `geobench certify`.
 
 use std::fmt::Write;
+use std::path::PathBuf;
 
+use clap::{Args, ValueEnum};
 use geobench_certify::{Bound, FailurePlace};
 use geobench_export::json_lines;
 use geobench_harness::exec::expected::Expected;
@@ -11,12 +13,52 @@ use geobench_mesh::{Mesh, VertexId};
 use geodesics::{Certificate, Comparison, OriginalFailure};
 use serde::Serialize;
 
-use super::Verdict;
-use super::args::{CertificateFormat, CertifyOptions};
-use super::points::Points;
-use super::terminal;
+use crate::args::{MODELS_HELP, threads, tolerance};
+use crate::isolation::ReadingOptions;
+use crate::points::{Points, SourcesOptions};
+use crate::terminal;
+use crate::verdict::Verdict;
 
-pub(super) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(crate) struct CertifyOptions {
+    /// The model
+    #[arg(value_name = "MODEL")]
+    model: String,
+
+    #[command(flatten)]
+    sources: SourcesOptions,
+
+    /// Distances to prove, of any program: lines `vertex,distance`, for all vertices or some
+    /// [default: those of mmp]
+    #[arg(long, value_name = "FILE")]
+    distances: Option<PathBuf>,
+
+    /// Largest error that passes, as a fraction of each distance
+    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
+    tolerance: f64,
+
+    /// Threads that read the model and share the proof
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
+    threads: u32,
+
+    #[command(flatten)]
+    reading: ReadingOptions,
+
+    /// Form of the answer on standard output
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = CertificateFormat::Text)]
+    format: CertificateFormat,
+}
+
+/// Form of a certificate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CertificateFormat {
+    #[default]
+    Text,
+    Json,
+}
+
+pub(crate) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     let threads = Threads::start(options.threads as usize)?;
     let model = model::only(&options.model)?;
     let mesh = &threads.run(|| model.mesh_within(options.reading))?;

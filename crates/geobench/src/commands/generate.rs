@@ -9,22 +9,22 @@ use geobench_export::{STANDARD, ending_of};
 use geobench_harness::exec::model::ModelRef;
 use geobench_mesh::io as mesh_io;
 
-use super::Verdict;
-use super::isolation::DecompressionOptions;
+use crate::isolation::DecompressionOptions;
+use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
 #[command(after_long_help = geobench_mesh::generate::help())]
-pub(super) struct GenOptions {
+pub(crate) struct GenOptions {
     /// NAME[,key=value...], such as torus,faces=50000,bump=0.1,seed=7
     #[arg(value_name = "SPEC")]
-    pub(super) spec: String,
+    pub(crate) spec: String,
 
     #[command(flatten)]
-    pub(super) decompression: DecompressionOptions,
+    pub(crate) decompression: DecompressionOptions,
 
     /// File to write: .obj, .ply, .off or .stl, each also .gz
     #[arg(short, long, value_name = "FILE")]
-    pub(super) output: PathBuf,
+    pub(crate) output: PathBuf,
 }
 
 /// Extensions of the mesh files that can be written.
@@ -32,7 +32,7 @@ const ENDINGS: [&str; 8] = [
     ".obj", ".ply", ".off", ".stl", ".obj.gz", ".ply.gz", ".off.gz", ".stl.gz",
 ];
 
-pub(super) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
+pub(crate) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
     let ending = ending(&options.output)?;
     let output = OutputFile::prepare(&options.output)?;
     let soup = ModelRef::generated(&options.spec)?.read(options.decompression.limit())?;
@@ -45,7 +45,7 @@ pub(super) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
 /// # Errors
 ///
 /// If meshes cannot be written in a file with this extension.
-pub(super) fn ending(path: &Path) -> anyhow::Result<&'static str> {
+pub(crate) fn ending(path: &Path) -> anyhow::Result<&'static str> {
     let name = if path == Path::new(STANDARD) {
         format!(".{}", ending_of(path))
     } else {

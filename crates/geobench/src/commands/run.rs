@@ -1,7 +1,12 @@
 //! `geobench run`.
 
+use clap::Args;
+use geobench_harness::exec::source::SourceSpec;
+use geobench_harness::plan::sampling::{Seconds, Share};
+use geobench_registry as registry;
+use geobench_registry::{Selection, SimdChoice, UsageError};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use anyhow::{Context, bail};
@@ -12,25 +17,210 @@ use geobench_harness::exec::{InstructionCounter, Listener, Step, interrupt};
 use geobench_harness::measure::conditions::{self, Snapshot};
 use geobench_harness::measure::{host, instructions};
 use geobench_harness::plan::suite::{
-    self, Library, ModelChoice, Plans, Settings, Suite, WantedModel,
+    self, Library, MOST_RUNS, ModelChoice, Plans, Settings, Suite, WantedModel,
 };
 use geobench_harness::plan::{self, Plan, Reference};
 use geobench_harness::run::journal::{Journal, JournalHeader};
 use geobench_harness::run::{self, Earlier, agreement};
 use geobench_harness::schema::{
-    Cell, GroupRecord, ModelRecord, PlanRecord, ResultFile, SCHEMA, SessionRecord, SourceLabel,
-    Status, result_file,
+    Cell, GroupRecord, ModelRecord, PlanRecord, ResultFile, SCHEMA, SessionRecord, Shard,
+    SourceLabel, Status, result_file,
 };
 use geobench_report::history::join::{self, Joined};
 use geobench_report::table::{self, Format, Look};
 use toml::Spanned;
 
-use super::Verdict;
-use super::args::RunOptions;
-use super::progress::Progress;
-use super::terminal;
+use crate::args::{Algorithms, CsvOptions, MODELS_HELP, algorithms, row, threads, tolerance};
+use crate::isolation::IsolationOptions;
+use crate::points::GoalOptions;
+use crate::progress::Progress;
+use crate::terminal;
+use crate::verdict::Verdict;
 
-pub(super) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(crate) struct RunOptions {
+    /// Models; without any, those of the suite file, or a built-in suite of generated ones
+    #[arg(value_name = "MODEL")]
+    pub(crate) models: Vec<String>,
+
+    /// Suite file with models, algorithms and settings in groups; options override it
+    #[arg(long, value_name = "SUITE.toml")]
+    pub(crate) config: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) scale: ScaleOptions,
+
+    /// Algorithms by name, by family, or exact, or all; separated by commas; with parameters as
+    /// name{key=value,...} [default: mmp,ich,fwp-mmp,fwp-ch,vtp with --simd scalar, and mmp-fast,
+    /// vtp,vtp-fast with the widest instructions]
+    #[arg(long, value_name = "LIST", value_parser = algorithms)]
+    pub(crate) algo: Option<Algorithms>,
+
+    #[command(flatten)]
+    pub(crate) source: RunSourceOptions,
+
+    #[command(flatten)]
+    pub(crate) goal: GoalOptions,
+
+    /// Timed runs of each cell [default: 5 to 100, as many as --precision needs]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_RUNS)))]
+    pub(crate) repeat: Option<u32>,
+
+    /// Repeat until the 95 % interval of the median time lies within this share of the median; short
+    /// solves are timed in batches [default: 3%]
+    #[arg(long, value_name = "P", conflicts_with = "repeat")]
+    pub(crate) precision: Option<Share>,
+
+    /// Least time that the timed runs of a cell take together, such as 1s [default: 0.2s]
+    #[arg(long, value_name = "T", conflicts_with = "repeat")]
+    pub(crate) min_time: Option<Seconds>,
+
+    /// Time after which no timed run of a cell starts, such as 1m [default: 20s; 1s for the
+    /// built-in suite]
+    #[arg(long, value_name = "T", conflicts_with = "repeat")]
+    pub(crate) max_time: Option<Seconds>,
+
+    /// Untimed runs of each cell before the timed ones [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(..=i64::from(MOST_RUNS)))]
+    pub(crate) warmup: Option<u32>,
+
+    /// What answers must agree with: an algorithm, certificate (mmp with a proof of its distances),
+    /// none, file (MODEL.sSOURCE.csv beside the model or in a folder named expected there or beside
+    /// its folder), or the path of such a file
+    /// [default: mmp-fast if it runs, else the first exact algorithm]
+    #[arg(long, value_name = "REF")]
+    pub(crate) check: Option<String>,
+
+    /// Largest relative difference that passes [default: 1e-9]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = tolerance)]
+    pub(crate) tolerance: Option<f64>,
+
+    /// Seed of the order in which the algorithms take turns [default: 1]
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+
+    /// Threads of the parallel algorithms (pvtp, pch), of the set-up of svg, and of outside programs
+    /// whose command has {threads} [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = threads())]
+    pub(crate) threads: Option<u32>,
+
+    /// Instructions of every algorithm: auto (the widest of the processor), scalar, avx2 or avx512;
+    /// narrower ones where the processor lacks them. Distances and counts do not depend on it
+    /// [default: auto; scalar for the papers' algorithms without --algo and --config]
+    #[arg(long, value_name = "SIMD")]
+    pub(crate) simd: Option<SimdChoice>,
+
+    /// Cells that run at the same time; more than 1 disturbs the times, and tables and files say so
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
+    pub(crate) jobs: u32,
+
+    #[command(flatten)]
+    pub(crate) isolation: IsolationOptions,
+
+    /// Rows of tables: time, propagated and any other counter, generated, valid, ...; separated by
+    /// commas [default: time, propagations and two measures of memory]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = row)]
+    pub(crate) rows: Option<Vec<String>>,
+
+    /// Show the ratio of each algorithm to this one as well; of times, the median of the ratios run
+    /// by run
+    #[arg(long, value_name = "A", value_parser = registry::select_one)]
+    pub(crate) ratios_to: Option<Selection>,
+
+    #[command(flatten)]
+    pub(crate) extras: ExtraOptions,
+
+    /// What goes to standard output
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+
+    /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) csv_rows: CsvOptions,
+
+    /// Journal that notes every run as it ends; runs that it holds are not repeated, so the same
+    /// command continues where it was interrupted
+    #[arg(long, value_name = "FILE")]
+    pub(crate) resume: Option<PathBuf>,
+
+    /// Result file (.json) to add to; it keeps its cells and gets the others of this run, and the
+    /// timed runs that a cell lacks
+    #[arg(long, value_name = "FILE", conflicts_with = "shard")]
+    pub(crate) add_to: Option<PathBuf>,
+
+    /// Run only part I of N of the plan, such as 2/3; every machine splits alike, and `geobench
+    /// merge` joins the parts
+    #[arg(long, value_name = "I/N")]
+    pub(crate) shard: Option<Shard>,
+
+    /// Print no progress and no warnings
+    #[arg(long)]
+    pub(crate) quiet: bool,
+
+    /// Show no progress bar
+    #[arg(long)]
+    pub(crate) no_progress: bool,
+}
+
+/// Where runs start.
+#[derive(Args, Debug)]
+pub(crate) struct RunSourceOptions {
+    /// Sources: first, a vertex number, random:N[,seed=S], all, edge:A-B,T (from vertex A the
+    /// fraction T of the way to B), face:F,U,V,W (barycentric coordinates), at:X,Y,Z (the nearest
+    /// point), or a list of these; may be repeated [default: first]
+    #[arg(long, value_name = "SRC", allow_negative_numbers = true)]
+    pub(crate) source: Vec<SourceSpec>,
+
+    /// Run once from all sources together, with distances from the nearest, not once from each
+    #[arg(long)]
+    pub(crate) sources_together: bool,
+}
+
+impl RunSourceOptions {
+    /// All given sources as one list; `None` if none are given.
+    pub(crate) fn sources(&self) -> Result<Option<SourceSpec>, UsageError> {
+        if self.source.is_empty() {
+            return Ok(None);
+        }
+        SourceSpec::of_all(self.source.iter().cloned()).map(Some)
+    }
+}
+
+/// Which models of a suite.
+#[derive(Args, Debug)]
+pub(crate) struct ScaleOptions {
+    /// Directory of models that replace the stand-ins of the suite with the same names
+    #[arg(
+        long = "models",
+        value_name = "DIR",
+        requires = "config",
+        conflicts_with = "models"
+    )]
+    pub(crate) library: Option<PathBuf>,
+
+    /// Run the suite in the sizes of the paper, which takes hours and a large machine
+    #[arg(long, requires = "config")]
+    pub(crate) full: bool,
+}
+
+/// What is found out beside the usual figures.
+#[derive(Args, Debug)]
+pub(crate) struct ExtraOptions {
+    /// Keep samples of the wavefront of each counted run, for the plots of `geobench report`
+    #[arg(long)]
+    pub(crate) wavefront: bool,
+
+    /// Count the instructions of one solve of each cell under Valgrind, which takes some fifty times
+    /// as long as the solve (row `instructions`)
+    #[arg(long)]
+    pub(crate) instructions: bool,
+}
+
+pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     options.isolation.check(options.jobs)?;
     let Plans { plans, notes } = possible_plans(options)?;
     let (format, outputs) = self::outputs(options)?;
@@ -133,7 +323,7 @@ fn cells(plans: &[Plan]) -> usize {
 }
 
 /// Counts of the cells of a plan by result.
-pub(super) struct Tally {
+pub(crate) struct Tally {
     cells: usize,
     failed: usize,
     refused: usize,
@@ -142,7 +332,7 @@ pub(super) struct Tally {
 impl Tally {
     /// Counts `cells` by result. If they are `checked`, a cell without a comparison counts as
     /// failed.
-    pub(super) fn of<'c>(checked: bool, cells: impl IntoIterator<Item = &'c Cell>) -> Self {
+    pub(crate) fn of<'c>(checked: bool, cells: impl IntoIterator<Item = &'c Cell>) -> Self {
         let mut tally = Self {
             cells: 0,
             failed: 0,
@@ -164,7 +354,7 @@ impl Tally {
 
 /// The verdict on all cells. Failed cells take precedence over refused models. Prints the number of
 /// failed cells.
-pub(super) fn verdict(tallies: &[Tally]) -> Verdict {
+pub(crate) fn verdict(tallies: &[Tally]) -> Verdict {
     let sum = |of: fn(&Tally) -> usize| tallies.iter().map(of).sum::<usize>();
     let failed = sum(|tally| tally.failed);
     if failed > 0 {
@@ -238,7 +428,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
 /// # Errors
 ///
 /// If a setting is invalid, or if there is nothing to run.
-pub(super) fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
+pub(crate) fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let Plans {
         mut plans,
         mut notes,
@@ -442,27 +632,27 @@ fn open_journal(
 
 /// Shows progress, and prints and stores the results of each finished model, so that a killed run
 /// loses only unfinished models.
-pub(super) struct Reporter {
-    pub(super) progress: Progress,
-    pub(super) format: Format,
-    pub(super) look: Look,
+pub(crate) struct Reporter {
+    pub(crate) progress: Progress,
+    pub(crate) format: Format,
+    pub(crate) look: Look,
     /// Whether to count instructions.
-    pub(super) instructions: bool,
+    pub(crate) instructions: bool,
     /// The goal of the runs of the current group.
-    pub(super) goal: GoalSpec,
+    pub(crate) goal: GoalSpec,
     /// The limit of decompression of the current group.
-    pub(super) decompressed: DecompressionLimit,
+    pub(crate) decompressed: DecompressionLimit,
     /// Whether to suppress the warnings about successful cells and about the earlier file.
-    pub(super) quiet: bool,
-    pub(super) outputs: Vec<(Format, OutputFile)>,
-    pub(super) result: ResultFile,
+    pub(crate) quiet: bool,
+    pub(crate) outputs: Vec<(Format, OutputFile)>,
+    pub(crate) result: ResultFile,
     /// Name and contents of the file of `--add-to`.
-    pub(super) earlier: Option<(String, ResultFile)>,
+    pub(crate) earlier: Option<(String, ResultFile)>,
 }
 
 impl Reporter {
     /// Starts the group of `plan`: adds its record and prints its heading.
-    pub(super) fn begin(&mut self, plan: &Plan) -> anyhow::Result<()> {
+    pub(crate) fn begin(&mut self, plan: &Plan) -> anyhow::Result<()> {
         let Limits {
             timeout,
             memory,
@@ -484,7 +674,7 @@ impl Reporter {
     }
 
     /// Ends a group: prints its table of ratios.
-    pub(super) fn end(&mut self, group: &GroupRecord) -> anyhow::Result<()> {
+    pub(crate) fn end(&mut self, group: &GroupRecord) -> anyhow::Result<()> {
         let look = self.look;
         self.show(&table::ratio_table(group, &self.result, look))
     }
@@ -518,7 +708,7 @@ impl Reporter {
     ///
     /// If one of them cannot be written. The results are then saved in a temporary file, which the
     /// error names.
-    pub(super) fn store_all(&mut self) -> anyhow::Result<ResultFile> {
+    pub(crate) fn store_all(&mut self) -> anyhow::Result<ResultFile> {
         self.note_time();
         let mut failed = Vec::new();
         let Joined { file: whole, notes } = self.whole()?;
@@ -692,6 +882,6 @@ fn rescue(json: &str) -> String {
 }
 
 /// The current time, RFC 3339 in UTC.
-pub(super) fn now() -> String {
+pub(crate) fn now() -> String {
     humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
 }

@@ -9,25 +9,25 @@ use geobench_harness::schema::result_file;
 use geobench_report::history::pool as rounds;
 use geobench_report::table::Format;
 
-use super::Verdict;
+use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
-pub(super) struct PoolOptions {
+pub(crate) struct PoolOptions {
     /// Result files (.json) of the rounds, in the order in which they were run
     #[arg(value_name = "ROUND", required = true)]
-    pub(super) rounds: Vec<PathBuf>,
+    pub(crate) rounds: Vec<PathBuf>,
 
     /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
-    pub(super) output: Vec<PathBuf>,
+    pub(crate) output: Vec<PathBuf>,
 
     /// Text that the files of both versions share; `compare` then pairs sample i of the one with
     /// sample i of the other
     #[arg(long, value_name = "ID")]
-    pub(super) pairing: Option<String>,
+    pub(crate) pairing: Option<String>,
 }
 
-pub(super) fn pool(options: &PoolOptions) -> anyhow::Result<Verdict> {
+pub(crate) fn pool(options: &PoolOptions) -> anyhow::Result<Verdict> {
     let outputs = output::prepare::<Format>(&options.output)?;
     for (i, round) in options.rounds.iter().enumerate() {
         if options.rounds[..i].contains(round) {

@@ -1,9 +1,10 @@
 //! `geobench isolines`.
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use clap::Args;
 use geobench_export::FileFormat;
 use geobench_export::isolines::{IsolineFormat, IsolineSet};
 use geobench_export::output::check_not_read;
@@ -13,10 +14,64 @@ use geobench_harness::measure::number::counted;
 use geobench_isolines::{DistanceField, Isoline};
 use geobench_window::precision;
 
-use super::Verdict;
-use super::args::IsolinesOptions;
-use super::points::Points;
-use super::terminal;
+use crate::args::MODELS_HELP;
+use crate::isolation::ReadingOptions;
+use crate::points::{Points, SourcesOptions};
+use crate::terminal;
+use crate::verdict::Verdict;
+
+#[derive(Args, Debug)]
+#[command(
+    after_help = MODELS_HELP,
+    group(clap::ArgGroup::new("wanted").required(true).args(["every", "levels"])),
+)]
+pub(crate) struct IsolinesOptions {
+    /// The model
+    #[arg(value_name = "MODEL")]
+    model: String,
+
+    #[command(flatten)]
+    sources: SourcesOptions,
+
+    /// Isolines at all multiples of this distance
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = positive_distance)]
+    every: Option<f64>,
+
+    /// Isolines at these distances, separated by commas
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        value_parser = positive_distance
+    )]
+    levels: Vec<f64>,
+
+    /// How far the chords of lines may be from their arcs, in .obj, .ply, .vtk, .svg and .png
+    /// [default: a ten thousandth of the size of the model]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = positive_distance)]
+    tolerance: Option<f64>,
+
+    #[command(flatten)]
+    reading: ReadingOptions,
+
+    /// File to write, by its ending: .json has the arcs; .obj, .ply and .vtk lines; .svg and .png a
+    /// picture of the model
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+
+    /// Print no summary
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Parses a distance above 0.
+fn positive_distance(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(distance) if distance > 0.0 && distance.is_finite() => Ok(distance),
+        _ => Err("give a distance above 0".to_owned()),
+    }
+}
 
 /// Maximum number of isolines for which the summary has a line each.
 const LINES: usize = 20;
@@ -30,7 +85,7 @@ const GAP: f64 = 1e-6;
 /// Default of `--tolerance`, relative to the diagonal of the bounding box of the model.
 const TOLERANCE: f64 = 1e-4;
 
-pub(super) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
+pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let (format, output) = IsolineFormat::output(&options.output)?;
     let model = model::only(&options.model)?;
     check_not_read(&[&output], &[&model.path])?;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
-use clap::{Args, Parser};
+use clap::{Args, Command, FromArgMatches};
 use geobench_export::escape::shell;
 use geobench_harness::exec::expected::{Expected, stored_files};
 use geobench_harness::exec::model::ModelRef;
@@ -16,10 +16,10 @@ use geobench_harness::run::cluster::{
 use geobench_report::table::terminal::listing;
 use geobench_report::table::{Column, Entry, Look, Table};
 
-use super::args::{Arguments, Command, RunOptions};
-use super::run::{now, possible_plans};
-use super::terminal;
-use super::{Verdict, in_one_line};
+use super::run::{RunOptions, now, possible_plans};
+use crate::args::in_one_line;
+use crate::terminal;
+use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
 #[command(
@@ -32,54 +32,54 @@ use super::{Verdict, in_one_line};
     clippy::struct_excessive_bools,
     reason = "each is an option of its own"
 )]
-pub(super) struct ClusterOptions {
+pub(crate) struct ClusterOptions {
     /// Suite file
     #[arg(long, value_name = "SUITE.toml")]
-    pub(super) config: Option<PathBuf>,
+    pub(crate) config: Option<PathBuf>,
 
     /// Number of parts, each of which is a job
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub(super) shards: Option<u32>,
+    pub(crate) shards: Option<u32>,
 
     /// Partition of the cluster [default: that of Slurm]
     #[arg(long, value_name = "P")]
-    pub(super) partition: Option<String>,
+    pub(crate) partition: Option<String>,
 
     /// Keep other jobs off a node while a part runs there
     #[arg(long)]
-    pub(super) exclusive: bool,
+    pub(crate) exclusive: bool,
 
     /// Time limit of each part [default: all its runs at their time limit]
     #[arg(long, value_name = "DUR")]
-    pub(super) time: Option<humantime::Duration>,
+    pub(crate) time: Option<humantime::Duration>,
 
     /// Further option of sbatch, such as --sbatch=--account=NAME; may be repeated
     #[arg(long, value_name = "OPTION", allow_hyphen_values = true)]
-    pub(super) sbatch: Vec<String>,
+    pub(crate) sbatch: Vec<String>,
 
     /// Directory of the benchmark, on a file system that the nodes share
     #[arg(short, long, value_name = "DIR")]
-    pub(super) output: PathBuf,
+    pub(crate) output: PathBuf,
 
     /// Show which parts are done, wait, run or have failed
     #[arg(long, conflicts_with_all = ["resume", "config", "shards", "run"])]
-    pub(super) status: bool,
+    pub(crate) status: bool,
 
     /// Submit the parts that have failed again; --time, --partition, --exclusive and --sbatch replace
     /// those of before
     #[arg(long, conflicts_with_all = ["config", "shards", "run"])]
-    pub(super) resume: bool,
+    pub(crate) resume: bool,
 
     /// Write the scripts and print the commands that would submit them
     #[arg(long, conflicts_with_all = ["status", "resume"])]
-    pub(super) no_submit: bool,
+    pub(crate) no_submit: bool,
 
     /// Models and options of `geobench run`
     #[arg(last = true, value_name = "RUN OPTIONS")]
-    pub(super) run: Vec<String>,
+    pub(crate) run: Vec<String>,
 }
 
-pub(super) fn cluster(options: &ClusterOptions, look: Look) -> anyhow::Result<Verdict> {
+pub(crate) fn cluster(options: &ClusterOptions, look: Look) -> anyhow::Result<Verdict> {
     let directory = ClusterDirectory::new(&options.output)?;
     if options.status {
         return status(&directory, look);
@@ -180,12 +180,11 @@ fn in_shell(options: &[String]) -> String {
 /// Parses the arguments of the `run` command of the parts. Rejects options that are set for each
 /// part separately.
 fn run_options(words: &[String]) -> anyhow::Result<RunOptions> {
-    let all = std::iter::once("geobench").chain(words.iter().map(String::as_str));
-    let arguments = Arguments::try_parse_from(all)
-        .map_err(|error| anyhow!("the options of `run`: {}", in_one_line(&error)))?;
-    let Command::Run(options) = arguments.command else {
-        bail!("give the options of `run` after --, without a command");
-    };
+    let command = RunOptions::augment_args(Command::new("geobench run"));
+    let matches = command.try_get_matches_from(words);
+    let options = matches.and_then(|matches| RunOptions::from_arg_matches(&matches));
+    let options =
+        options.map_err(|error| anyhow!("the options of `run`: {}", in_one_line(&error)))?;
     options.isolation.check(options.jobs)?;
     let taken = [
         ("--shard", options.shard.is_some()),
@@ -201,7 +200,7 @@ fn run_options(words: &[String]) -> anyhow::Result<RunOptions> {
     if let Some((name, _)) = taken.iter().find(|(_, given)| *given) {
         bail!("{name}: each part has one of its own; leave it out");
     }
-    Ok(*options)
+    Ok(options)
 }
 
 /// The files that the parts read: the suite, the models, and those that options name.

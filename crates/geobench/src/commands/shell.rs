@@ -1,41 +1,44 @@
 //! `geobench completions` and `geobench man`, both generated from the clap definition.
 
 use anyhow::bail;
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 
-use super::Verdict;
-use super::args::Arguments;
-use super::terminal;
+use crate::terminal;
+use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
 #[command(
     after_help = "For bash: geobench completions bash > ~/.local/share/bash-completion/completions/geobench"
 )]
-pub(super) struct CompletionsOptions {
+pub(crate) struct CompletionsOptions {
     /// The shell
     #[arg(value_name = "SHELL", value_enum)]
-    pub(super) shell: clap_complete::Shell,
+    pub(crate) shell: clap_complete::Shell,
 }
 
 #[derive(Args, Debug)]
 #[command(after_help = "To read it: geobench man run | man -l -")]
-pub(super) struct ManOptions {
+pub(crate) struct ManOptions {
     /// The command; without one, the page of the program, which lists all commands
     #[arg(value_name = "COMMAND")]
-    pub(super) command: Option<String>,
+    pub(crate) command: Option<String>,
 }
 
 const NAME: &str = "geobench";
 
-pub(super) fn completions(options: &CompletionsOptions) -> anyhow::Result<Verdict> {
+/// `program` is the definition of the command line.
+pub(crate) fn completions(
+    options: &CompletionsOptions,
+    mut program: Command,
+) -> anyhow::Result<Verdict> {
     let mut script = Vec::new();
-    clap_complete::generate(options.shell, &mut Arguments::command(), NAME, &mut script);
+    clap_complete::generate(options.shell, &mut program, NAME, &mut script);
     terminal::print_rendered(&String::from_utf8(script)?)?;
     Ok(Verdict::Passed)
 }
 
-pub(super) fn man(options: &ManOptions) -> anyhow::Result<Verdict> {
-    let mut program = Arguments::command();
+/// `program` is the definition of the command line.
+pub(crate) fn man(options: &ManOptions, mut program: Command) -> anyhow::Result<Verdict> {
     // `build` sets the names of the pages, such as `geobench-run`, and adds the global options to
     // each command.
     program.build();

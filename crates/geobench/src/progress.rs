@@ -8,13 +8,13 @@ use geobench_harness::exec::{Pass, Step};
 use geobench_harness::schema::Status;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-use super::terminal;
+use crate::terminal;
 
 /// A row for the current model and source, and below it a bar over all runs. Drawing happens only
 /// in calls, which come between runs, so it does not disturb timed runs. There is no drawing
 /// thread, and child processes do not draw.
 #[derive(Debug)]
-pub(super) struct Progress {
+pub(crate) struct Progress {
     bar: ProgressBar,
     /// Number of runs started or skipped.
     started: usize,
@@ -27,7 +27,7 @@ pub(super) struct Progress {
 impl Progress {
     /// Progress over `runs` runs. Nothing is drawn unless `shown` and standard error is a terminal
     /// that can redraw lines.
-    pub(super) fn new(runs: usize, shown: bool) -> Self {
+    pub(crate) fn new(runs: usize, shown: bool) -> Self {
         Self::on(
             if shown && terminal::standard_error_can_move() {
                 ProgressDrawTarget::stderr()
@@ -60,12 +60,12 @@ impl Progress {
     }
 
     /// Shows that a model is being loaded.
-    pub(super) fn loading(&mut self, model: &str) {
+    pub(crate) fn loading(&mut self, model: &str) {
         self.draw(&format!("loading {model}"));
     }
 
     /// Shows the run that is about to start.
-    pub(super) fn step(&mut self, step: &Step<'_>) {
+    pub(crate) fn step(&mut self, step: &Step<'_>) {
         self.turn_to(step);
         let pass = match step.pass {
             Pass::Warmup => "warming up",
@@ -83,7 +83,7 @@ impl Progress {
     }
 
     /// Stores the result of a run, which the next drawn row shows.
-    pub(super) fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
+    pub(crate) fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
         self.turn_to(step);
         let result = match outcome {
             Ok(Some(seconds)) if step.pass == Pass::Time => {
@@ -101,12 +101,12 @@ impl Progress {
     }
 
     /// Shows that the instructions of an algorithm are being counted.
-    pub(super) fn counting_instructions(&mut self, model: &str, algorithm: &str) {
+    pub(crate) fn counting_instructions(&mut self, model: &str, algorithm: &str) {
         self.draw(&format!("{model}: counting instructions of {algorithm}"));
     }
 
     /// Counts `runs` runs that are not executed.
-    pub(super) fn skip(&mut self, runs: usize) {
+    pub(crate) fn skip(&mut self, runs: usize) {
         self.started = self.started.saturating_add(runs);
         // Skipped runs take no time, so the estimate of the remaining time starts anew.
         self.bar.update(|state| state.set_pos(self.started as u64));
@@ -114,12 +114,12 @@ impl Progress {
     }
 
     /// Adds runs to the total that were not planned.
-    pub(super) fn more(&mut self, runs: usize) {
+    pub(crate) fn more(&mut self, runs: usize) {
         self.bar.inc_length(runs as u64);
     }
 
     /// Clears row and bar while `work` writes to the terminal.
-    pub(super) fn suspend<T>(&mut self, work: impl FnOnce() -> T) -> T {
+    pub(crate) fn suspend<T>(&mut self, work: impl FnOnce() -> T) -> T {
         self.bar.suspend(work)
     }
 

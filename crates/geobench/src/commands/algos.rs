@@ -8,24 +8,24 @@ use geobench_report::table::{Column, Entry, Look, Table};
 use geobench_window::{Counter, Counters};
 use serde::Serialize;
 
-use super::Verdict;
-use super::args::{self, Algorithms, ListFormat};
-use super::terminal;
+use crate::args::{self, Algorithms, ListFormat};
+use crate::terminal;
+use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
-pub(super) struct AlgosOptions {
+pub(crate) struct AlgosOptions {
     /// Algorithms to describe in full: by name, by family, or exact, or all; separated by commas.
     /// Without any, one line for each of all, and which one to take
     #[arg(value_name = "LIST", value_parser = args::algorithms)]
-    pub(super) list: Option<Algorithms>,
+    pub(crate) list: Option<Algorithms>,
 
     /// List the counters of result files instead, each with its definition
     #[arg(long, conflicts_with = "list")]
-    pub(super) counters: bool,
+    pub(crate) counters: bool,
 
     /// How to list them
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(super) format: ListFormat,
+    pub(crate) format: ListFormat,
 }
 
 /// The recommended algorithm for each use, as in `docs/algorithms`.
@@ -54,7 +54,7 @@ const ADVICE: [(&str, &str); 7] = [
 /// Width in columns of the output if that is not a terminal.
 const WIDTH: usize = 80;
 
-pub(super) fn algos(options: &AlgosOptions, look: Look) -> anyhow::Result<Verdict> {
+pub(crate) fn algos(options: &AlgosOptions, look: Look) -> anyhow::Result<Verdict> {
     let show = |table: &Table, width| {
         let width = look.width.or(width);
         listing(table, Look { width, ..look })

@@ -4,13 +4,15 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
-use geobench_export::output;
+use geobench_export::{json_lines, output};
 use geobench_harness::schema::result_file;
 use geobench_report::history::compare::{self as comparing, BaselineComparisons, Rules};
-use geobench_report::table::{ComparisonFormat, Look};
+use geobench_report::history::{gate, records};
+use geobench_report::table::{self, ComparisonFormat, Look};
 
-use super::terminal;
-use super::{Verdict, history};
+use crate::git::git;
+use crate::terminal;
+use crate::verdict::Verdict;
 
 /// Help text of `compare` on rules.
 const RULES_HELP: &str = "A rule is NAME=LIMIT, such as time=10%,propagated=0,heap_peak_bytes=5%. `time` is broken if the \
@@ -23,37 +25,37 @@ const RULES_HELP: &str = "A rule is NAME=LIMIT, such as time=10%,propagated=0,he
 
 #[derive(Args, Debug)]
 #[command(after_help = RULES_HELP)]
-pub(super) struct CompareOptions {
+pub(crate) struct CompareOptions {
     /// Result files (.json), the older ones first; with --against the directory of a history
     #[arg(value_name = "FILE", required = true)]
-    pub(super) files: Vec<PathBuf>,
+    pub(crate) files: Vec<PathBuf>,
 
     /// The file that counts as 1 [default: the first]
     #[arg(long, value_name = "FILE", conflicts_with = "against")]
-    pub(super) baseline: Option<PathBuf>,
+    pub(crate) baseline: Option<PathBuf>,
 
     /// Compare the newest record of a history with those of these commits, such as main~10..main;
     /// the noise of a time is that from commit to commit
     #[arg(long, value_name = "RANGE", conflicts_with = "output")]
-    pub(super) against: Option<String>,
+    pub(crate) against: Option<String>,
 
     /// What counts as a regression, separated by commas; without any, only a cell that does not end
     /// well any more
     #[arg(long, value_name = "RULES")]
-    pub(super) fail_on: Option<Rules>,
+    pub(crate) fail_on: Option<Rules>,
 
     /// What goes to standard output
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ComparisonFormat::Table)]
-    pub(super) format: ComparisonFormat,
+    pub(crate) format: ComparisonFormat,
 
     /// File to write as well, by its ending: .json, .md or .txt; may be repeated
     #[arg(short, long, value_name = "FILE")]
-    pub(super) output: Vec<PathBuf>,
+    pub(crate) output: Vec<PathBuf>,
 }
 
-pub(super) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Verdict> {
+pub(crate) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Verdict> {
     if let Some(range) = &options.against {
-        return history::against(options, range, look);
+        return against(options, range, look);
     }
     let outputs = output::prepare::<ComparisonFormat>(&options.output)?;
     let mut paths = options.files.clone();
@@ -88,4 +90,25 @@ pub(super) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Ve
         terminal::print_rendered(&render(options.format, look)?)?;
     }
     Ok(Verdict::of(!is_worse))
+}
+
+/// `compare --against`: compares the newest record of a history with those of a range of commits.
+fn against(options: &CompareOptions, range: &str, look: Look) -> anyhow::Result<Verdict> {
+    let [history] = &options.files[..] else {
+        bail!("--against compares within one history; give its directory alone");
+    };
+    let records = records::read_all(history)?;
+    let Some(commits) = git(&["rev-list", "--end-of-options", range]) else {
+        bail!("--against {range}: not a range of commits of the git repository here");
+    };
+    let commits: Vec<String> = commits.lines().map(str::to_owned).collect();
+    let rules = options.fail_on.clone().unwrap_or_default();
+    let gate = gate::gate(&records, &commits, &rules)?;
+    let table = || table::gate(&gate, look);
+    terminal::print_rendered(&match options.format {
+        ComparisonFormat::Json => json_lines(&gate)?,
+        ComparisonFormat::Table => table(),
+        ComparisonFormat::Markdown => format!("```text\n{}```\n", table()),
+    })?;
+    Ok(Verdict::of(!gate.is_worse()))
 }

@@ -1,10 +1,11 @@
 //! `geobench remesh`.
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, bail};
+use clap::{Args, value_parser};
 use geobench_export::diagrams;
 use geobench_export::ending_of;
 use geobench_export::output::{OutputFile, check_distinct, check_not_read};
@@ -14,9 +15,47 @@ use geobench_mesh::io as mesh_io;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_voronoi::{Deviation, Quality, RemeshOptions as Sites, Remeshed};
 
-use super::Verdict;
-use super::args::RemeshOptions;
-use super::{generate, terminal};
+use super::generate;
+use crate::args::MODELS_HELP;
+use crate::isolation::ReadingOptions;
+use crate::terminal;
+use crate::verdict::Verdict;
+
+#[derive(Args, Debug)]
+#[command(after_help = MODELS_HELP)]
+pub(crate) struct RemeshOptions {
+    /// The model
+    #[arg(value_name = "MODEL")]
+    model: String,
+
+    /// Number of vertices of the new mesh; a few more are added where needed
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
+    sites: u32,
+
+    /// Steps of Lloyd's algorithm, each of which moves the sites to the centres of their cells
+    #[arg(long, value_name = "K", default_value_t = 5, value_parser = value_parser!(u32).range(..=1000))]
+    lloyd: u32,
+
+    /// Draws the first site
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    seed: u64,
+
+    #[command(flatten)]
+    reading: ReadingOptions,
+
+    /// Mesh to write: .obj, .ply, .off or .stl, each also .gz
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+
+    /// Picture to write as well, .svg or .png: the model with the cells of the sites, and the new
+    /// mesh beside it
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+
+    /// No summary
+    #[arg(long)]
+    quiet: bool,
+}
 
 /// Number of sample points on each surface for its distance from the other one.
 const SAMPLES: usize = 100_000;
@@ -24,7 +63,7 @@ const SAMPLES: usize = 100_000;
 /// Colour of the faces of the new mesh in the picture, RGB.
 const PLAIN: [u8; 3] = [222, 226, 233];
 
-pub(super) fn remesh(options: &RemeshOptions) -> anyhow::Result<Verdict> {
+pub(crate) fn remesh(options: &RemeshOptions) -> anyhow::Result<Verdict> {
     let ending = generate::ending(&options.output)?;
     let output = OutputFile::prepare(&options.output)?;
     let picture = match &options.picture {

@@ -1,0 +1,82 @@
+//! The hidden command that callgrind runs: one solve, whose instructions are counted.
+
+use clap::Args;
+use geobench_harness::exec::goal::GoalSpec;
+use geobench_harness::exec::model;
+use geobench_harness::exec::source::{Locator, SourceSpec, TargetSpec};
+use geobench_harness::measure::instructions;
+
+use crate::isolation::DecompressionOptions;
+
+#[derive(Args, Debug)]
+pub(crate) struct CountOneSolveOptions {
+    model: String,
+    algorithm: String,
+    source: SourceSpec,
+    /// The targets; all vertices without any
+    #[arg(long, allow_negative_numbers = true)]
+    target: Option<TargetSpec>,
+    /// The largest distance asked for
+    #[arg(long)]
+    radius: Option<f64>,
+    /// The widest instructions to use
+    #[arg(long)]
+    simd: Option<String>,
+    #[command(flatten)]
+    decompression: DecompressionOptions,
+}
+
+/// The hidden command that callgrind runs: one solve, whose instructions are counted.
+pub(crate) fn count_one_solve(options: &CountOneSolveOptions) -> anyhow::Result<()> {
+    let selection = instructions::announce(&options.algorithm, options.simd.as_deref())?;
+    let mesh = model::only(&options.model)?.mesh_within(options.decompression.limit())?;
+    let sources = options.source.points(mesh.vertex_count())?;
+    let goal = GoalSpec {
+        targets: options.target.clone(),
+        radius: options.radius,
+    };
+    let targets = goal.points(mesh.vertex_count())?;
+    let mut locator = Locator::new(&mesh);
+    let points = sources.iter().chain(targets.iter().flatten());
+    let points = points.map(|&point| locator.locate(point).map(|found| found.point));
+    let refined = mesh.with_points(&points.collect::<Result<Vec<_>, _>>()?)?;
+    let (from, to) = refined.vertices.split_at(sources.len());
+    let goal = goal.of_solver(targets.is_some().then_some(to));
+    instructions::solve_once(&selection, &refined.mesh, from, &goal)
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Command, FromArgMatches};
+
+    use super::*;
+
+    /// Runs the hidden command that counts instructions, with these arguments.
+    fn count(arguments: &str) -> anyhow::Result<()> {
+        let command = CountOneSolveOptions::augment_args(Command::new("count"));
+        let matches = command
+            .no_binary_name(true)
+            .get_matches_from(arguments.split(' '));
+        count_one_solve(&CountOneSolveOptions::from_arg_matches(&matches)?)
+    }
+
+    #[test]
+    fn one_solve_needs_all_three() {
+        for right in [
+            "gen:cube,n=1 vtp 0",
+            "gen:cube,n=1 vtp 0 --simd scalar",
+            "gen:cube,n=1 vtp 0 --target 7 --radius 0.5",
+        ] {
+            count(right).unwrap();
+        }
+        for wrong in [
+            "gen:cube,n=1 vtp 999",
+            "gen:cube,n=1 vtq 0",
+            "gen:cube,n=1 vtp 0 --simd wide",
+            "gen:cube,n=1 vtp 0 --target 999",
+            "no.obj vtp 0",
+        ] {
+            assert!(count(wrong).is_err(), "{wrong}");
+        }
+    }
+}

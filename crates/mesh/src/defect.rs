@@ -57,7 +57,7 @@ pub enum Defect {
         /// How many vertices there are.
         vertex_count: u32,
     },
-    /// Fatal: a coordinate of a vertex is infinite or not a number.
+    /// Fatal: a coordinate of a vertex of a face is infinite or not a number.
     NonFiniteCoordinate {
         /// The vertex.
         vertex: u32,
@@ -162,6 +162,44 @@ pub enum Defect {
         /// The vertex.
         vertex: u32,
     },
+    /// Noted: a vertex in no face has a coordinate that is infinite or not a number. It is kept, at
+    /// the place of the first corner of the first face.
+    UnplacedVertex {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// Noted: the file departs from its format in a way that has one meaning only.
+    FileForm {
+        /// The first line, counted from 1; 0 in a binary file.
+        line: u64,
+        /// The departure.
+        form: FileForm,
+    },
+}
+
+/// A departure from a file format that has one meaning only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FileForm {
+    /// A vertex has two coordinates; the third is 0.
+    TwoCoordinates,
+    /// Lines have more numbers than the header declares; they are ignored.
+    MoreNumbers,
+    /// The header of a binary STL counts no triangles, but some follow; they are read.
+    NoCount,
+    /// A text STL ends without `endsolid`.
+    NoEnd,
+}
+
+impl fmt::Display for FileForm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::TwoCoordinates => "a vertex has two coordinates; the third is 0",
+            Self::MoreNumbers => "more numbers than the header declares; they are ignored",
+            Self::NoCount => "the header counts no triangles; those that follow are read",
+            Self::NoEnd => "the file ends without endsolid",
+        })
+    }
 }
 
 /// The kind of a [`Defect`], without its elements.
@@ -189,6 +227,8 @@ pub enum DefectKind {
     PinchedVertex,
     SeveralComponents,
     IsolatedVertex,
+    UnplacedVertex,
+    FileForm,
 }
 
 impl Defect {
@@ -215,6 +255,8 @@ impl Defect {
             Self::PinchedVertex { .. } => DefectKind::PinchedVertex,
             Self::SeveralComponents { .. } => DefectKind::SeveralComponents,
             Self::IsolatedVertex { .. } => DefectKind::IsolatedVertex,
+            Self::UnplacedVertex { .. } => DefectKind::UnplacedVertex,
+            Self::FileForm { .. } => DefectKind::FileForm,
         }
     }
 
@@ -246,7 +288,9 @@ impl Defect {
             | Self::FlatFace { face } => [face, 0],
             Self::NonFiniteCoordinate { vertex }
             | Self::PinchedVertex { vertex, .. }
-            | Self::IsolatedVertex { vertex } => [vertex, 0],
+            | Self::IsolatedVertex { vertex }
+            | Self::UnplacedVertex { vertex } => [vertex, 0],
+            Self::FileForm { line, .. } => [(line >> 32) as u32, line as u32],
         };
         (self.kind(), elements)
     }
@@ -275,7 +319,9 @@ impl DefectKind {
             | Self::FlatFace
             | Self::PinchedVertex
             | Self::SeveralComponents
-            | Self::IsolatedVertex => Severity::Noted,
+            | Self::IsolatedVertex
+            | Self::UnplacedVertex
+            | Self::FileForm => Severity::Noted,
         }
     }
 
@@ -302,6 +348,8 @@ impl DefectKind {
             Self::PinchedVertex => "pinched-vertex",
             Self::SeveralComponents => "several-components",
             Self::IsolatedVertex => "isolated-vertex",
+            Self::UnplacedVertex => "unplaced-vertex",
+            Self::FileForm => "file-form",
         }
     }
 }
@@ -323,9 +371,11 @@ impl fmt::Display for Defect {
                 vertex,
                 vertex_count,
             } => write!(f, "face {face} names vertex {vertex} of {vertex_count}"),
-            Self::NonFiniteCoordinate { vertex } | Self::IsolatedVertex { vertex } => {
-                write!(f, "vertex {vertex}")
-            }
+            Self::NonFiniteCoordinate { vertex }
+            | Self::IsolatedVertex { vertex }
+            | Self::UnplacedVertex { vertex } => write!(f, "vertex {vertex}"),
+            Self::FileForm { line: 0, form } => form.fmt(f),
+            Self::FileForm { line, form } => write!(f, "line {line}: {form}"),
             Self::RepeatedVertex { face, vertex } => write!(f, "face {face}: vertex {vertex}"),
             Self::ZeroLengthEdge { vertices, faces }
             | Self::NonManifoldEdge { vertices, faces } => {

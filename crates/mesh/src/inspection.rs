@@ -154,7 +154,11 @@ impl<'a> Inspection<'a> {
             if let Metric::Positions(positions) = self.metric
                 && !positions[vertex as usize].iter().all(|x| x.is_finite())
             {
-                self.defects.push(Defect::NonFiniteCoordinate { vertex });
+                self.defects.push(if seen {
+                    Defect::NonFiniteCoordinate { vertex }
+                } else {
+                    Defect::UnplacedVertex { vertex }
+                });
             }
         }
     }

@@ -55,7 +55,7 @@ pub mod tolerance;
 mod validate;
 pub mod vector;
 
-pub use defect::{Defect, DefectKind, LONGEST_EDGE, SHORTEST_EDGE, Severity};
+pub use defect::{Defect, DefectKind, FileForm, LONGEST_EDGE, SHORTEST_EDGE, Severity};
 pub use disjoint_sets::DisjointSets;
 pub use frames::FaceShapes;
 pub use ids::{FaceId, HalfEdgeId, VertexId};

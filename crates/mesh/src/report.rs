@@ -195,6 +195,14 @@ fn headline(kind: DefectKind, count: usize) -> String {
             "vertex is in no face and cannot be reached",
             "vertices are in no face and cannot be reached",
         ),
+        DefectKind::UnplacedVertex => (
+            "vertex in no face has no finite position and is put at a corner of the first face",
+            "vertices in no face have no finite position and are put at a corner of the first face",
+        ),
+        DefectKind::FileForm => (
+            "departure from the file's format",
+            "departures from the file's format",
+        ),
     };
     format!("{count} {}", if count == 1 { one } else { many })
 }
@@ -202,7 +210,9 @@ fn headline(kind: DefectKind, count: usize) -> String {
 /// The remedy for defects of this kind.
 fn advice(kind: DefectKind) -> String {
     match kind {
-        DefectKind::NoVertices | DefectKind::ShortFace => "check that the file is complete",
+        DefectKind::NoVertices | DefectKind::ShortFace | DefectKind::FileForm => {
+            "check that the file is complete"
+        }
         DefectKind::NoFaces => "distances need a surface: triangulate the points first",
         DefectKind::TooLarge => "split or simplify the model",
         DefectKind::LengthCount => "give three lengths for each triangle",
@@ -227,7 +237,8 @@ fn advice(kind: DefectKind) -> String {
         | DefectKind::FlatFace
         | DefectKind::PinchedVertex
         | DefectKind::SeveralComponents
-        | DefectKind::IsolatedVertex => "",
+        | DefectKind::IsolatedVertex
+        | DefectKind::UnplacedVertex => "",
     }
     .to_owned()
 }

@@ -1,5 +1,7 @@
 //! Triangles from a file or a generator, unchecked.
 
+use crate::defect::Defect;
+
 /// Vertex positions and triangles, unchecked.
 ///
 /// `positions[i]` is the position of vertex `i` of the file. Triangles may name vertices that do
@@ -23,8 +25,8 @@ pub struct TriangleSoup {
     /// For each triangle, the number of the face in the file from which it was cut. Empty if every
     /// face of the file is a triangle.
     pub file_faces: Vec<u32>,
-    /// The numbers of the file's faces with fewer than three corners, which have no triangle.
-    pub short_faces: Vec<u32>,
+    /// What reading has left out or filled in, all [noted](crate::Severity::Noted).
+    pub notes: Vec<Defect>,
 }
 
 impl TriangleSoup {
@@ -34,7 +36,7 @@ impl TriangleSoup {
             positions,
             triangles,
             file_faces: Vec::new(),
-            short_faces: Vec::new(),
+            notes: Vec::new(),
         }
     }
 

@@ -29,22 +29,23 @@ impl Mesh {
             return Self::from_inspected(soup);
         };
         let notes = std::mem::take(&mut sound.notes);
-        let report = Report::new(notes.into_iter().chain(short_faces(&soup)).collect());
+        let report = Report::new(notes.into_iter().chain(soup.notes).collect());
         Ok((sound.into_mesh(soup.positions, soup.triangles), report))
     }
 
     /// As [`from_soup`](Self::from_soup), without the fast path.
-    pub(crate) fn from_inspected(soup: TriangleSoup) -> Result<(Self, Report), InvalidMesh> {
+    pub(crate) fn from_inspected(mut soup: TriangleSoup) -> Result<(Self, Report), InvalidMesh> {
         let mut checked = check(
             soup.positions.len(),
             &soup.triangles,
             Metric::Positions(&soup.positions),
             &soup.file_faces,
         )?;
-        if !soup.short_faces.is_empty() {
+        if !soup.notes.is_empty() {
             let found = std::mem::take(&mut checked.report.defects);
-            checked.report = Report::new(found.into_iter().chain(short_faces(&soup)).collect());
+            checked.report = Report::new(found.into_iter().chain(soup.notes).collect());
         }
+        place_unused_vertices(&mut soup.positions, &soup.triangles);
         Ok(checked.into_mesh(soup.positions, soup.triangles))
     }
 
@@ -77,10 +78,17 @@ impl Mesh {
     }
 }
 
-/// The defects for faces that were left out.
-fn short_faces(soup: &TriangleSoup) -> impl Iterator<Item = Defect> {
-    let faces = soup.short_faces.iter();
-    faces.map(|&face| Defect::ShortFace { face })
+/// Puts the vertices of a sound soup that have no finite position, and so are in no triangle, at
+/// the place of the first corner, so that all positions are finite and the model keeps its size.
+fn place_unused_vertices(positions: &mut [[f64; 3]], triangles: &[[u32; 3]]) {
+    let Some(place) = triangles.first().map(|t| positions[t[0] as usize]) else {
+        return;
+    };
+    for position in positions {
+        if !position.iter().all(|x| x.is_finite()) {
+            *position = place;
+        }
+    }
 }
 
 /// A soup without fatal defects.

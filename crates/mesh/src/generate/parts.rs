@@ -45,7 +45,7 @@ pub(crate) fn cut_into_parts(soup: &TriangleSoup, parts: u32) -> TriangleSoup {
         }
     }
     let mut fine = TriangleSoup::new(positions, Vec::new());
-    fine.short_faces.clone_from(&soup.short_faces);
+    fine.notes.clone_from(&soup.notes);
     let mut next_sound = 0;
     for (t, &triangle) in soup.triangles.iter().enumerate() {
         let before = fine.triangles.len();

@@ -70,7 +70,7 @@ pub(super) fn split(soup: &TriangleSoup) -> TriangleSoup {
         }
     }
     TriangleSoup {
-        short_faces: soup.short_faces.clone(),
+        notes: soup.notes.clone(),
         ..TriangleSoup::new(positions, triangles)
     }
 }

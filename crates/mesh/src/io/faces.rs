@@ -1,7 +1,10 @@
 //! The faces of a file, before they are cut into triangles.
 
+use std::collections::{HashMap, HashSet};
+
 use super::error::Flaw;
-use super::triangulate::{Budget, TooComplex, triangulate};
+use super::triangulate::{Budget, TooComplex, other_cuts, triangulate};
+use crate::defect::{Defect, FileForm};
 use crate::soup::TriangleSoup;
 
 /// Faces with any number of corners, as the file lists them.
@@ -13,6 +16,8 @@ pub(super) struct FaceList {
     corners: Vec<u32>,
     /// Number of corners of each face in `corners`.
     arities: Vec<u32>,
+    /// The first line of each departure from the format.
+    forms: Vec<(u64, FileForm)>,
 }
 
 impl FaceList {
@@ -33,6 +38,18 @@ impl FaceList {
         }
     }
 
+    /// Notes a departure from the format in `line`; 0 in binary data.
+    pub(super) fn note(&mut self, line: u64, form: FileForm) {
+        if self.forms.iter().all(|(_, known)| *known != form) {
+            self.forms.push((line, form));
+        }
+    }
+
+    /// Whether there is no face.
+    pub(super) fn is_empty(&self) -> bool {
+        self.triangles.is_empty() && self.arities.is_empty()
+    }
+
     /// Appends a face.
     pub(super) fn push(&mut self, corners: &[u32]) {
         if self.arities.is_empty() {
@@ -48,16 +65,22 @@ impl FaceList {
     }
 
     /// Cuts every face into triangles. Faces with fewer than three corners are left out:
-    /// `file_faces` still counts them, and `short_faces` lists their numbers.
+    /// `file_faces` still counts them, and the notes have their numbers.
     pub(super) fn into_soup(self, positions: Vec<[f64; 3]>) -> Result<TriangleSoup, Flaw> {
         let mut soup = TriangleSoup::new(positions, self.triangles);
         let mut budget = Budget::for_corners(self.corners.len());
+        let mut short = 0;
+        let notes = self.forms.into_iter();
+        soup.notes
+            .extend(notes.map(|(line, form)| Defect::FileForm { line, form }));
         let mut rest = &self.corners[..];
         for (face, &arity) in self.arities.iter().enumerate() {
             let (corners, next) = rest.split_at(arity as usize);
             rest = next;
-            if arity < 3 {
-                soup.short_faces.push(face as u32);
+            let corners = open(corners);
+            if corners.len() < 3 {
+                short += 1;
+                soup.notes.push(Defect::ShortFace { face: face as u32 });
             }
             triangulate(&soup.positions, corners, &mut soup.triangles, &mut budget).map_err(
                 |TooComplex| {
@@ -69,18 +92,112 @@ impl FaceList {
             )?;
             soup.file_faces.resize(soup.triangles.len(), face as u32);
         }
+        if !self.arities.is_empty() {
+            separate_cuts(&mut soup, &self.corners, &self.arities);
+        }
         match (soup.positions.len(), soup.triangles.len()) {
             (0, 0) => Err(Flaw::file(
                 "there is neither a vertex nor a face in it; is it a file of this format?",
             )),
-            (_, 0) if !soup.short_faces.is_empty() => Err(Flaw::file(format!(
-                "no face in it has three corners or more ({} have fewer); a surface is needed",
-                soup.short_faces.len()
+            (_, 0) if short > 0 => Err(Flaw::file(format!(
+                "no face in it has three corners or more ({short} have fewer); a surface is needed"
             ))),
             (vertices, 0) => Err(Flaw::file(format!(
                 "there is no face in it, only vertices ({vertices}); a surface is needed"
             ))),
             _ => Ok(soup),
+        }
+    }
+}
+
+/// A polygon without the repetition of its first corner at its end, by which some programs close it.
+fn open(mut corners: &[u32]) -> &[u32] {
+    while let [first, .., last] = corners
+        && corners.len() > 3
+        && first == last
+    {
+        corners = &corners[..corners.len() - 1];
+    }
+    corners
+}
+
+/// Cuts polygons anew whose cuts lie along an edge of another face or a cut of another polygon.
+/// There the edge would have more than two faces, although in the file it has not. Two quads around
+/// a vertex with two edges are an example: both may be cut between its neighbours.
+fn separate_cuts(soup: &mut TriangleSoup, corners: &[u32], arities: &[u32]) {
+    let key = |a: u32, b: u32| (u64::from(a.min(b)) << 32) | u64::from(a.max(b));
+    // For each polygon the range of its corners and that of its triangles.
+    let mut polygons = Vec::new();
+    let (mut corner, mut triangle) = (0, 0);
+    for &arity in arities {
+        let all = &corners[corner..corner + arity as usize];
+        let outline = open(all);
+        let count = outline.len().saturating_sub(2);
+        polygons.push((corner..corner + outline.len(), triangle..triangle + count));
+        corner += arity as usize;
+        triangle += count;
+    }
+    let outline_edges = |outline: &[u32]| -> Vec<u64> {
+        let next = outline.iter().cycle().skip(1);
+        outline.iter().zip(next).map(|(&a, &b)| key(a, b)).collect()
+    };
+    let cuts_of = |outline: &[u32], triangles: &[[u32; 3]]| -> Vec<u64> {
+        let edges = outline_edges(outline);
+        let sides = triangles
+            .iter()
+            .flat_map(|&[a, b, c]| [key(a, b), key(b, c), key(c, a)]);
+        let mut cuts: Vec<u64> = sides.filter(|side| !edges.contains(side)).collect();
+        cuts.sort_unstable();
+        cuts.dedup();
+        cuts
+    };
+    // How many polygons are cut along each pair of vertices, and which pairs are edges as well.
+    let mut cuts: HashMap<u64, u32> = HashMap::new();
+    for (outline, triangles) in &polygons {
+        if outline.len() > 3 {
+            for cut in cuts_of(
+                &corners[outline.clone()],
+                &soup.triangles[triangles.clone()],
+            ) {
+                *cuts.entry(cut).or_default() += 1;
+            }
+        }
+    }
+    let mut edges = HashSet::new();
+    for (outline, _) in &polygons {
+        let found = outline_edges(&corners[outline.clone()]).into_iter();
+        edges.extend(found.filter(|edge| cuts.contains_key(edge)));
+    }
+    if edges.is_empty() && cuts.values().all(|&polygons| polygons == 1) {
+        return;
+    }
+    // All edges of the polygons concerned matter for the new cuts.
+    let all_edges: HashSet<u64> = (polygons.iter())
+        .flat_map(|(outline, _)| outline_edges(&corners[outline.clone()]))
+        .collect();
+    for (outline, range) in &polygons {
+        let outline = &corners[outline.clone()];
+        if outline.len() < 4 {
+            continue;
+        }
+        let old = cuts_of(outline, &soup.triangles[range.clone()]);
+        if old.iter().all(|cut| cuts[cut] == 1 && !edges.contains(cut)) {
+            continue;
+        }
+        for cut in &old {
+            cuts.entry(*cut).and_modify(|polygons| *polygons -= 1);
+        }
+        let is_free = |triangles: &Vec<[u32; 3]>| {
+            let new = cuts_of(outline, triangles);
+            new.iter()
+                .all(|cut| !all_edges.contains(cut) && cuts.get(cut).is_none_or(|&n| n == 0))
+        };
+        let other = other_cuts(&soup.positions, outline).find(is_free);
+        if let Some(triangles) = other {
+            soup.triangles[range.clone()].copy_from_slice(&triangles);
+        }
+        for cut in cuts_of(outline, &soup.triangles[range.clone()]) {
+            *cuts.entry(cut).or_default() += 1;
         }
     }
 }
@@ -115,7 +232,7 @@ mod tests {
         let soup = faces.into_soup(square).unwrap();
         assert_eq!(soup.triangles, [[0, 1, 2], [0, 1, 2], [0, 2, 3], [3, 2, 1]]);
         assert_eq!(soup.file_faces, [0, 2, 2, 3]);
-        assert_eq!(soup.short_faces, [1]);
+        assert_eq!(soup.notes, [Defect::ShortFace { face: 1 }]);
     }
 
     #[test]

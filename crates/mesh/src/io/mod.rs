@@ -198,6 +198,14 @@ impl ReadOptions {
         if bytes.is_empty() {
             return Err(FileError::Empty { path: owned() });
         }
+        if format != Format::Stl && is_utf16(bytes) {
+            return Err(FileError::Malformed {
+                path: owned(),
+                place: FilePosition::File,
+                problem: "its text is in UTF-16; save it as UTF-8 (iconv -f UTF-16 -t UTF-8)"
+                    .to_owned(),
+            });
+        }
         let soup = match (format, self.obj_reader) {
             (Format::Obj, ObjReader::Direct) => obj::read(bytes),
             (Format::Obj, ObjReader::Tobj) => tobj::read(bytes),
@@ -218,6 +226,17 @@ impl ReadOptions {
             }
         })
     }
+}
+
+/// Whether `bytes` begin as text in UTF-16: with its byte order mark, or with characters of ASCII
+/// that are two bytes each.
+fn is_utf16(bytes: &[u8]) -> bool {
+    let has_mark = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    let pairs = bytes.as_chunks::<2>().0.iter().take(8);
+    let is_ascii = |b: u8| (1..0x80).contains(&b);
+    has_mark
+        || bytes.len() >= 16 && pairs.clone().all(|&[a, b]| is_ascii(a) && b == 0)
+        || bytes.len() >= 16 && pairs.clone().all(|&[a, b]| a == 0 && is_ascii(b))
 }
 
 /// Whether the name of `path` ends in `.gz`.

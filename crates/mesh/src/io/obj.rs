@@ -9,6 +9,7 @@ use super::error::Flaw;
 use super::faces::FaceList;
 use super::quick_obj;
 use super::text::{Lines, Words, coordinates, integer, number, shown, without_comment, words};
+use crate::defect::FileForm;
 use crate::soup::TriangleSoup;
 
 /// Reads an OBJ file.
@@ -26,7 +27,7 @@ fn read_statements(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     for (line, statement) in Statements::new(bytes) {
         let mut words = words(&statement);
         match words.next() {
-            Some(b"v") => positions.push(position(line, words)?),
+            Some(b"v") => positions.push(position(line, words, &mut faces)?),
             Some(b"f") => {
                 corners.clear();
                 for word in words {
@@ -37,6 +38,17 @@ fn read_statements(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
                 }
                 faces.push(&corners);
             }
+            // Skipped as an unknown statement, a vertex would shift the numbers of all later ones.
+            Some([b'v' | b'f', second, ..]) if !second.is_ascii_alphabetic() => {
+                return Err(Flaw::line(
+                    line,
+                    format!(
+                        "{} is no statement of OBJ; a vertex begins with v and a blank, a face with \
+                         f and a blank",
+                        shown(&statement)
+                    ),
+                ));
+            }
             _ => {}
         }
     }
@@ -46,8 +58,15 @@ fn read_statements(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
 /// The coordinates of a vertex.
 ///
 /// One further number is a weight, by which the coordinates are divided. Two or more further
-/// numbers are a colour, which is ignored.
-fn position(line: u64, mut words: Words<'_>) -> Result<[f64; 3], Flaw> {
+/// numbers are a colour, which is ignored. If there are two numbers only, the third is 0.
+fn position(line: u64, mut words: Words<'_>, faces: &mut FaceList) -> Result<[f64; 3], Flaw> {
+    if words.clone().count() == 2 {
+        let mut numbers = words.by_ref().map(|word| number(line, word));
+        if let (Some(x), Some(y)) = (numbers.next(), numbers.next()) {
+            faces.note(line, FileForm::TwoCoordinates);
+            return Ok([x?, y?, 0.0]);
+        }
+    }
     let position = coordinates(line, &mut words)?;
     let (Some(weight), None) = (words.next(), words.next()) else {
         return Ok(position);

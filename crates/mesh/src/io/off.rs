@@ -2,29 +2,53 @@
 //!
 //! The keyword may have the prefixes `ST`, `C` and `N`: then texture coordinates, colours and
 //! normals follow the position of a vertex. They are ignored, as are colours after the corners of a
-//! face. The counts may be on the keyword's line. Each vertex and each face has a line.
+//! face. The counts may be on the keyword's line. Each vertex and each face has a line, or numbers
+//! are separated by blanks and lines of any kind.
 
 use super::error::Flaw;
 use super::faces::FaceList;
-use super::text::{Lines, coordinates, index, integer, shown, without_comment, words};
+use super::text::{
+    Lines, Tokens, coordinates, index, integer, is_blank, number, shown, without_comment, words,
+};
 use crate::soup::TriangleSoup;
 
 /// Reads an OFF file.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     let mut lines = Content(Lines::new(bytes));
-    let (vertex_count, face_count) = header(&mut lines)?;
+    let header = header(&mut lines)?;
+    // The format is free: numbers may extend over lines or share one. Most files have a line for
+    // each vertex and each face, where numbers that follow are ignored.
+    let free = Tokens::new(lines.0.clone(), true);
+    read_lines(bytes.len(), &header, lines)
+        .or_else(|flaw| read_free(&header, free).map_err(|_| flaw))?
+        .into_soup()
+}
 
+/// Vertices and faces, not yet cut into triangles.
+struct Polygons {
+    positions: Vec<[f64; 3]>,
+    faces: FaceList,
+}
+
+impl Polygons {
+    fn into_soup(self) -> Result<TriangleSoup, Flaw> {
+        self.faces.into_soup(self.positions)
+    }
+}
+
+/// Reads a line for each vertex and each face of a file of `size` bytes.
+fn read_lines(size: usize, header: &Header, mut lines: Content<'_>) -> Result<Polygons, Flaw> {
     // A header cannot reserve more memory than the shortest lines, "0 0 0" and "3 0 1 2", allow.
-    let most = |line_length| bytes.len() / line_length + 1;
-    let mut positions = Vec::with_capacity(most(6).min(vertex_count as usize));
-    for read in 0..vertex_count {
-        let (line, content) = lines.expect("vertices", read, vertex_count)?;
+    let most = |line_length| size / line_length + 1;
+    let mut positions = Vec::with_capacity(most(6).min(header.vertices as usize));
+    for read in 0..header.vertices {
+        let (line, content) = lines.expect("vertices", read, header.vertices)?;
         positions.push(coordinates(line, &mut words(content))?);
     }
-    let mut faces = FaceList::with_capacity(most(8).min(face_count as usize));
+    let mut faces = FaceList::with_capacity(most(8).min(header.faces as usize));
     let mut corners = Vec::new();
-    for read in 0..face_count {
-        let (line, content) = lines.expect("faces", read, face_count)?;
+    for read in 0..header.faces {
+        let (line, content) = lines.expect("faces", read, header.faces)?;
         face(line, content, &mut corners)?;
         faces.push(&corners);
     }
@@ -32,27 +56,76 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
         return Err(Flaw::line(
             line,
             format!(
-                "{} comes after the {face_count} faces that the header declares; correct the counts",
-                shown(content)
+                "{} comes after the {} faces that the header declares; correct the counts",
+                shown(content),
+                header.faces
             ),
         ));
     }
-    faces.into_soup(positions)
+    Ok(Polygons { positions, faces })
+}
+
+/// Reads the numbers of a file one after the other, whatever lines they are in. There must be as
+/// many as the keyword and the counts say, so colours, whose number may vary, are not possible.
+fn read_free(header: &Header, mut tokens: Tokens<'_>) -> Result<Polygons, Flaw> {
+    let mut polygons = Polygons {
+        positions: Vec::new(),
+        faces: FaceList::default(),
+    };
+    for _ in 0..header.vertices {
+        let position = coordinates(tokens.line(), &mut tokens)?;
+        polygons.positions.push(position);
+        for _ in 0..header.more {
+            let word = tokens.next().unwrap_or_default();
+            number(tokens.line(), word)?;
+        }
+    }
+    let mut corners = Vec::new();
+    for _ in 0..header.faces {
+        let first = tokens.next().unwrap_or_default();
+        let count = index(tokens.line(), first)?;
+        corners.clear();
+        for _ in 0..count {
+            let word = tokens.next().unwrap_or_default();
+            corners.push(index(tokens.line(), word)?);
+        }
+        polygons.faces.push(&corners);
+    }
+    match tokens.next() {
+        None => Ok(polygons),
+        Some(word) => Err(Flaw::line(
+            tokens.line(),
+            format!("{} is one too many", shown(word)),
+        )),
+    }
+}
+
+/// What the lines before the vertices say.
+struct Header {
+    vertices: u64,
+    faces: u64,
+    /// How many numbers of normals and texture coordinates follow the position of a vertex.
+    more: usize,
 }
 
 /// The number of vertices and of faces.
-fn header(lines: &mut Content<'_>) -> Result<(u64, u64), Flaw> {
+fn header(lines: &mut Content<'_>) -> Result<Header, Flaw> {
     let (mut line, mut content) = lines
         .next()
         .ok_or_else(|| Flaw::file("there are only blank lines and comments in it"))?;
     let mut first = words(content).next().unwrap_or_default();
     // Many files of ModelNet have no blank between keyword and counts: `OFF490 518 0`.
-    if let [b'O' | b'o', b'F' | b'f', b'F' | b'f', b'0'..=b'9', ..] = first {
-        first = &first[..3];
+    if let Some(digit) = first
+        .windows(2)
+        .position(|w| w[0].eq_ignore_ascii_case(&b'f') && w[1].is_ascii_digit())
+    {
+        first = &first[..=digit];
     }
+    let mut more = 0;
     // A file without a keyword may start with its counts.
     if integer(first).is_none() {
-        check_keyword(line, first)?;
+        let keyword = keyword(line, first)?;
+        more = keyword.more;
         let rest = content.iter().skip_while(|b| b.is_ascii_whitespace());
         content = &content[content.len() - rest.count() + first.len()..];
         if words(content).next() == Some(b"BINARY") {
@@ -66,14 +139,33 @@ fn header(lines: &mut Content<'_>) -> Result<(u64, u64), Flaw> {
                 .next()
                 .ok_or_else(|| Flaw::line(line, "the file ends before its counts"))?;
         }
+        if keyword.has_dimension {
+            let mut words = words(content);
+            let dimension = words.next().unwrap_or_default();
+            if integer(dimension) != Some(3) {
+                let problem = format!(
+                    "its points have {} dimensions; only 3 are read",
+                    shown(dimension)
+                );
+                return Err(Flaw::line(line, problem));
+            }
+            content = words.rest();
+            if is_blank(content) {
+                (line, content) = lines
+                    .next()
+                    .ok_or_else(|| Flaw::line(line, "the file ends before its counts"))?;
+            }
+        }
     }
     let counts: Vec<Option<u64>> = words(content)
         .map(|word| integer(word).and_then(|count| count.try_into().ok()))
         .collect();
     match counts[..] {
-        [Some(vertices), Some(faces)] | [Some(vertices), Some(faces), Some(_)] => {
-            Ok((vertices, faces))
-        }
+        [Some(vertices), Some(faces)] | [Some(vertices), Some(faces), Some(_)] => Ok(Header {
+            vertices,
+            faces,
+            more,
+        }),
         _ => Err(Flaw::line(
             line,
             format!(
@@ -84,19 +176,35 @@ fn header(lines: &mut Content<'_>) -> Result<(u64, u64), Flaw> {
     }
 }
 
-/// Checks that the first word is a keyword for three-dimensional points.
-fn check_keyword(line: u64, word: &[u8]) -> Result<(), Flaw> {
+/// What the keyword says.
+struct Keyword {
+    /// As in [`Header`].
+    more: usize,
+    /// Whether the number of dimensions follows.
+    has_dimension: bool,
+}
+
+/// Reads the first word, which must be a keyword for three-dimensional points.
+fn keyword(line: u64, word: &[u8]) -> Result<Keyword, Flaw> {
     let prefixes = word
         .strip_suffix(b"OFF")
         .or_else(|| word.strip_suffix(b"off"));
+    let (prefixes, has_dimension) = match prefixes {
+        Some([prefixes @ .., b'n']) => (Some(prefixes), true),
+        _ => (prefixes, false),
+    };
     match prefixes {
         Some(b"" | b"ST" | b"C" | b"N" | b"CN" | b"NC" | b"STC" | b"STN" | b"STCN" | b"STNC") => {
-            Ok(())
+            let has = |letter| prefixes.is_some_and(|prefixes| prefixes.contains(&letter));
+            Ok(Keyword {
+                more: 2 * usize::from(has(b'T')) + 3 * usize::from(has(b'N')),
+                has_dimension,
+            })
         }
-        Some([.., b'4' | b'n']) => Err(Flaw::line(
+        Some([.., b'4']) => Err(Flaw::line(
             line,
             format!(
-                "{} has points in other than three dimensions, which are not read",
+                "{} has points in four dimensions, which are not read",
                 shown(word)
             ),
         )),
@@ -146,7 +254,7 @@ impl<'a> Iterator for Content<'a> {
         self.0
             .by_ref()
             .map(|(number, line)| (number, without_comment(line).trim_ascii()))
-            .find(|(_, line)| !line.is_empty())
+            .find(|(_, line)| !is_blank(line))
     }
 }
 

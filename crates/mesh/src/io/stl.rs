@@ -9,7 +9,8 @@
 use std::hash::{BuildHasher, RandomState};
 
 use super::error::{FilePosition, Flaw};
-use super::text::{Lines, Words, coordinates, shown, words};
+use super::text::{Lines, Tokens, coordinates, number, shown};
+use crate::defect::{Defect, FileForm};
 use crate::soup::TriangleSoup;
 
 /// Bytes before the first triangle of a binary file: 80 bytes of free text and the count.
@@ -68,16 +69,31 @@ fn read_binary(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
             ),
         });
     }
-    // Padding of less than a triangle may follow. Whole triangles would be lost silently.
+    // Padding may follow. Whole triangles would be lost silently.
     let more = there as u64 - u64::from(count);
-    if more > 0 {
+    let padding = &bytes[HEADER + count as usize * TRIANGLE..];
+    // A program that writes to a stream does not know the count when it writes the header.
+    let is_stream = count == 0 && padding.len() == there * TRIANGLE;
+    let is_padded = padding.iter().all(|&byte| byte == 0);
+    if more > 0 && !is_stream && !is_padded {
         return Err(Flaw::file(format!(
             "the header declares {count} triangles, but the file has room for {more} more after \
              them; correct the count in bytes 80 to 83, or cut off what follows"
         )));
     }
-    let mut weld = Weld::with_capacity(there);
-    for triangle in bytes[HEADER..].as_chunks::<TRIANGLE>().0 {
+    let count = if is_stream && !is_padded {
+        there
+    } else {
+        count as usize
+    };
+    let mut weld = Weld::with_capacity(count);
+    if is_stream && !is_padded {
+        weld.soup.notes.push(Defect::FileForm {
+            line: 0,
+            form: FileForm::NoCount,
+        });
+    }
+    for triangle in bytes[HEADER..].as_chunks::<TRIANGLE>().0.iter().take(count) {
         // A normal of 12 bytes comes first. Two bytes of attributes come last.
         let (numbers, _) = triangle[12..48].as_chunks();
         let (corners, _) = numbers.as_chunks::<3>();
@@ -87,82 +103,116 @@ fn read_binary(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     Ok(weld.soup)
 }
 
+/// Reads a text file, word by word: programs differ in their lines. The keywords `end loop` may be
+/// two words, the name of a solid may follow `endsolid` without a blank, and `endfacet` may be
+/// missing.
 fn read_text(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
-    let mut lines = Lines::new(bytes);
+    let mut words = Tokens::new(Lines::new(bytes), false);
     // A triangle takes some 100 bytes of text.
     let mut weld = Weld::with_capacity(bytes.len() / 100);
     let mut open = false;
-    while open || !lines.rest().trim_ascii_start().is_empty() {
-        let wanted = if open { "facet or endsolid" } else { "solid" };
-        let statement = Statement::next(&mut lines, wanted)?;
-        if statement.is("solid") {
-            open = true;
-        } else if statement.is("endsolid") {
+    while let Some(word) = words.next() {
+        if starts(word, "endsolid")
+            || is(word, "end") && words.peek().is_some_and(|w| starts(w, "solid"))
+        {
+            words.skip_line();
             open = false;
-        } else if open && statement.is("facet") {
-            Statement::expect(&mut lines, "outer")?;
-            let mut corners = [[0.0; 3]; 3];
-            for corner in &mut corners {
-                let mut vertex = Statement::expect(&mut lines, "vertex")?;
-                *corner = coordinates(vertex.line, &mut vertex.rest)?;
-            }
-            Statement::expect(&mut lines, "endloop")?;
-            Statement::expect(&mut lines, "endfacet")?;
-            weld.push(corners);
+        } else if is(word, "solid") {
+            skip_name(&mut words);
+            open = true;
+        } else if open && is(word, "color") {
+            words.skip_line();
+        } else if open && is(word, "facet") {
+            weld.push(facet(&mut words)?);
         } else {
-            return Err(statement.instead_of(wanted));
+            let wanted = if open { "facet or endsolid" } else { "solid" };
+            return Err(instead_of(&words, word, wanted));
         }
+    }
+    if open {
+        weld.soup.notes.push(Defect::FileForm {
+            line: words.line(),
+            form: FileForm::NoEnd,
+        });
     }
     Ok(weld.soup)
 }
 
-/// A line of a text file that is not blank.
-struct Statement<'a> {
-    /// Its line number, counted from 1.
-    line: u64,
-    /// Its first word.
-    keyword: &'a [u8],
-    /// The words after the keyword.
-    rest: Words<'a>,
+/// Reads past the name of a solid, which ends with the line, or where a facet begins.
+fn skip_name(words: &mut Tokens<'_>) {
+    let mut ahead = words.clone();
+    while let Some(word) = ahead.next_in_line() {
+        if is(word, "facet")
+            && ahead
+                .clone()
+                .next_in_line()
+                .is_some_and(|w| is(w, "normal"))
+        {
+            return;
+        }
+        *words = ahead.clone();
+    }
+    words.skip_line();
 }
 
-impl<'a> Statement<'a> {
-    /// The next statement. `wanted` is named in the error if there is none.
-    fn next(lines: &mut Lines<'a>, wanted: &str) -> Result<Self, Flaw> {
-        let statement = lines.find_map(|(line, content)| {
-            let mut rest = words(content);
-            let keyword = rest.next()?;
-            Some(Self {
-                line,
-                keyword,
-                rest,
-            })
-        });
-        statement.ok_or_else(|| {
-            let problem = format!("the file ends where {wanted} should follow; fetch it again");
-            Flaw::line(lines.number(), problem)
-        })
+/// The corners of a facet, whose keyword has been read.
+fn facet(words: &mut Tokens<'_>) -> Result<[[f64; 3]; 3], Flaw> {
+    // A normal may come first.
+    let is_normal = |word: &[u8]| is(word, "normal") || number(0, word).is_ok();
+    while words.peek().is_some_and(is_normal) {
+        words.next();
     }
+    expect(words, "outer")?;
+    expect(words, "loop")?;
+    let mut corners = [[0.0; 3]; 3];
+    for corner in &mut corners {
+        expect(words, "vertex")?;
+        *corner = coordinates(words.line(), words)?;
+    }
+    if words.peek().is_some_and(|word| is(word, "end")) {
+        words.next();
+        expect(words, "loop")?;
+    } else {
+        expect(words, "endloop")?;
+    }
+    let mut ahead = words.clone();
+    match ahead.next() {
+        Some(word) if is(word, "endfacet") => *words = ahead,
+        Some(word) if is(word, "end") && ahead.next().is_some_and(|w| is(w, "facet")) => {
+            *words = ahead;
+        }
+        _ => {}
+    }
+    Ok(corners)
+}
 
-    /// The next statement, which must be `keyword`.
-    fn expect(lines: &mut Lines<'a>, keyword: &str) -> Result<Self, Flaw> {
-        let statement = Self::next(lines, keyword)?;
-        if statement.is(keyword) {
-            Ok(statement)
-        } else {
-            Err(statement.instead_of(keyword))
+fn is(word: &[u8], keyword: &str) -> bool {
+    word.eq_ignore_ascii_case(keyword.as_bytes())
+}
+
+fn starts(word: &[u8], keyword: &str) -> bool {
+    word.get(..keyword.len())
+        .is_some_and(|start| is(start, keyword))
+}
+
+/// Takes the next word, which must be `keyword`.
+fn expect(words: &mut Tokens<'_>, keyword: &str) -> Result<(), Flaw> {
+    match words.next() {
+        Some(word) if is(word, keyword) => Ok(()),
+        Some(word) => Err(instead_of(words, word, keyword)),
+        None => {
+            let problem = format!("the file ends where {keyword} should follow; fetch it again");
+            Err(Flaw::line(words.line(), problem))
         }
     }
+}
 
-    fn is(&self, keyword: &str) -> bool {
-        self.keyword.eq_ignore_ascii_case(keyword.as_bytes())
-    }
-
-    /// The error that another statement is here than `wanted`.
-    fn instead_of(&self, wanted: &str) -> Flaw {
-        let found = shown(self.keyword);
-        Flaw::line(self.line, format!("expected {wanted}, found {found}"))
-    }
+/// The error that `word`, the last one of `words`, is here instead of `wanted`.
+fn instead_of(words: &Tokens<'_>, word: &[u8], wanted: &str) -> Flaw {
+    Flaw::line(
+        words.line(),
+        format!("expected {wanted}, found {}", shown(word)),
+    )
 }
 
 /// Gives corners with equal coordinates the same vertex.

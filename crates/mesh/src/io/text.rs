@@ -69,27 +69,152 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// The part of `line` before a `#`.
+/// The part of `line` before a `#`, except in numbers such as `1.#QNAN`.
 pub(super) fn without_comment(line: &[u8]) -> &[u8] {
-    line.split(|&b| b == b'#').next().unwrap_or(line)
+    let is_comment = |i: &usize| {
+        let is_number =
+            *i > 0 && line[i - 1] == b'.' && matches!(line.get(i + 1), Some(b'I' | b'Q' | b'S'));
+        line[*i] == b'#' && !is_number
+    };
+    &line[..(0..line.len()).find(is_comment).unwrap_or(line.len())]
 }
 
-/// The words of a line, separated by blanks and tabs.
+/// The words of a line, separated by blanks of any kind.
 pub(super) fn words(line: &[u8]) -> Words<'_> {
     Words(line)
+}
+
+/// Whether a line has no words.
+pub(super) fn is_blank(line: &[u8]) -> bool {
+    words(line).next().is_none()
+}
+
+/// The length in bytes of the blank at the start of `text`; 0 if there is none. Blanks are those of
+/// Unicode, the no-break space of Latin-1, and the byte order mark, all of which programs write.
+#[inline]
+fn blank(text: &[u8]) -> usize {
+    match text {
+        [b' ' | b'\t'..=b'\r' | 0xa0, ..] => 1,
+        [0xc2, 0x85 | 0xa0, ..] => 2,
+        [0xe1, 0x9a, 0x80, ..]
+        | [0xe2, 0x80, 0x80..=0x8a | 0xa8 | 0xa9 | 0xaf, ..]
+        | [0xe2, 0x81, 0x9f, ..]
+        | [0xe3, 0x80, 0x80, ..]
+        | [0xef, 0xbb, 0xbf, ..] => 3,
+        _ => 0,
+    }
+}
+
+/// The words of several lines, for formats whose elements may extend over lines or share one.
+#[derive(Clone, Debug)]
+pub(super) struct Tokens<'a> {
+    lines: Lines<'a>,
+    words: Words<'a>,
+    /// Whether `#` begins a comment.
+    comments: bool,
+}
+
+impl<'a> Tokens<'a> {
+    pub(super) fn new(lines: Lines<'a>, comments: bool) -> Self {
+        Self {
+            lines,
+            words: words(&[]),
+            comments,
+        }
+    }
+
+    /// The number of the line of the last word.
+    pub(super) fn line(&self) -> u64 {
+        self.lines.number()
+    }
+
+    /// The next word of the current line.
+    pub(super) fn next_in_line(&mut self) -> Option<&'a [u8]> {
+        self.words.next()
+    }
+
+    /// Goes on to the next line with words, whether or not the current one has more.
+    pub(super) fn next_line(&mut self) -> bool {
+        let comments = self.comments;
+        let content = |line| {
+            if comments {
+                without_comment(line)
+            } else {
+                line
+            }
+        };
+        let next = self.lines.find(|(_, line)| !is_blank(content(line)));
+        self.words = words(next.map_or(&[], |(_, line)| content(line)));
+        next.is_some()
+    }
+
+    /// Number of bytes in the lines after the current one.
+    pub(super) fn bytes_left(&self) -> usize {
+        self.lines.rest().len()
+    }
+
+    /// The next word, which is not taken.
+    pub(super) fn peek(&self) -> Option<&'a [u8]> {
+        self.clone().next()
+    }
+
+    /// Drops the rest of the current line.
+    pub(super) fn skip_line(&mut self) {
+        self.words = words(&[]);
+    }
+}
+
+impl<'a> Iterator for Tokens<'a> {
+    type Item = &'a [u8];
+
+    fn next(&mut self) -> Option<&'a [u8]> {
+        loop {
+            if let Some(word) = self.words.next() {
+                return Some(word);
+            }
+            let (_, line) = self.lines.next()?;
+            let line = if self.comments {
+                without_comment(line)
+            } else {
+                line
+            };
+            self.words = words(line);
+        }
+    }
 }
 
 /// See [`words`].
 #[derive(Clone, Debug)]
 pub(super) struct Words<'a>(&'a [u8]);
 
+impl<'a> Words<'a> {
+    /// The text after the word returned last.
+    pub(super) fn rest(&self) -> &'a [u8] {
+        self.0
+    }
+}
+
 impl<'a> Iterator for Words<'a> {
     type Item = &'a [u8];
 
     fn next(&mut self) -> Option<&'a [u8]> {
-        let line = self.0.trim_ascii_start();
-        let end = line.iter().position(u8::is_ascii_whitespace);
-        let (word, rest) = line.split_at(end.unwrap_or(line.len()));
+        let mut line = self.0;
+        loop {
+            match blank(line) {
+                0 => break,
+                length => line = &line[length..],
+            }
+        }
+        // A byte of 0xa0 behind one that is not ASCII belongs to a character of UTF-8.
+        let ends = |i: &usize| match blank(&line[*i..]) {
+            0 => false,
+            1 => line[*i] != 0xa0 || line[i - 1] < 0x80,
+            _ => true,
+        };
+        let may_end = |i: &usize| line[*i] <= b' ' || line[*i] >= 0x80;
+        let mut ends_at = (1..line.len()).filter(may_end).filter(ends);
+        let end = ends_at.next().unwrap_or(line.len());
+        let (word, rest) = line.split_at(end);
         self.0 = rest;
         (!word.is_empty()).then_some(word)
     }
@@ -106,12 +231,27 @@ pub(super) fn shown(word: &[u8]) -> String {
     format!("{short:?}")
 }
 
-/// The number in `word`. `nan` and `inf` are accepted; validation reports them.
+/// The number in `word`. `nan` and `inf` are accepted, and how the C library of Windows writes
+/// them; validation reports them.
 pub(super) fn number(line: u64, word: &[u8]) -> Result<f64, Flaw> {
-    std::str::from_utf8(word)
-        .ok()
-        .and_then(|text| text.parse().ok())
-        .ok_or_else(|| Flaw::line(line, format!("{} is not a number", shown(word))))
+    let text = std::str::from_utf8(word).ok();
+    let number = text.and_then(|text| text.parse().ok()).or_else(|| {
+        let text = text?.to_ascii_lowercase();
+        let (sign, text) = match text.strip_prefix('-') {
+            Some(text) => (-1.0, text),
+            None => (1.0, text.strip_prefix('+').unwrap_or(&text)),
+        };
+        if text.starts_with("1.#inf") {
+            Some(sign * f64::INFINITY)
+        } else {
+            let is_nan = ["1.#qnan", "1.#snan", "1.#ind", "nan("];
+            is_nan
+                .iter()
+                .any(|nan| text.starts_with(nan))
+                .then_some(f64::NAN)
+        }
+    });
+    number.ok_or_else(|| Flaw::line(line, format!("{} is not a number", shown(word))))
 }
 
 /// The vertex number in `word`, counted from 0.

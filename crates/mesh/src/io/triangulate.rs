@@ -13,9 +13,10 @@
 //!
 //! The normal of the polygon is its vector area (Newell). For a slightly warped polygon it is that
 //! of the best-fitting plane. Polygons with missing or non-finite corners, or without area, become
-//! fans, for validation to report. So do polygons that repeat a corner: the fan starts at that
-//! corner, so that a triangle names it twice. Self-intersecting polygons are cut in some way. A
-//! polygon of k corners always becomes k - 2 triangles with its orientation.
+//! fans, for validation to report. A polygon that repeats corners may have holes, with bridges to
+//! them. Any other one becomes a fan from the repeated corner, so that a triangle names it twice.
+//! Self-intersecting polygons are cut in some way. A polygon of k corners always becomes k - 2
+//! triangles with its orientation.
 
 use crate::vector::{cross, dot, sub};
 
@@ -68,7 +69,10 @@ pub(super) fn triangulate(
     if k > 3
         && let Some(repeated) = repeated_corner(corners)
     {
-        triangles.extend(fan_from(repeated).map(name));
+        match with_bridges(positions, corners, budget)? {
+            Some(cut) => triangles.extend(cut),
+            None => triangles.extend(fan_from(repeated).map(name)),
+        }
     } else if k > 3
         && let Some(polygon) = Polygon::new(positions, corners)
         && fan.clone().any(|t| polygon.is_folded(t))
@@ -78,6 +82,60 @@ pub(super) fn triangulate(
         triangles.extend(fan.map(name));
     }
     Ok(())
+}
+
+/// The triangles of a polygon with holes that repeats corners where bridges lead to its holes;
+/// `None` if it is no such polygon.
+///
+/// Its ears are clipped. If all triangles face as the polygon does, they cover each of its points
+/// once, because their areas add up to that of the polygon.
+fn with_bridges(
+    positions: &[[f64; 3]],
+    corners: &[u32],
+    budget: &mut Budget,
+) -> Result<Option<Vec<[u32; 3]>>, TooComplex> {
+    let Some(polygon) = Polygon::new(positions, corners) else {
+        return Ok(None);
+    };
+    let triangles = clip_ears(&polygon, budget)?;
+    let is_sound = |&t: &[usize; 3]| {
+        let [a, b, c] = t.map(|i| corners[i]);
+        !polygon.is_folded(t) && a != b && b != c && c != a
+    };
+    let is_tiled = triangles.iter().all(is_sound);
+    Ok(is_tiled.then(|| {
+        triangles
+            .into_iter()
+            .map(|t| t.map(|i| corners[i]))
+            .collect()
+    }))
+}
+
+/// Other ways to cut a polygon without folds than that of [`triangulate`]: the fans from its other
+/// corners, then its ears in turn from each of them. For polygons of many corners only some.
+pub(super) fn other_cuts(
+    positions: &[[f64; 3]],
+    corners: &[u32],
+) -> impl Iterator<Item = Vec<[u32; 3]>> {
+    const MOST: usize = 64;
+    let k = corners.len();
+    let turned =
+        move |first: usize| -> Vec<u32> { (0..k).map(|i| corners[(first + i) % k]).collect() };
+    let fans = (1..k.min(MOST)).filter_map(move |first| {
+        let corners = turned(first);
+        let polygon = Polygon::new(positions, &corners)?;
+        let fan: Vec<[usize; 3]> = (1..k - 1).map(|i| [0, i, i + 1]).collect();
+        let is_sound = fan.iter().all(|&t| !polygon.is_folded(t));
+        is_sound.then(|| fan.into_iter().map(|t| t.map(|i| corners[i])).collect())
+    });
+    let ears = (0..k.min(MOST)).filter_map(move |first| {
+        let corners = turned(first);
+        let polygon = Polygon::new(positions, &corners)?;
+        let ears = clip_ears(&polygon, &mut Budget::for_corners(k)).ok()?;
+        let is_sound = ears.iter().all(|&t| !polygon.is_folded(t));
+        is_sound.then(|| ears.into_iter().map(|t| t.map(|i| corners[i])).collect())
+    });
+    fans.chain(ears)
 }
 
 /// The index of a corner that occurs more than once.

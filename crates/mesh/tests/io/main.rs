@@ -2,6 +2,7 @@
 
 mod damage;
 mod errors;
+mod forms;
 mod fuzz;
 mod good;
 mod models;

@@ -11,7 +11,7 @@ use crate::tobj;
 type Expected = (&'static str, usize, usize, [f64; 3], [u32; 3]);
 
 /// The directory that holds the models: `$GEOBENCH_SHARED/models`, or beside the repository.
-fn models() -> PathBuf {
+pub(crate) fn models() -> PathBuf {
     let shared = std::env::var_os("GEOBENCH_SHARED").map_or_else(
         || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared")),
         PathBuf::from,

@@ -32,6 +32,8 @@ pub(super) struct Element {
 pub(super) enum Kind {
     Vertex,
     Face,
+    /// Triangle strips.
+    Strip,
     Skipped,
 }
 
@@ -50,7 +52,7 @@ pub(super) struct Property {
 pub(super) enum Role {
     /// A coordinate of a vertex: 0 for x, 1 for y, 2 for z.
     Axis(usize),
-    /// The list of the corners of a face.
+    /// The list of the corners of a face, or of strips, which end with a negative number.
     Corners,
     Skipped,
 }
@@ -64,6 +66,8 @@ pub(super) enum Scalar {
     U16,
     I32,
     U32,
+    I64,
+    U64,
     F32,
     F64,
 }
@@ -77,6 +81,8 @@ impl Scalar {
             b"ushort" | b"uint16" => Self::U16,
             b"int" | b"int32" => Self::I32,
             b"uint" | b"uint32" => Self::U32,
+            b"long" | b"int64" => Self::I64,
+            b"ulong" | b"uint64" => Self::U64,
             b"float" | b"float32" => Self::F32,
             b"double" | b"float64" => Self::F64,
             _ => return None,
@@ -89,7 +95,7 @@ impl Scalar {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
+            Self::I64 | Self::U64 | Self::F64 => 8,
         }
     }
 }
@@ -101,6 +107,7 @@ impl Element {
             kind: match name {
                 b"vertex" => Kind::Vertex,
                 b"face" => Kind::Face,
+                b"tristrips" => Kind::Strip,
                 _ => Kind::Skipped,
             },
             count,
@@ -115,7 +122,9 @@ impl Element {
                 (Kind::Vertex, b"x", None) => Role::Axis(0),
                 (Kind::Vertex, b"y", None) => Role::Axis(1),
                 (Kind::Vertex, b"z", None) => Role::Axis(2),
-                (Kind::Face, b"vertex_indices" | b"vertex_index", Some(_)) => Role::Corners,
+                (Kind::Face | Kind::Strip, b"vertex_indices" | b"vertex_index", Some(_)) => {
+                    Role::Corners
+                }
                 _ => Role::Skipped,
             },
             length,
@@ -244,21 +253,33 @@ fn check(elements: &[Element]) -> Result<(), Flaw> {
             )));
         }
     }
-    let faces = find("face").ok_or_else(|| {
-        Flaw::file(if find("tristrips").is_some() {
-            "its faces are triangle strips, which are not read; convert them to faces"
+    let surfaces = elements
+        .iter()
+        .filter(|e| matches!(e.kind, Kind::Face | Kind::Strip));
+    if surfaces.clone().next().is_none() {
+        return Err(Flaw::file(if find("range_grid").is_some() {
+            "its points form a range_grid, which is not read; convert the grid to faces"
         } else {
             "the header declares no element face; a surface is needed, not a point cloud"
-        })
-    })?;
-    let lists = faces.properties.iter().filter(|p| p.role == Role::Corners);
-    match lists.count() {
-        1 => Ok(()),
-        0 => Err(Flaw::file(
-            "the header declares no list vertex_indices for the element face",
-        )),
-        _ => Err(Flaw::file(
-            "the element face has both vertex_index and vertex_indices; remove one",
-        )),
+        }));
     }
+    for element in surfaces {
+        let lists = element
+            .properties
+            .iter()
+            .filter(|p| p.role == Role::Corners);
+        let problem = match lists.count() {
+            1 => continue,
+            0 => format!(
+                "the header declares no list vertex_indices for the element {}",
+                element.name
+            ),
+            _ => format!(
+                "the element {} has both vertex_index and vertex_indices; remove one",
+                element.name
+            ),
+        };
+        return Err(Flaw::file(problem));
+    }
+    Ok(())
 }

@@ -3,7 +3,8 @@
 //! Text coordinates are read as `f64` even where the header declares `float`: many programs declare
 //! `float` and then write all digits. Binary coordinates have the declared type. Elements other
 //! than `vertex` and `face` are skipped, as are properties other than `x y z` and the list
-//! `vertex_indices` (or `vertex_index`). Elements may come in any order.
+//! `vertex_indices` (or `vertex_index`). Elements may come in any order. Triangle strips
+//! (`tristrips`) become triangles.
 
 mod header;
 mod payload;
@@ -11,9 +12,10 @@ mod payload;
 use super::error::Flaw;
 use super::faces::FaceList;
 use super::text::Lines;
+use crate::defect::FileForm;
 use crate::soup::TriangleSoup;
 use header::{Element, Encoding, Kind, Role};
-use payload::{Binary, Payload, Text};
+use payload::{Binary, Layout, Payload, Text};
 
 /// Reads a PLY file.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
@@ -21,7 +23,15 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     let header = header::read(&mut lines)?;
     let (elements, rest) = (&header.elements, lines.rest());
     match header.encoding {
-        Encoding::Text => read_elements(elements, Text::new(lines)),
+        // Most files have a line for each element. In others numbers extend over lines or share one,
+        // or lines have more numbers than the header declares.
+        Encoding::Text => {
+            let read = |layout| read_elements(elements, Text::new(lines.clone(), layout));
+            read(Layout::Lines).or_else(|flaw| {
+                let other = read(Layout::Free).or_else(|_| read(Layout::LinesWithMore));
+                other.map_err(|_| flaw)
+            })
+        }
         Encoding::LittleEndian => read_elements(elements, Binary::<false>::new(rest, bytes.len())),
         Encoding::BigEndian => read_elements(elements, Binary::<true>::new(rest, bytes.len())),
     }
@@ -46,17 +56,17 @@ fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<Tri
                     continue;
                 }
             }
-            Kind::Face => {
+            Kind::Face if faces.is_empty() => {
                 if let Some(all) = payload.triangles(element) {
                     faces = FaceList::of(all);
                     continue;
                 }
             }
-            Kind::Skipped => {}
+            Kind::Face | Kind::Strip | Kind::Skipped => {}
         }
         for number in 0..element.count {
             payload.next(element, number)?;
-            if element.kind == Kind::Skipped && P::IN_LINES {
+            if element.kind == Kind::Skipped && payload.is_in_lines() {
                 continue;
             }
             for property in &element.properties {
@@ -70,7 +80,10 @@ fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<Tri
                         corners.clear();
                         // Ends with the line or the file, however large `length` is.
                         for _ in 0..length {
-                            corners.push(payload.corner(property)?);
+                            match payload.corner(property, element.kind == Kind::Strip)? {
+                                Some(corner) => corners.push(corner),
+                                None => push_strip(&mut corners, &mut faces),
+                            }
                         }
                     }
                     Role::Skipped => payload.skip(property, length)?,
@@ -80,10 +93,25 @@ fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<Tri
             match element.kind {
                 Kind::Vertex => positions.push(position),
                 Kind::Face => faces.push(&corners),
+                Kind::Strip => push_strip(&mut corners, &mut faces),
                 Kind::Skipped => {}
             }
         }
     }
-    payload.finish()?;
+    if let Some(line) = payload.finish()? {
+        faces.note(line, FileForm::MoreNumbers);
+    }
     faces.into_soup(positions)
+}
+
+/// Appends the triangles of a strip, every second one turned over, and empties it. Triangles that
+/// repeat a corner only join two parts of a strip.
+fn push_strip(strip: &mut Vec<u32>, faces: &mut FaceList) {
+    for (i, corners) in strip.windows(3).enumerate() {
+        let [a, b, c] = [corners[0], corners[1], corners[2]];
+        if a != b && b != c && c != a {
+            faces.push(&if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
+        }
+    }
+    strip.clear();
 }

@@ -2,12 +2,12 @@
 
 use super::header::{Element, Kind, Property, Role, Scalar};
 use crate::io::error::{FilePosition, Flaw};
-use crate::io::text::{self, Lines, Words, integer, shown, words};
+use crate::io::text::{self, Lines, Tokens, integer, shown};
 
 /// Reads the numbers of a payload in order.
 pub(super) trait Payload {
     /// Whether every element has a line of its own, so that the rest of an element can be skipped.
-    const IN_LINES: bool;
+    fn is_in_lines(&self) -> bool;
 
     /// Upper bound of the number of elements of this kind.
     fn most(&self, element: &Element) -> u64;
@@ -29,8 +29,8 @@ pub(super) trait Payload {
     fn length(&mut self, property: &Property) -> Result<u64, Flaw>;
     /// Reads a coordinate.
     fn coordinate(&mut self, property: &Property) -> Result<f64, Flaw>;
-    /// Reads a vertex number.
-    fn corner(&mut self, property: &Property) -> Result<u32, Flaw>;
+    /// Reads a vertex number; `None` for a negative one, if it ends a strip of triangles.
+    fn corner(&mut self, property: &Property, in_strip: bool) -> Result<Option<u32>, Flaw>;
     /// Skips `count` numbers.
     fn skip(&mut self, property: &Property, count: u64) -> Result<(), Flaw>;
     /// Checks that the element ends here.
@@ -38,75 +38,98 @@ pub(super) trait Payload {
         Ok(())
     }
     /// Checks that the file ends here: elements beyond the header's counts would be lost silently.
-    fn finish(&mut self) -> Result<(), Flaw>;
+    /// Returns the first line with more numbers than declared, if the layout allows them.
+    fn finish(&mut self) -> Result<Option<u64>, Flaw>;
 }
 
-/// A text payload, one line for each element. Blank lines are skipped.
+/// How the elements of a text payload are laid out.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Layout {
+    /// One line for each element. Blank lines are skipped.
+    Lines,
+    /// As `Lines`, with numbers at the ends of lines that no property has.
+    LinesWithMore,
+    /// Whatever lines the numbers are in.
+    Free,
+}
+
+/// A text payload.
 pub(super) struct Text<'a> {
-    lines: Lines<'a>,
-    /// Number of the current line.
-    line: u64,
-    words: Words<'a>,
+    words: Tokens<'a>,
+    layout: Layout,
+    /// The first line with more numbers than declared.
+    more: Option<u64>,
 }
 
 impl<'a> Text<'a> {
-    pub(super) fn new(lines: Lines<'a>) -> Self {
+    pub(super) fn new(lines: Lines<'a>, layout: Layout) -> Self {
         Self {
-            lines,
-            line: 0,
-            words: words(&[]),
+            words: Tokens::new(lines, false),
+            layout,
+            more: None,
         }
     }
 
-    fn next_line(&mut self) -> Option<(u64, &'a [u8])> {
-        self.lines.find(|(_, line)| !line.trim_ascii().is_empty())
-    }
-
     fn word(&mut self, property: &Property) -> Result<&'a [u8], Flaw> {
-        self.words.next().ok_or_else(|| {
+        let word = match self.layout {
+            Layout::Free => self.words.next(),
+            Layout::Lines | Layout::LinesWithMore => self.words.next_in_line(),
+        };
+        word.ok_or_else(|| {
             let problem = format!("the line ends before the property {}", property.name);
-            Flaw::line(self.line, problem)
+            Flaw::line(self.words.line(), problem)
         })
     }
 }
 
 impl Payload for Text<'_> {
-    const IN_LINES: bool = true;
+    fn is_in_lines(&self) -> bool {
+        self.layout != Layout::Free
+    }
 
     fn most(&self, element: &Element) -> u64 {
         // The shortest lines are "0 0 0" and "3 0 1 2".
         let line = if element.kind == Kind::Vertex { 6 } else { 8 };
-        self.lines.rest().len() as u64 / line + 1
+        self.words.bytes_left() as u64 / line + 1
     }
 
     fn next(&mut self, element: &Element, number: u64) -> Result<(), Flaw> {
-        let (line, content) = self.next_line().ok_or_else(|| {
-            let problem = format!(
-                "the file ends after {number} of the {} elements {} its header declares",
-                element.count, element.name
-            );
-            Flaw::line(self.line, problem)
-        })?;
-        self.line = line;
-        self.words = words(content);
-        Ok(())
+        let has_more = match self.layout {
+            Layout::Free => self.words.peek().is_some(),
+            Layout::Lines | Layout::LinesWithMore => self.words.next_line(),
+        };
+        if has_more {
+            return Ok(());
+        }
+        let problem = format!(
+            "the file ends after {number} of the {} elements {} its header declares",
+            element.count, element.name
+        );
+        Err(Flaw::line(self.words.line(), problem))
     }
 
     fn length(&mut self, property: &Property) -> Result<u64, Flaw> {
         let word = self.word(property)?;
         let length = integer(word).and_then(|length| length.try_into().ok());
-        length
-            .ok_or_else(|| Flaw::line(self.line, format!("{} is no length of a list", shown(word))))
+        length.ok_or_else(|| {
+            Flaw::line(
+                self.words.line(),
+                format!("{} is no length of a list", shown(word)),
+            )
+        })
     }
 
     fn coordinate(&mut self, property: &Property) -> Result<f64, Flaw> {
         let word = self.word(property)?;
-        text::number(self.line, word)
+        text::number(self.words.line(), word)
     }
 
-    fn corner(&mut self, property: &Property) -> Result<u32, Flaw> {
+    fn corner(&mut self, property: &Property, in_strip: bool) -> Result<Option<u32>, Flaw> {
         let word = self.word(property)?;
-        text::index(self.line, word)
+        if in_strip && integer(word).is_some_and(|number| number < 0) {
+            return Ok(None);
+        }
+        text::index(self.words.line(), word).map(Some)
     }
 
     fn skip(&mut self, property: &Property, count: u64) -> Result<(), Flaw> {
@@ -114,24 +137,34 @@ impl Payload for Text<'_> {
     }
 
     fn end(&mut self, element: &Element) -> Result<(), Flaw> {
-        self.words.next().map_or(Ok(()), |extra| {
-            let problem = format!(
-                "{} follows the properties that the header declares for {}",
-                shown(extra),
-                element.name
-            );
-            Err(Flaw::line(self.line, problem))
-        })
+        if self.layout == Layout::Free {
+            return Ok(());
+        }
+        let Some(extra) = self.words.next_in_line() else {
+            return Ok(());
+        };
+        if self.layout == Layout::LinesWithMore {
+            self.more.get_or_insert(self.words.line());
+            return Ok(());
+        }
+        let problem = format!(
+            "{} follows the properties that the header declares for {}",
+            shown(extra),
+            element.name
+        );
+        Err(Flaw::line(self.words.line(), problem))
     }
 
-    fn finish(&mut self) -> Result<(), Flaw> {
-        self.next_line().map_or(Ok(()), |(line, content)| {
-            let problem = format!(
-                "{} comes after all the elements that the header declares; correct its counts",
-                shown(content)
-            );
-            Err(Flaw::line(line, problem))
-        })
+    fn finish(&mut self) -> Result<Option<u64>, Flaw> {
+        self.words.skip_line();
+        let Some(word) = self.words.next() else {
+            return Ok(self.more);
+        };
+        let problem = format!(
+            "{} comes after all the elements that the header declares; correct its counts",
+            shown(word)
+        );
+        Err(Flaw::line(self.words.line(), problem))
     }
 }
 
@@ -179,6 +212,7 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
 
     /// The next number, or an error if the file ends within it. An `f64` holds all values of all
     /// types.
+    #[allow(clippy::cast_lossless, reason = "not all types have a lossless cast")]
     fn number(&mut self, scalar: Scalar) -> Result<f64, Flaw> {
         macro_rules! read {
             ($type:ty) => {{
@@ -186,11 +220,13 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
                     return Err(self.cut_off());
                 };
                 self.rest = rest;
-                f64::from(if BIG_ENDIAN {
+                let number = if BIG_ENDIAN {
                     <$type>::from_be_bytes(bytes)
                 } else {
                     <$type>::from_le_bytes(bytes)
-                })
+                };
+                // Exact but for numbers of 64 bits beyond 2^53, which no mesh has.
+                number as f64
             }};
         }
         Ok(match scalar {
@@ -200,6 +236,8 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
             Scalar::U16 => read!(u16),
             Scalar::I32 => read!(i32),
             Scalar::U32 => read!(u32),
+            Scalar::I64 => read!(i64),
+            Scalar::U64 => read!(u64),
             Scalar::F32 => read!(f32),
             Scalar::F64 => read!(f64),
         })
@@ -220,7 +258,9 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
 }
 
 impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
-    const IN_LINES: bool = false;
+    fn is_in_lines(&self) -> bool {
+        false
+    }
 
     fn most(&self, element: &Element) -> u64 {
         // A triangle has three corners of at least one byte each. Polygons enlarge the list later.
@@ -315,6 +355,7 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
             kind: match element.kind {
                 Kind::Vertex => "vertex",
                 Kind::Face => "face",
+                Kind::Strip => "strip",
                 Kind::Skipped => "skipped element",
             },
             number,
@@ -332,11 +373,16 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
         self.number(property.value)
     }
 
-    fn corner(&mut self, property: &Property) -> Result<u32, Flaw> {
-        self.whole(
-            property.value,
-            "vertex number: they run from 0 to 4294967295",
-        )
+    fn corner(&mut self, property: &Property, in_strip: bool) -> Result<Option<u32>, Flaw> {
+        if in_strip {
+            let before = self.rest;
+            if self.number(property.value)? < 0.0 {
+                return Ok(None);
+            }
+            self.rest = before;
+        }
+        let wanted = "vertex number: they run from 0 to 4294967295";
+        self.whole(property.value, wanted).map(Some)
     }
 
     fn skip(&mut self, property: &Property, count: u64) -> Result<(), Flaw> {
@@ -347,10 +393,10 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
     }
 
     /// Blanks and zero bytes may follow the payload.
-    fn finish(&mut self) -> Result<(), Flaw> {
+    fn finish(&mut self) -> Result<Option<u64>, Flaw> {
         let filling = |byte: &u8| *byte == 0 || byte.is_ascii_whitespace();
         if self.rest.iter().all(filling) {
-            return Ok(());
+            return Ok(None);
         }
         Err(Flaw::file(format!(
             "{} bytes come after all the elements that the header declares; correct its counts, \

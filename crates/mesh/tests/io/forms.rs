@@ -1,0 +1,342 @@
+//! Forms of files that programs write beside the usual one, and what is read from them.
+
+use geobench_mesh::io::{Format, read};
+use geobench_mesh::{Mesh, TriangleSoup};
+
+use crate::models::models;
+use crate::parse;
+
+/// A fan of three triangles, in which every file of this page is.
+const FAN: [[f64; 3]; 5] = [
+    [0.0, 0.0, 0.0],
+    [2.0, 0.0, 0.0],
+    [2.0, 1.5, 0.5],
+    [0.0, 2.0, 0.0],
+    [-1.0, 0.5, 1.0],
+];
+const FACES: [[u32; 3]; 3] = [[0, 1, 2], [0, 2, 3], [0, 3, 4]];
+
+/// The lines `{prefix}{x}{blank}{y}{blank}{z}` of the vertices.
+fn vertices(prefix: &str, blank: &str, suffix: &str) -> String {
+    FAN.map(|[x, y, z]| format!("{prefix}{x}{blank}{y}{blank}{z}{suffix}\n"))
+        .concat()
+}
+
+/// The fan, without notes.
+#[track_caller]
+fn is_fan(format: Format, text: impl AsRef<[u8]>) -> TriangleSoup {
+    let soup = parse(format, text).unwrap();
+    assert_eq!(soup.positions, FAN);
+    assert_eq!(soup.triangles, FACES);
+    soup
+}
+
+/// The notes on what was read.
+fn notes(soup: &TriangleSoup) -> Vec<String> {
+    soup.notes.iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn blanks_of_all_kinds_separate_words() {
+    let faces = "f 1 2 3\nf 1 3 4\nf 1 4 5\n";
+    for blank in [
+        "\u{a0}", "\u{b}", "\u{c}", "\t", "\u{2009}", "\u{3000}", "\u{feff}", " \u{a0} ",
+    ] {
+        is_fan(
+            Format::Obj,
+            vertices(&format!("v{blank}"), blank, "") + &faces.replace(' ', blank),
+        );
+        let off = format!(
+            "OFF\n5{blank}3 0\n{}3 0 1 2\n3 0 2 3\n3 0 3 4",
+            vertices("", blank, blank)
+        );
+        is_fan(Format::Off, off);
+    }
+    // The no-break space of Latin-1; its byte within a name in UTF-8 is none.
+    let latin: Vec<u8> = (vertices("v ", " ", "") + faces)
+        .bytes()
+        .map(|b| if b == b' ' { 0xa0 } else { b })
+        .collect();
+    is_fan(Format::Obj, latin);
+    is_fan(
+        Format::Obj,
+        vertices("v ", " ", "") + "g \u{e0} v 9 9 9\n" + faces,
+    );
+}
+
+#[test]
+fn a_vertex_that_is_no_statement_is_not_skipped() {
+    for statement in ["v,1,2,3", "v1 2 3", "v\u{b7}1 2 3", "f,1,2,3"] {
+        let text = format!("{}{statement}\nf 1 2 3\n", vertices("v ", " ", ""));
+        let error = parse(Format::Obj, text).unwrap_err().to_string();
+        assert!(
+            error.starts_with("test: line 6: ") && error.contains("no statement"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn off_is_free_of_lines() {
+    let [numbers, faces] = [
+        vertices("", " ", ""),
+        "3 0 1 2\n3 0 2 3\n3 0 3 4\n".to_owned(),
+    ];
+    for text in [
+        format!("OFF\n5 3 0\n{}{faces}", numbers.replace(' ', "\n")),
+        format!(
+            "OFF 5 3 0\n{}{}",
+            numbers.replace('\n', " "),
+            faces.replace('\n', " ")
+        ),
+        format!(
+            "OFF\n5 3 0\n# all in one line\n{} # and a comment\n{faces}",
+            numbers.replace('\n', " ")
+        ),
+        format!("NOFF 5 3 0\n{}{faces}", vertices("", " ", "\n0 0\n1")),
+        format!("COFF5 3 0\n{}{faces}", vertices("", " ", " 255 0 0 255")),
+        format!("nOFF\n3\n5 3 0\n{numbers}{faces}"),
+        format!("nOFF 3\n5 3 0\n{numbers}{faces}"),
+    ] {
+        is_fan(Format::Off, text);
+    }
+    let error = parse(Format::Off, format!("nOFF\n4\n5 3 0\n{numbers}{faces}")).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "test: line 2: its points have \"4\" dimensions; only 3 are read"
+    );
+    // One number too few or too many.
+    for counts in ["4 3", "6 3", "5 2", "5 4"] {
+        let text = format!("OFF\n{counts} 0\n{}{faces}", numbers.replace(' ', "\n"));
+        assert!(parse(Format::Off, text).is_err(), "{counts}");
+    }
+}
+
+fn ply(list: &str, element: &str) -> String {
+    format!(
+        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n\
+         property float z\nelement {element}\nproperty list {list} vertex_indices\nend_header\n"
+    )
+}
+
+#[test]
+fn text_ply_is_free_of_lines() {
+    let (header, faces) = (ply("uchar int", "face 3"), "3 0 1 2\n3 0 2 3\n3 0 3 4\n");
+    let numbers = vertices("", " ", "");
+    for payload in [
+        numbers.replace(' ', "\n") + faces,
+        numbers.replace('\n', " ") + &faces.replace('\n', " "),
+        format!("\u{feff}{numbers}{faces}"),
+    ] {
+        is_fan(Format::Ply, header.clone() + &payload);
+    }
+    is_fan(Format::Ply, ply("uchar int64", "face 3") + &numbers + faces);
+    is_fan(
+        Format::Ply,
+        ply("uint64 ulong", "face 3") + &numbers + faces,
+    );
+    let more = header.clone() + &vertices("", " ", " 255 255 255") + faces;
+    let soup = is_fan(Format::Ply, more);
+    assert_eq!(
+        notes(&soup),
+        ["line 10: more numbers than the header declares; they are ignored"]
+    );
+    assert!(parse(Format::Ply, header + &numbers + "3 0 1 2\n3 0 2 3\n3 0 3\n").is_err());
+}
+
+#[test]
+fn strips_of_triangles_become_faces() {
+    let header = ply("int int", "tristrips 2");
+    let soup = parse(
+        Format::Ply,
+        header + &vertices("", " ", "") + "9 1 2 0 3 -1 3 4 0 -1\n3 4 3 0\n",
+    );
+    let soup = soup.unwrap();
+    assert_eq!(soup.triangles, [[1, 2, 0], [0, 2, 3], [3, 4, 0], [4, 3, 0]]);
+    // A repeated vertex joins two parts.
+    let header = ply("int int", "tristrips 1");
+    let soup = parse(
+        Format::Ply,
+        header + &vertices("", " ", "") + "8 0 1 2 2 0 0 3 4\n",
+    )
+    .unwrap();
+    assert_eq!(soup.triangles, [[0, 1, 2], [3, 0, 4]]);
+}
+
+#[test]
+fn stl_in_words() {
+    let facet = |[a, b, c]: [u32; 3], end: &str| {
+        let vertex = |v: u32| {
+            format!(
+                "vertex {} {} {}\n",
+                FAN[v as usize][0], FAN[v as usize][1], FAN[v as usize][2]
+            )
+        };
+        format!(
+            "facet normal 0 0 1\nouter loop\n{}{}{}{end}\n",
+            vertex(a),
+            vertex(b),
+            vertex(c)
+        )
+    };
+    let facets = |end: &str| FACES.map(|face| facet(face, end)).concat();
+    let usual = facets("endloop\nendfacet");
+    for text in [
+        format!("solid a b\n{usual}endsolid"),
+        format!("solid\n{usual}endsolidSCENE\n"),
+        format!("solid\n{usual}end solid a\n"),
+        format!("solid\n{}endsolid\n", facets("end loop\nend facet")),
+        format!("solid\n{}endsolid\n", facets("endloop")),
+        format!("solid\ncolor 1 0 0\n{usual}endsolid\n"),
+        format!("solid\n{}endsolid\n", usual.replace("normal 0 0 1", "")),
+        format!("solid facet a {} endsolid\n", usual.replace('\n', " ")),
+    ] {
+        let soup = is_fan(Format::Stl, &text);
+        assert!(soup.notes.is_empty(), "{text}");
+    }
+    let soup = is_fan(Format::Stl, format!("solid\n{usual}"));
+    assert_eq!(notes(&soup), ["line 22: the file ends without endsolid"]);
+    for text in [
+        format!("solid\n{usual}facet"),
+        format!("solid\n{}endsolid\n", facets("endfacet")),
+        format!(
+            "solid\n{}endsolid\n",
+            facets("vertex 0 0 0\nendloop\nendfacet")
+        ),
+        format!("solid\nspline\n{usual}endsolid\n"),
+    ] {
+        assert!(parse(Format::Stl, &text).is_err(), "{text}");
+    }
+}
+
+#[test]
+fn vertices_of_no_face_may_have_no_position() {
+    let faces = "f 1 2 3\nf 1 3 4\nf 1 4 5\n";
+    for nan in [
+        "nan nan nan",
+        "1.#QNAN 0 0",
+        "-1.#IND 0 1.#INF",
+        "0 inf 0",
+        "-nan(ind) 0 0",
+    ] {
+        let text = format!("{}v {nan}\n{faces}", vertices("v ", " ", ""));
+        let (mesh, report) = Mesh::from_soup(parse(Format::Obj, text).unwrap()).unwrap();
+        assert_eq!(mesh.positions()[5], FAN[0], "{nan}");
+        let mut summaries = report.summaries().into_iter().map(|summary| summary.text);
+        assert!(
+            summaries
+                .next_back()
+                .unwrap()
+                .ends_with("put at a corner of the first face (vertex 5)")
+        );
+        let used = format!("v {nan}\n{}f 2 3 4\nf 1 2 4\n", vertices("v ", " ", ""));
+        assert!(
+            Mesh::from_soup(parse(Format::Obj, used).unwrap()).is_err(),
+            "{nan}"
+        );
+    }
+}
+
+#[test]
+fn a_missing_third_coordinate_is_zero() {
+    let soup = parse(Format::Obj, "v 0 0\nv 2 0\nv 2 1.5\nf 1 2 3\n").unwrap();
+    assert_eq!(
+        soup.positions,
+        [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.5, 0.0]]
+    );
+    assert_eq!(
+        notes(&soup),
+        ["line 1: a vertex has two coordinates; the third is 0"]
+    );
+}
+
+#[test]
+fn text_in_utf_16_is_named() {
+    let text = vertices("v ", " ", "") + "f 1 2 3\n";
+    let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+    for bytes in [
+        &little[..],
+        &big,
+        &[b"\xff\xfe", &little[..]].concat(),
+        &[b"\xfe\xff", &big[..]].concat(),
+    ] {
+        let error = parse(Format::Obj, bytes).unwrap_err().to_string();
+        assert!(error.contains("UTF-16"), "{error}");
+    }
+}
+
+#[test]
+fn a_polygon_may_repeat_its_first_corner() {
+    let text = vertices("v ", " ", "") + "f 1 2 3 1\nf 1 3 4 1\nf 1 4 5 1\n";
+    assert_eq!(is_fan(Format::Obj, text).file_faces, [0, 1, 2]);
+}
+
+#[test]
+fn a_polygon_may_have_holes_with_bridges() {
+    let text = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 3 1 0\nv 3 3 0\nv 1 3 0\n";
+    for outline in [
+        "1 2 3 4 1 5 8 7 6 5",
+        "5 8 7 6 5 1 2 3 4 1",
+        "6 5 1 2 3 4 1 5 8 7",
+    ] {
+        let soup = parse(Format::Obj, format!("{text}f {outline}\n")).unwrap();
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| soup.positions[v as usize]);
+            0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+        };
+        assert!(soup.triangles.iter().all(|t| area(t) > 0.0), "{outline}");
+        let (mesh, _) = Mesh::from_soup(soup).unwrap();
+        assert_eq!(
+            (
+                mesh.face_count(),
+                mesh.half_edges()
+                    .filter(|&h| mesh.twin(h).is_none())
+                    .count()
+            ),
+            (8, 8)
+        );
+    }
+}
+
+#[test]
+fn cuts_of_polygons_share_no_edge() {
+    // Two quads around vertex 2, which has two edges only; and a triangle along their diagonal.
+    let text = "v 0 0 0\nv 2 0 0\nv 1 1 0.1\nv 0 2 0\nv 2 2 1\nv 3 3 3\n";
+    for faces in [
+        "f 1 2 3 4\nf 4 3 2 5\n",
+        "f 2 3 4 1\nf 2 5 4 3\n",
+        "f 1 2 3 4\nf 2 4 6\n",
+        "f 2 4 6\nf 1 2 3 4\nf 4 3 2 5\n",
+    ] {
+        let soup = parse(Format::Obj, text.to_owned() + faces).unwrap();
+        let mesh = Mesh::from_soup(soup);
+        assert!(mesh.is_ok(), "{faces}: {}", mesh.unwrap_err());
+    }
+}
+
+/// Files of other programs in the directory that the project shares, each with the fan in it unless
+/// its name says otherwise.
+#[test]
+fn shared_forms_are_read() {
+    let Ok(files) = models().with_file_name("cases").join("read").read_dir() else {
+        return;
+    };
+    for path in files.map(|file| file.unwrap().path()) {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let soup = match name {
+            "targets_bom.txt" => continue,
+            "obj_utf16le.obj" => {
+                assert!(read(&path).unwrap_err().to_string().contains("UTF-16"));
+                continue;
+            }
+            _ => read(&path).unwrap_or_else(|error| panic!("{error}")),
+        };
+        let (mesh, _) = Mesh::from_soup(soup).unwrap_or_else(|error| panic!("{name}: {error}"));
+        match name {
+            "obj_keyhole.obj" => assert_eq!(mesh.face_count(), 8),
+            "off_tokens.off" => assert_eq!(mesh.face_count(), 2),
+            _ => assert_eq!(mesh.positions()[..5], FAN, "{name}"),
+        }
+    }
+}

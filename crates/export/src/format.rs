@@ -4,8 +4,6 @@ use std::fmt::Display;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use crate::output::OutputFile;
-
 /// The path that stands for standard input and output.
 pub const STANDARD: &str = "-";
 
@@ -72,15 +70,6 @@ pub trait FileFormat: Copy + PartialEq + 'static {
             path.display(),
             Self::CONTENT
         )))
-    }
-
-    /// The format for `path`, and the file.
-    ///
-    /// # Errors
-    ///
-    /// When no format has the extension, or the file cannot be written.
-    fn output(path: &Path) -> anyhow::Result<(Self, OutputFile)> {
-        Ok((Self::of_path(path)?, OutputFile::prepare(path)?))
     }
 
     /// Whether it is a picture, which [`Scene`](crate::picture::Scene) draws.

@@ -252,13 +252,22 @@ pub fn check_not_read(outputs: &[&OutputFile], inputs: &[impl AsRef<Path>]) -> a
     Ok(())
 }
 
+/// The file at `path` with its format.
+///
+/// # Errors
+///
+/// When no format has the extension, or the file cannot be written.
+pub fn prepare_one<F: FileFormat>(path: &Path) -> anyhow::Result<(F, OutputFile)> {
+    Ok((F::of_path(path)?, OutputFile::prepare(path)?))
+}
+
 /// The files at `paths` with their formats.
 ///
 /// # Errors
 ///
 /// When a format is unknown, a file cannot be written, or two paths are the same file.
 pub fn prepare<F: FileFormat>(paths: &[PathBuf]) -> anyhow::Result<Vec<(F, OutputFile)>> {
-    let outputs = paths.iter().map(|path| F::output(path));
+    let outputs = paths.iter().map(|path| prepare_one(path));
     let outputs = outputs.collect::<anyhow::Result<Vec<(F, OutputFile)>>>()?;
     check_distinct(&outputs.iter().map(|(_, file)| file).collect::<Vec<_>>())?;
     Ok(outputs)

@@ -7,6 +7,7 @@
 
 pub mod exec;
 pub mod figures;
+mod lock;
 pub mod measure;
 pub mod plan;
 pub mod run;

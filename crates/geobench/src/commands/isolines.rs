@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use geobench_export::FileFormat;
 use geobench_export::isolines::{IsolineFormat, IsolineSet};
-use geobench_export::output::check_not_read;
+use geobench_export::output::{check_not_read, prepare_one};
 use geobench_export::picture::Scene;
 use geobench_harness::exec::model;
 use geobench_harness::measure::number::counted;
@@ -86,7 +86,7 @@ const GAP: f64 = 1e-6;
 const TOLERANCE: f64 = 1e-4;
 
 pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
-    let (format, output) = IsolineFormat::output(&options.output)?;
+    let (format, output) = prepare_one::<IsolineFormat>(&options.output)?;
     let model = model::only(&options.model)?;
     check_not_read(&[&output], &[&model.path])?;
     let mesh = &model.mesh_within(options.reading)?;

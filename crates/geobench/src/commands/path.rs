@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use geobench_export::FileFormat;
-use geobench_export::output::check_not_read;
+use geobench_export::output::{check_not_read, prepare_one};
 use geobench_export::paths::{FoundPath, PathFormat, PathSet};
 use geobench_export::picture::Scene;
 use geobench_harness::exec::model;
@@ -76,7 +76,7 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
         );
     }
     let output = options.output.as_deref();
-    let output = output.map(PathFormat::output).transpose()?;
+    let output = output.map(prepare_one::<PathFormat>).transpose()?;
     let model = model::only(&options.model)?;
     if let Some((_, output)) = &output {
         check_not_read(&[output], &[&model.path])?;

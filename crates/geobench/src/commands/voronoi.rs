@@ -9,7 +9,7 @@ use std::time::Instant;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use geobench_export::diagrams::{self, BorderFormat, DiagramFile, DiagramFormat, LabelFormat};
-use geobench_export::output::{OutputFile, check_distinct, check_not_read};
+use geobench_export::output::{OutputFile, check_distinct, check_not_read, prepare_one};
 use geobench_export::picture::{Paint, Scene};
 use geobench_export::{FileFormat, no_coordinates};
 use geobench_harness::exec::model;
@@ -72,11 +72,11 @@ pub(crate) struct VoronoiOptions {
 }
 
 pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
-    let (format, output) = DiagramFormat::output(&options.output)?;
+    let (format, output) = prepare_one::<DiagramFormat>(&options.output)?;
     let borders = options.borders.as_deref();
-    let borders = borders.map(BorderFormat::output).transpose()?;
+    let borders = borders.map(prepare_one::<BorderFormat>).transpose()?;
     let labels = options.labels.as_deref();
-    let labels = labels.map(LabelFormat::output).transpose()?;
+    let labels = labels.map(prepare_one::<LabelFormat>).transpose()?;
     let dual_file = match &options.dual {
         Some(path) => Some((path, generate::ending(path)?, OutputFile::prepare(path)?)),
         None => None,

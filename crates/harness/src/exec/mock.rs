@@ -5,7 +5,8 @@ use std::sync::Mutex;
 use geobench_window::{Counter, Counters};
 
 use crate::exec::model::ModelRef;
-use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step, lock};
+use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
+use crate::lock::lock;
 use crate::measure::memory::Peaks;
 use crate::schema::{ModelRecord, Phases, Status};
 

@@ -20,8 +20,6 @@ mod protocol;
 pub mod slurm;
 pub mod source;
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
 use geobench_registry::Selection;
 use geobench_window::Counters;
 use serde::{Deserialize, Serialize};
@@ -31,11 +29,6 @@ use crate::exec::model::ModelRef;
 use crate::exec::source::SourceSpec;
 use crate::measure::memory::Peaks;
 use crate::schema::{Cell, InstructionCount, ModelRecord, Phases, Status, WavefrontRecord};
-
-/// Locks `mutex`, ignoring poison: a panic while it was held has already failed its run.
-pub(crate) fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// The purpose of a run. Journals store the names in snake case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

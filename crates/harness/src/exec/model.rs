@@ -103,7 +103,7 @@ pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelErr
         let of_standard_input;
         let mut path = Path::new(argument);
         if argument == "-" {
-            of_standard_input = standard_input::file()?;
+            of_standard_input = standard_input::file().map_err(ModelError::Unreadable)?;
             path = &of_standard_input;
         }
         let missing = |error: io::Error| ModelError::Missing {

@@ -2,7 +2,8 @@
 
 use std::sync::{Mutex, MutexGuard};
 
-use crate::exec::{Listener, lock};
+use crate::exec::Listener;
+use crate::lock::lock;
 use crate::run::journal::{Journal, JournalLine};
 
 /// Journal and listener, shared by concurrent cells.

@@ -7,6 +7,7 @@ pub mod answer_layout;
 mod cell_runs;
 pub mod check;
 pub mod cluster;
+mod each;
 mod earlier;
 pub mod journal;
 mod labels;
@@ -26,11 +27,12 @@ use std::sync::Mutex;
 use anyhow::bail;
 use geobench_registry::UsageError;
 use rayon::ThreadPoolBuilder;
-use rayon::iter::{ParallelBridge, ParallelIterator};
 
 use crate::exec::source::SourceSpec;
-use crate::exec::{Backend, Listener, Pass, Session, lock};
+use crate::exec::{Backend, Listener, Pass, Session};
+use crate::lock::lock;
 use crate::plan::Plan;
+use crate::run::each::each;
 use crate::run::journal::{Journal, JournalLine, RunId};
 use crate::run::log::RunLog;
 use crate::run::unit::{RecordedRuns, Unit};
@@ -105,20 +107,6 @@ pub fn run(
     let mut finished = std::mem::take(&mut *lock(&finished));
     finished.deliver(true, &log)?;
     Ok(finished.records)
-}
-
-/// Calls `work` for all items, sequentially or concurrently on the threads of the current pool.
-/// Items are started in order, and none is started after an error.
-fn each<T: Send>(
-    mut items: impl Iterator<Item = T> + Send,
-    is_parallel: bool,
-    work: impl Fn(T) -> anyhow::Result<()> + Send + Sync,
-) -> anyhow::Result<()> {
-    if is_parallel {
-        items.par_bridge().try_for_each(work)
-    } else {
-        items.try_for_each(work)
-    }
 }
 
 /// Results of the finished models, put into the order of the plan.

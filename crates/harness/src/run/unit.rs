@@ -9,12 +9,13 @@ use geobench_window::precision;
 
 use crate::exec::model::ModelRef;
 use crate::exec::source::SourceSpec;
-use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step, lock};
+use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
+use crate::lock::lock;
 use crate::plan::{Plan, Reference};
 use crate::run::agreement;
 use crate::run::answer_layout::AnswerLayout;
 use crate::run::cell_runs::{CellRuns, summary};
-use crate::run::each;
+use crate::run::each::each;
 use crate::run::earlier::{self, Earlier};
 use crate::run::journal::{Journal, JournalLine, RunId, RunOutcome};
 use crate::run::labels::NearestSources;

@@ -9,9 +9,9 @@ use geobench_harness::schema::{
 };
 use geobench_registry::Selection;
 
-use super::ClaimCase;
 use super::expression::{Leaves, Node, Quantity};
 use super::file::{Combine, GrowthAxis, Operand, Show, SimdFilter, Size, Test, labels, number_of};
+use super::judged::ClaimCase;
 use crate::table::group::{Estimate, distinct};
 
 /// The results of a suite, and the test that is computed from them.

@@ -10,16 +10,15 @@
 
 use std::collections::BTreeMap;
 
-use geobench_harness::schema::ResultFile;
-use geobench_registry::UsageError;
-use serde::Serialize;
-
 pub use crate::page::Input;
 use crate::table::group::distinct;
+use geobench_harness::schema::ResultFile;
+use geobench_registry::UsageError;
 
 mod cases;
 mod expression;
 mod file;
+mod judged;
 mod page;
 #[cfg(test)]
 mod tests;
@@ -27,6 +26,7 @@ mod tests;
 use self::cases::Results;
 use self::file::path;
 pub use self::file::{Claim, ClaimsFile};
+pub use self::judged::{ClaimCase, ClaimVerdict, ClaimsReport, JudgedClaim, JudgedPaper};
 pub use self::page::ClaimsFormat;
 
 /// The name and the content of a file of `bench-configs/papers/claims`.
@@ -61,130 +61,6 @@ pub fn known() -> Result<Vec<ClaimsFile>, geobench_harness::DocumentError> {
     files
         .map(|(name, text)| ClaimsFile::parse(&path(name), text))
         .collect()
-}
-
-/// The verdict on a claim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ClaimVerdict {
-    /// It holds in every case, and each value is within a third of the paper's numbers, if the
-    /// paper has some.
-    Confirmed,
-    /// It holds in most cases. Some cases, or the size of some values, do not agree.
-    Partly,
-    /// It holds in at most half of the cases.
-    Not,
-    /// The results cannot decide.
-    Unjudged,
-}
-
-impl ClaimVerdict {
-    pub(super) const ALL: [Self; 4] = [Self::Confirmed, Self::Partly, Self::Not, Self::Unjudged];
-
-    /// In words.
-    pub const fn in_words(self) -> &'static str {
-        match self {
-            Self::Confirmed => "confirmed",
-            Self::Partly => "partly",
-            Self::Not => "not",
-            Self::Unjudged => "cannot be judged",
-        }
-    }
-}
-
-/// A claim with its verdict.
-#[derive(Clone, Debug, Serialize)]
-pub struct JudgedClaim {
-    /// The name of the claim.
-    pub id: String,
-    /// The paper's number.
-    pub paper: String,
-    /// Section, table or figure.
-    pub place: String,
-    /// The tested statement.
-    pub claim: String,
-    /// A few words of the paper.
-    pub quote: String,
-    /// The verdict.
-    pub verdict: ClaimVerdict,
-    /// The cases by name.
-    pub values: BTreeMap<String, ClaimCase>,
-    /// Why the verdict is not better, or which figures decided instead of the first; empty if there
-    /// is nothing to explain.
-    pub reason: String,
-    /// The suite whose results decide.
-    pub suite: Option<String>,
-    /// The paper's numbers in words; empty if it has none.
-    pub printed: String,
-    /// The cases in words.
-    #[serde(skip)]
-    pub(super) shown: String,
-    #[serde(skip)]
-    pub(super) remark: Option<String>,
-}
-
-/// The claims of a paper with their verdicts.
-#[derive(Clone, Debug)]
-pub struct JudgedPaper {
-    /// The paper's number.
-    pub paper: String,
-    /// Authors, year and subject.
-    pub title: String,
-    /// The claims in the order of the file.
-    pub claims: Vec<JudgedClaim>,
-}
-
-/// Verdicts on the claims of several papers.
-#[derive(Clone, Debug)]
-pub struct ClaimsReport {
-    /// The papers.
-    pub papers: Vec<JudgedPaper>,
-    /// The results that were used, one line for each run: date, commit, machine, suites.
-    pub(super) sources: Vec<String>,
-    /// Warnings, one line each.
-    pub notes: Vec<String>,
-}
-
-/// A value and whether the claim holds for it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ClaimCase {
-    /// The figure of the value.
-    pub figure: String,
-    /// The value; null if there is none.
-    pub value: Option<f64>,
-    /// Its 95 % interval; null for counts, and if there are too few samples.
-    pub ci95: Option<[f64; 2]>,
-    /// Whether the claim holds; null if the value does not decide.
-    pub holds: Option<bool>,
-    /// Whether the value is within a third of the paper's numbers; null if there are none.
-    pub fits: Option<bool>,
-    /// Why the first figure did not decide; null if it did.
-    pub reason: Option<String>,
-    /// For a growth, the range of the axis: number of faces, anisotropy or number of sources.
-    pub range: Option<[f64; 2]>,
-    /// The expression: the algorithm, or a ratio of two. For pages.
-    #[serde(skip)]
-    of: String,
-    /// The model or models. For pages.
-    #[serde(skip)]
-    on: String,
-}
-
-impl ClaimCase {
-    /// An undecided case.
-    fn open(figure: &str, on: &str) -> Self {
-        Self {
-            figure: figure.to_owned(),
-            value: None,
-            ci95: None,
-            holds: None,
-            fits: None,
-            reason: None,
-            range: None,
-            of: String::new(),
-            on: on.to_owned(),
-        }
-    }
 }
 
 /// Judges the claims of `files` by `results`.

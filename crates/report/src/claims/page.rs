@@ -6,7 +6,7 @@ use geobench_harness::measure::statistics::range_of;
 use toml::Spanned;
 
 use super::file::{Paper, Test};
-use super::{ClaimCase, ClaimVerdict, ClaimsReport, JudgedClaim, JudgedPaper};
+use super::judged::{ClaimCase, ClaimVerdict, ClaimsReport, JudgedClaim, JudgedPaper};
 use crate::table::group::distinct;
 use crate::table::terminal::listing;
 use crate::table::{Column, Entry, Look, Mark, Table, csv, markdown};

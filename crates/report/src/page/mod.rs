@@ -22,6 +22,7 @@ pub(crate) mod papers;
 mod picture;
 mod plots;
 mod scaling;
+mod setting;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -40,8 +41,9 @@ use geobench_registry::UsageError;
 
 use crate::table::group::{GroupCells, algorithms, is_same_problem};
 use crate::table::{Format, Note, results};
-use chart::{LinePoint, Series};
-use document::{Block, Document, Link, Section, slug};
+use chart::Chart;
+use document::{Block, Document, Link, Plot, Section, slug};
+use setting::Setting;
 
 pub use files::{Form, write_files};
 pub use html::page;
@@ -109,38 +111,6 @@ pub struct Report {
     document: Document,
 }
 
-/// The context of the plots of a group.
-#[derive(Clone, Copy, Debug)]
-struct Setting<'a> {
-    /// The prefix of the ids of plots.
-    prefix: &'a str,
-    /// The algorithms of the whole result. The index of an algorithm is its style: marker and
-    /// colour.
-    styles: &'a [&'a str],
-    /// The base of ratios.
-    base: Option<&'a str>,
-}
-
-impl Setting<'_> {
-    fn style(&self, algorithm: &str) -> usize {
-        let found = self.styles.iter().position(|name| *name == algorithm);
-        found.unwrap_or(0)
-    }
-
-    /// The line of an algorithm in a chart.
-    fn series(&self, algorithm: &str, points: Vec<LinePoint>) -> Series {
-        Series {
-            style: self.style(algorithm),
-            name: algorithm.to_owned(),
-            algorithm: algorithm.to_owned(),
-            joined: true,
-            hollow: false,
-            points,
-            fit: None,
-        }
-    }
-}
-
 /// The largest result that is embedded in the page, in bytes.
 const MOST_EMBEDDED: usize = 4 << 20;
 
@@ -173,12 +143,7 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, UsageError> 
         let picture = if pictured {
             None
         } else {
-            match picture::plot(
-                &result,
-                &options.picture,
-                options.decompressed,
-                &format!("{prefix}result"),
-            ) {
+            match picture::picture(&result, &options.picture, options.decompressed) {
                 Ok(picture) => picture,
                 // A later result may have the model.
                 Err(error) => {
@@ -188,6 +153,12 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, UsageError> 
             }
         };
         pictured |= picture.is_some();
+        let picture = picture.map(|picture| Plot {
+            id: format!("{prefix}result-picture-{}", slug(&picture.model)),
+            title: format!("Distances on {}", picture.model),
+            caption: picture.caption.clone(),
+            chart: Chart::Picture(Box::new(picture)),
+        });
         sections.extend(of_result(input, &result, &prefix, picture, options));
     }
     if let (false, Some(error), PictureChoice::Of { .. }) = (pictured, missing, &options.picture) {
@@ -227,7 +198,7 @@ fn of_result(
     input: &Input,
     result: &ResultFile,
     prefix: &str,
-    picture: Option<document::Plot>,
+    picture: Option<Plot>,
     options: &Options,
 ) -> Vec<Section> {
     let name = input.name();

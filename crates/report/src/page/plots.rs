@@ -7,7 +7,8 @@ use super::chart::{
     Axis, Band, Bar, BarGroup, Bars, Chart, Dots, Lane, LinePoint, Lines, MOST_LANES, Point, Series,
 };
 use super::document::{Plot, slug};
-use super::{Setting, scaling, tradeoff};
+use super::setting::Setting;
+use super::{scaling, tradeoff};
 use crate::table::group::{Estimate, GroupCells};
 
 /// All plots of a group.

@@ -7,9 +7,9 @@ use geobench_harness::measure::statistics::{FEWEST_FOR_FIT, power_law};
 use geobench_harness::schema::ModelRecord;
 use geobench_mesh::generate::Spec;
 
-use super::Setting;
 use super::chart::{Axis, Chart, Fit, LinePoint, Lines, Series};
 use super::document::{Plot, slug};
+use super::setting::Setting;
 use crate::table::group::{Estimate, GroupCells, distinct};
 
 /// The property on the x-axis.

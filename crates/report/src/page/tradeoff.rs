@@ -5,10 +5,10 @@ use geobench_harness::figures::{figure, time};
 use geobench_harness::measure::number::{self, grouped};
 use geobench_harness::schema::{Cell, Check, ModelRecord};
 
-use super::Setting;
 use super::chart::{Axis, Chart, LinePoint, Lines, Series, front};
 use super::document::Plot;
 use super::headline::EXACT;
+use super::setting::Setting;
 use crate::table::group::{GroupCells, distinct};
 use crate::table::{Column, Entry, Part, Table};
 

@@ -14,7 +14,8 @@ use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
 use crate::exec::protocol::{ChildSettings, Reply, Request};
 use crate::exec::source::SourceSpec;
-use crate::exec::{Failure, Pass, Session, Step, lock};
+use crate::exec::{Failure, Pass, Session, Step};
+use crate::lock::lock;
 use crate::measure::memory;
 use crate::schema::Status;
 

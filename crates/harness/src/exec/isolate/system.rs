@@ -12,7 +12,7 @@ use rustix::process::{
     setrlimit, waitid,
 };
 
-use crate::exec::lock;
+use crate::lock::lock;
 use crate::measure::host::kibibytes;
 
 /// A command that starts this program, even if its executable has been replaced.

@@ -9,8 +9,7 @@ use std::sync::{Mutex, OnceLock};
 use geobench_mesh::io as mesh_io;
 use tempfile::TempDir;
 
-use super::ModelError;
-use crate::exec::lock;
+use crate::lock::lock;
 
 /// The form of standard input, named like an ending. Set once, from the command line.
 static FORM: OnceLock<String> = OnceLock::new();
@@ -24,14 +23,15 @@ pub fn set_form(ending: &str) {
     let _ = FORM.set(ending.trim_start_matches('.').to_lowercase());
 }
 
-/// The file with the contents of standard input, which is read on the first call.
-pub(super) fn file() -> Result<PathBuf, ModelError> {
+/// The file with the contents of standard input, which is read on the first call. An error is in
+/// words.
+pub(super) fn file() -> Result<PathBuf, String> {
     let form = FORM.get().map_or("", String::as_str);
     let name = format!("stdin.{form}");
     if !mesh_io::is_mesh_file(name.as_ref()) {
         let message = "-: --input-format says in which form the model is; use obj, ply, off or stl, \
                        each also with .gz";
-        return Err(ModelError::Unreadable(message.to_owned()));
+        return Err(message.to_owned());
     }
     let mut folder = lock(&FOLDER);
     if let Some(folder) = &*folder {
@@ -44,8 +44,7 @@ pub(super) fn file() -> Result<PathBuf, ModelError> {
         Ok((folder, path))
     };
     let (kept, path) = keep().map_err(|error: io::Error| {
-        let message = format!("-: standard input cannot be kept as a file: {error}");
-        ModelError::Unreadable(message)
+        format!("-: standard input cannot be kept as a file: {error}")
     })?;
     *folder = Some(kept);
     Ok(path)

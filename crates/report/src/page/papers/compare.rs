@@ -6,9 +6,9 @@ use geobench_harness::measure::number::ratio as plain;
 use geobench_harness::measure::statistics::range_of;
 
 use super::{PaperTable, Printed};
-use crate::page::Setting;
 use crate::page::chart::{Axis, Band, Chart, Dots, Lane, Point};
 use crate::page::document::{Block, Plot, slug};
+use crate::page::setting::Setting;
 use crate::table::group::{Estimate, GroupCells, distinct};
 use crate::table::results::mean_and_deviation;
 use crate::table::{Column, Entry, Part, Table};

@@ -15,8 +15,6 @@ use geobench_vtp::VtpFast;
 use geobench_window::Goal;
 
 use self::surface::{SurfacePath, SurfaceView};
-use super::chart::Chart;
-use super::document::{Plot, slug};
 
 mod surface;
 
@@ -36,6 +34,10 @@ const PATHS: usize = 5;
 /// A picture of a model, with the data of its view in 3D.
 #[derive(Clone, Debug)]
 pub(crate) struct ModelPicture {
+    /// The name of the model.
+    pub(crate) model: String,
+    /// What is drawn, in words.
+    pub(crate) caption: String,
     pub(crate) flat: Picture,
     surface: SurfaceView,
 }
@@ -94,12 +96,11 @@ impl std::str::FromStr for PictureChoice {
 /// # Errors
 ///
 /// When `wanted` names a model that does not exist or cannot be drawn.
-pub(crate) fn plot(
+pub(crate) fn picture(
     result: &ResultFile,
     wanted: &PictureChoice,
     limit: DecompressionLimit,
-    prefix: &str,
-) -> Result<Option<Plot>, UsageError> {
+) -> Result<Option<ModelPicture>, UsageError> {
     match wanted {
         PictureChoice::None => Ok(None),
         PictureChoice::Of { model, source } => {
@@ -110,13 +111,13 @@ pub(crate) fn plot(
                     known.join(", ")
                 )));
             }
-            of_model(result, model, *source, limit, prefix).map(Some)
+            of_model(result, model, *source, limit).map(Some)
         }
         PictureChoice::Any => Ok(result
             .models
             .iter()
             .filter(|m| m.faces.is_some_and(|faces| faces <= MOST_FACES))
-            .find_map(|m| of_model(result, &m.name, None, limit, prefix).ok())),
+            .find_map(|m| of_model(result, &m.name, None, limit).ok())),
     }
 }
 
@@ -125,8 +126,7 @@ fn of_model(
     name: &str,
     source: Option<u32>,
     limit: DecompressionLimit,
-    prefix: &str,
-) -> Result<Plot, UsageError> {
+) -> Result<ModelPicture, UsageError> {
     let error = |problem: &dyn Display| UsageError(format!("no picture of {name}: {problem}"));
     let record = result.models.iter().find(|m| m.name == name);
     let record = record.ok_or_else(|| error(&"it is not in the result"))?;
@@ -192,9 +192,8 @@ fn of_model(
             grouped(faces as u64)
         )
     });
-    Ok(Plot {
-        id: format!("{prefix}-picture-{}", slug(name)),
-        title: format!("Distances on {name}"),
+    Ok(ModelPicture {
+        model: name.to_owned(),
         caption: format!(
             "From vertex {source} ({}), an isoline every {} units{}, and shortest paths to {} far vertices; {} vertices, {} faces, computed anew.{decimated}",
             if flat.shows_a_source() {
@@ -212,7 +211,8 @@ fn of_model(
             grouped(loaded.measures.vertices as u64),
             grouped(loaded.measures.faces as u64),
         ),
-        chart: Chart::Picture(Box::new(ModelPicture { flat, surface })),
+        flat,
+        surface,
     })
 }
 

@@ -64,20 +64,20 @@ fn windows_in_the_order_of_vertices_wound_around_needles() {
 #[test]
 fn lists_beside_thin_faces_were_forgotten() {
     let solvers = |mesh: &Mesh| -> Solvers {
-        let forget = Retention::Wavefront;
+        let evict = Retention::Wavefront;
         let labels = LabelCorrectingOptions::default();
         vec![
             (
                 "lc-mmp batched",
-                Box::new(lc_mmp_batched(mesh, labels).retaining(forget)),
+                Box::new(lc_mmp_batched(mesh, labels).retaining(evict)),
             ),
             (
                 "vtp-mmp",
-                Box::new(vtp_mmp(mesh).map_policy(|policy| policy.retaining(forget))),
+                Box::new(vtp_mmp(mesh).map_policy(|policy| policy.retaining(evict))),
             ),
             (
                 "vtp-mmp batched",
-                Box::new(vtp_mmp_batched(mesh).retaining(forget)),
+                Box::new(vtp_mmp_batched(mesh).retaining(evict)),
             ),
         ]
     };

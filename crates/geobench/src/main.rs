@@ -72,7 +72,7 @@ enum Command {
     Compare(compare::CompareOptions),
     /// Make tables, plots and a picture of result files: one page, or files to take into a paper
     Report(report::ReportOptions),
-    /// Compute what results say of the papers' claims: confirmed, partly, not, or cannot be judged
+    /// Check the papers' claims against results
     Claims(claims::ClaimsOptions),
     /// Write the distances of all vertices from one or several sources
     Distance(Box<distance::DistanceOptions>),
@@ -96,8 +96,7 @@ enum Command {
     Merge(merge::MergeOptions),
     /// Run a benchmark on a cluster, as a job array of Slurm
     Cluster(cluster::ClusterOptions),
-    /// Join the rounds of a benchmark that was started once for each round, as when two versions of
-    /// geobench take turns
+    /// Pool repeated runs into one result, e.g. alternating runs of two versions
     Pool(pool::PoolOptions),
     /// Add result files to a history: a directory with a small file for each commit, class of
     /// machine and suite

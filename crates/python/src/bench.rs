@@ -13,9 +13,11 @@ use geobench_harness::measure::conditions::{self, Snapshot};
 use geobench_harness::measure::host;
 use geobench_harness::plan::sampling::Sampling;
 use geobench_harness::plan::{self, Plan, Reference};
-use geobench_registry::{self as registry, SimdChoice};
 use geobench_harness::run;
-use geobench_harness::schema::{GroupRecord, IsolationRecord, Precision, ResultFile, SCHEMA, SessionRecord};
+use geobench_harness::schema::{
+    GroupRecord, IsolationRecord, Precision, ResultFile, SCHEMA, SessionRecord,
+};
+use geobench_registry::{self as registry, SimdChoice};
 use geodesics::Stop;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;

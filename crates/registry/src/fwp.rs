@@ -142,7 +142,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         summary: "ich in the order of vtp",
         departs: "as ich",
         keeps: "the windows of the wavefront and one record for each angle",
-        choose: "to tell what vtp owes to its order from what it owes to its rules",
+        choose: "separates the effect of VTP's order from that of its rules",
         build: |mesh, values| single(vtp_ch(mesh), mesh, values),
         ..Algorithm::EXACT
     },

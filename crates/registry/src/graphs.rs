@@ -59,7 +59,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         departs: "replaces windows by pseudo-sources at vertices where the paper merges neighbours, which leaves gaps and no bound",
         complexity: "time without a proven bound, space O(n^2)",
         keeps: "the windows around the wavefront",
-        choose: "to see what windows cost that distances hardly need",
+        choose: "measures how many windows an error of eps saves",
         parameters: &[EPS],
         error_bound: |values| Some(values.real(&EPS)),
         build: |mesh, values| Box::new(mmp_approx(mesh, values.real(&EPS))),

@@ -38,8 +38,8 @@ pub(crate) const FILTER: Parameter = Parameter::word(
 /// Which windows are stored.
 pub(crate) const LISTS: Parameter = Parameter::word(
     "lists",
-    &["keep", "forget"],
-    "`keep` stores all windows that trimming leaves until the end, as in the paper; `forget` evicts those of an edge once the wavefront has passed it",
+    &["keep", "evict"],
+    "`keep` stores all windows that trimming leaves until the end, as in the paper; `evict` evicts those of an edge once the wavefront has passed it",
 );
 
 const QUEUE: Parameter = Parameter::word(
@@ -61,7 +61,7 @@ pub(crate) fn is_batched(values: &Values) -> bool {
 
 fn retention(values: &Values) -> Retention {
     match values.word(&LISTS) {
-        Some("forget") => Retention::Wavefront,
+        Some("evict") => Retention::Wavefront,
         _ => Retention::All,
     }
 }
@@ -140,7 +140,7 @@ pub(crate) const FAST: &[Algorithm] = &[Algorithm {
     family: "mmp-family",
     paper: "Surazhsky et al. 2005, with improvements of our own",
     summary: "mmp with every improvement that keeps it exact",
-    departs: "mmp{turn=list,filter=vertices,lists=forget}: takes lists with a slack, filters windows and evicts those behind the wavefront",
+    departs: "mmp{turn=list,filter=vertices,lists=evict}: takes lists with a slack, filters windows and evicts those behind the wavefront",
     complexity: "time without a proven bound, space O(n^2)",
     keeps: "the windows around the wavefront",
     choose: "as the reference of checks: an algorithm other than vtp-fast, nearly as fast as vtp",
@@ -158,7 +158,7 @@ pub(crate) const VERTEX_ORDER: Algorithm = Algorithm {
     departs: "as mmp",
     complexity: "time O(n^2 log n), space O(n^2)",
     keeps: "as mmp; of the queue the vertices of the wavefront",
-    choose: "to tell what vtp owes to its order from what it owes to its rules",
+    choose: "separates the effect of VTP's order from that of its rules",
     memory_counter: Counter::StoredWindows,
     parameters: &[TURN, FILTER, LISTS, THRESHOLD],
     build: |mesh, values| {

@@ -207,7 +207,7 @@ pub(crate) struct ScaleOptions {
     pub(crate) full: bool,
 }
 
-/// What is found out beside the usual figures.
+/// Optional measurements.
 #[derive(Args, Debug)]
 pub(crate) struct ExtraOptions {
     /// Keep samples of the wavefront of each counted run, for the plots of `geobench report`

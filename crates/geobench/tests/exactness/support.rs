@@ -17,14 +17,14 @@ pub(crate) const AGREEMENT: f64 = 1e-9;
 
 /// The algorithms that claim to be exact, and further variants of them.
 pub(crate) const EXACT: &str = "exact,vtp-fast{simd=avx2},vtp-fast{simd=scalar},vtp-fast{pairs=1},\
-    pvtp{threads=2},pch{threads=2},mmp{turn=list},fwp-mmp{turn=list,filter=vertices,lists=forget}";
+    pvtp{threads=2},pch{threads=2},mmp{turn=list},fwp-mmp{turn=list,filter=vertices,lists=evict}";
 
 /// Further variants, which run only on small meshes.
-const ON_SMALL: &str = "mmp{queue=fifo},mmp{lists=forget},mmp-edge{lists=forget},\
-    mmp{turn=list,slack=0.1,filter=vertices},mmp{turn=list,lists=forget},\
-    fwp-mmp{lists=forget},fwp-mmp{turn=list},lc-mmp{turn=list},\
-    lc-mmp{turn=list,filter=vertices,lists=forget},vtp-mmp{turn=list},\
-    vtp-mmp{turn=list,filter=vertices,lists=forget}";
+const ON_SMALL: &str = "mmp{queue=fifo},mmp{lists=evict},mmp-edge{lists=evict},\
+    mmp{turn=list,slack=0.1,filter=vertices},mmp{turn=list,lists=evict},\
+    fwp-mmp{lists=evict},fwp-mmp{turn=list},lc-mmp{turn=list},\
+    lc-mmp{turn=list,filter=vertices,lists=evict},vtp-mmp{turn=list},\
+    vtp-mmp{turn=list,filter=vertices,lists=evict}";
 
 /// The exact algorithms, ready to be built.
 pub(crate) fn exact_algorithms() -> Vec<Selection> {

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Range;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::IsolationRecord;
 
@@ -97,7 +97,27 @@ pub struct PlannedAlgorithm {
     /// Name of the algorithm in cells.
     pub label: String,
     /// All parameters, defaults included. For an external program, its description.
+    #[serde(deserialize_with = "parameters")]
     pub parameters: BTreeMap<String, serde_json::Value>,
+}
+
+/// Parameters of a record. Those of older versions get the names of today.
+fn parameters<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<BTreeMap<String, serde_json::Value>, D::Error> {
+    let mut parameters = BTreeMap::<String, serde_json::Value>::deserialize(deserializer)?;
+    for (former, name) in [("shadow", "spawn_wedge"), ("reunite", "merge_split")] {
+        if let Some(value) = parameters.remove(former) {
+            parameters.insert(name.to_owned(), value);
+        }
+    }
+    if let Some(lists) = parameters
+        .get_mut("lists")
+        .filter(|value| *value == "forget")
+    {
+        *lists = "evict".into();
+    }
+    Ok(parameters)
 }
 
 /// Shard `index` of `count`. Shards take the units of a plan in turn.

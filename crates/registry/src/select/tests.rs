@@ -222,8 +222,8 @@ fn parameters_are_refused_with_what_would_be_right() {
         assert!(select(&format!("{name}{{turn=list,filter=vertices}}")).is_ok());
     }
     assert!(select("mmp{turn=list,queue=fifo}").is_err());
-    assert!(select("mmp{queue=fifo,lists=forget}").is_err());
-    assert!(select("mmp{turn=list,lists=forget}").is_ok());
+    assert!(select("mmp{queue=fifo,lists=evict}").is_err());
+    assert!(select("mmp{turn=list,lists=evict}").is_ok());
 }
 
 /// Vector code executes the same steps as scalar code.

@@ -243,7 +243,7 @@ fn times_decide_by_their_interval_else_instructions_do() {
 }
 
 #[test]
-fn what_does_not_tell_is_not_judged() {
+fn a_claim_without_data_is_unjudged() {
     let time_test = "of = [\"ich\"]\nto = \"vtp\"\nholds = \"> 1\"";
     let why = |result: &ResultFile, test: &str| {
         let (verdict, reason) = verdict_of(test, result);

@@ -129,7 +129,7 @@ pub(super) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
     plots
 }
 
-/// The number of distinct property values of `models`, which are sorted by it.
+/// Number of distinct values of the property, by which `models` is sorted.
 fn differ(models: &[(f64, &ModelRecord)]) -> usize {
     let mut places: Vec<f64> = models.iter().map(|(at, _)| *at).collect();
     places.dedup();

@@ -13,8 +13,7 @@ pub struct Table {
     pub(crate) columns: Vec<Column>,
     /// The subject of a row, by which pages filter: `algorithm`, `model` or empty.
     pub(crate) rows_are: &'static str,
-    /// The head of a column with the titles of parts, in formats that put all parts under one head.
-    /// If `None`, each title has a row of its own.
+    /// Header of the column of part titles; `None`: one title row per part.
     pub(crate) titles: Option<&'static str>,
     pub(crate) parts: Vec<Part>,
 }

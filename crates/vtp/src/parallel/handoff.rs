@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn what_changes_hands_arrives_whole() {
+    fn handed_over_windows_are_unchanged() {
         let (shared, [mut a, mut b]) = two_threads();
         let v = saddle(&shared.layout);
         a.find(&shared, path(&shared.layout, v, 0, 2.5));

@@ -23,7 +23,7 @@ use crate::schema::Status;
 static PANIC: Mutex<Option<String>> = Mutex::new(None);
 
 /// Answers requests from standard input on standard output. The arguments are the model and
-/// [`ChildSettings`].
+/// `ChildSettings`.
 ///
 /// # Errors
 ///

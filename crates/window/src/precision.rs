@@ -64,23 +64,58 @@
 //! windows one is dropped, so windows may count as equal only within rounding: [`GRAIN`] of the
 //! distance and [`PLACE`] of the edge, 500 and 20 ulps. The first one stays. Its path to the point
 //! is as short; and beyond the point the other one would have to leave at an angle too small to
-//! resolve, with one exception:
+//! resolve, with two exceptions:
 //!
+//! * A pseudo-source that has come nearer sends its windows again. They take the place of its old
+//!   ones without a margin; see the next section.
 //! * A source on the edge sends rays of all directions through one point, its *foot*. A window
 //!   along the edge ties with it there and has one direction only. So the foot of a window is a
 //!   piece of its own. It stays among equals, and yields only to a window that is shorter at the
 //!   foot. The rest of the window has one direction, along the edge. It yields to another window
 //!   that is shorter by a sixteenth of [`GRAIN`].
 //!
+//! # Along a chain of pseudo-sources
+//!
+//! A shortest path bends at pseudo-sources v1, v2, ..., and the error of each one's distance is in
+//! all that follow. If each comparison could cost a [`GRAIN`], errors would grow with the number of
+//! bends. They do not, because an improvement of a pseudo-source reaches all that its windows
+//! reached before, however small it is:
+//!
+//! * *Distances of vertices* are compared without a margin. A pseudo-source sends windows again
+//!   whenever its distance has decreased, be it by one ulp. All families do, in any order.
+//! * *Its older windows* have crossed the same faces, so that their images are equal bit for bit,
+//!   and have a greater σ. Wherever one of them is stored, the new window is shorter by the
+//!   difference of the σ and takes its place without a margin, at its foot as well. By induction
+//!   over the faces it comes to every point that an older one has held. With a margin it would lose
+//!   the tie on the first edge, and the next pseudo-source would keep its old distance.
+//! * *Families that store no windows* compare with a [`MARGIN`] and lose nothing that is shorter.
+//!   "One angle, one split" compares the lengths of two paths to an apex without a margin: the
+//!   window that loses a side is not shorter. Windows whose root has come nearer are deleted,
+//!   because the root has sent them again. Beside thin faces these families store windows, and trim
+//!   them by the rule above.
+//!
+//! The families that store windows are MMP in all forms and orders (of half-edges, of edges,
+//! batched, in buckets, label correcting, by vertices) and the Voronoi kinds. They share the
+//! comparison.
+//!
+//! What is left are ties between windows of *different* sources or faces. Such a tie is lost
+//! between two bends only where a longer path came first, over the same faces as the path that
+//! bends, so that it need not bend there itself. A chain of n bends with such a path beside it, and
+//! with shorter detours on other sheets of the surface, may cost n times [`GRAIN`] of the distance
+//! and n times [`PLACE`] of the edges: 1e-9 of the distance for 10,000 bends. The margin cannot be
+//! relative to the way from the last bend instead. Images err by a fraction of the longest side
+//! that they have crossed, and on the short edges around a needle nothing but the distance tells
+//! how long that is.
+//!
 //! # Limits of `f64`
 //!
 //! A position on a side of length L is a multiple of ε·L. A bent path through an end of the side is
 //! compared with the distance of that vertex, which shorter edges give more exactly
-//! ([`length_past_end`](crate::length_past_end)). Other paths have no such help. Where all distances
-//! are far less than L, an error of ε·L is not small beside them. No order of operations helps,
-//! because the abscissa itself is rounded. The same holds where one distance is less than what a
-//! path accumulates across many such faces: [`PLACE`]·L on each where windows are equal. [`doubt`]
-//! finds these faces and bounds the error.
+//! ([`length_past_end`](crate::length_past_end)). Other paths have no such help. Where all
+//! distances are far less than L, an error of ε·L is not small beside them. No order of operations
+//! helps, because the abscissa itself is rounded. The same holds where one distance is less than
+//! what a path accumulates across many such faces: [`PLACE`]·L on each where windows are equal.
+//! [`doubt`] finds these faces and bounds the error.
 //!
 //! # Termination in reasonable time
 //!
@@ -90,6 +125,12 @@
 //! algorithms that store no windows store those beside thin faces
 //! ([`KeptWindows`](crate::trimming::KeptWindows)), and those that store windows but do not filter
 //! them filter there ([`ThinFaces`](crate::trimming::ThinFaces)).
+//!
+//! Windows that are sent again do not change that. A window that comes back has the σ with which it
+//! left. Let it win against others, and these against it, until it takes a place that it has held
+//! before. σ cannot fall all around: at least once a window won that has no smaller σ, so it was
+//! shorter by more than the margin. All gains together are what rounding has made of one turn,
+//! which is less than the margin. So no window takes its own place again.
 //!
 //! The order matters as well. Windows narrower than the step by which they advance at each turn do
 //! not meet themselves. They are ended by a straight window that covers the edge, which must come

@@ -8,7 +8,7 @@ use geobench_window::{Counter, Counters, Goal, Observer, PhaseSampler};
 use crate::support::{EXACT, Failures, Run, can_finish, exact_runs, mesh_of};
 
 /// Runs `run` with several targets and radii, and compares with its full runs.
-fn check(run: &mut Run<'_>, sources: &[u32], seed: u64, failures: &mut Failures) {
+pub(crate) fn check(run: &mut Run<'_>, sources: &[u32], seed: u64, failures: &mut Failures) {
     let full = run.distances(sources);
     let (at, threads) = (run.at(sources), run.selection.threads());
     let ids: Vec<VertexId> = sources.iter().copied().map(VertexId::new).collect();

@@ -5,6 +5,7 @@
 //! New algorithms of the registry are included automatically. A failure names the model, the
 //! algorithm, the source, the worst vertex and both values.
 
+mod chains;
 mod disguises;
 mod formulas;
 mod goals;

@@ -15,9 +15,10 @@ use crate::window::{Window, greater, less};
 /// one of them.
 ///
 /// A new window must be shorter by this much to take a range from a stored one. The stored window
-/// wins ties. So a window that arrives twice is not stored twice, and one that has wound around a
-/// needle is not stored at all. The second term covers sources much nearer than the edge is long:
-/// their position is known only to the rounding of the edge.
+/// wins ties, unless the new one [has been sent again](is_sent_again). So a window that arrives
+/// twice is not stored twice, and one that has wound around a needle is not stored at all. The
+/// second term covers sources much nearer than the edge is long: their position is known only to
+/// the rounding of the edge.
 #[inline(always)]
 #[allow(clippy::inline_always)] // Twice in each comparison.
 fn doubt(d: f64, l: f64) -> f64 {
@@ -133,7 +134,9 @@ impl Comparison {
             );
         }
         if !(wins | loses) {
-            return if is_straight(old, new, width) {
+            return if is_sent_again(old, new) {
+                Self::Won(lo, hi)
+            } else if is_straight(old, new, width) {
                 Self::Lost
             } else {
                 Self::Open
@@ -272,6 +275,18 @@ fn may_tie_twice(old: &Window, new: &Window, lo: f64, hi: f64) -> bool {
     greater <= 0.0 && delta != 0.0
 }
 
+/// Whether `new` is `old` with a smaller σ: its source has been reached by a shorter path since,
+/// and has sent its windows again.
+///
+/// Images of one source that have crossed the same faces are equal bit for bit, so no rounding is
+/// in the comparison. The new window takes everything, however little it gains. Else each
+/// pseudo-source of a chain would keep a little of the longer path to the one before. The side of
+/// the edge does not matter: it tells which way the window goes, or whether it has been propagated.
+#[inline]
+pub(super) fn is_sent_again(old: &Window, new: &Window) -> bool {
+    new.px == old.px && new.py.abs() == old.py.abs() && new.sigma < old.sigma
+}
+
 /// Whether the new one of two windows is shorter on a range without a tie.
 ///
 /// The midpoint decides, unless the windows are equal there. Two sources on the line of the edge
@@ -281,6 +296,9 @@ fn may_tie_twice(old: &Window, new: &Window, lo: f64, hi: f64) -> bool {
 /// is not, a smaller difference is enough: all directions of the old one pass through its foot, and
 /// the rest of it has one direction, along the edge.
 pub(super) fn is_new_shorter(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool {
+    if is_sent_again(old, new) {
+        return true;
+    }
     let compare = |x: f64| {
         let (held, offered) = (old.distance(x), new.distance(x));
         if held - offered > doubt(held, l) {

@@ -12,6 +12,7 @@
 //! not on a shortest path to its own foot, and none of its directions is needed. Among equal
 //! windows the foot stays, since it holds every direction that they have.
 
+use super::compare::is_sent_again;
 use crate::precision::{GRAIN, PLACE};
 use crate::window::Window;
 
@@ -70,7 +71,7 @@ pub(super) fn may_be_foot(width: f64, l: f64) -> bool {
 #[cold]
 pub(super) fn does_new_win(old: &Window, new: &Window, l: f64) -> Option<bool> {
     if is_foot(old, l) {
-        Some(is_shorter_at_foot(new, old, l))
+        Some(is_sent_again(old, new) || is_shorter_at_foot(new, old, l))
     } else if is_foot(new, l) {
         Some(!is_shorter_at_foot(old, new, l))
     } else {

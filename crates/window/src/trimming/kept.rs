@@ -202,8 +202,9 @@ mod tests {
             ..WINDOW
         };
         assert_eq!(kept.admit(0, &again), None);
+        // It has wound around the needle, and rounding has brought its source nearer.
         let again = Window {
-            sigma: 1.0 - 1e-14,
+            py: WINDOW.py + 1e-14,
             ..WINDOW
         };
         assert_eq!(kept.admit(0, &again), None);
@@ -214,6 +215,18 @@ mod tests {
         assert_eq!(kept.admit(0, &shorter), Some(shorter));
         kept.clear();
         assert_eq!(kept.admit(0, &again), Some(again));
+    }
+
+    /// Its old windows once won each tie with the new ones, so that the next pseudo-source got the
+    /// old distance, and so on.
+    #[test]
+    fn a_source_that_has_come_nearer_replaces_its_windows() {
+        let mut kept = kept(&mesh(1e-5));
+        let mut sent = WINDOW;
+        for _ in 0..3 {
+            assert_eq!(kept.admit(0, &sent), Some(sent));
+            sent.sigma = sent.sigma.next_down();
+        }
     }
 
     #[test]

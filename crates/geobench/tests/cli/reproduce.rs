@@ -22,7 +22,7 @@ fn reproduce(sandbox: &Sandbox, arguments: &str) -> Outcome {
 }
 
 #[test]
-fn each_suite_leaves_its_result_its_tables_and_its_plots() {
+fn each_suite_leaves_its_result_and_its_tables() {
     let sandbox = Sandbox::new();
     let models = "gen:octahedron gen:cube,n=2 gen:tetrahedron";
     let call = format!("kept --repeat 1 --warmup 0 {models} -- 000-figure-12 001-table-5.1");
@@ -37,10 +37,6 @@ fn each_suite_leaves_its_result_its_tables_and_its_plots() {
                 .contains("octahedron")
         );
         assert!(!sandbox.path(&format!("kept/{suite}.journal")).exists());
-        let kept = std::fs::read_dir(sandbox.path(&format!("kept/{suite}"))).unwrap();
-        let paths = kept.map(|entry| entry.unwrap().path());
-        let plots = paths.filter(|path| path.extension().is_some_and(|form| form == "svg"));
-        assert!(plots.count() > 2);
     }
     // The last page has the verdicts that two suites of one run each allow.
     let claims = sandbox.read("kept/claims.md");

@@ -112,23 +112,25 @@ fn with_bridges(
 }
 
 /// Other ways to cut a polygon without folds than that of [`triangulate`]: the fans from its other
-/// corners, then its ears in turn from each of them. For polygons of many corners only some.
+/// corners, then its ears in turn from each of them. None for polygons of many corners, which would
+/// take long.
 pub(super) fn other_cuts(
     positions: &[[f64; 3]],
     corners: &[u32],
 ) -> impl Iterator<Item = Vec<[u32; 3]>> {
     const MOST: usize = 64;
     let k = corners.len();
+    let tries = if k <= MOST { k } else { 0 };
     let turned =
         move |first: usize| -> Vec<u32> { (0..k).map(|i| corners[(first + i) % k]).collect() };
-    let fans = (1..k.min(MOST)).filter_map(move |first| {
+    let fans = (1..tries).filter_map(move |first| {
         let corners = turned(first);
         let polygon = Polygon::new(positions, &corners)?;
         let fan: Vec<[usize; 3]> = (1..k - 1).map(|i| [0, i, i + 1]).collect();
         let is_sound = fan.iter().all(|&t| !polygon.is_folded(t));
         is_sound.then(|| fan.into_iter().map(|t| t.map(|i| corners[i])).collect())
     });
-    let ears = (0..k.min(MOST)).filter_map(move |first| {
+    let ears = (0..tries).filter_map(move |first| {
         let corners = turned(first);
         let polygon = Polygon::new(positions, &corners)?;
         let ears = clip_ears(&polygon, &mut Budget::for_corners(k)).ok()?;

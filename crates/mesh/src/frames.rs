@@ -161,7 +161,7 @@ pub(crate) fn at_least_a_sliver(twice_area: f64, [a, b, c]: [f64; 3]) -> f64 {
 }
 
 /// Index of the longest of three lengths, the first of equal ones.
-fn longest_side(lengths: [f64; 3]) -> usize {
+pub(crate) fn longest_side(lengths: [f64; 3]) -> usize {
     let [a, b, c] = lengths;
     if a >= b && a >= c {
         0

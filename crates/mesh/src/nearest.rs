@@ -1,5 +1,6 @@
 //! The point of a surface nearest to a position.
 
+use crate::frames::longest_side;
 use crate::ids::{FaceId, VertexId};
 use crate::mesh::Mesh;
 use crate::point::{PointError, SurfacePoint};
@@ -242,12 +243,14 @@ fn along(a: [f64; 3], b: [f64; 3], position: [f64; 3]) -> (f64, f64) {
 /// The distance from a position to the plane of a triangle, and the foot of the perpendicular;
 /// `None` if the foot is outside the triangle.
 fn foot(corners: [[f64; 3]; 3], position: [f64; 3]) -> Option<(f64, [f64; 3])> {
-    let scale = (0..3)
-        .map(|k| length(sub(corners[(k + 1) % 3], corners[k])))
-        .fold(0.0, f64::max);
-    let edge = |k: usize| sub(corners[(k + 1) % 3], corners[k]).map(|x| x / scale);
-    let edges = [0, 1, 2].map(edge);
-    let normal = cross(edges[0], edges[1]);
+    let edges = [0, 1, 2].map(|k| sub(corners[(k + 1) % 3], corners[k]));
+    let lengths = edges.map(length);
+    let longest = longest_side(lengths);
+    let scale = lengths[longest];
+    let edges = edges.map(|edge| edge.map(|x| x / scale));
+    // The two shorter edges, as for the area: beside a far vertex, the products of the two longer
+    // ones cancel.
+    let normal = cross(edges[(longest + 1) % 3], edges[(longest + 2) % 3]);
     let twice_area = norm(normal);
     if twice_area == 0.0 {
         return None;
@@ -276,6 +279,18 @@ mod tests {
     /// A number from -1 to 1.
     fn number(random: &mut SplitMix64) -> f64 {
         (random.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    #[test]
+    fn a_far_vertex_does_not_tilt_its_face() {
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [3e9, 7e9, 5e9]];
+        let normal = [0.0, -5.0, 7.0].map(|x| x / 74.0_f64.sqrt());
+        let position = [0.53 + normal[0], 0.07 + normal[1], 0.05 + normal[2]];
+        for first in 0..3 {
+            let corners = [0, 1, 2].map(|k| corners[(first + k) % 3]);
+            let (distance, _) = foot(corners, position).unwrap();
+            assert!((distance - 1.0).abs() < 1e-14, "{first}: {distance}");
+        }
     }
 
     #[test]

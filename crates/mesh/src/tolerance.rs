@@ -154,12 +154,21 @@ impl Tolerance {
 
 /// The scale of each component of a field; `components` has the number of that of each distance.
 pub fn scales(field: &[f64], components: &[u32]) -> Vec<f64> {
+    by_component(field, components)
+        .into_iter()
+        .map(scale)
+        .collect()
+}
+
+/// The distances of each component of a field; `components` has the number of that of each
+/// distance.
+pub fn by_component(field: &[f64], components: &[u32]) -> Vec<Vec<f64>> {
     let count = components.iter().max().map_or(0, |&last| last as usize + 1);
     let mut parts = vec![Vec::new(); count];
     for (&distance, &component) in field.iter().zip(components) {
         parts[component as usize].push(distance);
     }
-    parts.into_iter().map(scale).collect()
+    parts
 }
 
 /// The scale of a field in one component: the lesser of the greatest distance and [`MEDIANS`] times

@@ -117,6 +117,17 @@
 //! what a path accumulates across many such faces: [`PLACE`]·L on each where windows are equal.
 //! [`doubt`] finds these faces and bounds the error.
 //!
+//! Whether a path shows the error depends on the direction in which it crosses the side. An abscissa
+//! is measured from the tail, so a position beside the tail is exact and one beside the head errs by
+//! ε·L. Mirroring the mesh exchanges the two. Algorithms that store the windows of both directions
+//! in one frame turn positions around, and may lose an exact one. So agreement of several algorithms
+//! beside a far vertex proves nothing.
+//!
+//! The far vertex itself must not hide this. Its distance is as long as the side, and right to
+//! [`GRAIN`]; those of the vertices around it are not. What counts as the size of the distances is
+//! therefore the [scale](geobench_mesh::tolerance::scale) by which answers are compared, which one
+//! far vertex does not raise.
+//!
 //! # Termination in reasonable time
 //!
 //! Lengths do not distinguish a path from one that winds around a thin needle, so no filter of
@@ -137,20 +148,33 @@
 //! first. So windows and lists beside thin faces are taken nearest first, also by algorithms with
 //! another order elsewhere, and no list there is evicted.
 //!
+//! The same holds for faces that are tiny beside others: the filter's margin of the distance may be
+//! more than the whole region. They count as thin.
+//!
+//! Of two equal windows, the one that is dropped may be that of a better path to a root, or of the
+//! occupant of an angle. So a window that has been stored there is never stale, nor are its
+//! descendants. Elsewhere windows are given up as usual, on the same mesh.
+//!
 //! [`Crossing::bent_distance`]: crate::Crossing::bent_distance
 
 use std::fmt;
 
+use geobench_mesh::tolerance::{self, RELATIVE};
 use geobench_mesh::{FaceId, Mesh};
 
 pub use geobench_mesh::precision::{GRAIN, MARGIN, PLACE, RESOLUTION, SLIVER_HEIGHT};
 
-/// How many times as long as the greatest distance a side must be to be too long for it.
+/// How many times as long as the distances a side must be to be too long for them.
 const TOO_LONG: f64 = 10.0;
 
 /// As [`TOO_LONG`], where a corner of the face is nearer than the [margin](MARGIN) of the side: no
 /// digit of its distance is certain. Distances beside shorter sides err by no more than others do.
 const LONG: f64 = 1.5;
+
+/// How near a corner must be to a side that is [too long](TOO_LONG) only for the scale, as a
+/// fraction of the side. Beyond that the error of the side, [`GRAIN`] of it, is within the relative
+/// error of a right distance.
+const NEAR: f64 = GRAIN / RELATIVE;
 
 /// Faces that are so long, for the distances around them, that `f64` cannot resolve positions on
 /// their sides.
@@ -188,35 +212,76 @@ impl fmt::Display for Doubt {
     }
 }
 
-/// Upper bound of the error of `distances`, if the longest edge has length `longest`; `None` if
-/// that is not too long for them. O(distances).
-pub fn doubtful_by(longest: f64, distances: &[f64]) -> Option<f64> {
-    let greatest = greatest(distances);
-    let is_long = greatest > 0.0 && is_too_long(longest, greatest, distances.iter().copied());
-    is_long.then_some(MARGIN * longest)
+/// The size of the finite distances in one component.
+#[derive(Clone, Copy, Debug)]
+struct Size {
+    greatest: f64,
+    scale: f64,
 }
 
-/// Whether a side of length `longest` is too long for `distances`, those of the corners of its
-/// face, where the greatest distance of the mesh is `greatest`.
-fn is_too_long(longest: f64, greatest: f64, mut distances: impl Iterator<Item = f64>) -> bool {
-    let is_tiny = |d: f64| 0.0 < d && d < MARGIN * longest;
-    longest > TOO_LONG * greatest || longest > LONG * greatest && distances.any(is_tiny)
+impl Size {
+    fn of(distances: Vec<f64>) -> Self {
+        let reached = distances.iter().filter(|d| d.is_finite());
+        Self {
+            greatest: reached.fold(0.0, |a, &b| f64::max(a, b)),
+            scale: tolerance::scale(distances),
+        }
+    }
+
+    /// Whether a side of length `longest` may be [too long](Self::is_exceeded).
+    fn may_be_exceeded(self, longest: f64) -> bool {
+        let least = (LONG * self.greatest).min(TOO_LONG * self.scale);
+        self.greatest > 0.0 && longest > least
+    }
+
+    /// Whether a side of length `longest` is too long for distances of this size, where those at
+    /// the corners of its face are `corners`.
+    fn is_exceeded(self, longest: f64, corners: &[f64]) -> bool {
+        let is_within = |part: f64| corners.iter().any(|&d| 0.0 < d && d < part * longest);
+        self.may_be_exceeded(longest)
+            && (longest > TOO_LONG * self.greatest
+                || longest > LONG * self.greatest && is_within(MARGIN)
+                || longest > TOO_LONG * self.scale && is_within(NEAR))
+    }
+}
+
+/// Upper bound of the error of `distances`, if the longest edge has length `longest`; `None` if
+/// that is not too long for them. O(distances).
+///
+/// [`doubt`] knows more: which distances belong to the corners of a face, and to its component.
+pub fn doubtful_by(longest: f64, distances: &[f64]) -> Option<f64> {
+    let size = Size::of(distances.to_vec());
+    let is_long = size.is_exceeded(longest, distances);
+    is_long.then_some(MARGIN * longest)
 }
 
 /// The faces of `mesh` that put its vertex `distances` in [`Doubt`]; `None` on nearly all meshes.
 /// O(faces).
 pub fn doubt(mesh: &Mesh, distances: &[f64]) -> Option<Doubt> {
-    let greatest = greatest(distances);
-    if mesh.longest_edge() <= LONG * greatest {
+    // One source reaches one component.
+    let has_one_source = distances.iter().filter(|&&d| d == 0.0).nth(1).is_none();
+    let (components, sizes) = if has_one_source {
+        (Vec::new(), vec![Size::of(distances.to_vec())])
+    } else {
+        let components = mesh.components();
+        let fields = tolerance::by_component(distances, &components);
+        (components, fields.into_iter().map(Size::of).collect())
+    };
+    let longest = mesh.longest_edge();
+    if !sizes.iter().any(|size| size.may_be_exceeded(longest)) {
         return None;
     }
     let mut doubt: Option<Doubt> = None;
-    for face in mesh.faces().filter(|_| greatest > 0.0) {
-        let corners = mesh.face_vertices(face).map(|v| distances[v.index()]);
+    for face in mesh.faces() {
+        let vertices = mesh.face_vertices(face);
+        let corners = vertices.map(|v| distances[v.index()]);
         let is_reached = corners.iter().any(|d| d.is_finite());
         let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
         let longest = lengths.into_iter().fold(0.0, f64::max);
-        if is_reached && is_too_long(longest, greatest, corners.into_iter()) {
+        let component = components
+            .get(vertices[0].index())
+            .map_or(0, |&c| c as usize);
+        if is_reached && sizes[component].is_exceeded(longest, &corners) {
             let so_far = doubt.get_or_insert(Doubt {
                 faces: 0,
                 first: face,
@@ -229,49 +294,88 @@ pub fn doubt(mesh: &Mesh, distances: &[f64]) -> Option<Doubt> {
     doubt
 }
 
-/// The greatest finite distance; 0 without any.
-fn greatest(distances: &[f64]) -> f64 {
-    let reached = distances.iter().filter(|d| d.is_finite());
-    reached.fold(0.0, |a, &b| f64::max(a, b))
-}
-
 #[cfg(test)]
 mod tests {
     use geobench_mesh::TriangleSoup;
 
     use super::*;
 
-    /// A triangle with sides of 1, 1 and `width`.
-    fn triangle(width: f64) -> Mesh {
-        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, width, 0.0]];
-        let soup = TriangleSoup::new(positions, vec![[0, 1, 2]]);
+    /// A rectangle with sides of 1 and `width`, of two faces.
+    fn strip(width: f64) -> Mesh {
+        let positions = vec![
+            [0.0; 3],
+            [1.0, 0.0, 0.0],
+            [0.0, width, 0.0],
+            [1.0, width, 0.0],
+        ];
+        let soup = TriangleSoup::new(positions, vec![[0, 1, 2], [1, 3, 2]]);
         Mesh::from_soup(soup).unwrap().0
     }
 
     #[test]
     fn distances_far_below_the_sides_around_them_are_in_doubt() {
-        let mesh = triangle(1e-8);
-        let found = doubt(&mesh, &[0.0, 0.0, 1e-8]).unwrap();
-        assert_eq!((found.faces, found.first.raw()), (1, 0));
+        let mesh = strip(1e-8);
+        let found = doubt(&mesh, &[0.0, 0.0, 1e-8, 1e-8]).unwrap();
+        assert_eq!((found.faces, found.first.raw()), (2, 0));
         assert!((found.bound / 1e-12 - 1.0).abs() < 1e-9);
-        assert!(found.to_string().starts_with("1 face is too long and thin"));
+        assert!(
+            found
+                .to_string()
+                .starts_with("2 faces are too long and thin")
+        );
     }
 
     #[test]
     fn a_distance_without_a_certain_digit_is_in_doubt() {
-        let found = doubt(&triangle(1e-13), &[0.0, 0.5, 1e-13]).unwrap();
+        let found = doubt(&strip(1e-13), &[0.0, 0.5, 1e-13, 0.5]).unwrap();
         assert!((found.bound / 1e-12 - 1.0).abs() < 1e-9);
-        assert_eq!(doubtful_by(1.0, &[0.0, 0.5, 1e-13]), Some(found.bound));
+        assert_eq!(doubtful_by(1.0, &[0.0, 0.5, 1e-13, 0.5]), Some(found.bound));
         // Other distances err as much, or it has digits.
-        assert_eq!(doubt(&triangle(1e-13), &[0.0, 1.0, 1e-13]), None);
-        assert_eq!(doubt(&triangle(1e-11), &[0.0, 0.5, 1e-11]), None);
-        assert_eq!(doubtful_by(1.0, &[0.0, 1.0, 1e-13]), None);
+        assert_eq!(doubt(&strip(1e-13), &[0.0, 1.0, 1e-13, 1.0]), None);
+        assert_eq!(doubt(&strip(1e-11), &[0.0, 0.5, 1e-11, 0.5]), None);
+        assert_eq!(doubtful_by(1.0, &[0.0, 1.0, 1e-13, 1.0]), None);
     }
 
     #[test]
     fn distances_of_the_size_of_the_mesh_are_not_in_doubt() {
-        let mesh = triangle(1e-8);
-        assert_eq!(doubt(&mesh, &[0.0, 1.0, 1e-8]), None);
-        assert_eq!(doubt(&mesh, &[0.0, f64::INFINITY, 0.0]), None);
+        let mesh = strip(1e-8);
+        assert_eq!(doubt(&mesh, &[0.0, 1.0, 1e-8, 1.0]), None);
+        assert_eq!(
+            doubt(&mesh, &[0.0, f64::INFINITY, 0.0, f64::INFINITY]),
+            None
+        );
+    }
+
+    /// A far vertex, at distance 1, beside a fan of `count` vertices at distances around `near`.
+    fn fan(count: u32, near: f64) -> (TriangleSoup, Vec<f64>) {
+        let ring = (0..=count).map(|k| [0.0, near * f64::from(k), 0.0]);
+        let positions: Vec<[f64; 3]> = [[1.0, 0.0, 0.0]].into_iter().chain(ring).collect();
+        let faces = (1..=count).map(|k| [0, k, k + 1]).collect();
+        let distances = positions.iter().map(|[x, y, _]| x + y).collect();
+        (TriangleSoup::new(positions, faces), distances)
+    }
+
+    /// Its own distance once hid that no other one is certain.
+    #[test]
+    fn a_far_vertex_puts_those_around_it_in_doubt() {
+        for (near, expected) in [(1e-6, Some(6)), (2.2e-5, Some(5)), (2e-3, None)] {
+            let (soup, distances) = fan(6, near);
+            let mesh = Mesh::from_soup(soup).unwrap().0;
+            let found = doubt(&mesh, &distances).map(|found| found.faces);
+            assert_eq!(found, expected, "{near}");
+            assert_eq!(doubtful_by(1.0, &distances).is_some(), expected.is_some());
+        }
+    }
+
+    #[test]
+    fn distances_of_another_component_do_not_hide_doubt() {
+        let (mut soup, mut distances) = fan(6, 1e-6);
+        let first = soup.positions.len() as u32;
+        soup.positions
+            .extend([[0.0; 3], [1e3, 0.0, 0.0], [0.0, 1e3, 0.0]].map(|p| [p[0], p[1], 1.0]));
+        soup.triangles.push([first, first + 1, first + 2]);
+        distances.extend([0.0, 1e3, 1e3]);
+        let mesh = Mesh::from_soup(soup).unwrap().0;
+        assert_eq!(doubt(&mesh, &distances).map(|found| found.faces), Some(6));
     }
 }

@@ -47,6 +47,7 @@ regression_tests! {
     a_run_out_of_order_forgot_what_it_had_inserted
     windows_wound_around_a_sharp_fan_without_end
     windows_wound_around_a_needle_pi_over_its_angle_times
+    windows_beside_a_spike_were_never_told_apart
     a_tie_was_lost_where_sources_were_equal_up_to_rounding
     windows_that_had_replaced_others_were_given_up
     a_path_past_a_tip_was_shorter_than_the_distance_of_the_tip

@@ -15,8 +15,8 @@ use rayon::slice::{ParallelSlice, ParallelSliceMut};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::angle::{Angles, Split};
-use crate::splitting::is_beaten_beside_thin_faces;
-use crate::tree::{Guard, Lineage};
+use crate::splitting::{is_beaten_beside_thin_faces, is_stale};
+use crate::tree::{Guard, Level, Lineage};
 
 /// The largest number of threads.
 const MOST_THREADS: usize = 1024;
@@ -121,7 +121,7 @@ impl Pch {
         }
         let lineage = Lineage {
             root: v,
-            level: 0,
+            level: Level::ROOT,
             guard: Guard::NONE,
         };
         for i in 0..degree {
@@ -141,10 +141,11 @@ impl Pch {
     fn wait(&mut self, mut waiting: WaitingWindow) -> bool {
         let place = waiting.h.index();
         if self.kept.holds(place) {
-            match self.kept.admit(place, &waiting.window) {
-                Some(part) => waiting.window = part,
-                None => return false,
-            }
+            let Some(part) = self.kept.admit(place, &waiting.window) else {
+                return false;
+            };
+            waiting.window = part;
+            waiting.lineage.level.go_on();
         }
         let label = waiting.window.min_distance();
         self.buckets.at(label).windows.push(waiting);
@@ -163,10 +164,9 @@ impl Pch {
         steps.clear();
         steps.resize(windows.len(), Examination::default());
         let (surface, angles) = (&self.surface, &self.angles);
-        let goes_on = !self.kept.is_empty();
         let reach = |(windows, steps): (&[WaitingWindow], &mut [Examination])| {
             for (window, step) in windows.iter().zip(steps) {
-                *step = Examination::of(window, surface, angles, goes_on);
+                *step = Examination::of(window, surface, angles);
             }
         };
         match &self.pool {
@@ -271,7 +271,8 @@ fn is_beaten(
 ) -> bool {
     let WaitingWindow { h, window, .. } = *waiting;
     edge.beats(&window)
-        && (kept.is_empty() || is_beaten_beside_thin_faces(h, window, kept, surface))
+        && (window.min_distance() >= kept.reach()
+            || is_beaten_beside_thin_faces(h, window, kept, surface))
 }
 
 /// How a window crosses a face.
@@ -300,12 +301,10 @@ struct Examination {
 }
 
 impl Examination {
-    /// Step 1 of a round. Beside thin faces, where windows are stored, every window `goes_on`: it
-    /// may have replaced equal windows.
-    fn of(waiting: &WaitingWindow, surface: &Surface, angles: &Angles, goes_on: bool) -> Self {
+    /// Step 1 of a round.
+    fn of(waiting: &WaitingWindow, surface: &Surface, angles: &Angles) -> Self {
         let WaitingWindow { h, window, lineage } = waiting;
-        let is_stale = surface.distance(lineage.root) < window.sigma;
-        if !goes_on && (is_stale || angles.cuts_off(&lineage.guard)) {
+        if is_stale(window.sigma, lineage, surface, angles) {
             return Self::default();
         }
         let view = surface.faces().face_view(*h);
@@ -365,7 +364,7 @@ impl TaskChildren {
         let view = surface.faces().face_view(*h);
         let crossing = Crossing::new(&view.frame, window);
         let inherited = Lineage {
-            level: lineage.level + 1,
+            level: lineage.level.next(),
             ..*lineage
         };
         for side in [Side::Left, Side::Right] {
@@ -410,7 +409,7 @@ impl TaskChildren {
         if is_beaten(&waiting, &edge, kept, surface) {
             return;
         }
-        self.level = self.level.max(lineage.level);
+        self.level = self.level.max(lineage.level.count());
         let bucket = bucket(window.min_distance(), self.width);
         match self.buckets.iter_mut().find(|(other, _)| *other == bucket) {
             Some((_, windows)) => windows.push(waiting),

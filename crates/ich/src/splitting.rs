@@ -9,7 +9,7 @@ use geobench_window::{
 };
 
 use crate::angle::{Angles, Split};
-use crate::tree::{Guard, Leaf, Leaves, Lineage};
+use crate::tree::{Guard, Leaf, Leaves, Level, Lineage};
 
 /// The policy of the CH family: one angle, one split, with or without the vertex filter.
 ///
@@ -50,18 +50,19 @@ impl Splitting {
             }),
         }
     }
+}
 
-    /// Whether a window is stale: its root has been reached by a shorter path, or a better window
-    /// has occupied the angle above it.
-    ///
-    /// Where windows are stored, none is stale: it may have replaced windows equal to it, even the
-    /// one that occupied the angle.
-    #[inline]
-    #[allow(clippy::needless_bitwise_bool)] // Neither is likely: one branch for both.
-    fn is_stale(&self, sigma: f64, lineage: &Lineage, surface: &Surface) -> bool {
-        ((surface.distance(lineage.root) < sigma) | self.angles.cuts_off(&lineage.guard))
-            && self.kept.is_empty()
-    }
+/// Whether a window is stale: its root has been reached by a shorter path, or a better window has
+/// occupied the angle above it.
+///
+/// A window that has been stored beside a thin face is not, nor are those below it: windows equal
+/// to it have been dropped for it, maybe those of the shorter path to its root, or the one that
+/// occupied the angle.
+#[inline]
+#[allow(clippy::needless_bitwise_bool)] // Neither is likely: one branch for both.
+pub(crate) fn is_stale(sigma: f64, lineage: &Lineage, surface: &Surface, angles: &Angles) -> bool {
+    ((surface.distance(lineage.root) < sigma) | angles.cuts_off(&lineage.guard))
+        && !lineage.level.goes_on()
 }
 
 /// Whether a beaten window is beaten by more than the doubt beside thin faces.
@@ -112,7 +113,7 @@ impl Policy for Splitting {
     fn root(&self, v: VertexId, _: &Surface) -> Lineage {
         Lineage {
             root: v,
-            level: 0,
+            level: Level::ROOT,
             guard: Guard::NONE,
         }
     }
@@ -163,28 +164,26 @@ impl Policy for Splitting {
     ) -> Option<u32> {
         if self.filter == VertexFilter::On
             && child.is_beaten
-            && (self.kept.is_empty()
+            && (child.label >= self.kept.reach()
                 || is_beaten_beside_thin_faces(child.h, child.window, &self.kept, surface))
         {
             probe.add(Counter::Filtered, 1);
             return None;
         }
-        let mut window = child.window;
+        let (mut window, mut lineage) = (child.window, child.lineage);
         if self.kept.holds(child.h.index()) {
             let Some(part) = self.kept.admit(child.h.index(), &window) else {
                 probe.add(Counter::Filtered, 1);
                 return None;
             };
             window = part;
+            lineage.level.go_on();
         }
         probe.enter(Phase::Management);
-        let slot = self.leaves.insert(Leaf {
-            window,
-            lineage: child.lineage,
-        });
+        let slot = self.leaves.insert(Leaf { window, lineage });
         probe.raise(Counter::PeakWindows, self.leaves.len() as u64);
         probe.raise(Counter::PeakWavefront, self.leaves.len() as u64);
-        probe.raise(Counter::Levels, u64::from(child.lineage.level));
+        probe.raise(Counter::Levels, u64::from(child.lineage.level.count()));
         Some(slot)
     }
 
@@ -207,7 +206,7 @@ impl Policy for Splitting {
     #[allow(clippy::inline_always)] // Called in one place; keeps its values in registers.
     fn release<P: Probe>(&mut self, id: u32, surface: &Surface, probe: &mut P) -> Option<Lineage> {
         let (sigma, lineage) = self.leaves.remove(id);
-        if self.is_stale(sigma, &lineage, surface) {
+        if is_stale(sigma, &lineage, surface, &self.angles) {
             probe.add(Counter::Filtered, 1);
             return None;
         }
@@ -228,9 +227,10 @@ impl Policy for Splitting {
 
     #[inline]
     fn descend(&self, lineage: &Lineage) -> Option<Lineage> {
-        let too_deep = self.filter == VertexFilter::Off && lineage.level >= self.level_limit;
+        let too_deep =
+            self.filter == VertexFilter::Off && lineage.level.count() >= self.level_limit;
         (!too_deep).then_some(Lineage {
-            level: lineage.level + 1,
+            level: lineage.level.next(),
             ..*lineage
         })
     }

@@ -51,13 +51,48 @@ impl Guard {
     }
 }
 
+/// The triangles that a window has crossed since its root. The highest bit tells that the window
+/// goes on whatever becomes of its root and its guard: beside a thin face, it or a window above it
+/// has been stored in the place of equal ones.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Level(u32);
+
+impl Level {
+    const GOES_ON: u32 = 1 << 31;
+
+    /// The level of windows that start at the root.
+    pub(crate) const ROOT: Self = Self(0);
+
+    /// The level of the children.
+    #[inline]
+    pub(crate) fn next(self) -> Self {
+        Self(self.0 + 1)
+    }
+
+    /// Number of triangles.
+    #[inline]
+    pub(crate) fn count(self) -> u32 {
+        self.0 & !Self::GOES_ON
+    }
+
+    #[inline]
+    pub(crate) fn goes_on(self) -> bool {
+        self.0 & Self::GOES_ON != 0
+    }
+
+    /// Makes the window and its descendants go on.
+    #[inline]
+    pub(crate) fn go_on(&mut self) {
+        self.0 |= Self::GOES_ON;
+    }
+}
+
 /// The data that decides whether a window is stale when it leaves the queue.
 #[derive(Clone, Copy, Debug)]
 pub struct Lineage {
     /// The (pseudo-)source.
     pub(crate) root: VertexId,
-    /// Triangles crossed since the root.
-    pub(crate) level: u32,
+    pub(crate) level: Level,
     pub(crate) guard: Guard,
 }
 
@@ -97,7 +132,7 @@ impl Leaves {
         self.len += 1;
         let slot = self.free;
         if let Some(place) = self.nodes.get_mut(slot as usize) {
-            self.free = place.lineage.level;
+            self.free = place.lineage.level.0;
             *place = node;
             slot
         } else {
@@ -111,7 +146,7 @@ impl Leaves {
     pub(crate) fn remove(&mut self, slot: u32) -> (f64, Lineage) {
         let place = &mut self.nodes[slot as usize];
         let (sigma, lineage) = (place.window.sigma, place.lineage);
-        place.lineage.level = self.free;
+        place.lineage.level = Level(self.free);
         self.free = slot;
         self.len -= 1;
         (sigma, lineage)

@@ -26,6 +26,7 @@ regression_tests! {
     a_source_above_an_exit_was_moved_onto_it
     windows_wound_around_a_sharp_fan_without_end
     windows_wound_around_a_needle_pi_over_its_angle_times
+    windows_beside_a_spike_were_never_told_apart
     a_tie_was_lost_where_sources_were_equal_up_to_rounding
     windows_that_had_replaced_others_were_given_up
     a_path_past_a_tip_was_shorter_than_the_distance_of_the_tip
@@ -39,5 +40,22 @@ fn a_source_named_a_hundred_times_cost_a_hundred_times() {
         let once = solver.count(&[VertexId::new(3)]).unwrap();
         let often = solver.count(&[VertexId::new(3); 100]).unwrap();
         assert!(once == often, "{name}");
+    }
+}
+
+/// One thin face kept all stale windows of the mesh: twice as many in all.
+#[test]
+fn a_thin_face_kept_stale_windows_everywhere() {
+    use geobench_mesh::VertexId;
+    use geobench_window::Counter;
+    let [with, without] = meshes::terrains_with_and_without_a_sliver().map(|mesh| {
+        let count = |(name, mut solver): (&'static str, Box<dyn geobench_window::Solver>)| {
+            let (_, counters) = solver.count(&[VertexId::new(0)]).unwrap();
+            (name, counters.get(Counter::Propagated).unwrap() as f64)
+        };
+        solvers(&mesh).into_iter().map(count).collect::<Vec<_>>()
+    });
+    for ((name, with), (_, without)) in with.into_iter().zip(without) {
+        assert!(with <= 1.1 * without, "{name}: {with} instead of {without}");
     }
 }

@@ -45,6 +45,34 @@ pub struct FaceView {
 }
 
 impl FaceView {
+    /// The face of `h` of `mesh`, for callers that cross few faces. [`Faces`] holds those of all
+    /// faces.
+    pub fn of(mesh: &Mesh, h: HalfEdgeId) -> Self {
+        let sides = HalfEdge::of_face(mesh, &Numbering::same(), h.face());
+        let [entry, left, right] = [h, h.prev(), h.next()].map(|e| &sides[e.corner() as usize]);
+        Self::new(entry, [left, right])
+    }
+
+    #[inline]
+    fn new(entry: &HalfEdge, [left, right]: [&HalfEdge; 2]) -> Self {
+        let (l, [cx, cy]) = (entry.length, entry.apex);
+        let (to_c, from_c) = (left.inverse_length, right.inverse_length);
+        Self {
+            frame: Frame {
+                l,
+                la: left.length,
+                lb: right.length,
+                cx,
+                cy,
+                left: [cx * to_c, cy * to_c],
+                right: [entry.apex_from_head * from_c, -cy * from_c],
+            },
+            corners: entry.corners(),
+            exits: [left.exit_edge.half_edge(), right.exit_edge.half_edge()],
+            behind: [left.apex_below(), right.apex_below()],
+        }
+    }
+
     /// The edge on the given side. Use [`Faces::exit`] where the side is hard to predict.
     #[inline]
     pub fn exit(&self, side: Side) -> Exit {
@@ -274,23 +302,7 @@ impl Faces {
     #[inline]
     pub fn face_view(&self, h: HalfEdgeId) -> FaceView {
         let entry = self.half_edge(h);
-        let [left, right] = entry.exits.map(|e| self.half_edge(e));
-        let (l, [cx, cy]) = (entry.length, entry.apex);
-        let (to_c, from_c) = (left.inverse_length, right.inverse_length);
-        FaceView {
-            frame: Frame {
-                l,
-                la: left.length,
-                lb: right.length,
-                cx,
-                cy,
-                left: [cx * to_c, cy * to_c],
-                right: [entry.apex_from_head * from_c, -cy * from_c],
-            },
-            corners: entry.corners(),
-            exits: [left.exit_edge.half_edge(), right.exit_edge.half_edge()],
-            behind: [left.apex_below(), right.apex_below()],
-        }
+        FaceView::new(entry, entry.exits.map(|e| self.half_edge(e)))
     }
 
     /// The edge on one side through which a window leaves that entered through `h`, the half-edge

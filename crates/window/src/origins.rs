@@ -76,6 +76,7 @@ pub enum Origin {
 #[derive(Clone, Debug, Default)]
 pub struct Origins {
     of: Vec<OriginRecord>,
+    along_edges: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -96,10 +97,16 @@ impl OriginRecord {
 }
 
 impl Origins {
-    pub(crate) fn new(vertices: usize) -> Self {
+    pub(crate) fn new(vertices: usize, along_edges: bool) -> Self {
         Self {
             of: vec![OriginRecord::NONE; vertices],
+            along_edges,
         }
+    }
+
+    /// Whether the algorithm knows only paths along edges, which are not straight.
+    pub const fn are_along_edges(&self) -> bool {
+        self.along_edges
     }
 
     /// The origin of the shortest path to vertex `v`. `mesh` must be the mesh of the run.

@@ -300,6 +300,9 @@ pub trait Propagate: Send {
     /// Whether a run calls [`Probe::reach`].
     const TRACES: bool = true;
 
+    /// Whether all paths run along edges, so that they are not straight.
+    const ALONG_EDGES: bool = false;
+
     /// The counters that this algorithm reports.
     fn counters() -> Vec<Counter>;
 
@@ -403,7 +406,7 @@ impl<T: Propagate> Solver for T {
             }
             Observer::Origins(_) if !T::TRACES => return Err(SolveError::NoPaths),
             Observer::Origins(origins) => {
-                let probe = Origins::new(self.vertex_count());
+                let probe = Origins::new(self.vertex_count(), T::ALONG_EDGES);
                 let run = |probe: &mut _| (runs.trace)(self, sources, probe);
                 let (solution, found) = goal.bound(probe, run);
                 *origins = found;

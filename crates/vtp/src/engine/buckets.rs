@@ -1,5 +1,7 @@
 //! A queue of vertices in buckets of distance.
 
+use geobench_window::queue::MinHeap;
+
 /// Buckets of the ring.
 const RING: u32 = 1024;
 
@@ -9,7 +11,7 @@ const NONE: u32 = u32::MAX;
 /// A queue that returns all vertices of the nearest bucket together.
 ///
 /// A vertex that improves is pushed again; its entry in another bucket becomes void. Buckets less
-/// than [`RING`] ahead have lists of their own. All other vertices wait in one list until the ring
+/// than [`RING`] ahead have lists of their own. All other vertices wait in a heap until the ring
 /// reaches them.
 #[derive(Clone, Debug)]
 pub(crate) struct VertexBuckets {
@@ -17,10 +19,10 @@ pub(crate) struct VertexBuckets {
     ring: Vec<Vec<u32>>,
     /// Entries in the ring, including void ones.
     in_ring: usize,
-    /// Vertices beyond the ring, with their buckets.
-    far: Vec<(u32, u32)>,
-    /// The least bucket in `far`.
-    far_least: u32,
+    /// A lower bound of the distances in each bucket of the ring that is not empty.
+    least: Vec<f64>,
+    /// Vertices beyond the ring, by bucket.
+    far: MinHeap<u32>,
     current: u32,
     /// The bucket of each vertex.
     bucket_of: Vec<u32>,
@@ -32,8 +34,8 @@ impl VertexBuckets {
             inverse_width: width.recip(),
             ring: vec![Vec::new(); RING as usize],
             in_ring: 0,
-            far: Vec::new(),
-            far_least: NONE,
+            least: vec![0.0; RING as usize],
+            far: MinHeap::default(),
             current: 0,
             bucket_of: vec![NONE; vertices],
         }
@@ -46,12 +48,12 @@ impl VertexBuckets {
             for v in self.ring.iter_mut().flat_map(|entries| entries.drain(..)) {
                 self.bucket_of[v as usize] = NONE;
             }
-            for (v, _) in self.far.drain(..) {
+            for &(_, v) in self.far.iter() {
                 self.bucket_of[v as usize] = NONE;
             }
+            self.far.clear();
             self.in_ring = 0;
         }
-        self.far_least = NONE;
     }
 
     /// The distance at the end of `bucket`.
@@ -59,13 +61,27 @@ impl VertexBuckets {
         f64::from(bucket.saturating_add(1)) / self.inverse_width
     }
 
+    /// The width of a bucket.
+    pub(crate) fn width(&self) -> f64 {
+        self.inverse_width.recip()
+    }
+
+    /// Whether the turn of the bucket of distance `d` is over.
+    #[inline]
+    #[allow(clippy::cast_sign_loss)] // No distance is negative.
+    pub(crate) fn has_passed(&self, d: f64) -> bool {
+        ((d * self.inverse_width) as u32) < self.current
+    }
+
     /// The waiting vertices.
     pub(crate) fn vertices(&self) -> impl Iterator<Item = u32> {
-        let far = self
-            .far
-            .iter()
-            .filter(|&&(v, bucket)| self.bucket_of[v as usize] == bucket);
-        self.near().chain(far.map(|&(v, _)| v))
+        let far = self.far.iter().filter(|&&entry| self.is_valid(entry));
+        self.near().chain(far.map(|&(_, v)| v))
+    }
+
+    /// Whether the entry of a vertex in `far` is its last one.
+    fn is_valid(&self, (bucket, v): (f64, u32)) -> bool {
+        f64::from(self.bucket_of[v as usize]) == bucket
     }
 
     /// Number of entries, including void ones.
@@ -79,39 +95,71 @@ impl VertexBuckets {
     pub(crate) fn push(&mut self, v: u32, d: f64) -> bool {
         // A distance beyond all buckets goes to the last one.
         let bucket = ((d * self.inverse_width) as u32).clamp(self.current, NONE - 1);
-        let known = &mut self.bucket_of[v as usize];
-        if *known == bucket {
-            return false;
-        }
-        *known = bucket;
+        let known = std::mem::replace(&mut self.bucket_of[v as usize], bucket);
         if bucket - self.current < RING {
-            self.ring[(bucket % RING) as usize].push(v);
-            self.in_ring += 1;
+            let least = &mut self.least[(bucket % RING) as usize];
+            if known == bucket {
+                *least = least.min(d);
+                return false;
+            }
+            self.push_near(v, bucket, d);
+        } else if known == bucket {
+            return false;
         } else {
-            self.far.push((v, bucket));
-            self.far_least = self.far_least.min(bucket);
+            self.far.push(f64::from(bucket), v);
         }
         true
     }
 
+    /// Adds vertex `v` at distance `d` to `bucket`, which is in the ring.
+    #[inline]
+    fn push_near(&mut self, v: u32, bucket: u32, d: f64) {
+        let place = (bucket % RING) as usize;
+        let (entries, least) = (&mut self.ring[place], &mut self.least[place]);
+        *least = if entries.is_empty() { d } else { least.min(d) };
+        entries.push(v);
+        self.in_ring += 1;
+    }
+
+    /// A lower bound of the distances of the waiting vertices, in the nearest bucket; infinity if
+    /// there are none.
+    pub(crate) fn least(&mut self) -> f64 {
+        match self.nearest() {
+            None => f64::INFINITY,
+            Some(bucket) if bucket - self.current < RING => self.least[(bucket % RING) as usize],
+            Some(bucket) => self.start_of(bucket),
+        }
+    }
+
+    /// The distance at the start of `bucket`.
+    fn start_of(&self, bucket: u32) -> f64 {
+        f64::from(bucket) / self.inverse_width
+    }
+
     /// The nearest non-empty bucket.
     pub(crate) fn nearest(&mut self) -> Option<u32> {
-        if self.far_least < self.current.saturating_add(RING) {
-            self.bring_near();
-        }
+        self.bring_near();
         let mut bucket = self.current;
         while self.in_ring > 0 {
-            if self.drop_void(bucket) > 0 {
+            let entries = &mut self.ring[(bucket % RING) as usize];
+            if entries
+                .iter()
+                .any(|&v| self.bucket_of[v as usize] == bucket)
+            {
                 return Some(bucket);
             }
+            self.in_ring -= entries.len();
+            entries.clear();
             bucket += 1;
         }
         // Far vertices move into the ring only when their bucket is the nearest.
-        self.far
-            .retain(|&(v, bucket)| self.bucket_of[v as usize] == bucket);
-        let far = self.far.iter().map(|&(_, bucket)| bucket).min();
-        self.far_least = far.unwrap_or(NONE);
-        far
+        while let Some(entry) = self.far.peek() {
+            if self.is_valid(entry) {
+                return Some(self.bucket_of[entry.1 as usize]);
+            }
+            self.far.pop();
+        }
+        None
     }
 
     /// Replaces the contents of `turn` by the vertices of `bucket`, which must be the nearest
@@ -119,9 +167,7 @@ impl VertexBuckets {
     pub(crate) fn take(&mut self, bucket: u32, turn: &mut Vec<u32>) {
         turn.clear();
         self.current = bucket;
-        if self.far_least < bucket.saturating_add(RING) {
-            self.bring_near();
-        }
+        self.bring_near();
         self.drop_void(bucket);
         std::mem::swap(turn, &mut self.ring[(bucket % RING) as usize]);
         self.in_ring -= turn.len();
@@ -155,8 +201,15 @@ impl VertexBuckets {
         if bucket - self.current < RING {
             self.drop_void(bucket);
         }
-        if bucket >= self.far_least {
-            self.far.retain(|&(far, _)| far != v);
+        if self
+            .far
+            .peek()
+            .is_some_and(|(least, _)| f64::from(bucket) >= least)
+        {
+            let far = std::mem::take(&mut self.far);
+            for &(bucket, other) in far.iter().filter(|&&(_, far)| far != v) {
+                self.far.push(bucket, other);
+            }
         }
         true
     }
@@ -171,19 +224,14 @@ impl VertexBuckets {
     }
 
     /// Moves far vertices into the ring if their buckets are within reach.
-    #[cold]
+    #[inline]
     fn bring_near(&mut self) {
-        self.far_least = NONE;
-        for (v, bucket) in std::mem::take(&mut self.far) {
-            if self.bucket_of[v as usize] != bucket {
-                continue;
-            }
-            if bucket - self.current < RING {
-                self.ring[(bucket % RING) as usize].push(v);
-                self.in_ring += 1;
-            } else {
-                self.far.push((v, bucket));
-                self.far_least = self.far_least.min(bucket);
+        let end = f64::from(self.current.saturating_add(RING));
+        while let Some(entry) = self.far.peek().filter(|&(bucket, _)| bucket < end) {
+            self.far.pop();
+            if self.is_valid(entry) {
+                let bucket = self.bucket_of[entry.1 as usize];
+                self.push_near(entry.1, bucket, self.start_of(bucket));
             }
         }
     }
@@ -282,6 +330,20 @@ mod tests {
         buckets.push(3, 10.0);
         assert_eq!(drain(&mut buckets), [vec![3], vec![2], vec![1], vec![0]]);
         assert_eq!(buckets.len(), 0);
+    }
+
+    #[test]
+    fn the_least_distance_is_that_of_the_nearest_bucket() {
+        let mut buckets = VertexBuckets::new(3, 1.0);
+        assert_eq!(buckets.least(), f64::INFINITY);
+        for (v, d, least) in [(0, 2000.5, 2000.0), (1, 70.5, 70.5), (1, 70.25, 70.25)] {
+            buckets.push(v, d);
+            assert_eq!(buckets.least(), least);
+        }
+        buckets.take(70, &mut Vec::new());
+        assert_eq!(buckets.least(), 2000.0);
+        buckets.push(2, 80.5);
+        assert_eq!(buckets.least(), 80.5);
     }
 
     #[test]

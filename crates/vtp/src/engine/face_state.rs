@@ -59,11 +59,6 @@ impl FaceState {
         self.run = 0;
     }
 
-    /// Whether the face has joined in this run.
-    pub(crate) fn has_joined(&self, run: u8) -> bool {
-        self.run == run
-    }
-
     /// Makes the face join. Returns whether it had not joined in this run.
     #[inline(always)]
     pub(crate) fn join(&mut self, run: u8) -> bool {

@@ -20,6 +20,29 @@ pub(crate) const NO_TWIN: u32 = u32::MAX;
 /// can be coalesced is checked for each pair.
 const FLATNESS: f64 = 1e-8;
 
+/// Length of the longest side of a face, in typical lengths, above which its lists cross when their
+/// nearest windows are due.
+///
+/// A face joins at the turn of its nearest vertex, which may be many times as far from the source
+/// as the middle of its longest side. What lies behind the face would be reached late, after
+/// vertices there have sent windows at longer distances.
+const LONG: f64 = 8.0;
+
+/// The largest number of edges of which the median is taken.
+const SAMPLE: usize = 10_000;
+
+/// The median length of some edges, taken at equal steps.
+fn median_length(mesh: &Mesh) -> f64 {
+    let step = mesh.half_edge_count().div_ceil(SAMPLE).max(1);
+    let sampled = mesh.half_edges().step_by(step);
+    let mut lengths: Vec<f64> = sampled.map(|h| mesh.length(h)).collect();
+    let middle = lengths.len() / 2;
+    if lengths.is_empty() {
+        return 0.0;
+    }
+    *lengths.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
 /// The number 4f + k of the half-edge at corner k of face f. Face and corner can be read from its
 /// bits.
 pub(crate) const fn half_edge(face: u32, corner: usize) -> u32 {
@@ -224,7 +247,11 @@ pub(crate) struct MeshLayout {
     pub(crate) rings: Vec<u32>,
     /// The angle between each half-edge and the next one, in radians.
     pub(crate) angles: Vec<f32>,
-    pub(crate) mean_length: f64,
+    /// The mean length of an edge, or twice the median where few edges are far longer than others.
+    pub(crate) typical_length: f64,
+    /// Whether the list on each half-edge crosses when its nearest window is due: beside thin faces
+    /// and on [long](LONG) ones. Empty if there are none.
+    by_distance: Vec<bool>,
     /// The windows stored beside thin faces, as at the start of a run.
     pub(crate) kept: KeptWindows,
 }
@@ -281,16 +308,30 @@ impl MeshLayout {
             }
         });
         let total: f64 = mesh.half_edges().map(|h| mesh.length(h)).sum();
+        let mean = total / mesh.half_edge_count().max(1) as f64;
+        let typical_length = mean.min(2.0 * median_length(mesh));
+        let kept = KeptWindows::new(mesh, 4 * mesh.face_count(), |h| {
+            number(numbering, h) as usize
+        });
+        let is_long = |f: &FaceLayout| f.length.iter().any(|&l| l > LONG * typical_length);
+        let mut by_distance = Vec::new();
+        if !kept.is_empty() || faces.iter().any(is_long) {
+            let of_face = |(f, face): (usize, &FaceLayout)| {
+                let is_long = is_long(face);
+                let thin = |corner| kept.holds(half_edge(f as u32, corner) as usize);
+                [0, 1, 2, 3].map(|corner| is_long || thin(corner))
+            };
+            by_distance = faces.iter().enumerate().flat_map(of_face).collect();
+        }
         Self {
             faces,
             vertices,
             ring_starts,
             rings,
             angles,
-            mean_length: total / mesh.half_edge_count().max(1) as f64,
-            kept: KeptWindows::new(mesh, 4 * mesh.face_count(), |h| {
-                number(numbering, h) as usize
-            }),
+            typical_length,
+            by_distance,
+            kept,
         }
     }
 
@@ -301,6 +342,13 @@ impl MeshLayout {
             HalfEdgeId::new(ring[i])
         };
         probe.renumber(mesh, |v| numbering.new_vertex(v), corner);
+    }
+
+    /// Whether the list on `h` crosses when its nearest window is due, not in first-in, first-out
+    /// order once its face has joined.
+    #[inline(always)]
+    pub(crate) fn is_by_distance(&self, h: u32) -> bool {
+        !self.by_distance.is_empty() && self.by_distance[h as usize]
     }
 
     /// The length of `h`.

@@ -20,8 +20,8 @@ pub struct FastOptions {
     /// Rules 2 and 3 are applied to one in this many of the longer lists: to all lists if 1, to
     /// none if 0.
     pub pairs: u32,
-    /// Width of a bucket of vertices that are processed together, in mean edge lengths. Must be
-    /// positive.
+    /// Width of a bucket of vertices that are processed together, in mean edge lengths, or in twice
+    /// the median if that is less. Must be positive.
     pub bucket: f64,
     /// Whether vertices and faces are renumbered breadth first.
     pub renumber: bool,

@@ -68,10 +68,6 @@ impl SurfaceState for SerialState {
         self.layout.faces[f].state.enqueue(corner, self.run)
     }
 
-    fn contains(&self, f: usize) -> bool {
-        self.layout.faces[f].state.has_joined(self.run)
-    }
-
     #[inline(always)]
     fn join(&mut self, f: usize) -> bool {
         self.layout.faces[f].state.join(self.run)

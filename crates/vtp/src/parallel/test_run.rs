@@ -45,7 +45,7 @@ pub(super) fn two_threads() -> (Shared, [Thread; 2]) {
     let layout = MeshLayout::new(&mesh, &numbering);
     let placement = Placement::new(&mesh, &numbering, 2);
     let options = FastOptions {
-        bucket: 1.0 / layout.mean_length,
+        bucket: 1.0 / layout.typical_length,
         ..FastOptions::default()
     };
     let threads = [0, 1].map(|_| {

@@ -123,10 +123,6 @@ impl SurfaceState for ThreadView<'_> {
         self.faces[f].enqueue(corner, self.run)
     }
 
-    fn contains(&self, f: usize) -> bool {
-        self.faces[f].has_joined(self.run)
-    }
-
     #[inline(always)]
     fn join(&mut self, f: usize) -> bool {
         self.faces[f].join(self.run)

@@ -56,9 +56,12 @@ pub(crate) struct Wavefront {
     pub(crate) store: WindowStore,
     /// Half-edges whose lists are queued to cross.
     ready: Vec<u32>,
-    /// Half-edges beside thin faces, by the least distance of their windows. They cross when no
-    /// others are queued.
+    /// Half-edges beside thin faces and long ones, by the least distance of their windows. They
+    /// cross when no others are queued and no vertex is nearer.
     nearest: MinHeap<u32>,
+    /// Vertices whose turn comes by distance: those that have improved after the turn of their
+    /// bucket, and those of a bucket within which lists of `nearest` wait.
+    due: MinHeap<u32>,
     pub(crate) buckets: VertexBuckets,
     /// The vertices of the current bucket.
     turn: Vec<u32>,
@@ -90,7 +93,8 @@ impl Wavefront {
             store: WindowStore::new(),
             ready: Vec::new(),
             nearest: MinHeap::default(),
-            buckets: VertexBuckets::new(vertices, options.bucket * layout.mean_length),
+            due: MinHeap::default(),
+            buckets: VertexBuckets::new(vertices, options.bucket * layout.typical_length),
             turn: Vec::new(),
             passed: Vec::new(),
             spawned: Vec::new(),
@@ -128,7 +132,9 @@ impl Wavefront {
     ) -> bool {
         let distance = |v| state.distance(number(v));
         let waiting = || {
-            let vertices = self.buckets.vertices().map(|v| state.distance(v));
+            let due = self.due.iter().map(|&(_, v)| v);
+            let vertices = self.buckets.vertices().chain(due);
+            let vertices = vertices.map(|v| state.distance(v));
             let windows = self.store.windows().map(|w| w.min_distance());
             vertices.chain(windows)
         };
@@ -157,6 +163,7 @@ impl Wavefront {
         let vertices = self.origins.len();
         self.buckets.reset();
         self.nearest.clear();
+        self.due.clear();
         self.end_check.clear();
         self.joined.clear();
         self.turn.clear();
@@ -169,9 +176,15 @@ impl Wavefront {
     }
 }
 
+/// The length of the shortest path to `v`. Another thread may have written a longer one since.
+fn nearest_path(state: &impl SurfaceState, v: u32) -> f64 {
+    state.distance(v).min(state.reached(v))
+}
+
 /// Turns of vertices, and effects of paths that reach them.
 impl Wavefront {
-    /// Processes the vertices of `bucket`. No vertex may wait in an earlier bucket.
+    /// Processes the vertices of `bucket`, or lets them wait by distance if a list does so within
+    /// the bucket. No vertex may wait in an earlier bucket.
     pub(crate) fn take_turn<P: Probe>(
         &mut self,
         state: &mut impl SurfaceState,
@@ -181,6 +194,13 @@ impl Wavefront {
         let mut turn = std::mem::take(&mut self.turn);
         self.buckets.take(bucket, &mut turn);
         probe.add(Counter::Iterations, 1);
+        if self.nearest_list() < self.buckets.end_of(bucket) {
+            for &v in &turn {
+                self.due.push(nearest_path(state, v), v);
+            }
+            self.turn = turn;
+            return;
+        }
         for (i, &v) in turn.iter().enumerate() {
             if let Some(&v) = turn.get(i + 6) {
                 for &h in state.layout().ring(v) {
@@ -197,57 +217,126 @@ impl Wavefront {
         self.passed[v as usize] = true;
         for place in state.layout().ring_places(v) {
             let (f, _) = parts(state.layout().rings[place]);
-            if state.join(f) {
-                if P::STOPS {
-                    self.joined.push(f as u32);
-                }
-                for corner in 0..3 {
-                    if state.list(f, corner) != NO_LIST {
-                        self.make_ready(state, f, corner);
-                    }
+            self.join::<P>(state, f);
+        }
+        self.spawn_if_nearer(state, v, probe);
+    }
+
+    /// Face `f` joins the traversed area, and its lists are queued.
+    #[inline(always)]
+    fn join<P: Probe>(&mut self, state: &mut impl SurfaceState, f: usize) {
+        if state.join(f) {
+            if P::STOPS {
+                self.joined.push(f as u32);
+            }
+            for corner in 0..3 {
+                if state.list(f, corner) != NO_LIST {
+                    self.make_ready(state, f, corner);
                 }
             }
         }
-        self.spawn_if_nearer(state, v, probe);
     }
 
     /// Queues the list on half-edge `corner` of face `f`, if the face has joined.
     #[inline(always)]
     pub(crate) fn make_ready(&mut self, state: &mut impl SurfaceState, f: usize, corner: usize) {
-        if !self.kept.is_empty() && self.kept.holds(half_edge(f as u32, corner) as usize) {
+        if state.layout().is_by_distance(half_edge(f as u32, corner)) {
             self.wait_by_distance(state, f, corner);
         } else if state.enqueue(f, corner) {
             self.ready.push(half_edge(f as u32, corner));
         }
     }
 
-    /// Queues the list on a half-edge beside a thin face by the least distance of its windows, if
-    /// the face has joined. In first-in, first-out order, the windows would wind around a needle
-    /// before those that beat them have arrived.
+    /// Queues the list on a half-edge beside a thin face, or on a long one, by the least distance
+    /// of its windows. When that is due, the face joins if it has not. In first-in, first-out
+    /// order, the windows would wind around a needle before those that beat them have arrived.
     #[cold]
     #[inline(never)]
     fn wait_by_distance(&mut self, state: &impl SurfaceState, f: usize, corner: usize) {
-        if state.contains(f) {
-            let list = state.list(f, corner);
-            let windows = self.store.windows_at(list, 0..self.store.len(list));
-            let nearest = windows.fold(f64::INFINITY, |d, w| d.min(w.min_distance()));
-            self.nearest.push(nearest, half_edge(f as u32, corner));
-        }
+        let list = state.list(f, corner);
+        let windows = self.store.windows_at(list, 0..self.store.len(list));
+        let nearest = windows.fold(f64::INFINITY, |d, w| d.min(w.min_distance()));
+        self.nearest.push(nearest, half_edge(f as u32, corner));
     }
 
-    /// Queues the nearest list beside a thin face to cross. Returns whether there was one.
+    /// Goes on before the next bucket, when no list is queued: gives the nearest vertices that wait
+    /// by distance a turn, or queues the list that does so, whichever is nearer. Returns whether
+    /// there was one nearer than all vertices in buckets.
+    ///
+    /// In first-in, first-out order, each path to a late vertex would send windows before a shorter
+    /// one arrives, and these would do the same at the next vertex. Where edges are far longer than
+    /// others, as on mechanical parts, many vertices are late.
+    ///
+    /// Between vertices and lists that wait by distance, the order is exact for any width of
+    /// buckets. Lists that crossed up to the end of a bucket would wind around a needle before the
+    /// vertices of the bucket have sent the windows that beat them. Vertices that had turns before
+    /// such lists would send windows at distances that are not final.
     #[cold]
     #[inline(never)]
-    fn make_nearest_ready(&mut self, state: &mut impl SurfaceState) -> bool {
-        while let Some((_, h)) = self.nearest.pop() {
+    fn go_on<P: Probe>(&mut self, state: &mut impl SurfaceState, probe: &mut P) -> bool {
+        let due = self.due.peek().map_or(f64::INFINITY, |(d, _)| d);
+        let vertex = self.buckets.least();
+        if self.make_nearest_ready::<P>(state, due.min(vertex)) {
+            return true;
+        }
+        if due > vertex {
+            return false;
+        }
+        let end = self.nearest_list().min(due + self.buckets.width());
+        let mut any = false;
+        while self.due.peek().is_some_and(|(d, _)| d <= end)
+            && let Some((_, v)) = self.due.pop()
+        {
+            self.pass(state, v, probe);
+            any = true;
+        }
+        any
+    }
+
+    /// The least distance of a list that waits by distance; infinity if there is none.
+    #[inline]
+    fn nearest_list(&self) -> f64 {
+        self.nearest.peek().map_or(f64::INFINITY, |(d, _)| d)
+    }
+
+    /// Queues the nearest list that waits by distance to cross, if it is not beyond `end`. Returns
+    /// whether there was one.
+    ///
+    /// A list goes before a vertex at the same distance, as at the end of its edge. Otherwise the
+    /// windows of that vertex would be stored first beside thin faces, and all of them go on.
+    fn make_nearest_ready<P: Probe>(&mut self, state: &mut impl SurfaceState, end: f64) -> bool {
+        while self.nearest.peek().is_some_and(|(d, _)| d <= end)
+            && let Some((_, h)) = self.nearest.pop()
+        {
             let (f, corner) = parts(h);
             // Skips lists that have crossed since, as nearer ones.
-            if state.list(f, corner) != NO_LIST && state.enqueue(f, corner) {
-                self.ready.push(h);
-                return true;
+            if state.list(f, corner) != NO_LIST {
+                self.join::<P>(state, f);
+                if state.enqueue(f, corner) {
+                    self.ready.push(h);
+                    return true;
+                }
             }
         }
         false
+    }
+
+    /// Gives vertex `v`, reached at distance `d`, a turn, unless it needs none.
+    #[inline]
+    fn give_turn<P: Probe>(&mut self, state: &impl SurfaceState, v: u32, d: f64, probe: &mut P) {
+        let news = if self.passed[v as usize] {
+            let sends = state.layout().vertices[v as usize].pseudo_source;
+            if sends {
+                self.due.push(d, v);
+            }
+            sends
+        } else if self.buckets.has_passed(d) {
+            self.due.push(d, v);
+            true
+        } else {
+            self.buckets.push(v, d)
+        };
+        probe.add(Counter::QueuePushes, u64::from(news));
     }
 
     /// Defers the effects of an improvement if `news`. There must be room for it.
@@ -289,16 +378,8 @@ impl Wavefront {
             // A later path has effects of its own.
             if distance <= state.reached(vertex) && state.layout().vertices[v].pseudo_source {
                 self.origins[v] = PathOrigin { h, entry };
-                if self.passed[v] {
-                    self.spawn_if_nearer(state, vertex, probe);
-                }
             }
-            if !self.passed[v] {
-                // Another thread may have written a longer path since.
-                let nearest = state.distance(vertex).min(state.reached(vertex));
-                let news = self.buckets.push(vertex, nearest);
-                probe.add(Counter::QueuePushes, u64::from(news));
-            }
+            self.give_turn(state, vertex, nearest_path(state, vertex), probe);
         }
         probe.raise(Counter::QueuePeak, self.buckets.len() as u64);
     }
@@ -442,8 +523,8 @@ impl Wavefront {
                 probe.reach(VertexId::new(v), HalfEdgeId::new(own), way);
             }
             self.origins[v as usize] = origin;
-            let news = self.buckets.push(v, state.distance(v).min(d));
-            probe.add(Counter::QueuePushes, u64::from(news));
+            let nearest = state.distance(v).min(d);
+            self.give_turn(state, v, nearest, probe);
         }
     }
 }
@@ -464,10 +545,11 @@ impl Wavefront {
                 self.settle(state, probe);
             }
             let Some(&h) = self.ready.get(place) else {
-                if self.kept.is_empty() || !self.make_nearest_ready(state) {
-                    break;
+                let waits = !(self.due.is_empty() && self.nearest.is_empty());
+                if waits && self.go_on(state, probe) {
+                    continue;
                 }
-                continue;
+                break;
             };
             self.prefetch_face(state, place + 6);
             self.prefetch_beyond(state, place + 3);

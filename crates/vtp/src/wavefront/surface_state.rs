@@ -24,9 +24,6 @@ pub(crate) trait SurfaceState {
     /// is a change.
     fn enqueue(&mut self, f: usize, corner: usize) -> bool;
 
-    /// Whether face `f` has joined the traversed area of this wavefront.
-    fn contains(&self, f: usize) -> bool;
-
     /// Makes face `f` join the traversed area of this wavefront. Returns whether it had not joined.
     fn join(&mut self, f: usize) -> bool;
 

@@ -1,10 +1,15 @@
 //! Windows stored beside thin faces, to end those that wind around a needle.
 
+use std::ops::Range;
+
 use geobench_mesh::{HalfEdgeId, Mesh};
 
+use super::compare::is_sliver;
 use super::foot::pieces;
 use super::overlap::{Overlap, Owner};
+use super::overlap_range::OverlapRange;
 use super::thin::ThinFaces;
+use crate::precision::MARGIN;
 use crate::window::Window;
 
 /// The windows that have arrived at the half-edges of thin faces, for algorithms that store none.
@@ -35,9 +40,9 @@ pub struct KeptWindows {
     lists: Vec<u32>,
     kept: Vec<KeptList>,
     doubt: f64,
+    reach: f64,
     has_tip: bool,
     overlap: Overlap,
-    met: Vec<Window>,
     replaced: Vec<Window>,
 }
 
@@ -60,6 +65,7 @@ impl KeptWindows {
             return kept;
         }
         kept.doubt = thin.doubt();
+        kept.reach = 4.0 * thin.doubt() / MARGIN;
         kept.has_tip = thin.has_tip();
         for h in mesh.half_edges().filter(|&h| thin.is_beside(number(h))) {
             kept.lists.resize(numbers, NO_LIST);
@@ -83,6 +89,17 @@ impl KeptWindows {
     #[inline]
     pub fn doubt(&self) -> f64 {
         self.doubt
+    }
+
+    /// The distance from which on the margin of the vertex filter covers the [doubt](Self::doubt);
+    /// 0 if no face is thin.
+    ///
+    /// A window at distance d is deleted only if it is beaten by [`MARGIN`] of d/2, or by d/2
+    /// itself. From four times the longest side of a thin face on, both are at least twice the
+    /// doubt.
+    #[inline]
+    pub fn reach(&self) -> f64 {
+        self.reach
     }
 
     /// Whether faces are thin and the mesh has the tip of a needle, as [`ThinFaces::has_tip`].
@@ -131,31 +148,80 @@ impl KeptWindows {
         let mut parts: Option<[f64; 2]> = None;
         for piece in pieces(new, l) {
             let first = list.partition_point(|w| w.b1 <= piece.b0);
-            self.met.clear();
-            let behind = list[first..].iter().copied();
-            self.met.extend(behind.take_while(|w| w.b0 < piece.b1));
-            self.overlap.share_out(&self.met, &piece, l);
             self.replaced.clear();
-            for segment in self.overlap.segments() {
-                let window = match segment.owner {
-                    Owner::New => {
-                        let [start, end] = parts.unwrap_or([segment.start, segment.end]);
-                        parts = Some([start.min(segment.start), end.max(segment.end)]);
-                        piece
+            let replaced = match OverlapRange::of(list[first..].iter(), &piece, l) {
+                OverlapRange::Empty => continue,
+                OverlapRange::Single(start, end) => {
+                    let first = first + list[first..].partition_point(|w| w.b1 <= start);
+                    let met = list[first..].iter().take_while(|w| w.b0 < end).count();
+                    let met = first..first + met;
+                    let old = &list[met.clone()];
+                    self.replaced
+                        .extend(old.first().and_then(|w| part(w, w.b0, start, l)));
+                    self.replaced.push(Window {
+                        b0: start,
+                        b1: end,
+                        ..piece
+                    });
+                    self.replaced
+                        .extend(old.last().and_then(|w| part(w, end, w.b1, l)));
+                    parts = Some(joined(parts, start, end));
+                    met
+                }
+                OverlapRange::Undecided => {
+                    let met = list[first..].iter().take_while(|w| w.b0 < piece.b1).count();
+                    let met = first..first + met;
+                    self.overlap.share_out(&list[met.clone()], &piece, l);
+                    for segment in self.overlap.segments() {
+                        let window = match segment.owner {
+                            Owner::New => {
+                                parts = Some(joined(parts, segment.start, segment.end));
+                                piece
+                            }
+                            Owner::Old(k) => list[first + k],
+                        };
+                        self.replaced.push(Window {
+                            b0: segment.start,
+                            b1: segment.end,
+                            ..window
+                        });
                     }
-                    Owner::Old(k) => list[first + k],
-                };
-                self.replaced.push(Window {
-                    b0: segment.start,
-                    b1: segment.end,
-                    ..window
-                });
-            }
-            list.splice(first..first + self.met.len(), self.replaced.iter().copied());
+                    met
+                }
+            };
+            replace(list, replaced, &self.replaced);
         }
         // The range between two parts is not needed, but harmless.
         parts.map(|[b0, b1]| Window { b0, b1, ..*new })
     }
+}
+
+/// The range from `start` to `end` of a window on an edge of length `l`, unless it is too narrow.
+fn part(w: &Window, start: f64, end: f64, l: f64) -> Option<Window> {
+    let is_left = start < end && !is_sliver(w, start, end, l);
+    is_left.then_some(Window {
+        b0: start,
+        b1: end,
+        ..*w
+    })
+}
+
+/// Replaces the windows of `list` in `range`. As [`Vec::splice`], but moves whole ranges.
+fn replace(list: &mut Vec<Window>, range: Range<usize>, by: &[Window]) {
+    let end = range.start + by.len();
+    let behind = range.end..list.len();
+    if by.len() > range.len() {
+        list.resize(list.len() + by.len() - range.len(), by[0]);
+    }
+    list.copy_within(behind.clone(), end);
+    list.truncate(end + behind.len());
+    list[range.start..end].copy_from_slice(by);
+}
+
+/// The least range with `parts` and the one from `start` to `end`.
+fn joined(parts: Option<[f64; 2]>, start: f64, end: f64) -> [f64; 2] {
+    let [from, to] = parts.unwrap_or([start, end]);
+    [from.min(start), to.max(end)]
 }
 
 #[cfg(test)]

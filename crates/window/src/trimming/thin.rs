@@ -19,10 +19,19 @@ const THIN: f64 = 6.5e-3;
 /// it ten times. Scans have no tips, so they do not pay for this wider limit.
 const THIN_AROUND_TIPS: f64 = 0.1;
 
+/// Longest side of a face, relative to the longest edge of the mesh, below which it is tiny.
+///
+/// The filter deletes no window that is longer than a path through a vertex by less than the
+/// [margin](MARGIN) of the distance, which may be that of the longest edge. A window in a region of
+/// faces a hundred times as large as that margin is ended after some hundred crossings. Where they
+/// are far smaller, beside a spike of 1e16 times their size, none would ever be.
+const TINY: f64 = 100.0 * MARGIN;
+
 /// Total angle of a vertex, in radians, below which it counts as the tip of a needle.
 const TIP: f64 = 0.35;
 
-/// The half-edges of thin faces.
+/// The half-edges of thin faces, and of faces so small beside others that lengths do not tell their
+/// windows apart.
 ///
 /// ```
 /// use geobench_mesh::{HalfEdgeId, Mesh};
@@ -54,11 +63,17 @@ impl ThinFaces {
             ..Self::default()
         };
         let limit = if thin.has_tip { THIN_AROUND_TIPS } else { THIN };
+        let tiny = TINY * mesh.longest_edge();
         // Some rounding slack: the faces are selected by another formula.
-        if mesh.least_relative_height() > 1.001 * limit {
+        let any_thin = mesh.least_relative_height() <= 1.001 * limit;
+        let any_tiny = mesh.half_edges().any(|h| mesh.length(h) < tiny);
+        if !(any_thin || any_tiny) {
             return thin;
         }
-        let is_thin = |face: &FaceId| relative_height(mesh, face.half_edge(0)) < limit;
+        let is_thin = |face: &FaceId| {
+            let h = face.half_edge(0);
+            relative_height(mesh, h) < limit || longest_side(mesh, h) < tiny
+        };
         for face in mesh.faces().filter(is_thin) {
             thin.beside.resize(numbers, false);
             for h in [0, 1, 2].map(|corner| face.half_edge(corner)) {
@@ -99,13 +114,41 @@ impl ThinFaces {
 
 /// Height of the face of `h`, relative to its longest edge.
 fn relative_height(mesh: &Mesh, h: HalfEdgeId) -> f64 {
+    let longest = longest_side(mesh, h);
+    mesh.length(h) * mesh.apex(h)[1] / (longest * longest)
+}
+
+/// Length of the longest side of the face of `h`.
+fn longest_side(mesh: &Mesh, h: HalfEdgeId) -> f64 {
     let lengths = [h, h.next(), h.prev()].map(|h| mesh.length(h));
-    let longest = lengths.into_iter().fold(0.0, f64::max);
-    lengths[0] * mesh.apex(h)[1] / (longest * longest)
+    lengths.into_iter().fold(0.0, f64::max)
 }
 
 /// Whether windows may wind around `v` more than once.
 fn is_tip(mesh: &Mesh, v: VertexId) -> bool {
     let angle = mesh.total_angle(v);
     0.0 < angle && angle < TIP && !mesh.is_boundary(v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faces_far_smaller_than_others_count_as_thin() {
+        for (size, expected) in [(1e-9, false), (1e-11, true)] {
+            let positions = vec![
+                [0.0; 3],
+                [size, 0.0, 0.0],
+                [0.0, size, 0.0],
+                [3.0, 0.0, 0.0],
+                [4.0, 0.0, 0.0],
+                [3.0, 1.0, 0.0],
+            ];
+            let mesh = Mesh::new(positions, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
+            let thin = ThinFaces::of(&mesh, 6, HalfEdgeId::index);
+            let beside: Vec<bool> = (0..6).map(|h| thin.is_beside(h)).collect();
+            assert_eq!(beside, [expected, expected, expected, false, false, false]);
+        }
+    }
 }

@@ -4,7 +4,7 @@
 
 use geobench_mesh::Mesh;
 
-use super::{Solvers, check_needles, data};
+use super::{Solvers, check_needles, check_spikes, data};
 
 /// Declares a test for each of these functions, with the solvers that the function `solvers` sets
 /// up.
@@ -85,6 +85,11 @@ pub(crate) fn windows_wound_around_a_needle_pi_over_its_angle_times(
     solvers: impl Fn(&Mesh) -> Solvers,
 ) {
     check_needles(solvers);
+}
+
+/// No window beside the spike is longer than another by more than the margin of the filter.
+pub(crate) fn windows_beside_a_spike_were_never_told_apart(solvers: impl Fn(&Mesh) -> Solvers) {
+    check_spikes(solvers);
 }
 
 /// Where both σ are equal up to rounding, both roots are as well, and neither counted as a tie.

@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 use std::iter;
 
-use geobench_mesh::{Mesh, TriangleSoup, VertexId};
+use geobench_mesh::{Mesh, Tolerance, TriangleSoup, VertexId};
 use geobench_window::{Counter, Solver};
 
 pub(crate) mod data;
@@ -33,27 +33,32 @@ pub(crate) struct Case {
 }
 
 impl Case {
-    /// Checks all `solvers` on this mesh, up to rounding of the greatest distance.
+    /// Checks all `solvers` on this mesh.
     pub(crate) fn check(&self, solvers: impl Fn(&Mesh) -> Solvers) {
-        self.check_beyond(1e-9, FLOOR, solvers);
+        let mesh = self.mesh();
+        let rule = Tolerance::on(&mesh, self.distances);
+        self.check_by(&rule, &mesh, solvers);
     }
 
     /// Checks each distance to 1e-9 of itself, however small it is.
     pub(crate) fn check_relative(&self, solvers: impl Fn(&Mesh) -> Solvers) {
-        self.check_beyond(1e-9, 0.0, solvers);
+        self.check_by(&Tolerance::relative(1e-9), &self.mesh(), solvers);
     }
 
     /// The same with each distance to 1e-13 of itself.
     pub(crate) fn check_closely(&self, solvers: impl Fn(&Mesh) -> Solvers) {
-        self.check_beyond(1e-13, 0.0, solvers);
+        self.check_by(&Tolerance::relative(1e-13), &self.mesh(), solvers);
     }
 
-    fn check_beyond(&self, relative: f64, floor: f64, solvers: impl Fn(&Mesh) -> Solvers) {
-        let mesh = mesh(self.positions.to_vec(), self.faces.to_vec());
+    fn mesh(&self) -> Mesh {
+        mesh(self.positions.to_vec(), self.faces.to_vec())
+    }
+
+    fn check_by(&self, rule: &Tolerance, mesh: &Mesh, solvers: impl Fn(&Mesh) -> Solvers) {
         let sources: Vec<VertexId> = self.sources.iter().map(|&v| VertexId::new(v)).collect();
-        let failures = solvers(&mesh).into_iter().filter_map(|(name, mut solver)| {
+        let failures = solvers(mesh).into_iter().filter_map(|(name, mut solver)| {
             let found = solver.solve(&sources).unwrap().distances;
-            wrong(&found, self.distances, relative, floor).map(|wrong| format!("{name}: {wrong}"))
+            wrong(&found, self.distances, rule).map(|wrong| format!("{name}: {wrong}"))
         });
         let failures: Vec<String> = failures.collect();
         assert!(
@@ -71,19 +76,10 @@ fn mesh(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Mesh {
         .0
 }
 
-/// Rounding error of every distance, as a fraction of the greatest one.
-const FLOOR: f64 = 1e-13;
-
-/// The first vertex whose distance is wrong by more than `relative` of it, and how it is. `floor`
-/// is as [`FLOOR`].
-fn wrong(found: &[f64], expected: &[f64], relative: f64, floor: f64) -> Option<String> {
-    assert_eq!(found.len(), expected.len());
-    let reached = expected.iter().copied().filter(|d| d.is_finite());
-    let slack = floor * reached.fold(0.0, f64::max);
-    let is_right = |d: f64, e: f64| d == e || (d - e).abs() <= relative * e + slack;
-    iter::zip(found, expected)
-        .position(|(&d, &e)| !is_right(d, e))
-        .map(|v| format!("vertex {v} at {} instead of {}", found[v], expected[v]))
+/// The first vertex whose distance is wrong, and how it is.
+fn wrong(found: &[f64], expected: &[f64], rule: &Tolerance) -> Option<String> {
+    let first = rule.wrong(found, expected).next();
+    first.map(|v| format!("vertex {v} at {} instead of {}", found[v], expected[v]))
 }
 
 /// Most windows that a solver may propagate on a needle: ten times 200, which MMP does not reach.
@@ -96,7 +92,8 @@ pub(crate) fn check_needles(solvers: impl Fn(&Mesh) -> Solvers) {
         let (mesh, expected) = needle(height);
         for (name, mut solver) in solvers(&mesh) {
             let (solution, counters) = solver.count(&[VertexId::new(1)]).unwrap();
-            let wrong = wrong(&solution.distances, &expected, 1e-9, FLOOR);
+            let rule = Tolerance::on(&mesh, &expected);
+            let wrong = wrong(&solution.distances, &expected, &rule);
             assert_eq!(wrong, None, "{name}, height {height:e}");
             let propagated = counters.get(Counter::Propagated).unwrap();
             assert!(
@@ -105,6 +102,50 @@ pub(crate) fn check_needles(solvers: impl Fn(&Mesh) -> Solvers) {
             );
         }
     }
+}
+
+/// Checks the work of all `solvers` on a sphere of 80 faces with one vertex far away, from that
+/// vertex and from another one. All distances may be equal up to rounding.
+pub(crate) fn check_spikes(solvers: impl Fn(&Mesh) -> Solvers) {
+    let sphere = Mesh::generate("sphere,subdiv=1").unwrap();
+    let far = 30;
+    for height in [1e4, 1e8, 1e10, 1e12, 1e14, 1e16, 1e20, 1e25] {
+        let mut positions = sphere.positions().to_vec();
+        positions[far] = positions[far].map(|x| height * x);
+        let corners = |f| sphere.face_vertices(f).map(VertexId::raw);
+        let mesh = mesh(positions, sphere.faces().map(corners).collect());
+        for (name, mut solver) in solvers(&mesh) {
+            for source in [far as u32, 3] {
+                let (_, counters) = solver.count(&[VertexId::new(source)]).unwrap();
+                let propagated = counters.get(Counter::Propagated).unwrap();
+                assert!(
+                    propagated <= NEEDLE_WINDOWS,
+                    "{name}, height {height:e}, source {source}: {propagated} windows"
+                );
+            }
+        }
+    }
+}
+
+/// A mesh with one thin face, and without it: a face of a terrain is split beside the middle of its
+/// first edge. The last vertex is in one of them only.
+pub(crate) fn terrains_with_and_without_a_sliver() -> [Mesh; 2] {
+    let terrain = Mesh::generate("terrain,n=60,seed=3").unwrap();
+    let mut positions = terrain.positions().to_vec();
+    let corners = |f| terrain.face_vertices(f).map(VertexId::raw);
+    let mut faces: Vec<[u32; 3]> = terrain.faces().map(corners).collect();
+    let split = faces.len() / 2;
+    let [a, b, c] = faces[split];
+    let place = |weights: [f64; 3]| {
+        let corners = [a, b, c].map(|v| positions[v as usize]);
+        [0, 1, 2].map(|axis| (0..3).map(|k| weights[k] * corners[k][axis]).sum())
+    };
+    let inside = place([0.5 - 5e-5, 0.5 - 5e-5, 1e-4]);
+    let new = positions.len() as u32;
+    positions.push(inside);
+    faces[split] = [a, b, new];
+    faces.extend([[b, c, new], [c, a, new]]);
+    [mesh(positions, faces), terrain]
 }
 
 /// An open cone with vertex 0 as its tip, and the distances from vertex 1. Unfolded, the cone is a

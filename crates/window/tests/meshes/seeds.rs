@@ -5,7 +5,7 @@
 
 #![allow(dead_code)] // Each crate has its own seeds.
 
-use geobench_mesh::{Mesh, TriangleSoup, VertexId};
+use geobench_mesh::{Mesh, Tolerance, TriangleSoup, VertexId};
 use geobench_oracle::{DoubleDouble, Model, Search, nasty, rounded, search};
 use geobench_window::{Counter, Solver, precision};
 
@@ -30,13 +30,13 @@ fn case(seed: u64) -> (Mesh, Vec<VertexId>, Vec<f64>) {
     (mesh, sources, rounded(&found))
 }
 
-/// The largest error that rounding does not explain; `None` if all distances are right.
-fn error(found: &[f64], expected: &[f64]) -> Option<f64> {
-    let reached = expected.iter().copied().filter(|d| d.is_finite());
-    let slack = 1e-13 * reached.fold(0.0, f64::max);
-    let pairs = found.iter().zip(expected);
-    let wrong = pairs.filter(|&(&d, &e)| d != e && (d - e).abs() > 1e-9 * e + slack);
-    wrong.map(|(d, e)| (d - e).abs()).reduce(f64::max)
+/// The largest error of a wrong distance; `None` if all distances are right.
+fn error(mesh: &Mesh, found: &[f64], expected: &[f64]) -> Option<f64> {
+    let rule = Tolerance::on(mesh, expected);
+    let wrong = rule.wrong(found, expected);
+    wrong
+        .map(|v| (found[v] - expected[v]).abs())
+        .reduce(f64::max)
 }
 
 /// Checks that all `solvers` are right on the mesh of `seed`, and that none propagates more than
@@ -45,7 +45,7 @@ pub(crate) fn check(seed: u64, most: u64, solvers: impl Fn(&Mesh) -> Solvers) {
     let (mesh, sources, expected) = case(seed);
     for (name, mut solver) in solvers(&mesh) {
         let (solution, counters) = solver.count(&sources).unwrap();
-        let error = error(&solution.distances, &expected);
+        let error = error(&mesh, &solution.distances, &expected);
         assert_eq!(error, None, "{name}, seed {seed}");
         let propagated = counters.get(Counter::Propagated).unwrap();
         assert!(
@@ -64,7 +64,7 @@ pub(crate) fn check_doubtful(seed: u64, solvers: impl Fn(&Mesh) -> Solvers) {
         let doubt = precision::doubt(&mesh, &found);
         let bound = doubt.map(|doubt| doubt.bound);
         let bound = bound.unwrap_or_else(|| panic!("{name}, seed {seed}: without a doubt"));
-        let error = error(&found, &expected).unwrap_or(0.0);
+        let error = error(&mesh, &found, &expected).unwrap_or(0.0);
         assert!(error <= bound, "{name}, seed {seed}: off by {error}");
     }
 }

@@ -16,9 +16,11 @@
 //! * [`distances`]: the oracle; [`search`] is the same with a limit on its work.
 //! * [`edge_graph_distances`], [`steiner_distances`], [`euclidean_distances`]: two upper bounds and
 //!   a lower bound that use no unfolding.
+//! * [`judge_path`]: whether a path is a shortest one.
 //! * [`closed_forms`]: surfaces with formulas for their distances.
 //! * [`zoo`]: small surfaces with all features that have broken geodesic programs.
 //! * [`nasty`]: random meshes of kinds that break such programs.
+//! * [`Transform`]: changes of a mesh that do not change its distances.
 
 mod bounds;
 pub mod closed_forms;
@@ -26,21 +28,25 @@ mod double_double;
 mod flood;
 mod model;
 pub mod nasty;
+mod path;
 mod random;
 pub mod reference;
 mod scalar;
 mod subdivide;
 mod surface;
+mod transform;
 pub mod zoo;
 
 pub use bounds::{edge_graph_distances, euclidean_distances, steiner_distances};
 pub use double_double::DoubleDouble;
 pub use flood::{GaveUp, Search, distances, search};
 pub use model::{Geometry, Model};
+pub use path::{PathFlaw, PathPoint, judge_path};
 pub use random::Random;
 pub use scalar::Scalar;
 pub use subdivide::{Subdivision, subdivide};
 pub use surface::PreciseSurface;
+pub use transform::{Transform, Transformed};
 
 /// Distances rounded to `f64`; infinite where no path leads.
 pub fn rounded<S: Scalar>(distances: &[Option<S>]) -> Vec<f64> {

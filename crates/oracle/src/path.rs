@@ -1,0 +1,536 @@
+//! A judge of shortest paths.
+
+use std::error::Error;
+use std::f64::consts::PI;
+use std::fmt;
+
+use crate::scalar::Scalar;
+use crate::surface::{PreciseSurface, next, prev};
+
+/// Greatest difference between a path and the distance of its target, as a fraction of the
+/// distance.
+const LENGTH: f64 = 1e-12;
+
+/// Greatest distance of a path from the straight line, as a fraction of the line.
+const STRAIGHT: f64 = 1e-11;
+
+/// Rounding of a position on a side, as a fraction of the longest side: of those that the path meets
+/// where it is to be straight, of all sides where it is to be as long as a distance.
+const PLACE: f64 = 1e-15;
+
+/// A point of a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PathPoint {
+    /// A vertex.
+    Vertex(u32),
+    /// A point on an edge, which the path crosses.
+    Edge {
+        /// A triangle with this edge.
+        triangle: u32,
+        /// The vertices of the edge.
+        ends: [u32; 2],
+        /// Position between them: 0 at the first vertex, 1 at the second.
+        t: f64,
+    },
+}
+
+/// What is wrong with a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PathFlaw {
+    /// The path does not start at a source or does not end at the target.
+    Ends,
+    /// The path does not go on across one triangle, or along one edge, from this point to the next;
+    /// or it returns across the edge on which the point lies; or it meets a triangle twice.
+    Broken(usize),
+    /// The path, as told or as measured, is not as long as the distance.
+    Length(f64),
+    /// The path is not straight at this point, by this distance from the straight line.
+    Bent(usize, f64),
+}
+
+impl fmt::Display for PathFlaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Ends => write!(f, "it does not lead from a source to the target"),
+            Self::Broken(i) => write!(f, "it is broken at point {i}"),
+            Self::Length(by) => write!(f, "it exceeds the distance by {by:e}"),
+            Self::Bent(i, by) => write!(f, "it is bent at point {i}, by {by:e}"),
+        }
+    }
+}
+
+impl Error for PathFlaw {}
+
+/// A straight piece of a path, between two vertices.
+struct Piece<S> {
+    /// The numbers of its first and its last point.
+    ends: [usize; 2],
+    /// Length of the straight line in the plane into which the triangles are unfolded.
+    straight: S,
+    /// Length along the points.
+    length: S,
+    /// The direction at both ends: a side that leaves the vertex, and the angle from it.
+    directions: [(usize, f64); 2],
+    /// The point farthest from the straight line, and its distance.
+    farthest: (usize, S),
+    /// The longest side of the triangles met.
+    longest: S,
+    /// The triangles crossed.
+    triangles: Vec<usize>,
+}
+
+/// What a path could be moved by at a vertex that it passes.
+struct Room {
+    /// How far it could be moved to a side where the angle is below π: up to the nearest vertex
+    /// there, or up to a straight line.
+    room: f64,
+    /// The longest edge at the vertex.
+    longest: f64,
+}
+
+/// Checks that `points` are a shortest path from one of `sources` to `target`, whose distance is
+/// `distance`; `told` is its length as the program tells it.
+///
+/// The path must lead from triangle to triangle, and cross none twice. It must be as long as the
+/// distance to 1e-12 and the rounding of its points, straight wherever it crosses an edge, and have
+/// an angle of at least π on both sides of each vertex that it passes. A smaller angle is allowed
+/// where the vertices beside it leave no room for a shortcut that is longer than rounding. Lines and
+/// angles are measured with all digits of `S`.
+///
+/// ```
+/// use geobench_oracle::{DoubleDouble, Model, PathFlaw, PathPoint, judge_path};
+///
+/// // A square cut along the diagonal from 1 to 2.
+/// let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+/// let model = Model::new("square", positions.to_vec(), vec![[0, 1, 2], [1, 3, 2]]);
+/// let surface = model.surface::<DoubleDouble>();
+/// let across = |t| {
+///     let crossing = PathPoint::Edge { triangle: 0, ends: [1, 2], t };
+///     [PathPoint::Vertex(0), crossing, PathPoint::Vertex(3)]
+/// };
+/// let d = 2.0_f64.sqrt();
+/// assert_eq!(judge_path(&surface, &across(0.5), &[0], 3, [d, d]), Ok(()));
+/// let bent = judge_path(&surface, &across(0.5 + 1e-9), &[0], 3, [d, d]);
+/// assert!(matches!(bent, Err(PathFlaw::Bent(1, _))));
+/// ```
+///
+/// # Errors
+///
+/// What is wrong with the path.
+pub fn judge_path<S: Scalar>(
+    surface: &PreciseSurface<S>,
+    points: &[PathPoint],
+    sources: &[u32],
+    target: u32,
+    [distance, told]: [f64; 2],
+) -> Result<(), PathFlaw> {
+    match (points.first(), points.last()) {
+        (Some(PathPoint::Vertex(source)), Some(PathPoint::Vertex(last)))
+            if sources.contains(source) && *last == target => {}
+        _ => return Err(PathFlaw::Ends),
+    }
+    let at_vertices = (0..points.len()).filter(|&i| matches!(points[i], PathPoint::Vertex(_)));
+    let at_vertices: Vec<usize> = at_vertices.collect();
+    let pieces = at_vertices.windows(2);
+    let pieces = pieces.map(|ends| surface.piece(points, [ends[0], ends[1]]));
+    let pieces = pieces.collect::<Result<Vec<_>, _>>()?;
+    let mut triangles: Vec<(usize, usize)> = Vec::new();
+    for piece in &pieces {
+        triangles.extend(piece.triangles.iter().map(|&t| (t, piece.ends[0])));
+    }
+    triangles.sort_unstable();
+    if let Some(twice) = triangles.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        return Err(PathFlaw::Broken(twice[1].1));
+    }
+    let bends = pieces.windows(2).map(|pair| {
+        let directions = [pair[0].directions[1], pair[1].directions[0]];
+        surface.room(directions, [0, 1].map(|k| pair[k].straight.to_f64()))
+    });
+    let bends: Vec<Room> = bends.collect();
+    let longest = pieces.iter().map(|piece| piece.longest.to_f64());
+    let longest = longest.chain(bends.iter().map(|bend| bend.longest));
+    let rounding = PLACE * longest.fold(0.0, f64::max) * points.len() as f64;
+    let lengths = pieces.iter().map(|piece| piece.length);
+    let length = lengths.fold(S::zero(), |sum, l| sum + l);
+    // The distance may be the difference of greater ones, elsewhere on the surface.
+    let sides = surface.sides.iter().map(|side| side.length.to_f64());
+    let of_surface = PLACE * sides.fold(0.0, f64::max) * points.len() as f64;
+    for found in [S::from_f64(told), length] {
+        let by = (found - S::from_f64(distance)).to_f64();
+        if by.is_nan() || by.abs() > LENGTH * distance + of_surface {
+            return Err(PathFlaw::Length(by));
+        }
+    }
+    let is_bent = |by: f64, length: f64| by.is_nan() || by > STRAIGHT * length + rounding;
+    for piece in &pieces {
+        let (point, by) = piece.farthest;
+        if is_bent(by.to_f64(), piece.straight.to_f64()) {
+            return Err(PathFlaw::Bent(point, by.to_f64()));
+        }
+    }
+    for (pair, bend) in pieces.windows(2).zip(bends) {
+        let [before, after] = [0, 1].map(|k| pair[k].straight.to_f64());
+        if is_bent(bend.room, before + after) {
+            return Err(PathFlaw::Bent(pair[0].ends[1], bend.room));
+        }
+    }
+    Ok(())
+}
+
+impl<S: Scalar> PreciseSurface<S> {
+    /// The vertex opposite to a side.
+    fn third(&self, side: usize) -> usize {
+        self.sides[prev(side)].tail
+    }
+
+    fn head(&self, side: usize) -> usize {
+        self.sides[next(side)].tail
+    }
+
+    /// The two sides of the edge of `point`, the one of its triangle first, and its position from
+    /// the tail of that one.
+    fn edge(&self, point: PathPoint) -> Option<(usize, S)> {
+        let PathPoint::Edge { triangle, ends, t } = point else {
+            return None;
+        };
+        let t = S::from_f64(t);
+        let is_inside = t >= S::zero() && t <= S::from_f64(1.0);
+        let sides = (0..3).map(|k| 3 * triangle as usize + k);
+        let mut sides = sides.filter(|&side| side < self.sides.len() && is_inside);
+        sides.find_map(|side| {
+            let found = [self.sides[side].tail as u32, self.head(side) as u32];
+            if found == ends {
+                Some((side, t))
+            } else if found == [ends[1], ends[0]] {
+                Some((side, S::from_f64(1.0) - t))
+            } else {
+                None
+            }
+        })
+    }
+
+    /// The piece between two vertices, the points with the numbers `ends`.
+    fn piece(&self, points: &[PathPoint], [first, last]: [usize; 2]) -> Result<Piece<S>, PathFlaw> {
+        let broken = |i| PathFlaw::Broken(i);
+        let (PathPoint::Vertex(from), PathPoint::Vertex(to)) = (points[first], points[last]) else {
+            return Err(broken(first));
+        };
+        let [from, to] = [from, to].map(|v| v as usize);
+        if last == first + 1 {
+            return self
+                .along_edge([from, to], [first, last])
+                .ok_or(broken(first));
+        }
+        // A triangle and its neighbour may have all their vertices in common.
+        let (side, _) = self.edge(points[first + 1]).ok_or(broken(first + 1))?;
+        let starts = [Some(side), self.sides[side].twin].into_iter().flatten();
+        let starts = starts.filter(|&side| self.third(side) == from);
+        let mut found = Err(broken(first));
+        for start in starts {
+            found = self.across(points, [first, last], start, to);
+            if found.is_ok() {
+                break;
+            }
+        }
+        found
+    }
+
+    fn along_edge(&self, [from, to]: [usize; 2], ends: [usize; 2]) -> Option<Piece<S>> {
+        let along = |from: usize, to: usize| {
+            let mut leaving = self.leaving[from].iter().copied();
+            leaving.find(|&side| self.head(side) == to)
+        };
+        // The edge at its other end: the side of the next triangle, or that of the same triangle.
+        let direction = |from: usize, to: usize| {
+            let forward = along(from, to).map(|side| (side, 0.0));
+            forward.or_else(|| along(to, from).map(|side| (next(side), self.angle(next(side)))))
+        };
+        let directions = [direction(from, to)?, direction(to, from)?];
+        let side = along(from, to).or_else(|| along(to, from))?;
+        let straight = self.sides[side].length;
+        Some(Piece {
+            ends,
+            straight,
+            length: straight,
+            directions,
+            farthest: (ends[0], S::zero()),
+            longest: straight,
+            triangles: Vec::new(),
+        })
+    }
+
+    /// The piece that leaves its first vertex through `start`, a side of the first triangle.
+    fn across(
+        &self,
+        points: &[PathPoint],
+        [first, last]: [usize; 2],
+        start: usize,
+        to: usize,
+    ) -> Result<Piece<S>, PathFlaw> {
+        // The triangle of `side` has been crossed; `ends` are the positions of its tail and head in
+        // the plane.
+        let mut side = start;
+        let mut ends = [[S::zero(); 2], [self.sides[side].length, S::zero()]];
+        let mut places = vec![self.sides[side].apex];
+        let mut triangles = vec![side / 3];
+        let mut longest = S::zero();
+        for i in first + 1..last {
+            let (of_triangle, t) = self.edge(points[i]).ok_or(PathFlaw::Broken(i))?;
+            let t = if of_triangle == side {
+                t
+            } else {
+                S::from_f64(1.0) - t
+            };
+            if of_triangle != side && self.sides[of_triangle].twin != Some(side) {
+                return Err(PathFlaw::Broken(i));
+            }
+            places.push(between(ends, t));
+            let beyond = self.sides[side].twin.ok_or(PathFlaw::Broken(i))?;
+            for side in [side, next(side), prev(side), next(beyond), prev(beyond)] {
+                longest = longest.max(self.sides[side].length);
+            }
+            let [tail, head] = ends;
+            let frame = self.sides[beyond];
+            // From head to tail; the triangle is on the left.
+            let along = [0, 1].map(|k| (tail[k] - head[k]) / frame.length);
+            let [x, y] = frame.apex;
+            let apex = [
+                head[0] + along[0] * x - along[1] * y,
+                head[1] + along[1] * x + along[0] * y,
+            ];
+            triangles.push(beyond / 3);
+            if i + 1 == last {
+                places.push(apex);
+                if self.third(beyond) != to {
+                    return Err(PathFlaw::Broken(i));
+                }
+                side = beyond;
+                ends = [head, tail];
+                break;
+            }
+            let (on, _) = self.edge(points[i + 1]).ok_or(PathFlaw::Broken(i + 1))?;
+            let is_on = |side: usize| on == side || self.sides[on].twin == Some(side);
+            (side, ends) = if is_on(next(beyond)) {
+                (next(beyond), [tail, apex])
+            } else if is_on(prev(beyond)) {
+                (prev(beyond), [apex, head])
+            } else {
+                return Err(PathFlaw::Broken(i));
+            };
+        }
+        let (start_place, end_place) = (places[0], places[places.len() - 1]);
+        let line = minus(end_place, start_place);
+        let straight = norm(line);
+        // Beside a triangle without area, the first crossing may be at the vertex itself. So the
+        // directions are those of the whole line.
+        let back = [-line[0], -line[1]];
+        let directions = [
+            (prev(start), turn(minus([S::zero(); 2], start_place), line)),
+            (prev(side), turn(minus(ends[0], end_place), back)),
+        ];
+        let mut farthest = (first, S::zero());
+        let mut length = S::zero();
+        let mut reached = S::zero();
+        for (i, pair) in places.windows(2).enumerate() {
+            length = length + norm(minus(pair[1], pair[0]));
+            let [x, y] = minus(pair[1], start_place);
+            let across = (line[0] * y - line[1] * x) / straight;
+            let along = (line[0] * x + line[1] * y) / straight;
+            // A step back is a deviation as well.
+            let off = across.max(-across).max(reached - along);
+            reached = reached.max(along);
+            if off.to_f64().is_nan() || off > farthest.1 {
+                farthest = (first + i + 1, off);
+            }
+        }
+        Ok(Piece {
+            ends: [first, last],
+            straight,
+            length,
+            directions,
+            farthest,
+            longest,
+            triangles,
+        })
+    }
+
+    /// The angle of a triangle at the tail of `side`.
+    fn angle(&self, side: usize) -> f64 {
+        let [x, y] = self.sides[side].apex;
+        y.to_f64().atan2(x.to_f64())
+    }
+
+    /// The room at a vertex. `directions` are those of the pieces before and after it, and `lengths`
+    /// their lengths. There is none if they are in different fans.
+    fn room(&self, directions: [(usize, f64); 2], lengths: [f64; 2]) -> Room {
+        let start = directions[0].0;
+        // Back to the first triangle of the fan, or once around it.
+        let mut first = start;
+        let mut is_open = true;
+        while let Some(twin) = self.sides[first].twin {
+            first = next(twin);
+            if first == start {
+                is_open = false;
+                break;
+            }
+        }
+        // Each edge of the fan: the angle to it, and its length.
+        let mut spokes = Vec::new();
+        let mut found = [None; 2];
+        let mut turned = 0.0;
+        let mut side = first;
+        loop {
+            spokes.push((turned, self.sides[side].length.to_f64()));
+            for (found, (of, angle)) in found.iter_mut().zip(directions) {
+                if of == side {
+                    *found = Some(turned + angle);
+                }
+            }
+            turned += self.angle(side);
+            let last = self.sides[prev(side)];
+            match last.twin {
+                Some(onward) if onward != first => side = onward,
+                Some(_) => break,
+                None => {
+                    spokes.push((turned, last.length.to_f64()));
+                    break;
+                }
+            }
+        }
+        let longest = spokes.iter().map(|&(_, length)| length).fold(0.0, f64::max);
+        let [Some(a), Some(b)] = found else {
+            return Room { room: 0.0, longest };
+        };
+        let (low, high) = (a.min(b), a.max(b));
+        let room = |angle: f64, is_inside: &dyn Fn(f64) -> bool| {
+            let inside = spokes.iter().filter(|&&(at, _)| is_inside(at));
+            let nearest = inside.map(|&(_, length)| length);
+            let nearest = nearest.fold(lengths[0].min(lengths[1]), f64::min);
+            (PI - angle).max(0.0) * nearest
+        };
+        let between = room(high - low, &|at| low < at && at < high);
+        let around = if is_open {
+            0.0
+        } else {
+            room(turned - (high - low), &|at| at < low || at > high)
+        };
+        Room {
+            room: between.max(around),
+            longest,
+        }
+    }
+}
+
+fn between<S: Scalar>([a, b]: [[S; 2]; 2], t: S) -> [S; 2] {
+    [0, 1].map(|k| a[k] + t * (b[k] - a[k]))
+}
+
+fn minus<S: Scalar>(a: [S; 2], b: [S; 2]) -> [S; 2] {
+    [0, 1].map(|k| a[k] - b[k])
+}
+
+fn norm<S: Scalar>([x, y]: [S; 2]) -> S {
+    x.hypot(y)
+}
+
+/// The angle from `a` to `b`, counter-clockwise.
+fn turn<S: Scalar>(a: [S; 2], b: [S; 2]) -> f64 {
+    let (across, along) = (a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
+    // Far from 1, a product may have no double in its low half, or no value at all.
+    across.to_f64().atan2(along.to_f64())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{DoubleDouble, Model};
+
+    fn surface(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> PreciseSurface<DoubleDouble> {
+        Model::new("", positions.to_vec(), triangles.to_vec()).surface()
+    }
+
+    /// A strip of four unit squares, each cut from its lower left corner.
+    fn strip() -> PreciseSurface<DoubleDouble> {
+        let mut positions = Vec::new();
+        let mut triangles = Vec::new();
+        for i in 0..5_u32 {
+            positions.extend([[f64::from(i), 0.0, 0.0], [f64::from(i), 1.0, 0.0]]);
+            if i > 0 {
+                let [a, b, c, d] = [2 * i - 2, 2 * i, 2 * i - 1, 2 * i + 1];
+                triangles.extend([[a, b, d], [a, d, c]]);
+            }
+        }
+        surface(&positions, &triangles)
+    }
+
+    fn crossing(triangle: u32, ends: [u32; 2], t: f64) -> PathPoint {
+        PathPoint::Edge { triangle, ends, t }
+    }
+
+    #[test]
+    fn a_path_must_lead_on_from_triangle_to_triangle() {
+        let strip = strip();
+        let from_1_to_4 = [
+            PathPoint::Vertex(1),
+            crossing(1, [0, 3], 2.0 / 3.0),
+            crossing(0, [3, 2], 0.5),
+            PathPoint::Vertex(4),
+        ];
+        // From (0, 1) to (2, 0) across the diagonals at 2/3 and 4/3.
+        let points = |last: PathPoint| {
+            let [a, _, b, c] = from_1_to_4;
+            [a, crossing(1, [3, 0], 1.0 / 3.0), b, last, c]
+        };
+        let d = 5.0_f64.sqrt();
+        let right = points(crossing(3, [2, 5], 1.0 / 3.0));
+        let judge = |points: &[PathPoint]| judge_path(&strip, points, &[1], 4, [d, d]);
+        assert_eq!(judge(&right), Ok(()));
+        assert_eq!(judge(&right[..4]), Err(PathFlaw::Ends));
+        // Not an edge of the triangle, outside the edge, and an edge left out.
+        assert!(matches!(
+            judge(&points(crossing(3, [4, 5], 0.5))),
+            Err(PathFlaw::Broken(_))
+        ));
+        assert!(matches!(
+            judge(&points(crossing(3, [2, 5], 1.5))),
+            Err(PathFlaw::Broken(_))
+        ));
+        let [a, b, _, c, e] = right;
+        assert!(matches!(judge(&[a, b, c, e]), Err(PathFlaw::Broken(_))));
+        // There and back.
+        assert!(matches!(judge(&[a, b, c, c, e]), Err(PathFlaw::Broken(_))));
+        let bent = points(crossing(3, [2, 5], 0.334));
+        let flaw = judge(&bent);
+        assert!(
+            matches!(flaw, Err(PathFlaw::Length(_) | PathFlaw::Bent(3, _))),
+            "{flaw:?}"
+        );
+        let told = judge_path(&strip, &right, &[1], 4, [d, d * (1.0 + 1e-11)]);
+        assert!(matches!(told, Err(PathFlaw::Length(_))));
+    }
+
+    #[test]
+    fn a_path_bends_only_where_no_shortcut_exists() {
+        let strip = strip();
+        let along = [0, 2, 4].map(PathPoint::Vertex);
+        assert_eq!(judge_path(&strip, &along, &[0], 4, [2.0; 2]), Ok(()));
+        // Along two sides of a square, where a shortcut through its inside exists.
+        let around = [1, 3, 2].map(PathPoint::Vertex);
+        let flaw = judge_path(&strip, &around, &[1], 2, [2.0; 2]);
+        assert!(matches!(flaw, Err(PathFlaw::Bent(1, by)) if (by - PI / 2.0).abs() < 1e-12));
+        // Around the inner corner of an L, where the shortcut would lie outside.
+        let corner = surface(
+            &[
+                [0.0, 0.0, 0.0],
+                [1.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0],
+                [-1.0, 0.0, 0.0],
+                [0.0, -1.0, 0.0],
+                [-1.0, -1.0, 0.0],
+            ],
+            &[[0, 2, 3], [0, 3, 5], [0, 5, 4], [0, 4, 1]],
+        );
+        let inside = [1, 0, 2].map(PathPoint::Vertex);
+        assert_eq!(judge_path(&corner, &inside, &[1], 2, [2.0; 2]), Ok(()));
+    }
+}

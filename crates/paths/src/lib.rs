@@ -23,11 +23,18 @@
 //! ```
 //!
 //! A straight piece is traced from the vertex towards the image. In the plane into which the faces
-//! on the way are unfolded, the image stays fixed. The length of a path equals the distance of its
-//! target to 1e-12. A path is straight across every edge and bends only at vertices, with an angle
-//! of at least π on both sides, up to rounding. If a vertex has several shortest paths, the path is
-//! the one that the solver found first.
+//! on the way are unfolded, the image stays fixed. Among near duplicates of vertices, slivers and
+//! faces of very different sizes, an image may err by more than vertices are apart, and the line
+//! miss its vertex. Then a search finds the path from the distances alone: it sends windows back
+//! from the target, in the band where a shortest path can run, and takes the straight lines that
+//! attain the distance and meet at vertices without a shortcut.
+//!
+//! The length of a path equals the distance of its target to 1e-12 and the rounding of the longest
+//! edge. A path is straight across every edge and bends only at vertices, with an angle of at least
+//! π on both sides, up to rounding. It crosses no face twice. If a vertex has several shortest
+//! paths, the path is the one that the solver found first.
 
+mod lines;
 mod onto;
 mod path;
 mod trace;

@@ -1,6 +1,6 @@
 //! A path and its points.
 
-use geobench_mesh::{FaceId, Mesh, VertexId};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
 /// Where a point of a path lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +42,21 @@ impl Point {
         Self {
             place: PathPlace::Vertex(v),
             face: corner.map(|h| h.face()),
+            barycentric,
+        }
+    }
+
+    /// The point at fraction `t` of `h`, from `ends[0]` to `ends[1]`.
+    #[inline]
+    pub(crate) fn on_edge(h: HalfEdgeId, ends: [VertexId; 2], t: f64) -> Self {
+        let barycentric = match h.corner() {
+            0 => [1.0 - t, t, 0.0],
+            1 => [0.0, 1.0 - t, t],
+            _ => [t, 0.0, 1.0 - t],
+        };
+        Self {
+            place: PathPlace::Edge { ends, t },
+            face: Some(h.face()),
             barycentric,
         }
     }

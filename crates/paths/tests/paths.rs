@@ -1,119 +1,21 @@
 //! Paths of every solver: on all small surfaces of the zoo, between points in faces and on edges,
 //! and with ties.
 
-mod straight;
+mod judged;
 
-use geobench_fwp::{
-    BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_batched, lc_ch, vtp_ch,
-    vtp_mmp_batched,
-};
-use geobench_ich::{ch, ich};
-use geobench_mesh::{FaceId, Mesh, SplitMix64, SurfacePoint, TriangleSoup, VertexId};
-use geobench_mmp::{mmp, mmp_edge, mmp_fast};
-use geobench_oracle::{Geometry, Model, zoo};
+use geobench_mesh::{FaceId, Mesh, SplitMix64, SurfacePoint, VertexId};
+use geobench_oracle::zoo;
 use geobench_paths::{PathPlace, Paths, TraceError};
-use geobench_vtp::{EdgeBased, Ftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpTrimming};
-use geobench_window::{Goal, Solver};
+use geobench_vtp::VtpFast;
+use geobench_window::Goal;
 
-use crate::straight::check_path;
-
-fn mesh_of(model: &Model) -> Mesh {
-    let triangles = model.triangles.clone();
-    let built = match &model.geometry {
-        Geometry::Positions(positions) => {
-            Mesh::from_soup(TriangleSoup::new(positions.clone(), triangles))
-        }
-        Geometry::Lengths(lengths) => Mesh::from_lengths(model.vertex_count, &triangles, lengths),
-    };
-    built
-        .unwrap_or_else(|refused| panic!("{}: {refused}", model.name))
-        .0
-}
-
-fn solvers(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver>)> {
-    let mut all: Vec<(&'static str, Box<dyn Solver>)> = vec![
-        ("mmp", Box::new(mmp(mesh))),
-        ("mmp-fast", Box::new(mmp_fast(mesh))),
-        ("mmp-edge", Box::new(mmp_edge(mesh))),
-        ("ich", Box::new(ich(mesh))),
-        ("fwp-mmp", Box::new(fwp_mmp(mesh, BucketOptions::default()))),
-        (
-            "fwp-mmp by list",
-            Box::new(fwp_mmp_batched(mesh, BucketOptions::default())),
-        ),
-        ("fwp-ch", Box::new(fwp_ch(mesh, BucketOptions::default()))),
-        (
-            "lc-ch",
-            Box::new(lc_ch(mesh, LabelCorrectingOptions::default())),
-        ),
-        ("vtp-mmp", Box::new(vtp_mmp_batched(mesh))),
-        ("vtp-ch", Box::new(vtp_ch(mesh))),
-        ("ftp", Box::new(Ftp::new(mesh))),
-        ("vtp", Box::new(Vtp::new(mesh))),
-        ("opvtp", Box::new(Opvtp::new(mesh))),
-        ("vtp-exhaustive", Box::new(VtpExhaustive::new(mesh))),
-        ("vtp-trimming", Box::new(VtpTrimming::new(mesh))),
-        ("edge-based", Box::new(EdgeBased::new(mesh))),
-        ("vtp-fast", Box::new(VtpFast::new(mesh))),
-        ("pvtp", Box::new(Pvtp::new(mesh, 2))),
-    ];
-    if mesh.face_count() < 200 {
-        all.push(("ch", Box::new(ch(mesh))));
-    }
-    all
-}
-
-/// Checks the paths of every solver from `sources` to all vertices. Appends a message to `failures`
-/// for each wrong path.
-fn check(name: &str, mesh: &Mesh, sources: &[u32], failures: &mut Vec<String>) {
-    for (algorithm, mut solver) in solvers(mesh) {
-        let ids: Vec<VertexId> = sources.iter().copied().map(VertexId::new).collect();
-        let expected = solver.solve(&ids).unwrap().distances;
-        let paths = Paths::find(solver.as_mut(), mesh, sources, &Goal::everything()).unwrap();
-        for v in mesh.vertices() {
-            let at = || format!("{name}, {algorithm}, from {sources:?} to {v}");
-            let d = expected[v.index()];
-            match paths.to(v) {
-                Err(lost) => failures.push(format!("{}: {lost}", at())),
-                Ok(None) if d == f64::INFINITY => {}
-                Ok(None) => failures.push(format!("{}: no path", at())),
-                Ok(Some(path)) => {
-                    if let Err(wrong) = check_path(mesh, &path, sources, v, d) {
-                        failures.push(format!("{}: {wrong}", at()));
-                    }
-                }
-            }
-        }
-    }
-}
-
-fn report(failures: &[String]) {
-    // At most three of each model.
-    let mut of_model = ("", 0);
-    let first = failures.iter().filter(|line| {
-        let model = line.split(", ").next().unwrap_or_default();
-        of_model = if of_model.0 == model {
-            (model, of_model.1 + 1)
-        } else {
-            (model, 0)
-        };
-        of_model.1 < 3
-    });
-    let first = first.take(60);
-    let lines: Vec<&str> = first.map(String::as_str).collect();
-    assert!(
-        failures.is_empty(),
-        "{} failures:\n  {}",
-        failures.len(),
-        lines.join("\n  ")
-    );
-}
+use crate::judged::{check, mesh_of, report, solvers};
 
 #[test]
 fn paths_are_straight_and_as_long_as_the_distances() {
     let mut failures = Vec::new();
     for model in zoo::small() {
-        let mesh = mesh_of(&model);
+        let mesh = mesh_of(&model).unwrap();
         check(&model.name, &mesh, &model.sources[..1], &mut failures);
         check(&model.name, &mesh, &model.sources, &mut failures);
     }
@@ -135,7 +37,7 @@ fn a_run_for_one_target_traces_the_same_path() {
 
 #[test]
 fn targets_that_do_not_exist_or_are_not_reached_have_no_path() {
-    let apart = mesh_of(&zoo::with_isolated_vertices(&zoo::octahedron(), &[0]));
+    let apart = mesh_of(&zoo::with_isolated_vertices(&zoo::octahedron(), &[0])).unwrap();
     let mut solver = VtpFast::new(&apart);
     let paths = Paths::find(&mut solver, &apart, 3, &Goal::everything()).unwrap();
     let lonely = apart

@@ -1,0 +1,411 @@
+//! The straight lines that may end a shortest path to a vertex, found by a search.
+
+use std::collections::HashMap;
+
+use geobench_mesh::vector::{Point as Vector, cross_2d, dot, sub};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
+use geobench_window::queue::MinHeap;
+use geobench_window::{Crossing, FaceView, Side, Window, is_beaten_from_ends};
+
+use crate::path::Point;
+
+/// Rounding of a position on an edge, as a fraction of the longest edge that a line crosses.
+pub(crate) const PLACE: f64 = 4.0 * f64::EPSILON;
+
+/// Rounding of the length of a line, as a fraction of the line.
+const ROUNDING: f64 = 1e-14;
+
+/// A direction at a vertex.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Direction {
+    /// A half-edge that starts at the vertex.
+    pub(crate) corner: HalfEdgeId,
+    /// The angle from the half-edge, inside its face.
+    pub(crate) angle: f64,
+}
+
+impl Direction {
+    /// The direction `to` at the tail of `corner`, where `along` is that of `corner`.
+    pub(crate) fn new(corner: HalfEdgeId, along: Vector, to: Vector) -> Self {
+        let angle = cross_2d(along, to).atan2(dot(along, to));
+        Self { corner, angle }
+    }
+
+    /// The direction of the edge from `v` to `to`.
+    fn of_edge(mesh: &Mesh, v: VertexId, to: VertexId) -> Option<Self> {
+        let corners = mesh.outgoing(v).iter();
+        let mut directions = corners.filter_map(|&corner| {
+            let [x, y] = mesh.apex(corner);
+            if mesh.head(corner) == to {
+                Some(Self { corner, angle: 0.0 })
+            } else {
+                let angle = y.atan2(x);
+                (mesh.apex_vertex(corner) == to).then_some(Self { corner, angle })
+            }
+        });
+        directions.next()
+    }
+}
+
+/// A straight line from one vertex to another, across faces or along an edge.
+#[derive(Clone, Debug)]
+pub(crate) struct Line {
+    /// The vertex from which a path comes along the line.
+    pub(crate) from: VertexId,
+    pub(crate) length: f64,
+    /// By how much the path along the line exceeds the distance of the vertex where the line ends.
+    /// Rounding may make it negative.
+    pub(crate) excess: f64,
+    /// The directions of the line at its end and at `from`.
+    pub(crate) directions: [Direction; 2],
+    /// The edges that the line crosses, from its end on.
+    pub(crate) crossings: Vec<Point>,
+}
+
+impl Line {
+    /// The faces that the line crosses.
+    pub(crate) fn faces(&self) -> impl Iterator<Item = FaceId> {
+        let last = self.directions[1].corner.face();
+        let last = (!self.crossings.is_empty()).then_some(last);
+        self.crossings.iter().filter_map(|p| p.face).chain(last)
+    }
+
+    /// The line along the edge from `from` to `end`. `None` if there is no such edge.
+    pub(crate) fn along_edge(
+        mesh: &Mesh,
+        distances: &[f64],
+        [end, from]: [VertexId; 2],
+    ) -> Option<Self> {
+        let edges = mesh.neighbours(end).filter(|&(v, _)| v == from);
+        let length = edges.map(|(_, l)| l).fold(f64::INFINITY, f64::min);
+        Some(Self {
+            from,
+            length,
+            excess: length + distances[from.index()] - distances[end.index()],
+            directions: [
+                Direction::of_edge(mesh, end, from)?,
+                Direction::of_edge(mesh, from, end)?,
+            ],
+            crossings: Vec::new(),
+        })
+    }
+}
+
+/// The straight lines that cross one edge on their way from the vertex at which paths end. The
+/// image of that vertex is the source of `window`.
+struct Beam {
+    /// The half-edge through which the lines enter a face.
+    h: HalfEdgeId,
+    window: Window,
+    /// The beam of the edge before this one.
+    parent: Option<usize>,
+    /// The longest side of the faces crossed so far.
+    longest: f64,
+    met: Met,
+}
+
+/// Faces that the lines of a beam have met: most of those that they have not are told at once. The
+/// beams of some thousand faces are long, and each meets one face more.
+#[derive(Clone, Copy, Default)]
+struct Met([u64; 16]);
+
+impl Met {
+    fn bit(face: FaceId) -> (usize, u64) {
+        // Fibonacci hashing: faces of one neighbourhood have similar numbers.
+        let hash = face.raw().wrapping_mul(0x9E37_79B9);
+        ((hash >> 28) as usize, 1 << (hash >> 22 & 63))
+    }
+
+    fn with(mut self, face: FaceId) -> Self {
+        let (word, bit) = Self::bit(face);
+        self.0[word] |= bit;
+        self
+    }
+
+    fn may_have(&self, face: FaceId) -> bool {
+        let (word, bit) = Self::bit(face);
+        self.0[word] & bit != 0
+    }
+}
+
+struct Search<'a> {
+    mesh: &'a Mesh,
+    distances: &'a [f64],
+    /// The vertex at which paths end, and its distance.
+    end: VertexId,
+    distance: f64,
+    /// By how much a path may exceed the distance.
+    slack: f64,
+    beams: Vec<Beam>,
+    /// The beams not yet propagated, nearest first.
+    queue: MinHeap<usize>,
+    /// Lengths of paths from `end` to the vertices met.
+    met: HashMap<VertexId, f64>,
+    lines: Vec<FoundLine>,
+}
+
+struct FoundLine {
+    from: VertexId,
+    length: f64,
+    excess: f64,
+    /// Part of `excess` that may be rounding.
+    noise: f64,
+    /// The last beam; `None` for a line along an edge.
+    beam: Option<usize>,
+}
+
+/// The straight lines to vertex `end` along which its distance is attained, or exceeded by at most
+/// `slack`; the best to follow first.
+///
+/// The search sends windows from `end`, whose rays cover every direction, and keeps a window while
+/// the distances allow a shortest path in it: the distance of a vertex of the edge, less the part
+/// of the edge between, is a lower bound. So it follows a band around the shortest paths to `end`,
+/// whatever the solver has recorded. It drops windows
+///
+/// * that a path through a vertex beats on all rays, as the filter of ICH does; and
+/// * that meet a face again, or one at `end`: the straight line within the face is shorter. This
+///   ends windows that wind around the tip of a needle, where lengths do not differ.
+///
+/// No window is lost for being narrow, so one of the lines ends at the last bend of a shortest
+/// path, or at a vertex beside the line through which the path is as long up to rounding.
+///
+/// If the distance is known less exactly than `slack` allows, and no line attains it, a greater slack
+/// is taken.
+pub(crate) fn lines_to(mesh: &Mesh, distances: &[f64], end: VertexId, slack: f64) -> Vec<Line> {
+    let distance = distances[end.index()];
+    let mut slack = slack;
+    loop {
+        let mut search = Search {
+            mesh,
+            distances,
+            end,
+            distance,
+            slack,
+            beams: Vec::new(),
+            queue: MinHeap::default(),
+            met: HashMap::new(),
+            lines: Vec::new(),
+        };
+        search.start();
+        while let Some((_, i)) = search.queue.pop() {
+            search.propagate(i);
+        }
+        if !search.lines.is_empty() || slack > distance {
+            return search.sorted();
+        }
+        slack *= 1e3;
+    }
+}
+
+impl Search<'_> {
+    fn start(&mut self) {
+        for (v, length) in self.mesh.neighbours(self.end) {
+            self.meet(v, length);
+            self.find(v, length, None, length);
+        }
+        for &h in self.mesh.outgoing(self.end) {
+            let view = FaceView::of(self.mesh, h);
+            let exit = view.exit(Side::Right);
+            let [px, py] = exit.behind;
+            let window = Window {
+                b0: 0.0,
+                b1: exit.length,
+                px,
+                py,
+                sigma: 0.0,
+            };
+            let longest = view.frame.l.max(view.frame.la).max(view.frame.lb);
+            if let Some(h) = exit.half_edge {
+                self.add(h, window, None, longest);
+            }
+        }
+    }
+
+    /// A lower bound of the distance of `v`. A run with a goal leaves distances infinite that
+    /// exceed those asked for.
+    fn least(&self, v: VertexId) -> f64 {
+        let known = self.distances[v.index()];
+        if known.is_finite() {
+            known
+        } else {
+            self.distance
+        }
+    }
+
+    fn meet(&mut self, v: VertexId, length: f64) {
+        let known = self.met.entry(v).or_insert(f64::INFINITY);
+        *known = known.min(length);
+    }
+
+    /// Whether a path through a vertex beats every line of `window` on `h`.
+    fn is_beaten(&self, h: HalfEdgeId, window: &Window) -> bool {
+        let met = |v| self.met.get(&v).copied().unwrap_or(f64::INFINITY);
+        let [tail, head] = [self.mesh.tail(h), self.mesh.head(h)].map(met);
+        is_beaten_from_ends(window, self.mesh.length(h), tail, head)
+    }
+
+    fn has_met(&self, face: FaceId, mut beam: Option<usize>) -> bool {
+        if self.mesh.face_vertices(face).contains(&self.end) {
+            return true;
+        }
+        if !beam.is_some_and(|i| self.beams[i].met.may_have(face)) {
+            return false;
+        }
+        while let Some(i) = beam {
+            if self.beams[i].h.face() == face {
+                return true;
+            }
+            beam = self.beams[i].parent;
+        }
+        false
+    }
+
+    fn add(&mut self, h: HalfEdgeId, window: Window, parent: Option<usize>, longest: f64) {
+        let (tail, head) = (self.mesh.tail(h), self.mesh.head(h));
+        let rest =
+            (self.least(tail) - window.b1).max(self.least(head) - self.mesh.length(h) + window.b0);
+        let length = window.min_distance();
+        let is_too_long = length + rest.max(0.0) > self.distance + self.slack + PLACE * longest;
+        if is_too_long || self.is_beaten(h, &window) || self.has_met(h.face(), parent) {
+            return;
+        }
+        let met = parent.map_or_else(Met::default, |i| self.beams[i].met);
+        self.queue.push(length, self.beams.len());
+        self.beams.push(Beam {
+            h,
+            window,
+            parent,
+            longest,
+            met: met.with(h.face()),
+        });
+    }
+
+    fn propagate(&mut self, i: usize) {
+        let Beam {
+            h, window, longest, ..
+        } = self.beams[i];
+        if self.is_beaten(h, &window) {
+            return;
+        }
+        let view = FaceView::of(self.mesh, h);
+        let apex = view.corners[2];
+        let longest = longest.max(view.frame.la).max(view.frame.lb);
+        let crossing = Crossing::new(&view.frame, &window);
+        let sides = [Side::Left, Side::Right].map(|side| view.exit(side));
+        let [left, right] = &sides;
+        let children = if crossing.covers_apex() {
+            let length = crossing.straight_distance();
+            self.meet(apex, length);
+            self.find(apex, length, Some(i), longest);
+            [crossing.left_child(left), crossing.right_child(right)]
+        } else if crossing.goes_left() {
+            self.meet(apex, crossing.bent_distance(left));
+            [crossing.only_child(left), None]
+        } else {
+            self.meet(apex, crossing.bent_distance(right));
+            [None, crossing.only_child(right)]
+        };
+        for (exit, child) in sides.iter().zip(children) {
+            if let (Some(h), Some(window)) = (exit.half_edge, child) {
+                self.add(h, window, Some(i), longest);
+            }
+        }
+    }
+
+    /// Adds the line from `v`, `length` long, if it is short enough.
+    fn find(&mut self, from: VertexId, length: f64, beam: Option<usize>, longest: f64) {
+        let excess = length + self.distances[from.index()] - self.distance;
+        let rounding = PLACE * (longest + self.distance);
+        if excess <= self.slack + rounding {
+            self.lines.push(FoundLine {
+                from,
+                length,
+                excess,
+                noise: rounding + ROUNDING * length,
+                beam,
+            });
+        }
+    }
+
+    /// The lines found. First those that no other one beats by more than rounding, from the vertex
+    /// nearest to the sources on: a line through a vertex is one line, not two. Then the others by
+    /// their excess. Last those from vertices that are no nearer to the sources than `end`, beside
+    /// it by less than the rounding of distances.
+    fn sorted(self) -> Vec<Line> {
+        let nearness = |line: &FoundLine| self.distances[line.from.index()];
+        let is_nearer = |line: &FoundLine| nearness(line) < self.distance;
+        let nearer = self.lines.iter().filter(|line| is_nearer(line));
+        let least = nearer.map(|line| line.excess).fold(f64::INFINITY, f64::min);
+        let key = |line: &FoundLine| {
+            if !is_nearer(line) {
+                (2, line.length)
+            } else if line.excess <= least + line.noise {
+                (0, nearness(line))
+            } else {
+                (1, line.excess)
+            }
+        };
+        let mut order: Vec<&FoundLine> = self.lines.iter().collect();
+        order.sort_by(|a, b| {
+            let (a, b) = (key(a), key(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        order.into_iter().filter_map(|l| self.line(l)).collect()
+    }
+
+    /// The line itself.
+    ///
+    /// In the frame of each edge, the image of the one end is that of the beam, unfolded from
+    /// there; that of the other end is unfolded from that other end. So near both ends the points
+    /// err by the rounding of the faces between.
+    fn line(&self, found: &FoundLine) -> Option<Line> {
+        let mesh = self.mesh;
+        let Some(last) = found.beam else {
+            return Line::along_edge(mesh, self.distances, [self.end, found.from]);
+        };
+        let Beam { h, window, .. } = self.beams[last];
+        // The vertex `from`, above the edge of the beam.
+        let mut from = mesh.apex(h);
+        let at_from = Direction::new(h.prev(), sub([0.0; 2], from), sub(window.source(), from));
+        let mut at_end = at_from;
+        let mut crossings = Vec::new();
+        let mut next = Some(last);
+        while let Some(i) = next {
+            let Beam {
+                h, window, parent, ..
+            } = self.beams[i];
+            let ([px, py], [x, y]) = (window.source(), from);
+            let at = (y * px - py * x) / (y - py);
+            // NaN: both are on the line of the edge.
+            let at = if at.is_nan() { px } else { at };
+            let at = at.clamp(window.b0, window.b1);
+            // The half-edge of the face before, which is on the side of the end.
+            let out = mesh.twin(h)?;
+            let l = mesh.length(h);
+            let ends = [mesh.tail(out), mesh.head(out)];
+            crossings.push(Point::on_edge(out, ends, (l - at) / l));
+            next = parent;
+            let Some(i) = parent else {
+                let end = window.source();
+                at_end = Direction::new(out.prev(), sub([l, 0.0], end), sub(from, end));
+                break;
+            };
+            // From the frame of the exit to that of the entrance.
+            let view = FaceView::of(mesh, self.beams[i].h);
+            let ([ux, uy], [x0, y0]) = if view.exits[0] == Some(h) {
+                (view.frame.left, [0.0; 2])
+            } else {
+                (view.frame.right, [view.frame.cx, view.frame.cy])
+            };
+            from = [x0 + ux * x - uy * y, y0 + uy * x + ux * y];
+        }
+        crossings.reverse();
+        Some(Line {
+            from: found.from,
+            length: found.length,
+            excess: found.excess,
+            directions: [at_end, at_from],
+            crossings,
+        })
+    }
+}

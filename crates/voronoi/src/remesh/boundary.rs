@@ -15,7 +15,9 @@ const FEWEST: usize = 3;
 /// Factor by which the spacing grows while there are too many sites.
 const COARSER: f64 = 1.25;
 
-/// Greatest number of times that the spacing grows, far beyond any model.
+/// Greatest number of times that the spacing grows. It starts so that every site has its share of the
+/// boundary, and ends at the latest where no corner is left, at some four times the whole boundary:
+/// enough for 10^18 sites.
 const ROUNDS: usize = 200;
 
 /// Points along every boundary loop, at most `spacing` apart, with all corners. If there are more
@@ -30,9 +32,11 @@ pub(super) fn points(
     most: usize,
 ) -> Result<Vec<SurfacePoint>, PointError> {
     let loops = loops(mesh);
-    let mut spacing = spacing;
-    let mut divided = divisions(mesh, &loops, spacing);
     let most = most.max(FEWEST * loops.len());
+    // With less, there would be more sites, of a narrow strip as many as do not fit into memory.
+    let boundary: f64 = loops.iter().flatten().map(|&h| mesh.length(h)).sum();
+    let mut spacing = spacing.max(boundary / most as f64);
+    let mut divided = divisions(mesh, &loops, spacing);
     for _ in 0..ROUNDS {
         if divided.iter().map(|(_, pieces)| pieces).sum::<usize>() <= most {
             break;
@@ -228,6 +232,27 @@ mod tests {
         assert_eq!(points(&mesh, 3.0, 4).unwrap().len(), 4);
         let closed = Mesh::generate("sphere,subdiv=1").unwrap();
         assert_eq!(points(&closed, 0.1, 1000).unwrap(), []);
+    }
+
+    /// Regression test: a spacing far below the boundary, as the area of a narrow strip asks for, took
+    /// memory for every point.
+    #[test]
+    fn a_narrow_strip_gets_no_more_points_than_asked_for() {
+        for width in [1e-3, 1e-30, 1e-57] {
+            let corners = [
+                [0.0; 3],
+                [1.0, 0.0, 0.0],
+                [1.0, width, 0.0],
+                [0.0, width, 0.0],
+            ];
+            let Ok(mesh) = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]) else {
+                continue;
+            };
+            for spacing in [width.sqrt(), width, 0.0] {
+                let sites = points(&mesh, spacing, 6).unwrap();
+                assert!((3..=6).contains(&sites.len()), "{width:e}: {}", sites.len());
+            }
+        }
     }
 
     #[test]

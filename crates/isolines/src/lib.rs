@@ -53,7 +53,27 @@ const TIE: f64 = 4e-12;
 const SPECK: f64 = 1e-7;
 
 /// The maximum number of levels of [`DistanceField::levels_every`].
-const MOST_LEVELS: usize = 100_000;
+const MOST_LEVELS: u64 = 10_000;
+
+/// Step between levels, as a fraction of the longest edge, that asks for too many isolines wherever
+/// the farthest point is far from all vertices.
+const FINE: f64 = 1e-6;
+
+/// A step between levels asks for more isolines than a program can use.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "a step of {step} asks for {count} isolines, up to a distance of {farthest}; at most \
+     {MOST_LEVELS} are made: take a step of {} or more, or name the levels",
+    farthest / MOST_LEVELS as f64
+)]
+pub struct TooManyLevels {
+    /// The step.
+    pub step: f64,
+    /// The number of isolines at its multiples.
+    pub count: f64,
+    /// The greatest distance of a vertex, or of an isoline beyond all vertices.
+    pub farthest: f64,
+}
 
 /// Why a [`DistanceField`] cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -173,14 +193,14 @@ impl Isoline {
 
 /// `k` times `step`. For a decimal step the result is the decimal multiple: 3 times 0.2 is 0.6,
 /// although 0.2 is no binary fraction.
-fn multiple(k: usize, step: f64) -> f64 {
+fn multiple(k: f64, step: f64) -> f64 {
     // A step with at most nine decimal places is the quotient of two integers. Then only the
     // division of `k * whole` by `scale` rounds.
     let scales = (0..=9).map(|places| 10_f64.powi(places));
     let mut fractions = scales.map(|scale| ((step * scale).round(), scale));
     match fractions.find(|(whole, scale)| whole / scale == step) {
-        Some((whole, scale)) => k as f64 * whole / scale,
-        None => k as f64 * step,
+        Some((whole, scale)) => k * whole / scale,
+        None => k * step,
     }
 }
 
@@ -220,21 +240,49 @@ impl DistanceField {
     }
 
     /// The multiples of `step` up to the distance of the farthest point of the surface, which may
-    /// lie inside a face. At most 100,000 levels; none if `step` is not positive.
-    pub fn levels_every(&self, step: f64) -> Vec<f64> {
-        let farthest = self.sorted.last().copied().unwrap_or(0.0);
-        let mut levels = Vec::new();
+    /// lie inside a face; none if `step` is not positive. Computes some dozens of isolines at most.
+    ///
+    /// # Errors
+    ///
+    /// If these are more than 10,000 levels.
+    pub fn levels_every(&self, step: f64) -> Result<Vec<f64>, TooManyLevels> {
         if step.is_nan() || step <= 0.0 {
-            return levels;
+            return Ok(Vec::new());
         }
-        for k in 1..=MOST_LEVELS {
-            let level = multiple(k, step);
-            if level > farthest && self.isoline(level).lines.is_empty() {
-                break;
+        let of_vertices = self.sorted.last().copied().unwrap_or(0.0);
+        let mut count = (of_vertices / step).floor();
+        // The distance is continuous: there are isolines up to the farthest point, and none beyond.
+        let is_line = |level: f64| !self.isoline(level).lines.is_empty();
+        let longest = self.refined.mesh.longest_edge();
+        let is_fine = step < FINE * longest;
+        if count <= MOST_LEVELS as f64 && (is_fine || is_line(multiple(count + 1.0, step))) {
+            // Points of a face are no farther than its longest edge from a corner.
+            let (mut some, mut none) = (of_vertices, of_vertices + longest);
+            let mut middle = 0.5 * (some + none);
+            while none - some > 0.5 * step && some < middle && middle < none {
+                if is_line(middle) {
+                    some = middle;
+                } else {
+                    none = middle;
+                }
+                middle = 0.5 * (some + none);
             }
-            levels.push(level);
+            count = (some / step).floor();
+            if is_line(multiple(count + 1.0, step)) {
+                count += 1.0;
+            }
         }
-        levels
+        if count > MOST_LEVELS as f64 {
+            let farthest = of_vertices.max(multiple(count, step));
+            return Err(TooManyLevels {
+                step,
+                count,
+                farthest,
+            });
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // At most MOST_LEVELS.
+        let count = count as u64;
+        Ok((1..=count).map(|k| multiple(k as f64, step)).collect())
     }
 
     /// The isolines at `levels`, in this order; see [`isoline`](Self::isoline). All together read
@@ -542,12 +590,12 @@ mod tests {
 
     #[test]
     fn multiples_of_a_decimal_step_are_the_decimals() {
-        assert_eq!(multiple(3, 0.2), 0.6);
-        assert_eq!(multiple(12, 0.2), 2.4);
-        assert_eq!(multiple(3, 0.3), 0.9);
-        assert_eq!(multiple(7, 1e-3), 0.007);
+        assert_eq!(multiple(3.0, 0.2), 0.6);
+        assert_eq!(multiple(12.0, 0.2), 2.4);
+        assert_eq!(multiple(3.0, 0.3), 0.9);
+        assert_eq!(multiple(7.0, 1e-3), 0.007);
         let step = std::f64::consts::PI;
-        assert_eq!(multiple(3, step), 3.0 * step);
-        assert_eq!(multiple(3, 1e300), 3e300);
+        assert_eq!(multiple(3.0, step), 3.0 * step);
+        assert_eq!(multiple(3.0, 1e300), 3e300);
     }
 }

@@ -102,7 +102,7 @@ fn isolines_end_at_the_boundary() {
             );
         }
         assert_eq!(field.isoline(14.2 * step).lines, []);
-        let levels = field.levels_every(2.0 * step);
+        let levels = field.levels_every(2.0 * step).unwrap();
         assert_eq!(levels.len(), 7);
     }
 }
@@ -446,4 +446,31 @@ fn sources_lie_anywhere() {
             .iter()
             .all(|line| line.arcs.iter().all(|arc| arc.face.raw() == 9))
     );
+}
+
+/// Regression test: up to 100,000 levels were computed, one after the other, to find the last one.
+/// All vertices are sources, and the farthest points are inside faces.
+#[test]
+fn levels_beyond_the_farthest_vertex_take_few_isolines() {
+    let mesh = Mesh::generate("octahedron,subdiv=0").unwrap();
+    let sources: Vec<_> = mesh.vertices().map(SurfacePoint::from).collect();
+    let field = DistanceField::new(&mesh, &sources).unwrap();
+    // The centres of the faces; the edges have length 1.
+    let farthest = (1.0_f64 / 3.0).sqrt();
+    let levels = field.levels_every(1e-4).unwrap();
+    assert_eq!(levels.len(), 5773);
+    assert!((levels[5772] - farthest).abs() < 1e-4);
+    for (step, count) in [(1e-5, 57_735.0), (1e-12, 577_350_269_189.0)] {
+        let refused = field.levels_every(step).unwrap_err();
+        // Around the farthest points, loops smaller than rounding are left out.
+        assert!((refused.count / count - 1.0).abs() < 1e-4, "{refused}");
+        let said = refused.to_string();
+        assert!(
+            said.contains("isolines") && said.contains("take a step of 0.0000577"),
+            "{said}"
+        );
+    }
+    assert!(field.levels_every(1e-300).is_err());
+    assert_eq!(field.levels_every(f64::NAN), Ok(Vec::new()));
+    assert_eq!(field.levels_every(1.0), Ok(Vec::new()));
 }

@@ -14,9 +14,6 @@ use crate::path::triples;
 use crate::points::{Finder, several};
 use crate::solver::warn;
 
-/// The maximum number of isolines that a step may ask for.
-const MOST_LEVELS: f64 = 10_000.0;
-
 /// Default deviation of chords from arcs, as a fraction of the distance of the isoline.
 const TOLERANCE: f64 = 1e-3;
 
@@ -161,14 +158,10 @@ pub(crate) fn isolines(
         let field = DistanceField::new(&surface, &points)?;
         let levels = match asked {
             Levels::These(levels) => levels,
-            Levels::Every(every) => {
-                let finite = field.distances().iter().filter(|d| d.is_finite());
-                let farthest = finite.fold(0.0_f64, |greatest, &d| greatest.max(d));
-                if farthest / every > MOST_LEVELS {
-                    return Ok(Err(farthest / every));
-                }
-                field.levels_every(every)
-            }
+            Levels::Every(every) => match field.levels_every(every) {
+                Ok(levels) => levels,
+                Err(refused) => return Ok(Err(refused)),
+            },
         };
         let doubt = precision::doubt(&surface, field.distances());
         let doubt = doubt.map(|doubt| doubt.to_string());
@@ -179,12 +172,8 @@ pub(crate) fn isolines(
         FieldError::Solve(error) => solve_error(error),
         other => PyValueError::new_err(format!("source: {other}")),
     })?;
-    let (found, doubt) = found.map_err(|count| {
-        PyValueError::new_err(format!(
-            "every: {} asks for {count:.0} isolines, more than {MOST_LEVELS}",
-            every.unwrap_or_default()
-        ))
-    })?;
+    let (found, doubt) =
+        found.map_err(|refused| PyValueError::new_err(format!("every: {refused}")))?;
     warn(py, doubt)?;
     let of_python = |isoline: geodesics::Isoline| {
         let (distance, length, gap) = (isoline.distance, isoline.length(), isoline.gap);

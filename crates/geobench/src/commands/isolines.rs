@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use clap::Args;
 use geobench_export::FileFormat;
 use geobench_export::isolines::{IsolineFormat, IsolineSet};
@@ -76,9 +76,6 @@ fn positive_distance(text: &str) -> Result<f64, String> {
 /// Maximum number of isolines for which the summary has a line each.
 const LINES: usize = 20;
 
-/// Maximum number of levels that `--every` may result in.
-const MOST_LEVELS: f64 = 10_000.0;
-
 /// Gap in an isoline, relative to its distance, above which a warning is printed.
 const GAP: f64 = 1e-6;
 
@@ -90,7 +87,7 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let model = model::only(&options.model)?;
     check_not_read(&[&output], &[&model.path])?;
     let mesh = &model.mesh_within(options.reading)?;
-    let points = Points::new(mesh, &options.sources.all()?, None, &model.path)?;
+    let points = Points::new(mesh, &options.sources.all(), None, &model.path)?;
     let is_quiet = options.quiet || options.output == Path::new("-");
     if !is_quiet {
         points.print_notes()?;
@@ -102,11 +99,7 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let finite = field.distances().iter().copied().filter(|d| d.is_finite());
     let farthest = finite.fold(0.0, f64::max);
     let levels = match options.every {
-        Some(every) if farthest / every > MOST_LEVELS => bail!(
-            "--every {every} asks for {:.0} isolines, more than {MOST_LEVELS}: the farthest vertex is at {farthest}",
-            farthest / every
-        ),
-        Some(every) => field.levels_every(every),
+        Some(every) => field.levels_every(every).context("--every")?,
         None => options.levels.clone(),
     };
     let isolines = field.isolines(&levels);

@@ -135,7 +135,10 @@ fn wrong_input_is_named() {
             "--source 0 --levels 1,-2 -o i.json",
             "give a distance above 0",
         ),
-        ("--source 0 --every 1e-9 -o i.json", "more than 10000"),
+        (
+            "--source 0 --every 1e-9 -o i.json",
+            "at most 10000 are made",
+        ),
         ("--source 9 --every 1 -o i.json", "vertex 9 does not exist"),
         ("--source 0 --every 1", "--output <FILE>"),
         (

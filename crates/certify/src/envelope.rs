@@ -1,5 +1,7 @@
 //! The lower envelope of the windows of an edge: the distance of each of its points.
 
+use crate::difference::RoundedDistance;
+use crate::field::SidePiece;
 use crate::interval::lesser;
 
 /// A window as a solver reports it, in the frame of its half-edge. The tail is the origin, the
@@ -57,6 +59,20 @@ impl EnvelopePiece {
         [self.sigma + length, x / length]
     }
 
+    /// How much it is above another one at most where both are, in rounded arithmetic; minus infinity if
+    /// they do not overlap.
+    pub(crate) fn height_above(&self, other: &Self) -> f64 {
+        let piece = SidePiece::new(self.distance(), self.from, self.to, 0);
+        piece.height_above(&other.distance(), [other.from, other.to])
+    }
+
+    fn distance(&self) -> RoundedDistance {
+        RoundedDistance {
+            image: self.image,
+            sigma: self.sigma,
+        }
+    }
+
     fn is_same_function(&self, other: &Self) -> bool {
         self.image == other.image && self.sigma == other.sigma
     }
@@ -66,10 +82,10 @@ impl EnvelopePiece {
     }
 }
 
-/// A piece also covers gaps next to it up to this fraction of edge length plus distance. Rounding
-/// leaves gaps between windows, and solvers drop very narrow windows, which are wider far from the
-/// source.
-const GAP: f64 = 3e-8;
+/// A piece also covers gaps next to it up to this fraction of edge length plus distance, which
+/// rounding leaves between windows. Beyond its end a window is shorter than any path, so wider gaps
+/// are left to [`crate::repair`].
+pub(crate) const GAP: f64 = 1e-12;
 
 /// Converts a window of a half-edge of this length to a piece. With `turned`, the canonical
 /// half-edge of the edge is the twin.
@@ -103,8 +119,9 @@ pub(crate) struct EnvelopeBuilder {
 }
 
 impl EnvelopeBuilder {
-    /// Appends the lower envelope of `pieces` on an edge of this length. At least one of `pieces`
-    /// must cover the whole edge. The appended pieces are sorted and cover the edge without gaps,
+    /// Appends the lower envelope of `pieces` on an edge of this length. Together they must cover the
+    /// edge. A piece also covers gaps next to it up to `gap` times the edge length plus distance.
+    /// The appended pieces are sorted and cover the edge without gaps,
     /// from 0 to `length`.
     ///
     /// Rounding may misplace a boundary between two pieces by a few units in the last place. The
@@ -113,6 +130,7 @@ impl EnvelopeBuilder {
         &mut self,
         pieces: &[EnvelopePiece],
         length: f64,
+        gap: f64,
         envelope: &mut Vec<EnvelopePiece>,
     ) {
         let begin = envelope.len();
@@ -122,7 +140,7 @@ impl EnvelopeBuilder {
                 _ => envelope.push(piece.on(from, to)),
             };
         let distances = pieces.iter().map(|p| p.at(length / 2.0));
-        let gap = GAP * (length + distances.fold(f64::INFINITY, lesser));
+        let gap = gap * (length + distances.fold(f64::INFINITY, lesser));
         self.set_cuts(pieces, length);
         for i in 1..self.cuts.len() {
             let (from, to) = (self.cuts[i - 1], self.cuts[i]);
@@ -270,7 +288,7 @@ mod tests {
 
     fn lower_envelope(pieces: &[EnvelopePiece], length: f64) -> Vec<EnvelopePiece> {
         let mut envelope = Vec::new();
-        EnvelopeBuilder::default().lower_envelope(pieces, length, &mut envelope);
+        EnvelopeBuilder::default().lower_envelope(pieces, length, GAP, &mut envelope);
         envelope
     }
 

@@ -12,9 +12,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh};
 
+use crate::ball::Ball;
 use crate::difference::{CLOSE, Distance, RoundedDistance, peak};
-use crate::field::{EdgeField, ExactPiece, FaceSide, SidePiece, canonical};
-use crate::interval::{Interval, greater, lesser};
+use crate::envelope::{EnvelopePiece, WindowData, piece};
+use crate::field::{EdgeField, ExactPiece, FaceSide, PieceBlock, SidePiece, canonical};
+use crate::interval::{greater, lesser};
 use crate::shape::{Border, FaceShape, LeastDistance, RoundedTransform, SideTransform, excess};
 
 /// A link of a chain: segments across a face between two nodes, of which a shortest path may take
@@ -122,7 +124,7 @@ impl<'a> Checker<'a> {
         let before = self.links.len();
         let mut sides = std::mem::take(&mut self.sides);
         let shape = FaceShape::of(self.shared.field.mesh, face);
-        let lengths = shape.lengths.map(Interval::middle);
+        let lengths = shape.lengths.map(Ball::middle);
         for (k, side) in (0..).zip(&mut sides) {
             side.set(self.shared.field, face.half_edge(k), lengths[k as usize]);
         }
@@ -143,11 +145,7 @@ impl<'a> Checker<'a> {
         lengths: [f64; 3],
         sides: &[FaceSide; 3],
     ) -> (f64, HalfEdgeId) {
-        let at_ends = sides.iter().flat_map(|side| &side.pieces);
-        let top = at_ends.fold(0.0, |top, p| {
-            greater(top, greater(p.at_ends()[0], p.at_ends()[1]))
-        });
-        let size = top + lengths.iter().sum::<f64>();
+        let size = size(sides, lengths);
         let nothing = (f64::INFINITY, face.half_edge(0));
         if !SIZES.contains(&size) {
             return nothing;
@@ -156,10 +154,7 @@ impl<'a> Checker<'a> {
         let corners = self.shared.field.mesh.face_vertices(face);
         let ball = |corner: usize| {
             let v = corners[corner % 3];
-            (
-                self.shared.field.pieces.len() + v.index(),
-                self.shared.radii[v.index()],
-            )
+            (v.index(), self.shared.radii[v.index()])
         };
         let mut most = (0.0_f64, face.half_edge(0));
         for k in 0..3 {
@@ -212,6 +207,106 @@ impl<'a> Checker<'a> {
     }
 }
 
+/// A violation above this fraction of the size of a face is repaired.
+pub(crate) const REPAIR: f64 = 1e-14;
+
+/// A window by which points of an edge have less than their distance, by more than rounding.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ShorterWindow {
+    /// The canonical half-edge.
+    pub(crate) edge: HalfEdgeId,
+    pub(crate) window: EnvelopePiece,
+    /// How much less at most.
+    pub(crate) by: f64,
+    /// The least that is more than rounding.
+    pub(crate) least: f64,
+}
+
+/// Adds the windows that lead through `face` to its sides and are shorter there. In rounded
+/// arithmetic.
+pub(crate) fn shorter_windows(
+    field: &EdgeField<'_>,
+    face: FaceId,
+    sides: &mut [FaceSide; 3],
+    found: &mut Vec<ShorterWindow>,
+) {
+    let mesh = field.mesh;
+    let shape = FaceShape::of(mesh, face);
+    let lengths = shape.lengths.map(Ball::middle);
+    for (k, side) in (0..).zip(&mut *sides) {
+        side.set(field, face.half_edge(k), lengths[k as usize]);
+    }
+    let size = size(sides, lengths);
+    if !SIZES.contains(&size) {
+        return;
+    }
+    let least = REPAIR * size;
+    let mut compare = |k: usize, distance: &RoundedDistance, bounds: [f64; 2]| {
+        let above = sides[k]
+            .pieces
+            .iter()
+            .filter(|p| !p.chord.is_below(distance, -least))
+            .map(|p| p.height_above(distance, bounds));
+        let by = above.fold(f64::NEG_INFINITY, greater);
+        if by > least {
+            let h = face.half_edge(k as u32);
+            let window = WindowData {
+                interval: bounds,
+                image: distance.image,
+                sigma: distance.sigma,
+            };
+            let edge = canonical(mesh, h);
+            let window = piece(&window, lengths[k], edge != h);
+            found.push(ShorterWindow {
+                edge,
+                window,
+                by,
+                least,
+            });
+        }
+    };
+    for k in 0..3 {
+        for pair in sides[k].pieces.windows(2) {
+            let (left, right) = (pair[0].at_ends()[1], pair[1].at_ends()[0]);
+            if (left - right).abs() > least {
+                let along = RoundedDistance {
+                    image: [pair[0].to, 0.0],
+                    sigma: lesser(left, right),
+                };
+                compare(k, &along, [0.0, lengths[k]]);
+            }
+        }
+        for step in [1, 2] {
+            let near = shape.transform(k, step).rounded(TINY * MARGIN * size);
+            if !near.is_finite() {
+                return;
+            }
+            let there = (k + step) % 3;
+            for piece in &sides[k].pieces {
+                // See [`SidePair::compare_all`].
+                let straight = near.straight(&piece.distance);
+                let is_clear = |whole: PieceBlock| whole.chord.is_below(&straight, -least);
+                if sides[there].whole.is_none_or(is_clear) {
+                    continue;
+                }
+                let reaches = near.reaches(piece, straight);
+                for part in 0..3 {
+                    compare(there, reaches.distance(part), reaches.bounds(part));
+                }
+            }
+        }
+    }
+}
+
+/// The greatest distance on the sides of a face plus their lengths.
+fn size(sides: &[FaceSide; 3], lengths: [f64; 3]) -> f64 {
+    let at_ends = sides.iter().flat_map(|side| &side.pieces);
+    let top = at_ends.fold(0.0, |top, p| {
+        greater(top, greater(p.at_ends()[0], p.at_ends()[1]))
+    });
+    top + lengths.iter().sum::<f64>()
+}
+
 /// Whether the slope of the distance decreases where `left` ends and `right` begins. Then no
 /// shortest path bends there: moving the bend into one of the two pieces makes the path shorter.
 fn is_concave(left: Option<&SidePiece>, right: Option<&SidePiece>, margin: f64) -> bool {
@@ -232,7 +327,7 @@ struct SidePair<'a> {
     /// order.
     sides: [&'a FaceSide; 2],
     half_edges: [HalfEdgeId; 2],
-    exact_lengths: [Interval; 2],
+    exact_lengths: [Ball; 2],
     lengths: [f64; 2],
     transform: &'a SideTransform,
     near: RoundedTransform,
@@ -363,7 +458,7 @@ impl SidePair<'_> {
         let close = CLOSE * other.at_ends()[0];
         // The straight distance is a lower bound of all paths from the piece. So how much `other`
         // is above it bounds the violation.
-        let at = |t: Interval| (exact_other.distance.at(t) - straight.at(t)).hi;
+        let at = |t: Ball| (exact_other.distance.at(t) - straight.at(t)).upper();
         let width = other.to - other.from;
         let simple = if other.distance.peak(&from.straight) <= self.margin {
             peak(&exact_other.distance, &straight)
@@ -590,7 +685,7 @@ mod tests {
         };
         let field = EdgeField {
             mesh: &mesh,
-            starts: vec![0, 1, 1, 1, 2, 2, 2, 2, 2, 2],
+            ranges: [0..1, 1..1, 1..1, 1..2, 2..2, 2..2, 2..2, 2..2, 2..2].to_vec(),
             pieces: vec![far, near],
             jumps: vec![0.0; 9],
         };

@@ -1,18 +1,22 @@
 //! The distances on all edges of a mesh, and those of one edge in either direction.
 
+use std::ops::Range;
+
 use geobench_mesh::{HalfEdgeId, Mesh, threads};
 
+use crate::ball::{Ball, minus, norm};
 use crate::difference::{Chord, Distance, RoundedDistance};
 use crate::envelope::EnvelopePiece;
-use crate::interval::{Interval, greater, minus, norm};
+use crate::interval::{Interval, greater, lesser};
+use crate::jump::sum_of_jumps;
 
 /// The distance on all edges of a mesh. The pieces of an edge are stored under its canonical
 /// half-edge, the one with the lower number.
 #[derive(Debug)]
 pub(crate) struct EdgeField<'a> {
     pub(crate) mesh: &'a Mesh,
-    /// Where the pieces of each half-edge begin in `pieces`, and a last entry for their end.
-    pub(crate) starts: Vec<usize>,
+    /// The pieces of each half-edge in `pieces`.
+    pub(crate) ranges: Vec<Range<usize>>,
     pub(crate) pieces: Vec<EnvelopePiece>,
     /// The sum of the jumps between the pieces of each half-edge. Only at jumps does the distance
     /// along an edge change faster than the position.
@@ -30,22 +34,21 @@ pub(crate) struct Envelopes {
 impl<'a> EdgeField<'a> {
     /// The field of a mesh from the envelopes of all its half-edges.
     pub(crate) fn new(mesh: &'a Mesh, parts: Vec<Envelopes>) -> Self {
-        let mut starts = Vec::with_capacity(mesh.half_edge_count() + 1);
+        let mut ranges = Vec::with_capacity(mesh.half_edge_count());
         let mut jumps = Vec::with_capacity(mesh.half_edge_count());
         let mut pieces = Vec::new();
         let mut start = 0;
         for part in parts {
             threads::append(&mut pieces, part.pieces);
             for (count, jump) in part.half_edges {
-                starts.push(start);
+                ranges.push(start..start + count);
                 jumps.push(jump);
                 start += count;
             }
         }
-        starts.push(start);
         Self {
             mesh,
-            starts,
+            ranges,
             pieces,
             jumps,
         }
@@ -65,7 +68,7 @@ pub(crate) struct SidePiece {
     pub(crate) to: f64,
     /// The chord of the piece. A distance is convex, so it is nowhere above its chord.
     pub(crate) chord: Chord,
-    /// The node that stands for it in chains.
+    /// The node that stands for it in chains: the vertices come first, then the pieces.
     pub(crate) node: usize,
 }
 
@@ -82,6 +85,24 @@ impl SidePiece {
         }
     }
 
+    /// How much it is above another distance at most in an interval, in rounded arithmetic; minus
+    /// infinity if it lies outside. Their difference has at most one critical point: see
+    /// [`crate::difference::greatest_difference`].
+    pub(crate) fn height_above(&self, other: &RoundedDistance, [from, to]: [f64; 2]) -> f64 {
+        let (from, to) = (greater(from, self.from), lesser(to, self.to));
+        if from >= to {
+            return f64::NEG_INFINITY;
+        }
+        let above = |t: f64| self.distance.at(t) - other.at(t);
+        let at_ends = greater(above(from), above(to));
+        let critical = self.distance.critical(other);
+        if critical > from && critical < to {
+            greater(above(critical), at_ends)
+        } else {
+            at_ends
+        }
+    }
+
     /// The distances at its ends.
     pub(crate) fn at_ends(&self) -> [f64; 2] {
         self.chord.at_ends
@@ -89,24 +110,37 @@ impl SidePiece {
 }
 
 /// A piece in the frame of a half-edge of the edge.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct ExactPiece {
-    pub(crate) from: Interval,
-    pub(crate) to: Interval,
+    pub(crate) from: Ball,
+    pub(crate) to: Ball,
     pub(crate) distance: Distance,
 }
 
 impl EdgeField<'_> {
     /// The pieces of the edge of `h` in the direction of the canonical half-edge.
-    fn pieces(&self, h: HalfEdgeId) -> &[EnvelopePiece] {
+    pub(crate) fn pieces(&self, h: HalfEdgeId) -> &[EnvelopePiece] {
         let h = canonical(self.mesh, h).index();
-        &self.pieces[self.starts[h]..self.starts[h + 1]]
+        &self.pieces[self.ranges[h].clone()]
+    }
+
+    /// Replaces the pieces of canonical half-edge `h` by others.
+    pub(crate) fn replace(&mut self, h: HalfEdgeId, pieces: &[EnvelopePiece]) {
+        let first = self.pieces.len();
+        self.pieces.extend_from_slice(pieces);
+        self.ranges[h.index()] = first..self.pieces.len();
+        self.jumps[h.index()] = sum_of_jumps(pieces);
+    }
+
+    /// The node of the first piece of a canonical half-edge.
+    fn first_node(&self, h: HalfEdgeId) -> usize {
+        self.mesh.vertex_count() + self.ranges[h.index()].start
     }
 
     /// Sets `oriented` to the pieces of the edge of `h` in the direction of `h`, rounded.
     pub(crate) fn orient(&self, h: HalfEdgeId, length: f64, oriented: &mut Vec<SidePiece>) {
         let canonical = canonical(self.mesh, h);
-        let first = self.starts[canonical.index()];
+        let first = self.first_node(canonical);
         let pieces = self.pieces(h).iter();
         let turn = |(i, piece): (usize, &EnvelopePiece), [from, to, x]: [f64; 3]| {
             let distance = RoundedDistance {
@@ -127,19 +161,15 @@ impl EdgeField<'_> {
     }
 
     /// The piece `node` of the edge of `h`, of this length, in the direction of `h`.
-    pub(crate) fn exact(&self, h: HalfEdgeId, length: Interval, node: usize) -> ExactPiece {
-        let piece = &self.pieces[node];
-        let [x, y] = piece.image.map(Interval::exact);
-        let sigma = Interval::exact(piece.sigma);
+    pub(crate) fn exact(&self, h: HalfEdgeId, length: Ball, node: usize) -> ExactPiece {
+        let piece = &self.pieces[node - self.mesh.vertex_count()];
+        let [x, y] = piece.image.map(Ball::exact);
+        let sigma = Ball::exact(piece.sigma);
         // The length in the mesh is rounded; the last piece ends where the edge does.
         let is_last = |t: f64| t == self.mesh.length(h);
         if canonical(self.mesh, h) == h {
             let end = |t| {
-                if is_last(t) {
-                    length
-                } else {
-                    Interval::exact(t)
-                }
+                if is_last(t) { length } else { Ball::exact(t) }
             };
             return ExactPiece {
                 from: end(piece.from),
@@ -152,8 +182,8 @@ impl EdgeField<'_> {
         }
         let end = |t: f64| match t {
             0.0 => length,
-            t if is_last(t) => Interval::ZERO,
-            t => length - Interval::exact(t),
+            t if is_last(t) => Ball::ZERO,
+            t => length - Ball::exact(t),
         };
         ExactPiece {
             from: end(piece.to),
@@ -171,17 +201,17 @@ impl EdgeField<'_> {
         let h = canonical(self.mesh, h);
         let pieces = self.pieces(h);
         let (piece, t) = if beginning {
-            (pieces.first()?, Interval::ZERO)
+            (pieces.first()?, Ball::ZERO)
         } else {
             let ends = [self.mesh.tail(h), self.mesh.head(h)];
-            let [a, b] = ends.map(|v| self.mesh.positions()[v.index()].map(Interval::exact));
+            let [a, b] = ends.map(|v| self.mesh.positions()[v.index()].map(Ball::exact));
             (pieces.last()?, norm(minus(b, a)))
         };
         let distance = Distance {
-            image: piece.image.map(Interval::exact),
-            sigma: Interval::exact(piece.sigma),
+            image: piece.image.map(Ball::exact),
+            sigma: Ball::exact(piece.sigma),
         };
-        Some(distance.at(t))
+        Some(distance.at(t).interval())
     }
 }
 

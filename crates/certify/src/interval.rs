@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 const HALF_ULP: f64 = f64::EPSILON / 2.0 * (1.0 + f64::EPSILON);
 
 /// The least positive (subnormal) number.
-const LEAST: f64 = f64::from_bits(1);
+pub(crate) const LEAST: f64 = f64::from_bits(1);
 
 /// A number below `x` by one or two units in the last place: without branches, unlike
 /// `next_down` (S. Rump, P. Zimmermann, S. Boldo, G. Melquiond, Computing predecessor and successor
@@ -16,7 +16,7 @@ fn below(x: f64) -> f64 {
 }
 
 /// A number above `x` by one or two units in the last place.
-fn above(x: f64) -> f64 {
+pub(crate) fn above(x: f64) -> f64 {
     x + (x.abs() * HALF_ULP + LEAST)
 }
 
@@ -85,11 +85,6 @@ impl Interval {
             lo: greater(greater(self.lo, -self.hi), 0.0),
             hi: greater(self.hi, -self.lo),
         }
-    }
-
-    /// A representative for use where rounding does not matter.
-    pub(crate) fn middle(self) -> f64 {
-        self.lo / 2.0 + self.hi / 2.0
     }
 }
 
@@ -163,28 +158,10 @@ pub(crate) fn minus<const N: usize>(
     std::array::from_fn(|i| a[i] - b[i])
 }
 
-pub(crate) fn dot<const N: usize>(a: IntervalVector<N>, b: IntervalVector<N>) -> Interval {
-    (1..N).fold(a[0] * b[0], |sum, i| sum + a[i] * b[i])
-}
-
 pub(crate) fn norm<const N: usize>(a: IntervalVector<N>) -> Interval {
     let squares = a.map(Interval::square);
     let rest = squares[1..].iter();
     rest.fold(squares[0], |sum, &x| sum + x).sqrt()
-}
-
-/// The third coordinate of the cross product of two vectors of the plane.
-pub(crate) fn cross(a: IntervalVector<2>, b: IntervalVector<2>) -> Interval {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-/// The length of the cross product of two vectors of space.
-pub(crate) fn cross_length(a: IntervalVector<3>, b: IntervalVector<3>) -> Interval {
-    norm([
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ])
 }
 
 #[cfg(test)]

@@ -7,13 +7,21 @@
 //! 2017; V. Lefèvre, N. Louvet, J.-M. Muller, J. Picot, L. Rideau, Accurate calculation of
 //! Euclidean norms using double-word arithmetic, 2023).
 
+use crate::ball::{two_product, two_sum};
 use crate::envelope::EnvelopePiece;
 
 /// More than the error of a difference, as a fraction of the numbers involved.
 const ERROR: f64 = 1e-28;
 
+/// An upper bound of the sum of the jumps between consecutive pieces.
+pub(crate) fn sum_of_jumps(pieces: &[EnvelopePiece]) -> f64 {
+    pieces.windows(2).fold(0.0, |sum: f64, pair| {
+        (sum + jump(&pair[0], &pair[1], pair[0].to)).next_up()
+    })
+}
+
 /// An upper bound of the jump from `a` to `b` at abscissa `t`.
-pub(crate) fn jump(a: &EnvelopePiece, b: &EnvelopePiece, t: f64) -> f64 {
+fn jump(a: &EnvelopePiece, b: &EnvelopePiece, t: f64) -> f64 {
     let [of_a, of_b] = [a, b].map(|piece| image_distance(piece, t));
     let mut sum = two_sum(a.sigma, -b.sigma);
     for x in [of_a.0, -of_b.0, of_a.1, -of_b.1] {
@@ -41,26 +49,13 @@ fn image_distance(piece: &EnvelopePiece, t: f64) -> (f64, f64) {
     two_sum(root, rest / (2.0 * root))
 }
 
-/// The rounded sum and its rounding error.
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let from_b = sum - a;
-    (sum, (a - (sum - from_b)) + (b - from_b))
-}
-
-/// The rounded product and its rounding error.
-fn two_product(a: f64, b: f64) -> (f64, f64) {
-    let product = a * b;
-    (product, a.mul_add(b, -product))
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::ball::Ball;
     use crate::difference::Distance;
-    use crate::interval::Interval;
 
     fn piece(x: f64, y: f64, sigma: f64) -> EnvelopePiece {
         EnvelopePiece {
@@ -83,7 +78,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_is_within_the_bounds_of_intervals(
+        fn it_is_within_the_bounds_of_balls(
             a in (-3.0..3.0f64, 0.0..3.0f64, 0.0..3.0f64),
             b in (-3.0..3.0f64, 0.0..3.0f64, 0.0..3.0f64),
             t in 0.0..1.0f64,
@@ -92,13 +87,13 @@ mod tests {
             let found = jump(&pieces[0], &pieces[1], t);
             let [a, b] = pieces.map(|p| {
                 let distance = Distance {
-                    image: p.image.map(Interval::exact),
-                    sigma: Interval::exact(p.sigma),
+                    image: p.image.map(Ball::exact),
+                    sigma: Ball::exact(p.sigma),
                 };
-                distance.at(Interval::exact(t))
+                distance.at(Ball::exact(t))
             });
-            let bounds = (a - b).abs();
-            prop_assert!(found >= bounds.lo && found <= bounds.hi.next_up());
+            let exact = (a - b).abs();
+            prop_assert!(found >= exact.lower() && found <= exact.upper() + 1e-27);
         }
     }
 }

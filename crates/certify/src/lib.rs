@@ -12,8 +12,8 @@
 //! points x and y. Every path is a chain of segments inside faces, so d nowhere exceeds the
 //! geodesic distance. [`Claim::not_too_long`] takes for d the lower envelope, on each edge, of the
 //! solver's windows and of the distances along the edge from its ends. It checks all pairs of
-//! envelope pieces of a face in closed form. It assumes nothing about the windows: wrong ones make
-//! the proof fail.
+//! envelope pieces of a face in closed form. It assumes nothing about the windows. Where they leave a
+//! gap, it fills the gap (`repair`). Where they are too short, the proof fails.
 //!
 //! If the condition holds only up to a violation `e(f)` in face f, d is too long by at most the sum
 //! of `e(f)` over the faces that a shortest path crosses. A shortest path crosses a face at most
@@ -44,6 +44,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod ball;
 mod boundary;
 mod chains;
 mod difference;
@@ -53,6 +54,7 @@ mod field;
 mod interval;
 mod jump;
 mod length;
+mod repair;
 mod shape;
 
 use std::collections::HashSet;
@@ -62,10 +64,11 @@ use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId, threads};
 
 use boundary::windows_from_inside;
 use chains::greatest_sums;
-use envelope::{EnvelopeBuilder, EnvelopePiece, piece};
-use face::{ChainLink, Checker, FaceChecks};
+use envelope::{EnvelopeBuilder, EnvelopePiece, GAP, piece};
+use face::{ChainLink, Checker, FaceChecks, REPAIR};
 use field::{EdgeField, Envelopes, canonical};
-use jump::jump;
+use jump::sum_of_jumps;
+use repair::repair;
 
 pub use envelope::WindowData;
 pub use length::PathPoint;
@@ -114,6 +117,9 @@ pub struct Bound {
     pub absolute: f64,
     /// Greatest error as a fraction of the distance, over all vertices other than sources.
     pub relative: f64,
+    /// Greatest error of each vertex. Infinite without a proof, 0 at sources and for infinite
+    /// distances.
+    pub errors: Vec<f64>,
     /// Places where the violation exceeds rounding, worst first.
     pub failures: Vec<Failure>,
     /// Number of envelope pieces on all edges, for [`Claim::not_too_long`]; number of points of all
@@ -156,6 +162,32 @@ pub enum FailurePlace {
     /// A vertex at which the distances on its edges disagree, or without a path of the claimed
     /// length.
     Vertex(VertexId),
+}
+
+/// The violations of faces.
+#[derive(Default)]
+struct Violations {
+    in_face: Vec<f64>,
+    /// The side of each face on which distances are too long.
+    sides: Vec<Option<HalfEdgeId>>,
+    /// The links of all faces; `None` if there are too many.
+    links: Option<Vec<ChainLink>>,
+}
+
+impl Violations {
+    /// Replaces those of `faces`, in this order.
+    fn replace(&mut self, faces: &[FaceId], new: Self) {
+        let new_faces = new.in_face.into_iter().zip(new.sides);
+        for (face, (violation, side)) in faces.iter().zip(new_faces) {
+            self.in_face[face.index()] = violation;
+            self.sides[face.index()] = side;
+        }
+        self.links = self.links.take().zip(new.links).map(|(mut links, more)| {
+            links.retain(|link| faces.binary_search(&link.face).is_err());
+            links.extend(more);
+            links
+        });
+    }
 }
 
 /// Segments with a detour above this fraction of the greatest distance are left out of the chains.
@@ -221,7 +253,20 @@ impl<'a> Claim<'a> {
     where
         W: IntoIterator<Item = WindowData>,
     {
-        let field = self.edge_field(windows);
+        let mut field = self.edge_field(windows);
+        let finite = self.distances.iter().copied().filter(|d| d.is_finite());
+        let farthest = finite.fold(0.0, f64::max);
+        let mut clear = CLEAR * farthest;
+        let all: Vec<FaceId> = self.mesh.faces().collect();
+        let mut found = self.violations(&field, &all, clear);
+        let leak = |f: &FaceId| found.in_face[f.index()] / self.scale(*f);
+        let is_leaky = |f: &FaceId| leak(f) > REPAIR;
+        let mut leaky: Vec<FaceId> = all.iter().copied().filter(is_leaky).collect();
+        leaky.sort_by(|a, b| leak(b).total_cmp(&leak(a)));
+        let changed = repair(&mut field, &leaky);
+        if !changed.is_empty() {
+            found.replace(&changed, self.violations(&field, &changed, clear));
+        }
         let mut failures = Vec::new();
         let own: Vec<f64> = self
             .mesh
@@ -242,27 +287,25 @@ impl<'a> Claim<'a> {
                 violation
             })
             .collect();
-        let finite = self.distances.iter().copied().filter(|d| d.is_finite());
-        let farthest = finite.fold(0.0, f64::max);
-        let mut clear = CLEAR * farthest;
         // `clear` must be at least the total of all violations. Few claims need a second round.
-        let (in_face, sides, links, total) = loop {
-            let (in_face, sides, links) = self.violations(&field, clear);
+        let total = loop {
             // The rounding error of a sum of n non-negative numbers is at most n ulps.
-            let generous = 1.0 + (in_face.len() + own.len()) as f64 * f64::EPSILON;
-            let total = in_face.iter().chain(&own).sum::<f64>() * generous;
+            let generous = 1.0 + (all.len() + own.len()) as f64 * f64::EPSILON;
+            let total = found.in_face.iter().chain(&own).sum::<f64>() * generous;
             if total <= clear || !total.is_finite() {
-                break (in_face, sides, links, total);
+                break total;
             }
             clear = 2.0 * total;
+            found = self.violations(&field, &all, clear);
         };
+        let Violations {
+            in_face,
+            sides,
+            links,
+        } = found;
         for face in self.mesh.faces() {
             let violation = in_face[face.index()];
-            let corners = self.mesh.face_vertices(face);
-            let distances = corners.map(|v| self.distances[v.index()]);
-            let finite = distances.into_iter().filter(|d| d.is_finite());
-            let scale = finite.fold(0.0, f64::max);
-            if violation > ROUNDING * (scale + self.mesh.length(face.half_edge(0))) {
+            if violation > ROUNDING * self.scale(face) {
                 failures.push(Failure {
                     place: FailurePlace::Face(face),
                     edge: sides[face.index()],
@@ -271,42 +314,67 @@ impl<'a> Claim<'a> {
             }
         }
         failures.sort_by(|a, b| b.violation.total_cmp(&a.violation));
-        let (absolute, relative) = if total.is_finite() {
-            self.add_up(&field, own, &in_face, links, total)
+        let (absolute, mut errors) = if total.is_finite() {
+            self.add_up(field.pieces.len(), own, &in_face, links, total)
         } else {
-            (f64::INFINITY, f64::INFINITY)
+            (f64::INFINITY, vec![f64::INFINITY; self.distances.len()])
         };
+        for (error, &d) in errors.iter_mut().zip(self.distances) {
+            // A source is at 0. A vertex at infinity whose faces do not fail has no path to a source.
+            if d == 0.0 || d.is_infinite() && total.is_finite() {
+                *error = 0.0;
+            }
+        }
         Bound {
             absolute,
-            relative,
+            relative: self.greatest_relative(&errors),
+            errors,
             failures,
-            pieces: field.pieces.len(),
+            pieces: field.ranges.iter().map(ExactSizeIterator::len).sum(),
         }
     }
 
-    /// Returns for each face its violation and the side with the violation, and the links whose
-    /// detour is at most `clear`; no links if there are too many.
-    fn violations(
-        &self,
-        field: &EdgeField<'_>,
-        clear: f64,
-    ) -> (Vec<f64>, Vec<Option<HalfEdgeId>>, Option<Vec<ChainLink>>) {
+    /// The greatest of these errors of all vertices, as a fraction of the distance.
+    fn greatest_relative(&self, errors: &[f64]) -> f64 {
+        let fractions = errors.iter().zip(self.distances).map(|(&error, &d)| {
+            if error > 0.0 {
+                (error / d).next_up()
+            } else {
+                0.0
+            }
+        });
+        fractions.fold(0.0, f64::max)
+    }
+
+    /// The greatest distance of a corner plus the length of an edge.
+    fn scale(&self, face: FaceId) -> f64 {
+        let corners = self.mesh.face_vertices(face);
+        let distances = corners.map(|v| self.distances[v.index()]);
+        let finite = distances.into_iter().filter(|d| d.is_finite());
+        finite.fold(0.0, f64::max) + self.mesh.length(face.half_edge(0))
+    }
+
+    /// The violations of these faces. Leaves out links with a detour above `clear`.
+    fn violations(&self, field: &EdgeField<'_>, faces: &[FaceId], clear: f64) -> Violations {
         let checks = FaceChecks::new(field, clear);
-        let ranges = threads::ranges(self.mesh.face_count(), PARTS);
+        let ranges = threads::ranges(faces.len(), PARTS);
         let parts = threads::each(ranges, |range| {
             let mut checker = Checker::new(&checks);
-            let found = range.map(|f| self.violation(FaceId::new(f as u32), &mut checker));
+            let found = faces[range]
+                .iter()
+                .map(|&f| self.violation(f, &mut checker));
             let (in_face, sides): (Vec<_>, Vec<_>) = found.unzip();
             (in_face, sides, checker.links)
         });
-        let (mut in_face, mut sides, mut links) = (Vec::new(), Vec::new(), Vec::new());
+        let mut found = Violations::default();
+        let mut links = Vec::new();
         for (in_part, sides_of_part, links_of_part) in parts {
-            threads::append(&mut in_face, in_part);
-            threads::append(&mut sides, sides_of_part);
+            threads::append(&mut found.in_face, in_part);
+            threads::append(&mut found.sides, sides_of_part);
             threads::append(&mut links, links_of_part);
         }
-        let links = Some(links).filter(|_| !checks.has_too_many_links());
-        (in_face, sides, links)
+        found.links = Some(links).filter(|_| !checks.has_too_many_links());
+        found
     }
 
     /// The violation of a face, and its side with the violation.
@@ -337,17 +405,18 @@ impl<'a> Claim<'a> {
         });
         let mut bound = Bound::default();
         for part in parts {
-            bound.absolute = bound.absolute.max(part.absolute);
-            bound.relative = bound.relative.max(part.relative);
+            threads::append(&mut bound.errors, part.errors);
             threads::append(&mut bound.failures, part.failures);
             bound.pieces += part.pieces;
         }
+        bound.absolute = bound.errors.iter().copied().fold(0.0, f64::max);
+        bound.relative = self.greatest_relative(&bound.errors);
         let worst_first = |a: &Failure, b: &Failure| b.violation.total_cmp(&a.violation);
         bound.failures.sort_by(worst_first);
         bound
     }
 
-    /// The bound for a range of vertices. Its failures are in the order of the vertices.
+    /// The errors and failures of a range of vertices, in their order.
     fn not_too_short_in(
         &self,
         vertices: Range<usize>,
@@ -358,16 +427,16 @@ impl<'a> Claim<'a> {
         for v in vertices.map(|v| VertexId::new(v as u32)) {
             let d = self.distances[v.index()];
             if !d.is_finite() || sources.contains(&v) {
+                bound.errors.push(0.0);
                 continue;
             }
             let points = path(v).unwrap_or_default();
             bound.pieces += points.len();
             let length = length::greatest_length(self.mesh, &points, sources, v);
-            let excess = length.map_or(f64::INFINITY, |l| (l - d).next_up().max(0.0));
-            bound.absolute = bound.absolute.max(excess);
-            bound.relative = bound
-                .relative
-                .max(if excess > 0.0 { excess / d } else { 0.0 });
+            // Nothing is known of a length that overflows.
+            let length = length.filter(|l| l.is_finite()).unwrap_or(f64::INFINITY);
+            let excess = (length - d).next_up().max(0.0);
+            bound.errors.push(excess);
             if excess > ROUNDING * 10.0 * d {
                 bound.failures.push(Failure {
                     place: FailurePlace::Vertex(v),
@@ -430,12 +499,9 @@ impl<'a> Claim<'a> {
                 }),
             );
             let first = found.pieces.len();
-            builder.lower_envelope(&all, length, &mut found.pieces);
+            builder.lower_envelope(&all, length, GAP, &mut found.pieces);
             let pieces = &found.pieces[first..];
-            let jumps = pieces.windows(2).fold(0.0, |sum: f64, pair| {
-                (sum + jump(&pair[0], &pair[1], pair[0].to)).next_up()
-            });
-            found.half_edges.push((pieces.len(), jumps));
+            found.half_edges.push((pieces.len(), sum_of_jumps(pieces)));
         }
         found
     }
@@ -463,47 +529,39 @@ impl<'a> Claim<'a> {
         lengths.fold(0.0, f64::max)
     }
 
-    /// Upper bounds of how much the distances are too long: absolute for vertices and points of
-    /// edges, relative for vertices. `own` holds the violations at vertices, `in_face` those in
-    /// faces, `total` their sum.
+    /// Upper bounds of how much the distances are too long: the greatest of vertices and points of
+    /// edges, and that of each vertex. `own` holds the violations at vertices, `in_face` those in
+    /// faces, `total` their sum; `pieces` is the number of nodes that are pieces.
     fn add_up(
         &self,
-        field: &EdgeField<'_>,
+        pieces: usize,
         own: Vec<f64>,
         in_face: &[f64],
         links: Option<Vec<ChainLink>>,
         total: f64,
-    ) -> (f64, f64) {
+    ) -> (f64, Vec<f64>) {
         let Some(mut links) = links else {
             return (total, self.add_up_by_distance(&own, in_face, total));
         };
         links.retain(|link| f64::from(link.excess) >= -total);
-        let pieces = field.pieces.len();
         // Inside the neighbourhood of a vertex, a path may cross all faces around the vertex.
-        let mut losses = vec![0.0; pieces];
-        losses.extend(own);
+        let mut losses = own;
         for face in self.mesh.faces() {
             for v in self.mesh.face_vertices(face) {
-                losses[pieces + v.index()] += in_face[face.index()];
+                losses[v.index()] += in_face[face.index()];
             }
         }
+        losses.resize(losses.len() + pieces, 0.0);
         let generous = 1.0 + (in_face.len() + losses.len()) as f64 * f64::EPSILON;
         let sums = greatest_sums(&losses, &links, in_face);
-        let greatest = sums.iter().copied().fold(0.0, f64::max);
-        let absolute = (greatest * generous).min(total);
-        let mut relative = 0.0_f64;
-        for (sum, &distance) in sums[pieces..].iter().zip(self.distances) {
-            if distance > 0.0 && distance.is_finite() {
-                relative = relative.max((sum * generous).min(total) / distance);
-            }
-        }
-        (absolute, relative.next_up())
+        let bounds = sums.iter().map(|sum| (sum * generous).min(total));
+        let greatest = bounds.clone().fold(0.0, f64::max);
+        (greatest, bounds.take(self.distances.len()).collect())
     }
 
-    /// Upper bound of how much the distance of a vertex is too long, as a fraction of that
-    /// distance. Adds up all violations that are not farther from the source than the vertex. It
-    /// needs no links.
-    fn add_up_by_distance(&self, own: &[f64], in_face: &[f64], total: f64) -> f64 {
+    /// Upper bounds of how much the distance of each vertex is too long. Adds up all violations that
+    /// are not farther from the source than the vertex. It needs no links.
+    fn add_up_by_distance(&self, own: &[f64], in_face: &[f64], total: f64) -> Vec<f64> {
         // Distances are known up to `total`. Inside a face they fall below the least corner
         // distance by at most the longest edge.
         let of_faces = self.mesh.faces().map(|face| {
@@ -517,18 +575,18 @@ impl<'a> Claim<'a> {
         let of_vertices = self.distances.iter().copied().zip(own.iter().copied());
         let mut losses: Vec<(f64, f64)> = of_faces.chain(of_vertices).collect();
         losses.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut order: Vec<f64> = self.distances.to_vec();
-        order.retain(|d| d.is_finite() && *d > 0.0);
-        order.sort_by(f64::total_cmp);
+        let mut order: Vec<usize> = (0..self.distances.len()).collect();
+        order.sort_by(|&a, &b| self.distances[a].total_cmp(&self.distances[b]));
         let generous = 1.0 + losses.len() as f64 * f64::EPSILON;
         let mut losses = losses.into_iter().peekable();
-        let (mut relative, mut lost) = (0.0_f64, 0.0);
-        for d in order {
+        let (mut errors, mut lost) = (vec![0.0; order.len()], 0.0);
+        for v in order {
+            let d = self.distances[v];
             while let Some((_, loss)) = losses.next_if(|(from, _)| *from <= d + 2.0 * total) {
                 lost += loss;
             }
-            relative = relative.max(lost * generous / d);
+            errors[v] = lost * generous;
         }
-        relative.next_up()
+        errors
     }
 }

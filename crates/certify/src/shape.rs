@@ -2,25 +2,24 @@
 
 use geobench_mesh::{FaceId, Mesh};
 
+use crate::ball::{Ball, BallVector, cross, cross_length, dot, minus, norm};
 use crate::difference::{Chord, Distance, RoundedDistance, greatest_difference};
 use crate::field::{ExactPiece, SidePiece};
-use crate::interval::{
-    Interval, IntervalVector, cross, cross_length, dot, greater, lesser, minus, norm,
-};
+use crate::interval::{Interval, greater, lesser};
 
 /// The lengths and angles of a face, from the positions in the mesh and not from its rounded
 /// lengths.
 pub(crate) struct FaceShape {
-    pub(crate) lengths: [Interval; 3],
+    pub(crate) lengths: [Ball; 3],
     /// Cosine and sine of the angle by which each side turns into the next.
-    turns: [IntervalVector<2>; 3],
+    turns: [BallVector<2>; 3],
 }
 
 impl FaceShape {
     pub(crate) fn of(mesh: &Mesh, face: FaceId) -> Self {
         let corners = mesh
             .face_vertices(face)
-            .map(|v| mesh.positions()[v.index()].map(Interval::exact));
+            .map(|v| mesh.positions()[v.index()].map(Ball::exact));
         let sides = [0, 1, 2].map(|k| minus(corners[(k + 1) % 3], corners[k]));
         let lengths = sides.map(norm);
         let turns = [0, 1, 2].map(|k| {
@@ -39,13 +38,13 @@ impl FaceShape {
             return SideTransform {
                 corner: self.lengths[k],
                 unit: self.turns[k],
-                offset: Interval::ZERO,
+                offset: Ball::ZERO,
                 length,
             };
         }
         let [cosine, sine] = self.turns[(k + 2) % 3];
         SideTransform {
-            corner: Interval::ZERO,
+            corner: Ball::ZERO,
             unit: [cosine, -sine],
             offset: length,
             length,
@@ -56,16 +55,16 @@ impl FaceShape {
 /// From the frame of one side of a face to that of another.
 pub(crate) struct SideTransform {
     /// The abscissas of the shared corner on the one side (`corner`) and on the other (`offset`).
-    corner: Interval,
-    offset: Interval,
+    corner: Ball,
+    offset: Ball,
     /// The direction of the other side.
-    unit: IntervalVector<2>,
+    unit: BallVector<2>,
     /// Its length.
-    length: Interval,
+    length: Ball,
 }
 
 impl SideTransform {
-    fn map(&self, point: IntervalVector<2>) -> IntervalVector<2> {
+    fn map(&self, point: BallVector<2>) -> BallVector<2> {
         let from_corner = [point[0] - self.corner, point[1]];
         [
             dot(from_corner, self.unit) + self.offset,
@@ -78,7 +77,7 @@ impl SideTransform {
             tiny,
             corner: self.corner.middle(),
             offset: self.offset.middle(),
-            unit: self.unit.map(Interval::middle),
+            unit: self.unit.map(Ball::middle),
             length: self.length.middle(),
         }
     }
@@ -102,7 +101,7 @@ impl SideTransform {
         bends: bool,
     ) -> Border {
         let t = if at_end { piece.to } else { piece.from };
-        let image = self.map([t, Interval::ZERO]);
+        let image = self.map([t, Ball::ZERO]);
         let at = self.boundary(straight.image, image);
         Border {
             // Straight distances are never longer than bent ones, so in doubt the straight range is
@@ -117,28 +116,29 @@ impl SideTransform {
 
     /// The abscissa from which on points of the axis lie to the left of the ray from `image`
     /// through `through`.
-    fn boundary(&self, image: IntervalVector<2>, through: IntervalVector<2>) -> Interval {
+    fn boundary(&self, image: BallVector<2>, through: BallVector<2>) -> Interval {
         let ray = minus(through, image);
-        let left = |t: Interval| cross(ray, minus([t, Interval::ZERO], image));
-        let (start, end) = (left(Interval::ZERO), left(self.length));
+        let left = |t: Ball| cross(ray, minus([t, Ball::ZERO], image)).interval();
+        let (start, end) = (left(Ball::ZERO), left(self.length));
+        let length = self.length.interval();
         let root = if start.lo > 0.0 {
             Interval::ZERO
         } else if end.hi < 0.0 {
-            Interval::exact(self.length.hi)
+            Interval::exact(length.hi)
         } else if (end - start).lo > 0.0 {
-            self.length * (start / (start - end))
+            length * (start / (start - end))
         } else {
-            Interval::new(0.0, self.length.hi)
+            Interval::new(0.0, length.hi)
         };
         Interval {
-            lo: root.lo.clamp(0.0, self.length.hi),
-            hi: root.hi.clamp(0.0, self.length.hi),
+            lo: root.lo.clamp(0.0, length.hi),
+            hi: root.hi.clamp(0.0, length.hi),
         }
     }
 }
 
 /// An end of the range of straight paths.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Border {
     pub(crate) at: f64,
     /// The distance function of the bent paths beyond; `None` if they are left out.
@@ -148,7 +148,10 @@ pub(crate) struct Border {
 /// An upper bound of how much `piece` is above `distance` from abscissa `from` to `to`; 0 if the
 /// piece lies outside this interval.
 pub(crate) fn excess(piece: &ExactPiece, distance: &Distance, [from, to]: [f64; 2]) -> f64 {
-    let (first, last) = (greater(piece.from.lo, from), lesser(piece.to.hi, to));
+    let (first, last) = (
+        greater(piece.from.lower(), from),
+        lesser(piece.to.upper(), to),
+    );
     if from >= to || first > last {
         return 0.0;
     }
@@ -232,7 +235,7 @@ impl RoundedTransform {
 
 /// The least distances over the points of a piece, as functions on another side, in rounded
 /// arithmetic.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct LeastDistance {
     /// By the paths that bend at the end of the piece, by the straight ones, and by those that bend
     /// at its beginning.
@@ -243,6 +246,11 @@ pub(crate) struct LeastDistance {
 }
 
 impl LeastDistance {
+    /// The distances of part `k`.
+    pub(crate) fn distance(&self, k: usize) -> &RoundedDistance {
+        &self.distances[k]
+    }
+
     /// The abscissas at which part `k` begins and ends.
     pub(crate) fn bounds(&self, k: usize) -> [f64; 2] {
         [self.bounds[k], self.bounds[k + 1]]

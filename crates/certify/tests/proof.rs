@@ -1,5 +1,8 @@
 //! The distances of `mmp` are proven; damaged ones are rejected.
 
+use std::env;
+use std::path::{Path, PathBuf};
+
 use geobench_certify::{Bound, Claim, ClaimError, FailurePlace, PathPoint, WindowData};
 use geobench_mesh::threads::Threads;
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, TriangleSoup, VertexId};
@@ -171,7 +174,7 @@ fn matters(
 }
 
 #[test]
-fn a_window_that_is_missing_or_moved_by_a_billionth_is_noticed() {
+fn a_window_that_is_missing_or_too_long_is_found_again() {
     let mesh = Mesh::generate("torus,faces=500,bump=0.2,seed=3").unwrap();
     let (distances, windows) = solved(&mesh, 0);
     let mut damaged = 0;
@@ -181,26 +184,44 @@ fn a_window_that_is_missing_or_moved_by_a_billionth_is_noticed() {
                 continue;
             }
             damaged += 1;
-            let d = windows[h][i].sigma + windows[h][i].image[0].hypot(windows[h][i].image[1]);
-            for change in [1e-9, -1e-9] {
-                let mut wrong = windows.clone();
-                wrong[h][i].sigma += change * d;
-                let bound = not_too_long(&mesh, 0, &distances, &wrong);
-                assert!(bound.absolute > 0.5e-9 * d, "{h} {i} {change}: {bound:?}");
+            let mut longer = windows.clone();
+            longer[h][i].sigma *= 1.0 + 1e-9;
+            let mut missing = windows.clone();
+            missing[h].remove(i);
+            for windows in [longer, missing] {
+                let bound = not_too_long(&mesh, 0, &distances, &windows);
+                assert!(bound.relative < 1e-11, "{h} {i}: {}", bound.relative);
+                assert!(
+                    bound.failures.is_empty(),
+                    "{h} {i}: {:?}",
+                    bound.failures[0]
+                );
             }
-            let mut wrong = windows.clone();
-            wrong[h].remove(i);
-            let bound = not_too_long(&mesh, 0, &distances, &wrong);
-            assert!(bound.absolute > 1e-9 * d, "{h} {i}: {bound:?}");
-            // The distances of this edge are too long.
-            let h = HalfEdgeId::new(h as u32);
-            let worst = bound.failures[0];
-            let edge = worst.edge.unwrap();
-            assert!(edge == h || mesh.twin(h) == Some(edge), "{h}: {worst:?}");
-            assert_eq!(worst.place, FailurePlace::Face(edge.face()));
         }
     }
     assert!(damaged > 10, "{damaged}");
+}
+
+/// Gaps that windows of saddle vertices leave, dropped where they were narrower than the margin of
+/// `mmp`, grow beyond what windows beside them are stretched over. The proofs failed with 4e-4.
+#[test]
+fn gaps_of_dropped_windows_failed_the_proof() {
+    for name in ["min", "corner_min", "so101_min2"] {
+        let shared = env::var_os("GEOBENCH_SHARED").map_or_else(
+            || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
+            PathBuf::from,
+        );
+        let path = shared.join(format!("cases/certify/certify_fails_{name}.obj"));
+        if !path.is_file() {
+            println!("without {}", path.display());
+            continue;
+        }
+        let mesh = Mesh::read(&path).unwrap();
+        let (distances, windows) = solved(&mesh, 0);
+        let bound = not_too_long(&mesh, 0, &distances, &windows);
+        assert!(bound.relative < 1e-12, "{name}: {}", bound.relative);
+        assert_eq!(bound.failures, [], "{name}");
+    }
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Distances with a proof of their error.
 
 use geobench_certify::{Bound, Claim, ClaimError, Failure, FailurePlace, PathPoint, WindowData};
-use geobench_mesh::{HalfEdgeId, Mesh, Refined, VertexId};
+use geobench_mesh::tolerance::RELATIVE;
+use geobench_mesh::{HalfEdgeId, Mesh, Refined, Tolerance, VertexId};
 use geobench_mmp::{Mmp, mmp, windows_of};
 use geobench_paths::{Path, PathPlace, Paths};
 use geobench_window::{Goal, SolveError, Sources};
@@ -10,18 +11,16 @@ use geobench_window::{Goal, SolveError, Sources};
 /// about the solver.
 ///
 /// ```
-/// use geodesics::{Certificate, Distances, Mesh};
+/// use geodesics::{Certificate, Distances, Judgement, Mesh};
 ///
 /// let mesh = Mesh::generate("sphere,subdiv=2")?;
 /// let proof = Certificate::of(&mesh, 0)?;
 /// assert!(proof.relative() < 1e-9);
 ///
-/// // Distances from elsewhere are as good as they are close to the proven ones.
-/// let mut distances = mesh.distances_from(0)?;
-/// assert!(proof.compare(distances.iter().copied().enumerate()).relative < 1e-9);
-/// distances[7] *= 1.001;
-/// let found = proof.compare(distances.iter().copied().enumerate());
-/// assert_eq!(found.differences[0].0, 7);
+/// // Distances from elsewhere are right if they are close to the proven ones.
+/// let distances = mesh.distances_from(0)?;
+/// assert_eq!(proof.judge(7, distances[7], 1e-9), Judgement::Right);
+/// assert!(matches!(proof.judge(7, 1.001 * distances[7], 1e-9), Judgement::Wrong(_)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -32,6 +31,8 @@ pub struct Certificate {
     pub too_long: Bound,
     /// Upper bound of the amount by which a distance is too short.
     pub too_short: Bound,
+    /// The rule of which distances are right.
+    rule: Tolerance,
 }
 
 /// Why there is no certificate.
@@ -64,74 +65,132 @@ impl Certificate {
         let too_long = claim.not_too_long(|h| window_data(&solver, h));
         drop(solver);
         let too_short = claim.not_too_short(|v| paths.to(v).ok().flatten().map(points));
+        let rule = Tolerance::on(mesh, &distances);
         Ok(Self {
             distances,
             too_long,
             too_short,
+            rule,
         })
     }
 
     /// Upper bound of the error of a distance, in units of the mesh; infinite if nothing is proven.
-    pub const fn absolute(&self) -> f64 {
-        self.too_long.absolute.max(self.too_short.absolute)
+    pub fn absolute(&self) -> f64 {
+        self.greatest(|v| self.error(v, self.distances[v]))
     }
 
-    /// Upper bound of the error as a fraction of the distance.
-    pub const fn relative(&self) -> f64 {
-        self.too_long.relative.max(self.too_short.relative)
+    /// The least tolerance with which all distances are proven right by the [rule](Tolerance):
+    /// nearly the error as a fraction of the distance, less where a distance is far below the others.
+    /// Infinite if nothing is proven.
+    pub fn relative(&self) -> f64 {
+        self.greatest(|v| self.relative_error(v, self.distances[v]))
     }
 
-    /// Compares other distances, given with vertex numbers, with the proven ones. A distance that is
-    /// finite where the proven one is infinite, or infinite where that is finite, or NaN, differs
-    /// infinitely.
+    fn greatest(&self, of: impl Fn(usize) -> f64) -> f64 {
+        (0..self.distances.len()).map(of).fold(0.0, f64::max)
+    }
+
+    /// The least and the greatest length that the shortest path to a vertex can have.
     ///
     /// # Panics
     ///
-    /// If a vertex does not exist.
-    pub fn compare(&self, given: impl IntoIterator<Item = (usize, f64)>) -> Comparison {
-        let difference = |(v, d): (usize, f64)| {
-            let proven = self.distances[v];
-            let by = if d == proven {
-                0.0
-            } else if d.is_finite() && proven.is_finite() {
-                (d - proven).abs()
-            } else {
-                f64::INFINITY
-            };
-            (v, by)
-        };
-        let mut differences: Vec<(usize, f64)> = given.into_iter().map(difference).collect();
-        differences.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let relative = differences
-            .iter()
-            .map(|&(v, by)| self.fraction(v, by))
-            .fold(0.0, f64::max);
-        Comparison {
-            absolute: differences.first().map_or(0.0, |d| d.1),
-            relative,
-            differences,
+    /// If the vertex does not exist.
+    pub fn bounds(&self, v: usize) -> [f64; 2] {
+        let d = self.distances[v];
+        let [long, short] = [&self.too_long, &self.too_short].map(|bound| bound.errors[v]);
+        if d.is_infinite() {
+            // Without a path that was found. If the proof failed, there may be one.
+            return [if long == 0.0 { d } else { 0.0 }, d];
         }
-    }
-
-    /// The vertices of a comparison whose difference is above a fraction of the proven distance,
-    /// with the differences, largest first.
-    pub fn wrong<'a>(
-        &'a self,
-        compared: &'a Comparison,
-        tolerance: f64,
-    ) -> impl Iterator<Item = (usize, f64)> + 'a {
-        let differences = compared.differences.iter().copied();
-        differences.filter(move |&(v, by)| self.fraction(v, by) > tolerance)
-    }
-
-    /// A difference as a fraction of the proven distance of a vertex; never NaN.
-    fn fraction(&self, v: usize, by: f64) -> f64 {
-        if by == 0.0 || by.is_infinite() {
-            by
+        let least = if long > 0.0 {
+            (d - long).next_down().max(0.0)
         } else {
-            by / self.distances[v]
+            d
+        };
+        let greatest = if short > 0.0 {
+            (d + short).next_up()
+        } else {
+            d
+        };
+        [least, greatest]
+    }
+
+    /// Upper bound of the error of `given` as the distance of vertex `v`. Infinite for NaN, and where
+    /// only one of both distances is infinite.
+    ///
+    /// # Panics
+    ///
+    /// If the vertex does not exist.
+    pub fn error(&self, v: usize, given: f64) -> f64 {
+        match self.bounds(v) {
+            [least, greatest] if least == given && greatest == given => 0.0,
+            [least, greatest] if given.is_finite() && greatest.is_finite() => {
+                (given - least).max(greatest - given).next_up()
+            }
+            _ => f64::INFINITY,
         }
     }
+
+    /// The error in the terms of the [rule](Tolerance): the least tolerance with which `given` is
+    /// proven right.
+    ///
+    /// # Panics
+    ///
+    /// If the vertex does not exist.
+    pub fn relative_error(&self, v: usize, given: f64) -> f64 {
+        let (error, d, rounding) = (self.error(v, given), self.distances[v], self.rounding(v));
+        if error == 0.0 || error.is_infinite() {
+            return error;
+        }
+        let fraction = error / (d + rounding / RELATIVE);
+        if fraction <= RELATIVE {
+            fraction
+        } else {
+            (error - rounding) / d
+        }
+    }
+
+    /// Judges `given` as the distance of vertex `v`. The [rule](Tolerance) of right distances allows
+    /// the relative error `tolerance`. A tolerance below 1e-9 reduces the rounding that it allows,
+    /// too.
+    ///
+    /// # Panics
+    ///
+    /// If the vertex does not exist.
+    pub fn judge(&self, v: usize, given: f64, tolerance: f64) -> Judgement {
+        if self.relative_error(v, given) <= tolerance {
+            return Judgement::Right;
+        }
+        let [least, greatest] = self.bounds(v);
+        let by = if given.is_nan() || given == f64::INFINITY && greatest.is_finite() {
+            f64::INFINITY
+        } else {
+            (given - greatest).max(least - given).next_down()
+        };
+        let rounding = self.rounding(v) * (tolerance / RELATIVE).min(1.0);
+        if by == f64::INFINITY || by > tolerance * self.distances[v] + rounding {
+            Judgement::Wrong(by)
+        } else {
+            Judgement::Unproven(self.error(v, given))
+        }
+    }
+
+    /// The rounding that the rule allows at a vertex.
+    fn rounding(&self, v: usize) -> f64 {
+        self.rule.allowed(v, 0.0)
+    }
+}
+
+/// What a proof says about the distance of a vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Judgement {
+    /// It is proven right.
+    Right,
+    /// It is proven wrong by at least this amount: there is a shorter path, or none is so short.
+    /// Infinite for NaN, and where only one of both distances is infinite.
+    Wrong(f64),
+    /// Neither is proven. An error of this amount is not excluded.
+    Unproven(f64),
 }
 
 /// The place of a failed proof on a refined mesh, converted to the original mesh.
@@ -193,18 +252,6 @@ impl OriginalFailure {
             violation: failure.violation,
         }
     }
-}
-
-/// The differences of distances from the proven ones.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Comparison {
-    /// The greatest difference, in units of the mesh. Infinite where only one of both distances is
-    /// infinite.
-    pub absolute: f64,
-    /// The greatest difference as a fraction of the proven distance.
-    pub relative: f64,
-    /// Vertices and differences, largest first.
-    pub differences: Vec<(usize, f64)>,
 }
 
 fn window_data(solver: &Mmp, h: HalfEdgeId) -> impl Iterator<Item = WindowData> {

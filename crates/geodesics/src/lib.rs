@@ -149,9 +149,9 @@ pub use geobench_voronoi as voronoi;
 pub use geobench_vtp as vtp;
 pub use geobench_window as window;
 
-pub use certificate::{Certificate, CertificateError, Comparison, OriginalFailure};
+pub use certificate::{Certificate, CertificateError, Judgement, OriginalFailure};
 pub use geobench_certify::FailurePlace;
-pub use geobench_isolines::{CircleArc, DistanceField, FieldError, Isoline, Line};
+pub use geobench_isolines::{CircleArc, DistanceField, FieldError, Isoline, Line, TooManyLevels};
 pub use geobench_mesh::{
     InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined, SurfacePoint,
     TriangleSoup, VertexId, generate, io,

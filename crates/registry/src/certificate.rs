@@ -1,23 +1,24 @@
 //! Certified distances, as a reference of checks. Selected by name only, since it is not an
 //! algorithm of its own.
 
+use geobench_mesh::tolerance::RELATIVE;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_mmp::mmp;
 use geobench_window::{Counter, Goal, Observer, Solution, SolveError, Solver};
 use geodesics::{Certificate, CertificateError};
 
-use super::{Algorithm, Parameter};
+use super::{Algorithm, Parameter, Selection, Value, Values};
 
 const TOLERANCE: Parameter = Parameter::real(
     "tolerance",
-    1e-9,
+    RELATIVE,
     0.0..=1.0,
     "the largest error that passes, as a fraction of each distance",
 );
 
-pub(crate) const CERTIFIED: &[Algorithm] = &[Algorithm {
-    name: "certificate",
-    family: "certificate",
+pub(crate) const CERTIFIED: &[Algorithm; 1] = &[Algorithm {
+    name: CERTIFICATE,
+    family: CERTIFICATE,
     paper: "Mitchell, Mount, Papadimitriou 1987, with proofs of our own",
     summary: "mmp, and a proof in interval arithmetic that its distances are right",
     departs: "as mmp",
@@ -35,6 +36,18 @@ pub(crate) const CERTIFIED: &[Algorithm] = &[Algorithm {
     },
     ..Algorithm::EXACT
 }];
+
+/// The name of the algorithm that returns only distances that it has proven.
+pub const CERTIFICATE: &str = "certificate";
+
+/// The algorithm [`CERTIFICATE`] for a check that allows the relative error `tolerance`: it proves
+/// no larger one, and at most [`RELATIVE`].
+pub fn certificate(tolerance: f64) -> Selection {
+    let [algorithm] = CERTIFIED;
+    let value = Value::Real(tolerance.min(RELATIVE));
+    let values = Values::default().with(algorithm.parameters, &TOLERANCE, value);
+    Selection::new(algorithm, values)
+}
 
 /// Solves by MMP, and fails if the distances cannot be certified.
 struct Certified {

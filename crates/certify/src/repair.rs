@@ -1,0 +1,69 @@
+//! Windows that a solver left out.
+//!
+//! Solvers drop windows that are narrower than their margin, such as those of a saddle vertex whose
+//! angle exceeds a full turn by a billionth. The windows beside a dropped one diverge, so the gap
+//! between them grows from edge to edge: 1e-10 of an edge becomes 1e-7 after a few faces. In a gap
+//! only paths along the edge are left, which are far too long. The proof may use any function on the
+//! edges, so a gap is filled here by the windows that reach it through the faces beside it: straight
+//! continuations, and those that bend at the end of a piece.
+//!
+//! A repair only lowers the function. Where a claimed distance itself is too long, it differs from
+//! the repaired function, and the proof counts this difference.
+
+use geobench_mesh::{FaceId, HalfEdgeId};
+
+use crate::envelope::EnvelopeBuilder;
+use crate::face::shorter_windows;
+use crate::field::{EdgeField, FaceSide};
+
+/// Checks of faces in a repair: this many and one for each [`FACES_PER_CHECK`] faces. On scans a few
+/// dozen faces have gaps, of 1e-10 and more of their size; rounding of 1e-14 and more is in half of
+/// all faces, and its repair would take longer than the proof.
+const MOST_CHECKS: usize = 2000;
+const FACES_PER_CHECK: usize = 20;
+
+/// Lowers the distances on the sides of these faces, worst first, and on those that follow, until no
+/// face has a violation above rounding, or there were too [many checks](MOST_CHECKS). Returns the
+/// faces that were checked and those with a changed side, sorted.
+pub(crate) fn repair(field: &mut EdgeField<'_>, worst_first: &[FaceId]) -> Vec<FaceId> {
+    let mesh = field.mesh;
+    let mut left = MOST_CHECKS + mesh.face_count() / FACES_PER_CHECK;
+    let mut faces = worst_first[..left.min(worst_first.len())].to_vec();
+    let mut touched = faces.clone();
+    let mut sides: [FaceSide; 3] = std::array::from_fn(|_| FaceSide::default());
+    let (mut pieces, mut envelope) = (Vec::new(), Vec::new());
+    let mut builder = EnvelopeBuilder::default();
+    while !faces.is_empty() {
+        left -= faces.len();
+        let mut found = Vec::new();
+        for face in faces {
+            shorter_windows(field, face, &mut sides, &mut found);
+        }
+        // Many of them are the same up to rounding, so each is compared again after those that are
+        // shorter.
+        found.sort_by(|a, b| a.edge.cmp(&b.edge).then(b.by.total_cmp(&a.by)));
+        faces = Vec::new();
+        for shorter in found {
+            let (edge, window) = (shorter.edge, shorter.window);
+            let mut above = field.pieces(edge).iter().map(|p| p.height_above(&window));
+            if !above.any(|by| by > shorter.least) {
+                continue;
+            }
+            pieces.clear();
+            pieces.extend_from_slice(field.pieces(edge));
+            pieces.push(window);
+            envelope.clear();
+            builder.lower_envelope(&pieces, mesh.length(edge), 0.0, &mut envelope);
+            field.replace(edge, &envelope);
+            faces.push(edge.face());
+            faces.extend(mesh.twin(edge).map(HalfEdgeId::face));
+        }
+        faces.sort_unstable();
+        faces.dedup();
+        touched.extend_from_slice(&faces);
+        faces.truncate(left);
+    }
+    touched.sort_unstable();
+    touched.dedup();
+    touched
+}

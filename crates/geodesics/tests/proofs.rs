@@ -1,0 +1,123 @@
+//! Certificates of random meshes: their bounds hold, and no wrong distance is certified.
+
+use geobench_mesh::{Mesh, Tolerance, TriangleSoup, VertexId};
+use geobench_oracle::{DoubleDouble, Model, Random, Search, nasty, rounded, search};
+use geodesics::{Certificate, Distances, Judgement};
+
+const TOLERANCE: f64 = 1e-9;
+
+/// A random mesh with its sources and the right distances. `None` if the mesh has a defect or the
+/// oracle takes too long.
+fn case(seed: u64) -> Option<(Mesh, Vec<u32>, Vec<f64>)> {
+    let model = nasty::mesh(seed).model;
+    let positions = model.positions()?.to_vec();
+    let soup = TriangleSoup::new(positions.clone(), model.triangles.clone());
+    let (mesh, _) = Mesh::from_soup(soup).ok()?;
+    // The mesh has its faces oriented consistently.
+    let faces = mesh.faces().map(|f| mesh.face_vertices(f));
+    let faces = faces.map(|corners| corners.map(VertexId::raw)).collect();
+    let surface = Model::new("", positions, faces).surface::<DoubleDouble>();
+    let found = search(&surface, &model.sources, Search::pruned(20_000)).ok()?;
+    Some((mesh, model.sources, rounded(&found)))
+}
+
+/// A field with its proof, and the right distances.
+struct Proven {
+    proof: Certificate,
+    right: Vec<f64>,
+    rule: Tolerance,
+}
+
+impl Proven {
+    /// Whether a distance is wrong beyond what the rule allows, with some space for the bounds.
+    fn is_wrong(&self, v: usize, given: f64) -> bool {
+        let right = self.right[v];
+        given.is_nan()
+            || given != right && (given - right).abs() > 2.0 * self.rule.allowed(v, right)
+    }
+
+    /// The vertices with a wrong distance that is proven right.
+    fn accepted(&self, given: &[f64]) -> Vec<usize> {
+        let accepts = |&v: &usize| {
+            self.is_wrong(v, given[v])
+                && self.proof.judge(v, given[v], TOLERANCE) == Judgement::Right
+        };
+        (0..given.len()).filter(accepts).collect()
+    }
+
+    /// The vertices whose right distances are said to be wrong.
+    fn refuted(&self) -> Vec<usize> {
+        let refutes = |&v: &usize| {
+            matches!(
+                self.proof.judge(v, self.right[v], TOLERANCE),
+                Judgement::Wrong(_)
+            )
+        };
+        (0..self.right.len()).filter(refutes).collect()
+    }
+
+    /// The vertices whose bounds do not enclose the right distance, up to its rounding.
+    fn outside(&self) -> Vec<usize> {
+        let is_outside = |&v: &usize| {
+            let ([least, greatest], d) = (self.proof.bounds(v), self.right[v]);
+            least * (1.0 - 1e-15) > d || greatest * (1.0 + 1e-15) < d
+        };
+        (0..self.right.len()).filter(is_outside).collect()
+    }
+}
+
+#[test]
+fn no_damaged_field_is_certified() {
+    const NONE: [usize; 0] = [];
+    let (mut proven, mut all) = (0, 0);
+    for seed in 0..600 {
+        let Some((mesh, sources, right)) = case(seed) else {
+            continue;
+        };
+        let proof = Certificate::of(&mesh, &sources).unwrap();
+        let rule = Tolerance::on(&mesh, &right);
+        all += 1;
+        proven += usize::from(proof.relative() <= TOLERANCE);
+        let field = Proven { proof, right, rule };
+        assert_eq!(field.outside(), NONE, "seed {seed}: bounds");
+        assert_eq!(field.refuted(), NONE, "seed {seed}: right distances");
+        let right = &field.right;
+        let mut random = Random::new(seed);
+        for change in [
+            1.0 + 1e-6,
+            1.0 - 1e-6,
+            1.0 + 1e-3,
+            0.0,
+            f64::NAN,
+            f64::INFINITY,
+        ] {
+            let moved: Vec<f64> = right.iter().map(|d| d * change).collect();
+            assert_eq!(field.accepted(&moved), NONE, "seed {seed}: times {change}");
+            // A block of vertices.
+            let first = random.below(right.len() as u32) as usize;
+            let mut block = right.clone();
+            let end = right.len().min(first + 5);
+            block[first..end].copy_from_slice(&moved[first..end]);
+            assert_eq!(
+                field.accepted(&block),
+                NONE,
+                "seed {seed}: block times {change}"
+            );
+        }
+        let mut exchanged = right.clone();
+        for _ in 0..10 {
+            let [a, b] = [0; 2].map(|_| random.below(right.len() as u32) as usize);
+            exchanged.swap(a, b);
+        }
+        assert_eq!(field.accepted(&exchanged), NONE, "seed {seed}: exchanged");
+        if sources.len() > 1 {
+            let fewer = mesh.distances_from(&sources[1..]).unwrap();
+            assert_eq!(
+                field.accepted(&fewer),
+                NONE,
+                "seed {seed}: a source missing"
+            );
+        }
+    }
+    assert!(all > 400 && proven > all * 2 / 3, "{proven} of {all}");
+}

@@ -57,8 +57,11 @@ impl<S: Scalar> PreciseSurface<S> {
             let sides = [0, 1, 2].map(|k| minus(corners[(k + 1) % 3], corners[k]));
             let lengths = sides.map(norm);
             // One area for all three frames: if it consists of rounding errors only, the frames are
-            // consistent nevertheless.
-            let twice_area = raised(norm(cross(sides[0], sides[1])), lengths);
+            // consistent nevertheless. It comes from the two shorter sides: beside a far vertex, the
+            // products of the two longer ones cancel.
+            let longest = (0..3).fold(0, |a, b| if lengths[b] > lengths[a] { b } else { a });
+            let [a, b] = [1, 2].map(|turn| sides[(longest + turn) % 3]);
+            let twice_area = raised(norm(cross(a, b)), lengths);
             [0, 1, 2].map(|k| {
                 let x = -dot(sides[(k + 2) % 3], sides[k]) / lengths[k];
                 (lengths[k], [x, twice_area / lengths[k]])

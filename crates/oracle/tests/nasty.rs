@@ -41,15 +41,80 @@ fn a_seed_always_makes_the_same_mesh() {
     }
 }
 
+/// Notes and tests name seeds of the general kinds.
+#[test]
+fn seeds_keep_their_meshes() {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64; // FNV-1a
+    for seed in 0..1000 {
+        let Model {
+            name,
+            triangles,
+            sources,
+            ..
+        } = nasty::mesh(seed).model;
+        for byte in format!("{name} {triangles:?} {sources:?}").bytes() {
+            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+    assert_eq!(hash, 0x6863_0674_7337_7e30);
+}
+
 #[test]
 fn most_meshes_of_each_kind_can_be_used() {
     let mut used: BTreeMap<Kind, u32> = BTreeMap::new();
-    for seed in 0..40 * Kind::ALL.len() as u64 {
-        let mesh = nasty::mesh(seed);
-        *used.entry(mesh.kind).or_default() += u32::from(usable(&mesh).is_some());
+    for &kind in [Kind::GENERAL, Kind::BUILT].into_iter().flatten() {
+        let usable = (0..40).filter(|&seed| usable(&kind.mesh(seed)).is_some());
+        used.insert(kind, usable.count() as u32);
     }
-    assert_eq!(used.len(), Kind::ALL.len());
     assert!(used.values().all(|&count| count > 20), "{used:?}");
+}
+
+#[test]
+fn built_meshes_have_any_size() {
+    for &kind in Kind::BUILT {
+        let sizes = |mesh: &dyn Fn(u64) -> Nasty| -> [usize; 2] {
+            let faces = (0..20).map(|seed| mesh(seed).model.triangles.len());
+            let (least, most) = (faces.clone().min(), faces.max());
+            [least.unwrap_or(0), most.unwrap_or(0)]
+        };
+        let [least, most] = sizes(&|seed| kind.mesh(seed));
+        assert!(
+            0 < least && least < 50 && 100 < most && most <= nasty::MOST_BUILT,
+            "{kind}: {least}, {most}"
+        );
+        let [least, most] = sizes(&|seed| kind.large_mesh(seed));
+        assert!(
+            least < 2_000 && 5_000 < most && most <= nasty::MOST_LARGE,
+            "{kind}: {least}, {most}"
+        );
+        assert_eq!(kind.large_mesh(3).model, kind.large_mesh(3).model);
+    }
+}
+
+/// The first seeds of `chain` that nothing was changed of, with their distances in closed form.
+#[test]
+fn chains_are_as_long_as_their_x() {
+    let mut compared = 0;
+    for mesh in (0..100).map(|seed| Kind::Chain.mesh(seed)) {
+        let positions = mesh.model.positions().unwrap_or_default();
+        if mesh.model.name.contains(',') || mesh.model.sources != [0] {
+            continue;
+        }
+        let surface = mesh.model.surface::<DoubleDouble>();
+        let found = search(&surface, &[0], Search::pruned(20_000)).unwrap();
+        // Vertices on the axis.
+        for (place, d) in positions.iter().zip(rounded(&found)) {
+            if place[1..] == [0.0; 2] {
+                assert!(
+                    (d - place[0]).abs() <= 1e-15 * d,
+                    "{}: {d:?}, {place:?}",
+                    mesh.model.name
+                );
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 100, "{compared}");
 }
 
 #[test]

@@ -5,18 +5,18 @@
 //! [`Reply`]s, one per line.
 
 use std::collections::HashMap;
-use std::env;
 use std::io::{self, BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
+use std::{env, fs};
 
 use geobench_registry::select_one;
 use rustix::process::{Resource, Rlimit, setrlimit};
 use serde::{Deserialize, Serialize};
 
-use crate::case::{Case, Expected, Failure, FailureKind, Skip, Verdict};
+use crate::case::{Case, Expected, Failure, FailureKind, Limited, Reference, Skip, Verdict};
 use crate::{judge, variants};
 
 /// The option that makes the program a child.
@@ -28,6 +28,12 @@ const MOST_MEMORY: u64 = 4 << 30;
 /// After this many hangs of an algorithm on one mesh, its other variants are skipped.
 const MOST_HANGS: usize = 2;
 
+/// Least time between two looks at the processor time of a child.
+const SHORT: Duration = Duration::from_millis(50);
+
+/// Waits take at most so many times the processor time that is allowed.
+const BUSY: u32 = 30;
+
 /// Time limit of the oracle.
 const ORACLE_LIMIT: Duration = Duration::from_secs(20);
 
@@ -36,6 +42,8 @@ struct Request {
     case: Case,
     /// The known distances, if any.
     expected: Option<Expected>,
+    /// Whether the windows of `mmp-fast` must be counted.
+    count: bool,
     /// Number of windows of `mmp-fast`, if known.
     work: Option<u64>,
     /// Specs of the algorithms to judge, in order.
@@ -45,7 +53,7 @@ struct Request {
 #[derive(Serialize, Deserialize)]
 enum Reply {
     Skipped(Skip),
-    Expected(Expected),
+    Expected(Expected, Reference),
     Work(Option<u64>),
     Judged(Verdict),
 }
@@ -71,20 +79,25 @@ fn answer(request: Request) -> io::Result<()> {
         Ok(mesh) => mesh,
         Err(skip) => return send(&Reply::Skipped(skip)),
     };
-    let expected = match request.expected {
-        Some(expected) => expected,
+    let (expected, reference) = match request.expected {
+        Some(expected) => (expected, Reference::Oracle),
         None => match judge::expected(&case, &mesh) {
-            Ok(expected) => expected,
+            Ok(found) => found,
             Err(skip) => return send(&Reply::Skipped(skip)),
         },
     };
-    send(&Reply::Expected(expected.clone()))?;
+    send(&Reply::Expected(expected.clone(), reference))?;
     let work = match request.work {
-        None if case.bounded => judge::work_of_mmp(&case, &mesh),
+        None if request.count => judge::work_of_mmp(&case, &mesh),
         known => known,
     };
     send(&Reply::Work(work))?;
     for spec in &request.algorithms {
+        if spec == variants::CERTIFICATE {
+            let verdict = judge::judge_certificate(&case, &mesh, &expected);
+            send(&Reply::Judged(verdict))?;
+            continue;
+        }
         let selection = select_one(spec).map_err(io::Error::other)?;
         let verdict = judge::judge(&selection, &case, &mesh, &expected, work);
         send(&Reply::Judged(verdict))?;
@@ -101,7 +114,7 @@ fn send(reply: &Reply) -> io::Result<()> {
 
 /// The parent's side: starts a child when it is needed, and again after a crash.
 pub(crate) struct Judge {
-    /// Time limit of an algorithm.
+    /// Limit of the processor time of an algorithm, for each thousand faces of large meshes.
     limit: Duration,
     child: Option<Running>,
 }
@@ -115,6 +128,7 @@ struct Running {
 /// The results of all algorithms on a case.
 pub(crate) struct Judged {
     pub(crate) expected: Expected,
+    pub(crate) reference: Reference,
     /// In the order of the request.
     pub(crate) verdicts: Vec<Verdict>,
 }
@@ -132,21 +146,20 @@ impl Judge {
         algorithms: &[String],
     ) -> io::Result<Result<Judged, Skip>> {
         let mut expected = known;
+        let mut reference = Reference::Oracle;
         let mut work = None;
-        let mut work_is_known = !case.bounded;
+        let mut work_is_known = case.limited == Limited::None;
         let mut verdicts: Vec<Option<Verdict>> = vec![None; algorithms.len()];
-        let patience = self.limit;
+        let patience = self.limit.mul_f64((case.faces.len() as f64 / 1e3).max(1.0));
         loop {
             let waiting = waiting(algorithms, &mut verdicts);
             if waiting.is_empty() {
                 break;
             }
             let request = Request {
-                case: Case {
-                    bounded: !work_is_known,
-                    ..case.clone()
-                },
+                case: case.clone(),
                 expected: expected.clone(),
+                count: !work_is_known,
                 work,
                 algorithms: waiting.iter().map(|&i| algorithms[i].clone()).collect(),
             };
@@ -161,9 +174,12 @@ impl Judge {
                     break None;
                 }
                 let limit = if in_oracle { ORACLE_LIMIT } else { patience };
-                match child.replies.recv_timeout(limit) {
+                match child.receive(limit) {
                     Ok(Reply::Skipped(skip)) => return Ok(Err(skip)),
-                    Ok(Reply::Expected(found)) => {
+                    Ok(Reply::Expected(found, by)) => {
+                        if expected.is_none() {
+                            reference = by;
+                        }
                         expected = Some(found);
                         in_oracle = false;
                     }
@@ -185,11 +201,12 @@ impl Judge {
                 return Ok(Err(Skip::GaveUp));
             }
             if work_is_known && let Some(place) = waiting.next() {
-                let selection = select_one(&algorithms[place]).map_err(io::Error::other)?;
+                let must_end = match select_one(&algorithms[place]) {
+                    Ok(selection) => variants::must_end(&selection),
+                    Err(_) => true, // The certificate.
+                };
                 verdicts[place] = Some(match end {
-                    RecvTimeoutError::Timeout if !variants::is_bounded(&selection) => {
-                        Verdict::LeftOut
-                    }
+                    RecvTimeoutError::Timeout if !must_end => Verdict::LeftOut,
                     RecvTimeoutError::Timeout => Verdict::Failed(Failure {
                         kind: FailureKind::Hang,
                         text: format!("not done after {} s", patience.as_secs_f64()),
@@ -208,6 +225,7 @@ impl Judge {
         };
         Ok(Ok(Judged {
             expected,
+            reference,
             verdicts: verdicts.into_iter().flatten().collect(),
         }))
     }
@@ -259,6 +277,44 @@ impl Drop for Judge {
 }
 
 impl Running {
+    /// The next reply, if it comes within `limit` of processor time.
+    fn receive(&self, limit: Duration) -> Result<Reply, RecvTimeoutError> {
+        let start = (Instant::now(), self.processor_time());
+        let mut used = Duration::ZERO;
+        loop {
+            match self
+                .replies
+                .recv_timeout(limit.saturating_sub(used).max(SHORT))
+            {
+                Err(RecvTimeoutError::Timeout) => {}
+                received => return received,
+            }
+            let elapsed = start.0.elapsed();
+            used = match (start.1, self.processor_time()) {
+                (Some(before), Some(now)) => now.saturating_sub(before),
+                _ => elapsed,
+            };
+            if used >= limit || elapsed > BUSY * limit {
+                return Err(RecvTimeoutError::Timeout);
+            }
+        }
+    }
+
+    /// The processor time of the child so far; `None` where the system does not have `/proc`.
+    fn processor_time(&self) -> Option<Duration> {
+        const TICKS_PER_SECOND: f64 = 100.0;
+        let stat = fs::read_to_string(format!("/proc/{}/stat", self.process.id())).ok()?;
+        // The name of the program, in brackets, may have spaces. The times are fields 14 and 15.
+        let (_, fields) = stat.rsplit_once(')')?;
+        let ticks = fields
+            .split_whitespace()
+            .skip(11)
+            .take(2)
+            .map(str::parse::<f64>);
+        let ticks: f64 = ticks.collect::<Result<Vec<_>, _>>().ok()?.iter().sum();
+        Some(Duration::from_secs_f64(ticks / TICKS_PER_SECOND))
+    }
+
     fn start() -> io::Result<Self> {
         let mut process = Command::new(env::current_exe()?)
             .arg(OPTION)

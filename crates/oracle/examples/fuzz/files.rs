@@ -7,13 +7,19 @@ use std::path::{Path, PathBuf};
 
 use geobench_mesh::io as mesh_io;
 
-use crate::case::{Case, Expected, Failure, FailureKind};
+use crate::case::{Case, Expected, Failure, FailureKind, Limited};
 
 /// The comment before the sources in a file.
 const SOURCES: &str = "# sources:";
 
-/// The comment in a file whose windows are counted.
-const BOUNDED: &str = "# windows: bounded";
+/// The comment in a file on which windows are limited.
+const LIMITED: [(Limited, &str); 2] = [
+    (Limited::All, "# windows: bounded"),
+    (Limited::NearestFirst, "# windows: bounded if nearest first"),
+];
+
+/// The comment before the seed of a change of the mesh.
+const TRANSFORM: &str = "# transform:";
 
 /// An algorithm and the defect of its answer.
 pub(crate) type AlgorithmFailure = (String, Failure);
@@ -38,8 +44,11 @@ pub(crate) fn write(
     writeln!(out, "{}", command(name, case, failures))?;
     let sources: Vec<String> = case.sources.iter().map(u32::to_string).collect();
     writeln!(out, "{SOURCES} {}", sources.join(" "))?;
-    if case.bounded {
-        writeln!(out, "{BOUNDED}")?;
+    if let Some((_, comment)) = LIMITED.iter().find(|(kind, _)| *kind == case.limited) {
+        writeln!(out, "{comment}")?;
+    }
+    if let Some(seed) = case.transform {
+        writeln!(out, "{TRANSFORM} {seed}")?;
     }
     mesh_io::write_obj(&mut out, &case.vertices, &case.faces)?;
     out.flush()?;
@@ -57,8 +66,11 @@ pub(crate) fn write(
 fn command(name: &str, case: &Case, failures: &[AlgorithmFailure]) -> String {
     let algorithms: Vec<&str> = failures.iter().map(|(name, _)| name.as_str()).collect();
     let algorithms = algorithms.join(",");
-    // `verify` takes one source at a time and does not count.
-    let counted = |(_, failure): &AlgorithmFailure| failure.kind == FailureKind::Work;
+    // `verify` takes one source at a time and compares distances only.
+    let counted = |(_, failure): &AlgorithmFailure| {
+        use FailureKind::{Path, Proof, Transform, Work};
+        matches!(failure.kind, Work | Path | Transform | Proof)
+    };
     match case.sources[..] {
         [source] if !failures.iter().any(counted) => {
             format!("# geobench verify {name}.obj --source {source} --algo '{algorithms}'")
@@ -74,13 +86,17 @@ fn command(name: &str, case: &Case, failures: &[AlgorithmFailure]) -> String {
 pub(crate) fn read(path: &Path) -> io::Result<Case> {
     let soup = mesh_io::read(path).map_err(io::Error::other)?;
     let text = fs::read_to_string(path)?;
-    let named = text.lines().find_map(|line| line.strip_prefix(SOURCES));
+    let after = |what| text.lines().find_map(|line| line.strip_prefix(what));
+    let named = after(SOURCES);
     let numbers = named.unwrap_or("0").split_whitespace();
     let sources = numbers.map(str::parse).collect::<Result<_, _>>();
+    let has_line = |comment| text.lines().any(|line| line == comment);
+    let limited = LIMITED.iter().find(|(_, comment)| has_line(*comment));
     Ok(Case {
         vertices: soup.positions,
         faces: soup.triangles,
         sources: sources.map_err(io::Error::other)?,
-        bounded: text.lines().any(|line| line == BOUNDED),
+        limited: limited.map_or(Limited::None, |(kind, _)| *kind),
+        transform: after(TRANSFORM).and_then(|seed| seed.trim().parse().ok()),
     })
 }

@@ -4,9 +4,9 @@ use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use geobench_oracle::nasty::{self, Kind};
+use geobench_oracle::nasty::Kind;
 
-use crate::case::{Case, Expected};
+use crate::case::{Case, Expected, Limited};
 use crate::files;
 use crate::slivers::{self, Sliver};
 
@@ -20,9 +20,51 @@ pub(crate) struct Item {
     pub(crate) expected: Option<Expected>,
 }
 
+/// Kinds of meshes, which seeds take in turn.
+#[derive(Clone, Debug)]
+pub(crate) struct Kinds {
+    kinds: Vec<Kind>,
+    are_large: bool,
+}
+
+/// Reads the name of a kind, or of a set of kinds, as in the command line.
+pub(crate) fn kinds(name: &str) -> Result<Kinds, String> {
+    const LARGE: &str = "large";
+    let of = |kinds: &[Kind], are_large| Kinds {
+        kinds: kinds.to_vec(),
+        are_large,
+    };
+    let named = |name: &str, among: &[Kind]| among.iter().copied().find(|kind| kind.name() == name);
+    let large = name
+        .strip_prefix(LARGE)
+        .and_then(|rest| rest.strip_prefix('-'));
+    match name {
+        "general" => Ok(of(Kind::GENERAL, false)),
+        "built" => Ok(of(Kind::BUILT, false)),
+        LARGE => Ok(of(Kind::BUILT, true)),
+        _ => {
+            let small = [Kind::GENERAL, Kind::BUILT].concat();
+            let kind = named(name, &small).map(|kind| of(&[kind], false));
+            let large = large.and_then(|name| named(name, Kind::BUILT));
+            kind.or(large.map(|kind| of(&[kind], true))).ok_or_else(|| {
+                let list = |kinds: &[Kind]| -> String {
+                    let names: Vec<&str> = kinds.iter().map(|kind| kind.name()).collect();
+                    names.join(", ")
+                };
+                format!(
+                    "known are general ({}), built ({}), and large, the same as built, but of up \
+                     to 20,000 faces (large-chain, ...)",
+                    list(Kind::GENERAL),
+                    list(Kind::BUILT)
+                )
+            })
+        }
+    }
+}
+
 /// Cases, each made on demand.
 pub(crate) enum Items {
-    Seeds(Range<u64>, Option<Kind>),
+    Seeds(Range<u64>, Vec<Kinds>),
     Slivers(Vec<Sliver>),
     Files(Vec<PathBuf>),
 }
@@ -55,7 +97,7 @@ impl Items {
 
     pub(crate) fn len(&self) -> usize {
         match self {
-            Self::Seeds(seeds, _) => (seeds.end.saturating_sub(seeds.start)) as usize,
+            Self::Seeds(seeds, kinds) => seeds.clone().count() * kinds.len(),
             Self::Slivers(slivers) => slivers.len(),
             Self::Files(files) => files.len(),
         }
@@ -63,9 +105,10 @@ impl Items {
 
     pub(crate) fn get(&self, place: usize) -> io::Result<Item> {
         match self {
-            Self::Seeds(seeds, kind) => {
-                let seed = seeds.start + place as u64;
-                Ok(of_seed(seed, *kind))
+            Self::Seeds(seeds, kinds) => {
+                let count = seeds.clone().count();
+                let seed = seeds.start + (place % count) as u64;
+                Ok(of_seed(seed, &kinds[place / count]))
             }
             Self::Slivers(slivers) => Ok(of_sliver(&slivers[place])),
             Self::Files(files) => of_file(&files[place]),
@@ -73,14 +116,17 @@ impl Items {
     }
 }
 
-fn of_seed(seed: u64, kind: Option<Kind>) -> Item {
-    let mesh = match kind {
-        Some(kind) => kind.mesh(seed),
-        None => nasty::mesh(seed),
+fn of_seed(seed: u64, Kinds { kinds, are_large }: &Kinds) -> Item {
+    let kind = kinds[(seed % kinds.len() as u64) as usize];
+    let mesh = if *are_large {
+        kind.large_mesh(seed)
+    } else {
+        kind.mesh(seed)
     };
+    let name = mesh.model.name.clone();
     Item {
-        name: mesh.model.name.clone(),
-        kind: mesh.kind.to_string(),
+        kind: name.split(' ').next().unwrap_or_default().to_owned(),
+        name,
         case: mesh.into(),
         expected: None,
     }
@@ -94,7 +140,8 @@ fn of_sliver(sliver: &Sliver) -> Item {
             vertices: sliver.vertices.clone(),
             faces: sliver.faces.clone(),
             sources: sliver.source.clone(),
-            bounded: true,
+            limited: Limited::All,
+            transform: None,
         },
         expected: Some(sliver.distances.clone()),
     }

@@ -3,22 +3,17 @@
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use geobench_mesh::{Mesh, TriangleSoup, VertexId};
+use geobench_mesh::{Mesh, Tolerance, TriangleSoup, VertexId, tolerance};
 use geobench_oracle::{DoubleDouble, Model, Search, rounded, search};
 use geobench_registry::{Selection, select_one};
-use geobench_window::{Counter, precision};
+use geobench_window::{Counter, Goal, SolveError, precision};
+use geodesics::{Certificate, Paths};
 
-use crate::case::{Case, Expected, Failure, FailureKind, Skip, Verdict};
-use crate::variants;
+use crate::case::{Case, Expected, Failure, FailureKind, Reference, Skip, Verdict};
+use crate::{judged, variants};
 
-/// Largest relative error of a right distance.
-const TOLERANCE: f64 = 1e-9;
-
-/// Largest error of a right distance, as a fraction of the largest distance.
-const FLOOR: f64 = 1e-13;
-
-/// The limit of the windows of an algorithm, as a multiple of those of `mmp-fast`, where work is
-/// bounded.
+/// The limit of the windows of an algorithm, as a multiple of those of `mmp-fast`, where they are
+/// [limited](crate::case::Limited).
 pub(crate) const MOST_WORK: u64 = 10;
 
 /// A number of windows that is small on any mesh.
@@ -28,8 +23,10 @@ const LITTLE_WORK: u64 = 200;
 /// usual.
 const MOST_BEAMS: u64 = 100_000;
 
-/// Largest difference between two searches of the oracle, as a fraction of the largest right
-/// distance.
+/// Most paths to trace for one case.
+const MOST_PATHS: usize = 400;
+
+/// Largest difference between two searches of the oracle, as a fraction of what is right.
 const AGREEMENT: f64 = 1e-3;
 
 /// The mesh of `case` for the algorithms.
@@ -43,14 +40,44 @@ pub(crate) fn mesh(case: &Case) -> Result<Mesh, Skip> {
     }
 }
 
-/// The right distances.
-pub(crate) fn expected(case: &Case, mesh: &Mesh) -> Result<Expected, Skip> {
-    // The mesh has its faces oriented consistently.
-    let faces = mesh
-        .faces()
-        .map(|f| mesh.face_vertices(f).map(VertexId::raw));
-    let model = Model::new("", case.vertices.clone(), faces.collect());
-    let surface = model.surface::<DoubleDouble>();
+/// The right distances, and where they are from.
+pub(crate) fn expected(case: &Case, mesh: &Mesh) -> Result<(Expected, Reference), Skip> {
+    let finite = |d: f64| d.is_finite().then_some(d);
+    let (distances, reference) = match by_oracle(case, mesh) {
+        Err(Skip::GaveUp) if case.is_large() => large(case, mesh)?,
+        found => (found?, Reference::Oracle),
+    };
+    Ok((distances.into_iter().map(finite).collect(), reference))
+}
+
+/// The distances of a mesh that is too large for the oracle.
+fn large(case: &Case, mesh: &Mesh) -> Result<(Vec<f64>, Reference), Skip> {
+    let sources = sources(case);
+    let proof = catch_unwind(|| Certificate::of(mesh, &sources[..]));
+    if let Ok(Ok(proof)) = proof
+        && proof.relative() <= tolerance::RELATIVE
+    {
+        return Ok((proof.distances, Reference::Certificate));
+    }
+    let fields = variants::JUDGES.iter().filter_map(|name| {
+        let solve = || select_one(name).ok()?.build(mesh).solve(&sources).ok();
+        Some(catch_unwind(AssertUnwindSafe(solve)).ok()??.distances)
+    });
+    let fields: Vec<Vec<f64>> = fields.collect();
+    let agreeing = |field: &&Vec<f64>| {
+        let rule = Tolerance::on(mesh, field);
+        let field: Expected = field.iter().copied().map(Some).collect();
+        let others = fields.iter();
+        others
+            .filter(|other| compare(other, &field, &rule, 0.0).is_none())
+            .count()
+    };
+    let found = fields.iter().max_by_key(agreeing).ok_or(Skip::GaveUp)?;
+    Ok((found.clone(), Reference::Agreement))
+}
+
+fn by_oracle(case: &Case, mesh: &Mesh) -> Result<Vec<f64>, Skip> {
+    let surface = model(case, mesh).surface::<DoubleDouble>();
     let plan = Search::pruned(MOST_BEAMS);
     let found = search(&surface, &case.sources, plan).map_err(|_| Skip::GaveUp)?;
     let found = rounded(&found);
@@ -58,24 +85,24 @@ pub(crate) fn expected(case: &Case, mesh: &Mesh) -> Result<Expected, Skip> {
     let check = Search::pruned(MOST_BEAMS).from_everywhere();
     if let Ok(other) = search(&surface, &case.sources, check) {
         let other = rounded(&other);
-        let slack = AGREEMENT * FLOOR * largest(&found);
-        let mut pairs = found.iter().zip(&other);
-        let agree = |(a, b): (&f64, &f64)| {
-            a == b || (a - b).abs() <= AGREEMENT * TOLERANCE * a.min(*b) + slack
+        let rule = Tolerance::on(mesh, &found);
+        let mut pairs = found.iter().zip(&other).enumerate();
+        let agree = |(v, (a, b)): (usize, (&f64, &f64))| {
+            a == b || (a - b).abs() <= AGREEMENT * rule.allowed(v, a.min(*b))
         };
         if !pairs.all(agree) {
             return Err(Skip::Unsure);
         }
     }
-    Ok(found
-        .into_iter()
-        .map(|d| d.is_finite().then_some(d))
-        .collect())
+    Ok(found)
 }
 
-fn largest(distances: &[f64]) -> f64 {
-    let finite = distances.iter().copied().filter(|d| d.is_finite());
-    finite.fold(0.0, f64::max)
+/// The case with its faces oriented consistently.
+fn model(case: &Case, mesh: &Mesh) -> Model {
+    let faces = mesh
+        .faces()
+        .map(|f| mesh.face_vertices(f).map(VertexId::raw));
+    Model::new("", case.vertices.clone(), faces.collect())
 }
 
 /// Number of windows that `mmp-fast` propagates.
@@ -90,7 +117,7 @@ fn sources(case: &Case) -> Vec<VertexId> {
     case.sources.iter().copied().map(VertexId::new).collect()
 }
 
-/// The verdict on `selection` for `case`. `work` is that of `mmp-fast`, if work is bounded.
+/// The verdict on `selection` for `case`. `work` is that of `mmp-fast`, if windows are limited.
 pub(crate) fn judge(
     selection: &Selection,
     case: &Case,
@@ -98,16 +125,16 @@ pub(crate) fn judge(
     expected: &Expected,
     work: Option<u64>,
 ) -> Verdict {
-    if !variants::can_finish(selection, mesh.face_count()) {
+    if !variants::can_finish(selection, case) {
         return Verdict::LeftOut;
     }
-    let failed = |kind, text: String| Verdict::Failed(Failure { kind, text });
+    let work = work.filter(|_| variants::is_limited(selection, case.limited));
     let sources = sources(case);
     let run = || {
         let mut solver = selection.build(mesh);
         let solution = solver.solve(&sources)?;
         let counted = work.map(|_| solver.count(&sources)).transpose()?;
-        Ok::<_, geobench_window::SolveError>((solution, counted))
+        Ok::<_, SolveError>((solution, counted))
     };
     let (solution, counted) = match catch_unwind(AssertUnwindSafe(run)) {
         Ok(Ok(answer)) => answer,
@@ -115,24 +142,146 @@ pub(crate) fn judge(
         Err(panic) => return failed(FailureKind::Panic, message(panic.as_ref())),
     };
     let distances = &solution.distances;
-    if let Some(failure) = compare(distances, expected, 0.0) {
+    let rule = rule(mesh, expected);
+    if let Some(failure) = compare(distances, expected, &rule, 0.0) {
         let doubt = precision::doubt(mesh, distances);
-        let is_told = doubt.is_some_and(|d| compare(distances, expected, d.bound).is_none());
+        let is_told = doubt.is_some_and(|d| compare(distances, expected, &rule, d.bound).is_none());
         return if is_told {
             Verdict::InDoubt
         } else {
             Verdict::Failed(failure)
         };
     }
-    if variants::is_bounded(selection)
-        && let (Some(of_mmp), Some((_, counters))) = (work, counted)
+    if let (Some(of_mmp), Some((_, counters))) = (work, counted)
         && let Some(windows) = counters.get(Counter::Propagated)
         && windows > MOST_WORK * of_mmp.max(LITTLE_WORK)
     {
         let text = format!("{windows} windows, mmp-fast takes {of_mmp}");
         return failed(FailureKind::Work, text);
     }
-    Verdict::Right
+    if !variants::is_plain(selection) {
+        return Verdict::Right;
+    }
+    let more = || {
+        paths(selection, case, mesh)?;
+        transformed(selection, case, mesh, expected, &rule)
+    };
+    match catch_unwind(AssertUnwindSafe(more)) {
+        Ok(Ok(())) => Verdict::Right,
+        Ok(Err(failure)) => Verdict::Failed(failure),
+        Err(panic) => failed(FailureKind::Panic, message(panic.as_ref())),
+    }
+}
+
+fn failed(kind: FailureKind, text: String) -> Verdict {
+    Verdict::Failed(Failure { kind, text })
+}
+
+/// Traces a path to each vertex, or to some vertices of a large mesh.
+fn paths(selection: &Selection, case: &Case, mesh: &Mesh) -> Result<(), Failure> {
+    let failed = |text| Failure {
+        kind: FailureKind::Path,
+        text,
+    };
+    let mut solver = selection.build(mesh);
+    let found = Paths::find(solver.as_mut(), mesh, &sources(case), &Goal::everything());
+    let paths = match found {
+        Err(SolveError::NoPaths) => return Ok(()),
+        found => found.map_err(|error| failed(error.to_string()))?,
+    };
+    if precision::doubt(mesh, paths.distances()).is_some() {
+        return Ok(());
+    }
+    let surface = judged::surface(mesh);
+    let step = mesh.vertex_count().div_ceil(MOST_PATHS);
+    for v in mesh.vertices().step_by(step) {
+        let d = paths.distances()[v.index()];
+        let wrong = match paths.to(v) {
+            Ok(Some(path)) => {
+                let judged = judged::judge(&surface, &path, &case.sources, v, d);
+                judged.err().map(|flaw| flaw.to_string())
+            }
+            Ok(None) => (d < f64::INFINITY).then(|| "there is none".to_owned()),
+            Err(lost) => Some(lost.to_string()),
+        };
+        if let Some(wrong) = wrong {
+            return Err(failed(format!("to vertex {v}: {wrong}")));
+        }
+    }
+    Ok(())
+}
+
+/// Solves the changed mesh of the case.
+fn transformed(
+    selection: &Selection,
+    case: &Case,
+    mesh: &Mesh,
+    expected: &Expected,
+    rule: &Tolerance,
+) -> Result<(), Failure> {
+    let Some((transform, mut random)) = case.transform() else {
+        return Ok(());
+    };
+    let failed = |text| Failure {
+        kind: FailureKind::Transform,
+        text: format!("{transform}: {text}"),
+    };
+    let changed = transform.apply(&model(case, mesh), &mut random);
+    let positions = changed.model.positions().unwrap_or_default().to_vec();
+    let soup = TriangleSoup::new(positions, changed.model.triangles.clone());
+    let mesh = match Mesh::from_soup(soup) {
+        Ok((mesh, _)) => mesh,
+        Err(refused) if changed.is_exact() => return Err(failed(refused.to_string())),
+        Err(_) => return Ok(()),
+    };
+    let sources: Vec<VertexId> = changed
+        .sources(&case.sources)
+        .into_iter()
+        .map(VertexId::new)
+        .collect();
+    let solution = selection.build(&mesh).solve(&sources);
+    let distances = solution
+        .map_err(|error| failed(error.to_string()))?
+        .distances;
+    let doubt = precision::doubt(&mesh, &distances).map_or(0.0, |doubt| doubt.bound);
+    let slack = changed.slack() + doubt / changed.factor;
+    match compare(&changed.restored(&distances), expected, rule, slack) {
+        Some(failure) => Err(failed(failure.text)),
+        None => Ok(()),
+    }
+}
+
+/// The verdict on the certificate of the distances. A right bound includes the right distances.
+pub(crate) fn judge_certificate(case: &Case, mesh: &Mesh, expected: &Expected) -> Verdict {
+    let sources = sources(case);
+    let proof = match catch_unwind(|| Certificate::of(mesh, &sources[..])) {
+        Ok(Ok(proof)) => proof,
+        Ok(Err(error)) => return failed(FailureKind::Panic, error.to_string()),
+        Err(panic) => return failed(FailureKind::Panic, message(panic.as_ref())),
+    };
+    let all = proof.distances.iter().zip(expected).enumerate();
+    for (vertex, (&found, expected)) in all {
+        let expected = expected.unwrap_or(f64::INFINITY);
+        let rounding = 4.0 * f64::EPSILON * expected;
+        let is_right = found == expected
+            || found - expected <= proof.too_long.absolute + rounding
+                && expected - found <= proof.too_short.absolute + rounding;
+        if !is_right {
+            let (long, short) = (proof.too_long.absolute, proof.too_short.absolute);
+            return failed(
+                FailureKind::Proof,
+                format!(
+                    "vertex {vertex}: {found:?} instead of {expected:?}, proven to be at most \
+                     {long:e} too long and {short:e} too short"
+                ),
+            );
+        }
+    }
+    if proof.relative() <= tolerance::RELATIVE {
+        Verdict::Right
+    } else {
+        Verdict::Unproven
+    }
 }
 
 fn message(panic: &(dyn Any + Send)) -> String {
@@ -141,21 +290,19 @@ fn message(panic: &(dyn Any + Send)) -> String {
     text.unwrap_or("a panic without a message").to_owned()
 }
 
-/// The worst difference that exceeds `doubt`, if any.
-fn compare(found: &[f64], expected: &Expected, doubt: f64) -> Option<Failure> {
+/// The worst of the distances that are wrong by more than `doubt`, if any.
+fn compare(found: &[f64], expected: &Expected, rule: &Tolerance, doubt: f64) -> Option<Failure> {
     if found.len() != expected.len() {
         return Some(Failure {
             kind: FailureKind::Panic,
             text: format!("{} distances for {} vertices", found.len(), expected.len()),
         });
     }
-    let furthest = expected.iter().flatten().copied().fold(0.0, f64::max);
     let mut worst: Option<(f64, Failure)> = None;
     for (vertex, (&found, expected)) in found.iter().zip(expected).enumerate() {
         let expected = expected.unwrap_or(f64::INFINITY);
         let difference = (found - expected).abs();
-        // In this form NaN is a failure, and two infinities are equal.
-        if found == expected || difference <= TOLERANCE * expected + FLOOR * furthest + doubt {
+        if rule.is_right(vertex, found, expected) || difference <= doubt {
             continue;
         }
         let kind = if found < expected {
@@ -166,7 +313,7 @@ fn compare(found: &[f64], expected: &Expected, doubt: f64) -> Option<Failure> {
             FailureKind::TooLong
         };
         let size = if difference.is_finite() {
-            difference / expected.max(furthest * TOLERANCE)
+            difference / rule.allowed(vertex, expected)
         } else {
             f64::INFINITY
         };
@@ -176,4 +323,13 @@ fn compare(found: &[f64], expected: &Expected, doubt: f64) -> Option<Failure> {
         }
     }
     worst.map(|(_, failure)| failure)
+}
+
+/// The rule of what is right beside these distances.
+fn rule(mesh: &Mesh, expected: &Expected) -> Tolerance {
+    let field: Vec<f64> = expected
+        .iter()
+        .map(|d| d.unwrap_or(f64::INFINITY))
+        .collect();
+    Tolerance::on(mesh, &field)
 }

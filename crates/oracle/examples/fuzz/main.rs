@@ -2,10 +2,18 @@
 //!
 //! `cargo run --release -p geobench-oracle --example fuzz -- --seeds 0..10000 --algo all`
 //!
-//! Each seed makes a mesh ([`geobench_oracle::nasty`]). Every algorithm of the registry solves it,
-//! with every value of its parameters that keeps it exact. The oracle, in double-double, judges the
-//! answers. A failing mesh is made smaller and saved as a file for `geobench verify` (`--out`). The
-//! exit status is 1 if anything failed.
+//! Each seed makes a mesh ([`geobench_oracle::nasty`]), of the kinds that `--kinds` names. Every
+//! algorithm of the registry solves it, with every value of its parameters that keeps it exact. The
+//! oracle, in double-double, judges the distances. With its defaults, each algorithm also traces
+//! paths, and solves the mesh after a change that must not change distances
+//! ([`geobench_oracle::Transform`]). The certificate must not prove wrong distances. On the kinds
+//! that are built, the windows of algorithms that take the nearest first are limited.
+//!
+//! Large meshes, on which the oracle gives up, are judged by the certificate, or, if it proves
+//! nothing, by the distances on which most of the faster algorithms agree.
+//!
+//! A line names each kind of failure of a mesh. A failing mesh is made smaller and saved as a file
+//! for `geobench verify` (`--out`). The exit status is 1 if anything failed.
 
 use std::collections::{HashMap, HashSet};
 use std::num::NonZeroUsize;
@@ -17,12 +25,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use std::{env, io, thread};
 
-use case::{Expected, Verdict};
+use case::{Expected, FailureKind, Verdict};
 use child::Judge;
 use clap::{ArgGroup, Parser};
 use files::AlgorithmFailure;
-use geobench_oracle::nasty::Kind;
-use items::{Item, Items};
+use items::{Item, Items, Kinds};
 use minimise::Smallest;
 use table::Table;
 
@@ -31,6 +38,8 @@ mod child;
 mod files;
 mod items;
 mod judge;
+#[path = "../../../paths/tests/judged/path.rs"]
+mod judged;
 mod minimise;
 mod slivers;
 mod table;
@@ -56,12 +65,15 @@ struct Options {
     #[arg(long, value_name = "PATH", num_args = 1..)]
     again: Vec<PathBuf>,
 
-    /// Make meshes of this kind only
-    #[arg(long, value_name = "NAME", value_parser = kind)]
-    kind: Option<Kind>,
+    /// Kinds of meshes, each with all seeds, separated by commas: a name, or a set of kinds, which
+    /// the seeds take in turn: general, built, large
+    #[arg(long, alias = "kind", value_name = "LIST", default_value = "general",
+        value_delimiter = ',', value_parser = items::kinds)]
+    kinds: Vec<Kinds>,
 
     /// Algorithms by name, by family, or all; separated by commas. With parameters, as
-    /// name{key=value,...}, the item means just that; else all variants that are exact
+    /// name{key=value,...}, the item means just that; else all variants that are exact. The item
+    /// certificate proves the distances of mmp; all includes it
     #[arg(long, value_name = "LIST", default_value = "all")]
     algo: String,
 
@@ -85,7 +97,7 @@ struct Options {
     #[arg(long)]
     no_minimise: bool,
 
-    /// Seconds after which a solve is taken to hang
+    /// Seconds of processor time after which a solve is taken to hang; for each thousand faces of large meshes
     #[arg(long, value_name = "S", default_value_t = 2.0)]
     limit: f64,
 
@@ -107,14 +119,6 @@ fn seeds(text: &str) -> Result<Range<u64>, String> {
     Ok(number(start)?..number(end)?)
 }
 
-fn kind(text: &str) -> Result<Kind, String> {
-    let found = Kind::ALL.iter().find(|kind| kind.name() == text);
-    found.copied().ok_or_else(|| {
-        let names: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
-        format!("known are {}", names.join(", "))
-    })
-}
-
 fn main() -> ExitCode {
     if env::args().nth(1).as_deref() == Some(child::OPTION) {
         return match child::serve() {
@@ -134,12 +138,11 @@ fn main() -> ExitCode {
 
 /// The number of failures.
 fn run(options: &Options) -> io::Result<usize> {
-    let selected = variants::selected(&options.algo, options.plain).map_err(io::Error::other)?;
-    let algorithms: Vec<String> = selected.iter().map(|s| s.label().to_owned()).collect();
+    let algorithms = variants::labels(&options.algo, options.plain).map_err(io::Error::other)?;
     let items = if options.slivers {
         Items::slivers()?
     } else if options.again.is_empty() {
-        Items::Seeds(options.seeds.clone(), options.kind)
+        Items::Seeds(options.seeds.clone(), options.kinds.clone())
     } else {
         Items::files(&options.again)?
     };
@@ -205,14 +208,10 @@ impl Fuzzer<'_> {
                 Ok(judged) => {
                     {
                         let mut table = self.table.lock().map_err(|_| died())?;
-                        table.add(&item.kind, &judged.verdicts);
+                        table.add(&item.kind, &judged);
                     }
                     let failures = self.failures(&judged.verdicts);
-                    if self.options.verbose {
-                        for (algorithm, failure) in &failures {
-                            eprintln!("{}: {algorithm}: {failure}", item.name);
-                        }
-                    }
+                    self.print(&item.name, &failures);
                     if self.options.out.is_some() {
                         self.save(&mut judge, &item, &judged.expected, failures)?;
                     }
@@ -231,9 +230,23 @@ impl Fuzzer<'_> {
         let answers = self.algorithms.iter().zip(verdicts);
         let failed = answers.filter_map(|(algorithm, verdict)| match verdict {
             Verdict::Failed(failure) => Some((algorithm.clone(), failure.clone())),
-            Verdict::Right | Verdict::InDoubt | Verdict::LeftOut => None,
+            _ => None,
         });
         failed.collect()
+    }
+
+    /// Prints the failures of a mesh: all, or the first of each kind.
+    fn print(&self, name: &str, failures: &[AlgorithmFailure]) {
+        for kind in FailureKind::ALL {
+            let mut alike = failures.iter().filter(|(_, failure)| failure.kind == kind);
+            if self.options.verbose {
+                for (algorithm, failure) in alike {
+                    println!("{name}: {algorithm}: {failure}");
+                }
+            } else if let Some((algorithm, failure)) = alike.next() {
+                println!("{name}: {algorithm} and {} more: {failure}", alike.count());
+            }
+        }
     }
 
     /// Saves the mesh, made smaller for the first of the failing algorithms. If others do not fail

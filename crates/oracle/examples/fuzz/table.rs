@@ -3,18 +3,22 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use crate::case::{FailureKind, Skip, Verdict};
+use crate::case::{FailureKind, Reference, Skip, Verdict};
+use crate::child::Judged;
 
 /// The counts so far.
 #[derive(Default)]
 pub(crate) struct Table {
     by_algorithm: Vec<(String, Row)>,
     by_kind: BTreeMap<String, Row>,
+    /// Number of meshes judged by each reference.
+    references: BTreeMap<Reference, usize>,
 }
 
 #[derive(Clone, Default)]
 struct Row {
     judged: usize,
+    unproven: usize,
     skipped: BTreeMap<Skip, usize>,
     in_doubt: usize,
     failed: BTreeMap<FailureKind, usize>,
@@ -26,6 +30,7 @@ impl Table {
         Self {
             by_algorithm: algorithms.iter().map(row).collect(),
             by_kind: BTreeMap::new(),
+            references: BTreeMap::new(),
         }
     }
 
@@ -38,14 +43,16 @@ impl Table {
     }
 
     /// Adds the verdicts on all algorithms, in their order, for one mesh.
-    pub(crate) fn add(&mut self, kind: &str, verdicts: &[Verdict]) {
+    pub(crate) fn add(&mut self, kind: &str, judged: &Judged) {
+        *self.references.entry(judged.reference).or_default() += 1;
         let of_kind = self.by_kind.entry(kind.to_owned()).or_default();
-        for ((_, row), verdict) in self.by_algorithm.iter_mut().zip(verdicts) {
+        for ((_, row), verdict) in self.by_algorithm.iter_mut().zip(&judged.verdicts) {
             for row in [row, &mut *of_kind] {
                 match verdict {
                     Verdict::LeftOut => continue,
                     Verdict::Right => {}
                     Verdict::InDoubt => row.in_doubt += 1,
+                    Verdict::Unproven => row.unproven += 1,
                     Verdict::Failed(failure) => *row.failed.entry(failure.kind).or_default() += 1,
                 }
                 row.judged += 1;
@@ -70,8 +77,8 @@ impl fmt::Display for Table {
         let header = |f: &mut fmt::Formatter<'_>, what: &str, skipped: &str| {
             write!(
                 f,
-                "{what:<40} {:>8} {skipped:>9} {:>8} {:>8}",
-                "judged", "in doubt", "failed"
+                "{what:<40} {:>8} {skipped:>9} {:>8} {:>8} {:>8}",
+                "judged", "in doubt", "unproven", "failed"
             )?;
             for kind in FailureKind::ALL {
                 write!(f, " {kind:>9}")?;
@@ -82,9 +89,10 @@ impl fmt::Display for Table {
             let skipped: usize = row.skipped.values().sum();
             write!(
                 f,
-                "{name:<40} {:>8} {skipped:>9} {:>8} {:>8}",
+                "{name:<40} {:>8} {skipped:>9} {:>8} {:>8} {:>8}",
                 row.judged,
                 row.in_doubt,
+                row.unproven,
                 row.failures()
             )?;
             for kind in FailureKind::ALL {
@@ -114,6 +122,14 @@ impl fmt::Display for Table {
             of(Skip::MeshPanics),
             of(Skip::GaveUp),
             of(Skip::Unsure)
+        )?;
+        let of = |by| self.references.get(&by).copied().unwrap_or(0);
+        writeln!(
+            f,
+            "judged meshes: {} by the oracle, {} by a certificate, {} by agreement",
+            of(Reference::Oracle),
+            of(Reference::Certificate),
+            of(Reference::Agreement)
         )
     }
 }

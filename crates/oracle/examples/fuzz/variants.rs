@@ -3,9 +3,19 @@
 use geobench_registry::UsageError;
 use geobench_registry::{Algorithm, Numbers, Parameter, Selection, Value, select};
 
+use crate::case::{Case, Limited};
+
 /// Most faces of a mesh for `ch`, whose windows grow exponentially with the faces that they can go
 /// around.
 const MOST_FACES_OF_CH: usize = 40;
+
+/// The algorithms that solve large meshes.
+pub(crate) const JUDGES: [&str; 7] = [
+    "mmp", "ich", "vtp", "fwp-ch", "mmp-fast", "vtp-fast", "pvtp",
+];
+
+/// The name of the certificate in lists of algorithms.
+pub(crate) const CERTIFICATE: &str = "certificate";
 
 /// The parameter that gives up exactness.
 const APPROXIMATE: &str = "threshold";
@@ -34,16 +44,33 @@ pub(crate) fn selected(list: &str, plain: bool) -> Result<Vec<Selection>, UsageE
     Ok(all)
 }
 
+/// The labels of the selected algorithms, and of the certificate, if the list names it or all.
+pub(crate) fn labels(list: &str, plain: bool) -> Result<Vec<String>, UsageError> {
+    let items: Vec<&str> = list.split(',').collect();
+    let has_certificate = items.iter().any(|item| ["all", CERTIFICATE].contains(item));
+    let others = items.into_iter().filter(|item| *item != CERTIFICATE);
+    let others = others.collect::<Vec<_>>().join(",");
+    let mut labels = Vec::new();
+    if !others.is_empty() {
+        let selected = selected(&others, plain)?;
+        labels.extend(selected.iter().map(|s| s.label().to_owned()));
+    }
+    if has_certificate {
+        labels.push(CERTIFICATE.to_owned());
+    }
+    Ok(labels)
+}
+
 /// The name of the algorithm in a label.
 pub(crate) fn name_of(label: &str) -> &str {
     label.split('{').next().unwrap_or_default()
 }
 
-/// Whether the number of windows of `selection` has a useful bound.
+/// Whether `selection` must end on any mesh, since the number of its windows has a useful bound.
 ///
 /// `ch` has none. Label correcting has none if only its order separates near windows from far ones:
 /// those that wind around a needle then go on until nearer ones have their turn.
-pub(crate) fn is_bounded(selection: &Selection) -> bool {
+pub(crate) fn must_end(selection: &Selection) -> bool {
     let label = selection.label();
     let unordered = ["beta=none", "beta=1e6", "filter=none"];
     match name_of(label) {
@@ -53,9 +80,42 @@ pub(crate) fn is_bounded(selection: &Selection) -> bool {
     }
 }
 
-/// Whether `selection` ends in reasonable time on a mesh with `faces` faces.
-pub(crate) fn can_finish(selection: &Selection, faces: usize) -> bool {
-    selection.algorithm().name != "ch" || faces <= MOST_FACES_OF_CH
+/// Whether the windows of `selection` are limited where those of `limited` are.
+pub(crate) fn is_limited(selection: &Selection, limited: Limited) -> bool {
+    match limited {
+        Limited::None => false,
+        Limited::NearestFirst => must_end(selection) && takes_nearest_first(selection),
+        Limited::All => must_end(selection),
+    }
+}
+
+/// Whether `selection` takes windows, or vertices with their windows, by distance.
+///
+/// `ich1` and a first-in, first-out queue take them breadth first. `pch`, the `fwp` kinds and
+/// queues of buckets take all windows, or some thousands, of a round at once. Label correcting
+/// takes those below a threshold in any order. All of these are the orders of their papers.
+fn takes_nearest_first(selection: &Selection) -> bool {
+    let label = selection.label();
+    let is_coarse = match name_of(label) {
+        "ich1" | "pch" | "fwp-mmp" | "fwp-ch" | "lc-mmp" | "lc-ch" => true,
+        _ => ["queue=fifo", "queue=buckets"]
+            .iter()
+            .any(|queue| label.contains(queue)),
+    };
+    !is_coarse
+}
+
+/// Whether `selection` ends in reasonable time on `case`.
+pub(crate) fn can_finish(selection: &Selection, case: &Case) -> bool {
+    match selection.label() {
+        _ if name_of(selection.label()) == "ch" => case.faces.len() <= MOST_FACES_OF_CH,
+        label => !case.is_large() || JUDGES.contains(&label),
+    }
+}
+
+/// Whether `selection` has the default of every parameter.
+pub(crate) fn is_plain(selection: &Selection) -> bool {
+    selection.label() == selection.algorithm().name
 }
 
 /// Values of parameters by name.

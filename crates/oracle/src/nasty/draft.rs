@@ -1,9 +1,11 @@
 //! A mesh under construction, and operations on it.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::f64::consts::FRAC_PI_2;
 
 use crate::model::{Geometry, Model};
 use crate::random::Random;
+use crate::transform::shuffled;
 
 /// Positions and faces, possibly with defects.
 #[derive(Clone, Debug, Default)]
@@ -88,7 +90,7 @@ impl Draft {
     }
 
     /// A random side: its face, and the corners of the face, starting with those of the side.
-    fn random_side(&self, random: &mut Random) -> (usize, [u32; 3]) {
+    pub(super) fn random_side(&self, random: &mut Random) -> (usize, [u32; 3]) {
         let face = random.below(self.faces.len() as u32) as usize;
         let mut corners = self.faces[face];
         corners.rotate_left(random.below(3) as usize);
@@ -107,12 +109,12 @@ impl Draft {
         faces.find_map(|(f, corners)| Some((f, third(corners)?)))
     }
 
-    fn between(&self, a: u32, b: u32, part: f64) -> [f64; 3] {
+    pub(super) fn between(&self, a: u32, b: u32, part: f64) -> [f64; 3] {
         let [a, b] = [a, b].map(|v| self.positions[v as usize]);
         [0, 1, 2].map(|i| a[i] + part * (b[i] - a[i]))
     }
 
-    fn add(&mut self, position: [f64; 3]) -> u32 {
+    pub(super) fn add(&mut self, position: [f64; 3]) -> u32 {
         self.positions.push(position);
         self.positions.len() as u32 - 1
     }
@@ -121,14 +123,29 @@ impl Draft {
     pub(super) fn split_edges(&mut self, count: u32, random: &mut Random) {
         for _ in 0..count {
             let (face, [a, b, c]) = self.random_side(random);
-            let middle = self.add(self.between(a, b, random.part()));
-            if let Some((other, d)) = self.face_with(b, a) {
-                self.faces[other] = [b, middle, d];
-                self.faces.push([middle, a, d]);
-            }
-            self.faces[face] = [a, middle, c];
-            self.faces.push([middle, b, c]);
+            let place = self.between(a, b, random.part());
+            self.split_side(face, [a, b, c], place);
         }
+    }
+
+    /// Inserts a vertex on the edge from `a` to `b`, if there is one.
+    pub(super) fn split_edge(&mut self, [a, b]: [u32; 2], part: f64) {
+        let place = self.between(a, b, part);
+        if let Some((face, c)) = self.face_with(a, b) {
+            self.split_side(face, [a, b, c], place);
+        } else if let Some((face, c)) = self.face_with(b, a) {
+            self.split_side(face, [b, a, c], place);
+        }
+    }
+
+    fn split_side(&mut self, face: usize, [a, b, c]: [u32; 3], place: [f64; 3]) {
+        let middle = self.add(place);
+        if let Some((other, d)) = self.face_with(b, a) {
+            self.faces[other] = [b, middle, d];
+            self.faces.push([middle, a, d]);
+        }
+        self.faces[face] = [a, middle, c];
+        self.faces.push([middle, b, c]);
     }
 
     /// Inserts vertices on edges, or beside them by `height` of the edge, and cuts the faces on one
@@ -255,10 +272,7 @@ impl Draft {
 
     /// Permutes vertices and faces, and rotates the corners of faces.
     pub(super) fn renumber(&mut self, random: &mut Random) {
-        let mut numbers: Vec<u32> = (0..self.positions.len() as u32).collect();
-        for i in (1..numbers.len()).rev() {
-            numbers.swap(i, random.below(i as u32 + 1) as usize);
-        }
+        let numbers = shuffled(self.positions.len(), random);
         let mut positions = self.positions.clone();
         for (&number, &position) in numbers.iter().zip(&self.positions) {
             positions[number as usize] = position;
@@ -286,5 +300,72 @@ impl Draft {
             faces.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
         }
         self.faces = faces;
+    }
+
+    /// Makes a solid of a flat sheet in the plane z = 0: a copy below it by `thickness`, and walls
+    /// of `strips` rows of faces along the boundary. A `fillet` above 0 is the radius of the upper
+    /// edges.
+    pub(super) fn thicken(
+        &mut self,
+        thickness: f64,
+        strips: u32,
+        fillet: f64,
+        random: &mut Random,
+    ) {
+        let sides = |face: &[u32; 3]| [0, 1, 2].map(|k| [face[k], face[(k + 1) % 3]]);
+        let all: HashSet<[u32; 2]> = self.faces.iter().flat_map(sides).collect();
+        let in_order = self.faces.iter().flat_map(sides);
+        let boundary: Vec<[u32; 2]> = in_order.filter(|&[a, b]| !all.contains(&[b, a])).collect();
+        let mut outward: HashMap<u32, [f64; 2]> = HashMap::new();
+        for &[a, b] in &boundary {
+            let [p, q] = [a, b].map(|v| self.positions[v as usize]);
+            let (dx, dy) = (q[0] - p[0], q[1] - p[1]);
+            let length = dx.hypot(dy);
+            for v in [a, b] {
+                let sum = outward.entry(v).or_default();
+                *sum = [sum[0] + dy / length / 2.0, sum[1] - dx / length / 2.0];
+            }
+        }
+        let count = self.positions.len() as u32;
+        let beside = |v: u32, p: [f64; 3], by: f64, z: f64| {
+            let [x, y] = outward.get(&v).copied().unwrap_or_default();
+            [p[0] + by * x, p[1] + by * y, z]
+        };
+        // Row 0 is the sheet, the last one its copy. The rows between have the vertices of the
+        // boundary only.
+        let mut rows: Vec<HashMap<u32, u32>> = vec![(0..count).map(|v| (v, v)).collect()];
+        for row in 1..=strips {
+            let part = f64::from(row) / f64::from(strips);
+            let (sin, cos) = (FRAC_PI_2 * part).sin_cos();
+            let (by, z) = if row == strips {
+                (fillet, -thickness)
+            } else if fillet > 0.0 {
+                (fillet * sin, fillet * (cos - 1.0))
+            } else {
+                (0.0, -thickness * part)
+            };
+            let mut numbers = HashMap::new();
+            for v in (0..count).filter(|v| row == strips || outward.contains_key(v)) {
+                let place = beside(v, self.positions[v as usize], by, z);
+                numbers.insert(v, self.add(place));
+            }
+            rows.push(numbers);
+        }
+        let copy = &rows[rows.len() - 1];
+        let turned: Vec<[u32; 3]> = self.faces.iter().map(|&[a, b, c]| [b, a, c]).collect();
+        let turned = turned.iter().map(|face| face.map(|v| copy[&v]));
+        let mut faces: Vec<[u32; 3]> = turned.collect();
+        for pair in rows.windows(2) {
+            for [a, b] in &boundary {
+                let [p, q] = [a, b].map(|v| pair[0][v]);
+                let [r, s] = [a, b].map(|v| pair[1][v]);
+                faces.extend(if random.coin() {
+                    [[q, p, r], [q, r, s]]
+                } else {
+                    [[q, p, s], [p, r, s]]
+                });
+            }
+        }
+        self.faces.extend(faces);
     }
 }

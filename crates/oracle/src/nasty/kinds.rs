@@ -3,32 +3,44 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
+use super::built;
 use super::draft::Draft;
 use crate::random::Random;
 use crate::zoo::{self, Diagonal};
 
 macro_rules! kinds {
-    ($($(#[doc = $doc:literal])+ $name:ident = $text:literal, $make:path;)+) => {
+    (
+        general { $($(#[doc = $doc:literal])+ $name:ident = $text:literal, $make:path;)+ }
+        built { $($(#[doc = $built_doc:literal])+ $built:ident = $built_text:literal, $build:path;)+ }
+    ) => {
         /// The kind of mesh that a random mesh starts as.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Kind {
             $($(#[doc = $doc])+ $name,)+
+            $($(#[doc = $built_doc])+ $built,)+
         }
 
         impl Kind {
-            /// Every kind.
-            pub const ALL: &[Self] = &[$(Self::$name),+];
+            /// The kinds of at most [`MOST_FACES`](super::MOST_FACES) faces. Seeds of notes and
+            /// tests belong to this list, which therefore does not change.
+            pub const GENERAL: &[Self] = &[$(Self::$name),+];
+
+            /// The kinds that are built in any size, each against an assumption of an algorithm.
+            pub const BUILT: &[Self] = &[$(Self::$built),+];
 
             /// The name in command lines.
             pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$name => $text,)+
+                    $(Self::$built => $built_text,)+
                 }
             }
 
-            pub(super) fn draft(self, random: &mut Random) -> Draft {
+            /// A mesh of this kind, of about `faces` faces if the kind is built.
+            pub(super) fn draft(self, faces: u32, random: &mut Random) -> Draft {
                 match self {
                     $(Self::$name => $make(random),)+
+                    $(Self::$built => $build(faces, random),)+
                 }
             }
         }
@@ -36,56 +48,84 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// A plate cut along lines at very uneven distances.
-    Slivers = "slivers", slivers;
-    /// A terrain with integer heights, on which many distances tie.
-    Ties = "ties", ties;
-    /// A plate or solid with faces of exactly zero area.
-    FlatFaces = "flat-faces", flat_faces;
-    /// A plate or solid with faces of nearly zero area.
-    NearlyFlat = "nearly-flat", nearly_flat;
-    /// Small holes, or small faces, in large faces.
-    Pinholes = "pinholes", pinholes;
-    /// A cone with a total angle below a full turn.
-    Cone = "cone", cone;
-    /// Fans with a total angle above a full turn.
-    Saddle = "saddle", saddle;
-    /// A long narrow strip of triangles.
-    Strip = "strip", strip;
-    /// A plate with random faces missing: boundaries, bridges, pinched vertices.
-    Holes = "holes", holes;
-    /// A plate with integer coordinates and a random triangulation, including faces of zero area.
-    FlippedGrid = "flipped-grid", flipped_grid;
-    /// A regular or half regular solid, possibly subdivided.
-    Solid = "solid", solid;
-    /// An antiprism.
-    Antiprism = "antiprism", antiprism;
-    /// A cone of a very small total angle.
-    NeedleTip = "needle-tip", needle_tip;
-    /// A cube with edges of about 1e-11.
-    TinyEdges = "tiny-edges", tiny_edges;
-    /// A rough surface with edges nearly collapsed.
-    Collapsed = "collapsed", collapsed;
-    /// A sphere of rings with tiny caps at the poles.
-    Poles = "poles", poles;
-    /// Two cones on one base.
-    Bipyramid = "bipyramid", bipyramid;
-    /// A random terrain stretched by a large factor.
-    Stretched = "stretched", stretched;
-    /// A narrow strip along a helix.
-    Helix = "helix", helix;
-    /// Triangles with two very small angles, row over row.
-    Caps = "caps", caps;
-    /// A plate folded onto itself: a doubly covered polygon.
-    Folded = "folded", folded;
-    /// A noisy sphere with edges flipped.
-    Crumpled = "crumpled", crumpled;
-    /// Fans over vertices on one line.
-    CollinearFan = "collinear-fan", collinear_fan;
-    /// Two surfaces joined at one or two vertices.
-    Pinched = "pinched", pinched;
-    /// Several disjoint surfaces.
-    Apart = "apart", apart;
+    general {
+        /// A plate cut along lines at very uneven distances.
+        Slivers = "slivers", slivers;
+        /// A terrain with integer heights, on which many distances tie.
+        Ties = "ties", ties;
+        /// A plate or solid with faces of exactly zero area.
+        FlatFaces = "flat-faces", flat_faces;
+        /// A plate or solid with faces of nearly zero area.
+        NearlyFlat = "nearly-flat", nearly_flat;
+        /// Small holes, or small faces, in large faces.
+        Pinholes = "pinholes", pinholes;
+        /// A cone with a total angle below a full turn.
+        Cone = "cone", cone;
+        /// Fans with a total angle above a full turn.
+        Saddle = "saddle", saddle;
+        /// A long narrow strip of triangles.
+        Strip = "strip", strip;
+        /// A plate with random faces missing: boundaries, bridges, pinched vertices.
+        Holes = "holes", holes;
+        /// A plate with integer coordinates and a random triangulation, including faces of zero area.
+        FlippedGrid = "flipped-grid", flipped_grid;
+        /// A regular or half regular solid, possibly subdivided.
+        Solid = "solid", solid;
+        /// An antiprism.
+        Antiprism = "antiprism", antiprism;
+        /// A cone of a very small total angle.
+        NeedleTip = "needle-tip", needle_tip;
+        /// A cube with edges of about 1e-11.
+        TinyEdges = "tiny-edges", tiny_edges;
+        /// A rough surface with edges nearly collapsed.
+        Collapsed = "collapsed", collapsed;
+        /// A sphere of rings with tiny caps at the poles.
+        Poles = "poles", poles;
+        /// Two cones on one base.
+        Bipyramid = "bipyramid", bipyramid;
+        /// A random terrain stretched by a large factor.
+        Stretched = "stretched", stretched;
+        /// A narrow strip along a helix.
+        Helix = "helix", helix;
+        /// Triangles with two very small angles, row over row.
+        Caps = "caps", caps;
+        /// A plate folded onto itself: a doubly covered polygon.
+        Folded = "folded", folded;
+        /// A noisy sphere with edges flipped.
+        Crumpled = "crumpled", crumpled;
+        /// Fans over vertices on one line.
+        CollinearFan = "collinear-fan", collinear_fan;
+        /// Two surfaces joined at one or two vertices.
+        Pinched = "pinched", pinched;
+        /// Several disjoint surfaces.
+        Apart = "apart", apart;
+    }
+    built {
+        /// Cells joined at single vertices. In each cell, routes nearly tie.
+        Chain = "chain", built::chain;
+        /// The same with the cells joined to a surface around saddle vertices.
+        SaddleChain = "saddle-chain", built::saddle_chain;
+        /// A strip that turns at each face, so that paths bend at its boundary.
+        Corridor = "corridor", built::corridor;
+        /// A rough surface with vertices that are almost in one place.
+        NearDuplicates = "near-duplicates", built::near_duplicates;
+        /// A strip with long teeth on one side.
+        Comb = "comb", built::comb;
+        /// A surface with long spikes.
+        Spikes = "spikes", built::spikes;
+        /// A surface with one vertex far away.
+        FarVertex = "far-vertex", built::far_vertex;
+        /// Edges that become shorter by a factor at each step towards a vertex.
+        Graded = "graded", built::graded;
+        /// Many faces around one vertex.
+        Fan = "fan", built::fan;
+        /// A drilled plate as from a solid modeller: long thin faces beside short ones, fillets.
+        Part = "part", built::part;
+        /// A strip of equal thin faces.
+        NeedleStrip = "needle-strip", built::needle_strip;
+        /// A rough surface with few thin faces.
+        FewSlivers = "few-slivers", built::few_slivers;
+    }
 }
 
 impl fmt::Display for Kind {
@@ -95,7 +135,7 @@ impl fmt::Display for Kind {
 }
 
 /// A plate between these lines, each cell cut along a random diagonal.
-fn plate(xs: &[f64], ys: &[f64], random: &mut Random) -> Draft {
+pub(super) fn plate(xs: &[f64], ys: &[f64], random: &mut Random) -> Draft {
     let columns = xs.len() as u32;
     let mut draft = Draft::default();
     for &y in ys {
@@ -116,7 +156,7 @@ fn plate(xs: &[f64], ys: &[f64], random: &mut Random) -> Draft {
 }
 
 /// A plate of unit cells with this number of columns and rows.
-fn unit_plate(columns: u32, rows: u32, random: &mut Random) -> Draft {
+pub(super) fn unit_plate(columns: u32, rows: u32, random: &mut Random) -> Draft {
     let lines = |count: u32| (0..=count).map(f64::from).collect::<Vec<_>>();
     plate(&lines(columns), &lines(rows), random)
 }
@@ -199,13 +239,13 @@ fn pinholes(random: &mut Random) -> Draft {
 }
 
 /// A point above the given angle on the circle.
-fn on_circle(turn: f64, radius: f64, z: f64) -> [f64; 3] {
+pub(super) fn on_circle(turn: f64, radius: f64, z: f64) -> [f64; 3] {
     let (sin, cos) = (TAU * turn).sin_cos();
     [radius * cos, radius * sin, z]
 }
 
 /// Rings of vertices around vertex 0; the last ring is followed by a vertex of its own if `closed`.
-fn rings(
+pub(super) fn rings(
     spokes: u32,
     count: u32,
     closed: bool,
@@ -576,7 +616,8 @@ fn collinear_fan(random: &mut Random) -> Draft {
 
 fn another(random: &mut Random) -> Draft {
     // All kinds but the last two, which consist of others.
-    let mut draft = Kind::ALL[random.below(Kind::ALL.len() as u32 - 2) as usize].draft(random);
+    let count = Kind::GENERAL.len() as u32 - 2;
+    let mut draft = Kind::GENERAL[random.below(count) as usize].draft(0, random);
     draft.limit(40);
     draft
 }

@@ -1,15 +1,20 @@
-//! Random small meshes of kinds that break geodesic programs, each determined by its seed.
+//! Random meshes of kinds that break geodesic programs, each determined by its kind and seed.
 //!
-//! A mesh starts as one of [`Kind::ALL`]: slivers, exact ties, faces without area, needle tips and
-//! so on. Some are changed further: edges are split, flipped or shortened to almost nothing, points
-//! are inserted on edges, faces are removed. The whole mesh may be stretched, scaled, moved away
-//! from the origin, renumbered, turned inside out or joined with another one.
+//! A mesh starts as one of [`Kind::GENERAL`]: slivers, exact ties, faces without area, needle tips
+//! and so on; or as one of [`Kind::BUILT`]: chains of near ties, combs, graded edges, parts of
+//! solid modellers and so on, small ([`Kind::mesh`]) or of up to 20,000 faces
+//! ([`Kind::large_mesh`]). Some are changed further: edges are split, flipped or shortened to
+//! almost nothing, points are inserted on edges, faces are removed. The whole mesh may be
+//! stretched, scaled, moved away from the origin, renumbered, turned inside out or joined with
+//! another one.
 //!
 //! A mesh may have a defect that no program accepts, such as an edge without length. The mesh
 //! builder under test must detect it.
 
+mod built;
 mod draft;
 mod kinds;
+mod polygon;
 mod random;
 
 use crate::model::Model;
@@ -18,8 +23,14 @@ use draft::Draft;
 
 pub use kinds::Kind;
 
-/// Most faces of a mesh.
+/// Most faces of a mesh of a general kind.
 pub const MOST_FACES: usize = 120;
+
+/// Most faces of a small mesh of a built kind.
+pub const MOST_BUILT: usize = 400;
+
+/// Most faces of a large mesh.
+pub const MOST_LARGE: usize = 20_000;
 
 /// A random mesh with sources.
 #[derive(Clone, Debug)]
@@ -32,7 +43,7 @@ pub struct Nasty {
     pub model: Model,
 }
 
-/// The mesh of `seed`. The seed also determines its kind.
+/// The mesh of a general kind for `seed`. The seed also determines the kind.
 ///
 /// ```
 /// use geobench_oracle::nasty;
@@ -42,20 +53,69 @@ pub struct Nasty {
 /// assert!(mesh.model.triangles.len() <= nasty::MOST_FACES);
 /// ```
 pub fn mesh(seed: u64) -> Nasty {
-    let count = Kind::ALL.len() as u64;
-    Kind::ALL[(seed % count) as usize].mesh(seed)
+    let count = Kind::GENERAL.len() as u64;
+    Kind::GENERAL[(seed % count) as usize].mesh(seed)
 }
 
 impl Kind {
     /// The mesh of this kind for `seed`.
     pub fn mesh(self, seed: u64) -> Nasty {
         let mut random = Random::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
-        let mut draft = self.draft(&mut random);
-        draft.limit(MOST_FACES);
+        if self.is_general() {
+            self.made(seed, 0, MOST_FACES, &mut random)
+        } else {
+            self.built(seed, [10, MOST_BUILT], random)
+        }
+    }
+
+    /// The large mesh of this built kind for `seed`.
+    ///
+    /// # Panics
+    ///
+    /// If the kind is general.
+    pub fn large_mesh(self, seed: u64) -> Nasty {
+        assert!(!self.is_general(), "{self} has no large meshes");
+        let random = Random::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
+        let mut mesh = self.built(seed, [MOST_BUILT, MOST_LARGE], random);
+        mesh.model.name.insert_str(0, "large-");
+        mesh
+    }
+
+    fn is_general(self) -> bool {
+        Self::GENERAL.contains(&self)
+    }
+
+    /// A mesh with a random number of faces, distributed evenly on a logarithmic scale. Half of
+    /// these meshes are changed no further, and half have vertex 0 as their only source: where
+    /// chains begin and faces meet.
+    #[allow(clippy::cast_sign_loss)] // The logarithm's inverse is positive.
+    fn built(self, seed: u64, [least, most]: [usize; 2], mut random: Random) -> Nasty {
+        let scale = random.between((least as f64).ln(), (most as f64).ln());
+        let faces = (scale.exp() as u32).max(1);
+        if random.coin() {
+            return self.made(seed, faces, most, &mut random);
+        }
+        let mut draft = self.draft(faces, &mut random);
+        draft.limit(most);
+        self.finished(seed, draft, &[], &mut random)
+    }
+
+    /// A mesh with changes.
+    fn made(self, seed: u64, faces: u32, most: usize, random: &mut Random) -> Nasty {
+        let mut draft = self.draft(faces, random);
+        draft.limit(most);
         let mut changes = Vec::new();
-        change(&mut draft, self, &mut random, &mut changes);
-        draft.limit(MOST_FACES);
-        let sources = sources(&draft, &mut random);
+        change(&mut draft, self, random, &mut changes);
+        draft.limit(most);
+        self.finished(seed, draft, &changes, random)
+    }
+
+    fn finished(self, seed: u64, draft: Draft, changes: &[&str], random: &mut Random) -> Nasty {
+        let sources = if !self.is_general() && random.coin() {
+            vec![0]
+        } else {
+            sources(&draft, random)
+        };
         let mut name = format!("{self} {seed}");
         for change in changes {
             name += ", ";
@@ -111,8 +171,8 @@ fn change(draft: &mut Draft, kind: Kind, random: &mut Random, changes: &mut Vec<
         draft.scale(factors);
     }
     if chance(random, 16, "joined with another") {
-        let other = Kind::ALL[random.below(Kind::ALL.len() as u32) as usize];
-        let mut other = other.draft(random);
+        let other = Kind::GENERAL[random.below(Kind::GENERAL.len() as u32) as usize];
+        let mut other = other.draft(0, random);
         other.limit(30);
         if random.below(2) == 0 {
             draft.pinch(&other, random);

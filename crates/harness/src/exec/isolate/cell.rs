@@ -14,9 +14,8 @@ use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
 use crate::exec::protocol::{ChildSettings, Reply, Request};
 use crate::exec::source::SourceSpec;
-use crate::exec::{Failure, Pass, Session, Step};
+use crate::exec::{Failure, Session, Step};
 use crate::lock::lock;
-use crate::measure::memory;
 use crate::schema::Status;
 
 /// Location of the last panic.
@@ -54,7 +53,6 @@ pub fn cell(model: &OsStr, settings: &str) -> io::Result<()> {
         Ok(session) => session,
         Err(refusal) => return refuse(refusal.message),
     };
-    memory::give_back_clean_pages();
     answer(&Reply {
         ready: true,
         model: Some(Box::new(session.model().clone())),
@@ -89,10 +87,6 @@ fn serve(model: &str, mut session: InProcess) -> io::Result<()> {
             pass: request.pass,
             solves: request.solves,
         };
-        if step.pass == Pass::Profile {
-            // Pages that the run needs are mapped again, and count towards its peak.
-            memory::give_back_clean_pages();
-        }
         answer(&match session.execute(&step) {
             Ok(observation) => {
                 let digest = Some(digest(&observation.distances));

@@ -3,7 +3,7 @@
 //! A child is this program with a hidden command, or an outside program (`ext:NAME`), often a small
 //! adapter around a library. Both load the model, solve on request and write lines of JSON to
 //! standard output (`exec::protocol`); standard error is kept for the message of a crash. The
-//! parent never loads a mesh.
+//! parent loads a mesh only for outside programs and for rare checks, never while a run is timed.
 //!
 //! **Lifetime.** The runs of one model and source are interleaved between algorithms, so a child
 //! loads the model once, makes all runs of its cell and ends with the next source or model. Between
@@ -29,7 +29,6 @@
 //! read clocks of their own and write distances to a file, which is checked (`answer`).
 
 use std::collections::BTreeMap;
-use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
 use std::process::Command;
@@ -45,7 +44,7 @@ use crate::exec::limits::{DecompressionLimit, Limits, Timeout};
 use crate::exec::model::ModelRef;
 use crate::exec::protocol::{ChildSettings, Reply, Request, SOLVE};
 use crate::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
-use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
+use crate::exec::{Backend, Components, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::Peaks;
 use crate::schema::{ModelRecord, SourceLabel, Status};
 
@@ -60,28 +59,11 @@ use geobench_registry::{Call, ProcessLifetime, Program};
 pub use cell::cell;
 pub use system::adopt_orphans;
 
-/// First argument of a child that runs this program; the model and its settings follow.
-const COMMAND: &str = "__cell";
+/// The hidden subcommand of a child that runs this program; the model and its settings follow.
+pub const COMMAND: &str = "__cell";
 
 /// What the clean-up of an outside program does, for messages.
 const CLEANING_UP: &str = "cleaning up";
-
-/// A setting of glibc: blocks of at least this size get pages of their own, which return to the
-/// system when freed. The value is the default. Unless it is set, glibc raises the threshold with
-/// every such block freed. Memory freed by loading and by earlier solvers then stays between the
-/// blocks of the next run and counts towards its peak: 2 to 10 MB on the horse, 0.3 to 1 MB on
-/// models of 6,000 faces. Times differ by less than 3 %.
-const OWN_PAGES: (&str, &str) = ("MALLOC_MMAP_THRESHOLD_", "131072");
-
-/// Model and settings, if the arguments are those of a child process; `None` for other commands.
-/// The command-line parser is not used: its code and tables would count towards the memory of every
-/// cell.
-pub fn wanted(mut arguments: impl Iterator<Item = OsString>) -> Option<(OsString, String)> {
-    let command = arguments.nth(1)?;
-    let model = (command == COMMAND).then(|| arguments.next())??;
-    let settings = arguments.next()?.into_string().ok()?;
-    arguments.next().is_none().then_some((model, settings))
-}
 
 /// Backend that runs cells in child processes.
 #[derive(Clone, Debug, Default)]
@@ -303,8 +285,7 @@ impl<'b> ChildPool<'b> {
             .args([COMMAND.as_ref(), self.model.argument()])
             .arg(settings.to_string())
             // Standard error then ends with the reason of a crash instead of a backtrace.
-            .env("RUST_BACKTRACE", "0")
-            .env(OWN_PAGES.0, OWN_PAGES.1);
+            .env("RUST_BACKTRACE", "0");
         let (child, record) = self.start(command, None)?;
         Ok((
             child,
@@ -523,6 +504,17 @@ impl Session for ChildPool<'_> {
             },
         })
     }
+
+    /// Loads the model here, which is rare: checks need components only of models with several, of
+    /// runs from several sources together, and where an answer differs from the reference.
+    fn components(&mut self, step: &Step<'_>) -> Result<Components, Failure> {
+        if let Some(here) = &mut self.here {
+            return here.components(step);
+        }
+        let loaded = InProcess::open(self.model, self.options.limits.decompressed);
+        let refused = |refusal: Refusal| Failure::new(Status::Refused, refusal.message);
+        loaded.map_err(refused)?.components(step)
+    }
 }
 
 impl Child {
@@ -654,31 +646,5 @@ impl Outside {
     /// Removes the file of distances of an earlier run.
     fn forget(&self) {
         let _ = std::fs::remove_file(&self.output);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn child_of(arguments: &[&str]) -> Option<(OsString, String)> {
-        wanted(arguments.iter().map(OsString::from))
-    }
-
-    #[test]
-    fn only_the_call_of_a_parent_makes_a_child() {
-        for model in ["horse.obj", "-o", "__cell", "gen:cube,n=2"] {
-            let found = child_of(&["geobench", COMMAND, model, "{}"]);
-            assert_eq!(found, Some((model.into(), "{}".into())));
-        }
-        for arguments in [
-            &["geobench"][..],
-            &["geobench", COMMAND],
-            &["geobench", COMMAND, "horse.obj"],
-            &["geobench", "run", "horse.obj", "{}"],
-            &["geobench", COMMAND, "horse.obj", "cow.off", "{}"],
-        ] {
-            assert_eq!(child_of(arguments), None, "{arguments:?}");
-        }
     }
 }

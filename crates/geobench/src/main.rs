@@ -10,7 +10,7 @@ mod terminal;
 mod verdict;
 
 use std::alloc::System;
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
@@ -107,18 +107,28 @@ enum Command {
     Completions(shell::CompletionsOptions),
     /// Print the manual page of the program or of a command
     Man(shell::ManOptions),
+    /// Serve the parent process as the child for a model
+    #[command(hide = true, name = isolate::COMMAND)]
+    Cell {
+        #[arg(allow_hyphen_values = true)]
+        model: OsString,
+        settings: String,
+    },
     /// Solve once, under callgrind
     #[command(hide = true, name = instructions::COMMAND)]
     CountOneSolve(count_one_solve::CountOneSolveOptions),
 }
 
-/// Runs the command that the arguments of the process name, and returns its exit status. With the
-/// arguments of a child, serves the parent process instead.
+/// Runs the command that the arguments of the process name, and returns its exit status.
 fn main() -> ExitCode {
     report_panics_in_one_line();
-    match isolate::wanted(std::env::args_os()) {
-        Some((model, settings)) => cell(&model, &settings),
-        None => command(),
+    match Arguments::try_parse() {
+        Ok(Arguments {
+            command: Command::Cell { model, settings },
+            ..
+        }) => cell(&model, &settings),
+        Ok(arguments) => command(arguments),
+        Err(error) => usage(&error),
     }
 }
 
@@ -133,12 +143,8 @@ fn cell(model: &OsStr, settings: &str) -> ExitCode {
     }
 }
 
-/// Parses the arguments and runs a command for the user.
-fn command() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
-        Ok(arguments) => arguments,
-        Err(error) => return usage(&error),
-    };
+/// Runs a command for the user.
+fn command(arguments: Arguments) -> ExitCode {
     isolate::adopt_orphans();
     let look = terminal::look(arguments.color);
     if let Some(form) = &arguments.input_format {
@@ -169,6 +175,7 @@ fn command() -> ExitCode {
         Command::Trend(options) => trend::trend(&options, look),
         Command::Completions(options) => shell::completions(&options, Arguments::command()),
         Command::Man(options) => shell::man(&options, Arguments::command()),
+        Command::Cell { .. } => Ok(Verdict::Passed), // Served above.
         Command::CountOneSolve(options) => {
             count_one_solve::count_one_solve(&options).map(|()| Verdict::Passed)
         }

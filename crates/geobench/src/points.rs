@@ -9,7 +9,6 @@ use geobench_harness::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec}
 use geobench_harness::schema::SourceLabel;
 use geobench_harness::usage::read_text;
 use geobench_mesh::{Mesh, Refined, SurfacePoint, VertexId};
-use geobench_registry::UsageError;
 use geobench_window::Goal;
 
 use crate::terminal;
@@ -29,14 +28,17 @@ pub(crate) struct SourcesOptions {
 }
 
 impl SourcesOptions {
-    /// All sources.
-    ///
-    /// # Errors
-    ///
-    /// If a source is named twice.
-    pub(crate) fn all(&self) -> Result<SourceSpec, UsageError> {
-        SourceSpec::of_all(self.source.iter().cloned())
+    /// All sources, each once. A note names those given twice.
+    pub(crate) fn all(&self) -> SourceSpec {
+        distinct(&self.source)
     }
+}
+
+/// All sources, each once. A note names those given twice.
+pub(crate) fn distinct(sources: &[SourceSpec]) -> SourceSpec {
+    let (sources, notes) = SourceSpec::of_all(sources.iter().cloned()).distinct();
+    terminal::notes(&notes);
+    sources
 }
 
 /// What runs are to find.

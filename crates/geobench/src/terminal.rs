@@ -88,6 +88,13 @@ pub(crate) fn warnings(messages: &[String]) {
     }
 }
 
+/// Writes a note for each of `messages` to standard error.
+pub(crate) fn notes(messages: &[String]) {
+    for message in messages {
+        note("note", message);
+    }
+}
+
 fn note(kind: &str, message: &str) {
     let message = printable(message);
     // Write errors are ignored: there is no other place to report them.

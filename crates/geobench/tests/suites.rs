@@ -341,10 +341,6 @@ const WRONG: &[(&str, &str)] = &[
         "suite.toml, line 1: `source`: `-1` is not a source",
     ),
     (
-        "source = [1, 1]",
-        "suite.toml, line 1: `source`: source vertex 1 is named twice",
-    ),
-    (
         "tolerance = 'x'",
         "`tolerance`: a tolerance is a number, 0 or more",
     ),

@@ -10,7 +10,7 @@ use geobench_harness::exec::expected::Expected;
 use geobench_harness::exec::model;
 use geobench_mesh::threads::Threads;
 use geobench_mesh::{Mesh, VertexId};
-use geodesics::{Certificate, Comparison, OriginalFailure};
+use geodesics::{Certificate, Judgement, OriginalFailure};
 use serde::Serialize;
 
 use crate::args::{MODELS_HELP, threads, tolerance};
@@ -29,10 +29,13 @@ pub(crate) struct CertifyOptions {
     #[command(flatten)]
     sources: SourcesOptions,
 
-    /// Distances to prove, of any program: lines `vertex,distance`, for all vertices or some
-    /// [default: those of mmp]
+    /// Distances to prove, of any program: lines `vertex,distance` [default: those of mmp]
     #[arg(long, value_name = "FILE")]
     distances: Option<PathBuf>,
+
+    /// Accept a file that lacks vertices
+    #[arg(long, requires = "distances")]
+    partial: bool,
 
     /// Largest error that passes, as a fraction of each distance
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
@@ -62,7 +65,7 @@ pub(crate) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     let threads = Threads::start(options.threads as usize)?;
     let model = model::only(&options.model)?;
     let mesh = &threads.run(|| model.mesh_within(options.reading))?;
-    let points = Points::new(mesh, &options.sources.all()?, None, &model.path)?;
+    let points = Points::new(mesh, &options.sources.all(), None, &model.path)?;
     if options.format == CertificateFormat::Text {
         points.print_notes()?;
     }
@@ -74,9 +77,19 @@ pub(crate) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     let given = given.transpose()?;
     let sources = points.source_vertices();
     let proof = threads.run(|| Certificate::of(&points.refined.mesh, &sources))?;
-    let compared = given.map(|field| proof.compare(field.distances));
-    let certificate =
-        CertificateDocument::new(mesh, &points, &proof, compared.as_ref(), options.tolerance);
+    let given = given.map_or_else(
+        || {
+            proof
+                .distances
+                .iter()
+                .copied()
+                .take(mesh.vertex_count())
+                .enumerate()
+                .collect()
+        },
+        |field| field.distances,
+    );
+    let certificate = CertificateDocument::new(mesh, &points, &proof, &given, options);
     let text = match options.format {
         CertificateFormat::Text => certificate.text(&model.name, options.tolerance),
         CertificateFormat::Json => json_lines(&certificate)?,
@@ -95,6 +108,9 @@ struct CertificateDocument {
     absolute: Option<f64>,
     relative: Option<f64>,
     faces: usize,
+    vertices: usize,
+    /// Number of vertices whose distances were proven or compared.
+    compared: usize,
     /// Number of envelope pieces on all edges, which measures the size of the proof.
     pieces: usize,
     failures: Vec<FailureRecord>,
@@ -109,68 +125,128 @@ struct FailureRecord {
     /// End vertices of the edge of `face` at which distances are too long.
     edge: Option<[u32; 2]>,
     vertex: Option<u32>,
-    /// Amount of the violation, in the units of the model; null if infinite.
+    /// Whether the distance is proven wrong, by this amount at least. Else it is not proven right,
+    /// and an error of this amount is not excluded.
+    wrong: bool,
+    /// In the units of the model; null if infinite.
     violation: Option<f64>,
+}
+
+impl FailureRecord {
+    const fn of_vertex(v: usize, wrong: bool, violation: f64) -> Self {
+        Self {
+            face: None,
+            edge: None,
+            vertex: Some(v as u32),
+            wrong,
+            violation: if violation.is_finite() {
+                Some(violation)
+            } else {
+                None
+            },
+        }
+    }
+
+    /// A place at which the proof of the field of `mmp` fails.
+    fn of_proof(failure: &OriginalFailure) -> Self {
+        let (face, vertex) = match failure.place {
+            FailurePlace::Face(face) => (Some(face.raw()), None),
+            FailurePlace::Vertex(v) => (None, Some(v.raw())),
+        };
+        Self {
+            face,
+            edge: failure.edge.map(|ends| ends.map(VertexId::raw)),
+            vertex,
+            wrong: false,
+            violation: Some(failure.violation).filter(|v| v.is_finite()),
+        }
+    }
+
+    fn text(&self) -> String {
+        let place = match (self.face, self.vertex) {
+            (Some(face), _) => format!("face {face}"),
+            (None, Some(vertex)) => format!("vertex {vertex}"),
+            (None, None) => "nowhere".to_owned(),
+        };
+        match (self.wrong, self.violation) {
+            (true, Some(by)) => format!("{place}: wrong by at least {by:.1e}"),
+            (true, None) => format!(
+                "{place}: wrong: not a number, or infinite where a path leads, or finite where none does"
+            ),
+            (false, Some(by)) => {
+                format!("{place}: cannot be proven: an error of {by:.1e} is not excluded")
+            }
+            (false, None) => format!("{place}: cannot be proven"),
+        }
+    }
 }
 
 /// Maximum number of failures in the text output.
 const SHOWN: usize = 10;
 
 impl CertificateDocument {
+    /// Judges the distances `given`, with their vertices.
     fn new(
         mesh: &Mesh,
         points: &Points,
         proof: &Certificate,
-        compared: Option<&Comparison>,
-        tolerance: f64,
+        given: &[(usize, f64)],
+        options: &CertifyOptions,
     ) -> Self {
+        let tolerance = options.tolerance;
+        let greatest = |error: fn(&Certificate, usize, f64) -> f64| {
+            let errors = given.iter().map(|&(v, d)| error(proof, v, d));
+            Some(errors.fold(0.0, f64::max)).filter(|x| x.is_finite())
+        };
         let (long, short) = (&proof.too_long, &proof.too_short);
-        let (mut absolute, mut relative) = (proof.absolute(), proof.relative());
         let mut details = vec![
-            format!("not too long by more than {}", shown(long)),
-            format!("not too short by more than {}", shown(short)),
+            format!("mmp: not too long by more than {}", shown(long)),
+            format!("mmp: not too short by more than {}", shown(short)),
         ];
-        let mut failures: Vec<FailureRecord> = [long, short]
-            .into_iter()
-            .filter(|bound| bound.relative > tolerance)
-            .flat_map(|bound| &bound.failures)
-            .map(|failure| {
-                let failure = OriginalFailure::new(failure, &points.refined, mesh);
-                let (face, vertex) = match failure.place {
-                    FailurePlace::Face(face) => (Some(face.raw()), None),
-                    FailurePlace::Vertex(v) => (None, Some(v.raw())),
-                };
-                FailureRecord {
-                    face,
-                    edge: failure.edge.map(|ends| ends.map(VertexId::raw)),
-                    vertex,
-                    violation: Some(failure.violation).filter(|v| v.is_finite()),
-                }
+        let mut compared: Vec<usize> = given.iter().map(|&(v, _)| v).collect();
+        compared.sort_unstable();
+        compared.dedup();
+        let (compared, vertices) = (compared.len(), mesh.vertex_count());
+        if options.distances.is_some() {
+            let share = 100.0 * compared as f64 / vertices as f64;
+            details.push(format!(
+                "{compared} of {vertices} vertices compared, {share:.3} %"
+            ));
+        }
+        let is_complete = options.partial || compared == vertices;
+        if !is_complete {
+            details.push("vertices are missing; --partial allows it".to_owned());
+        }
+        let mut judged: Vec<FailureRecord> = given
+            .iter()
+            .filter_map(|&(v, d)| match proof.judge(v, d, tolerance) {
+                Judgement::Right => None,
+                Judgement::Wrong(by) => Some(FailureRecord::of_vertex(v, true, by)),
+                Judgement::Unproven(by) => Some(FailureRecord::of_vertex(v, false, by)),
             })
             .collect();
-        if let Some(compared) = compared {
-            absolute += compared.absolute;
-            relative += compared.relative;
-            details.push(format!(
-                "the file differs from these distances by up to {:.1e}, {:.1e} of a distance",
-                compared.absolute, compared.relative
-            ));
-            let wrong = proof.wrong(compared, tolerance);
-            failures.extend(wrong.map(|(v, by)| FailureRecord {
-                face: None,
-                edge: None,
-                vertex: u32::try_from(v).ok(),
-                violation: Some(by).filter(|by| by.is_finite()),
-            }));
+        let size = |record: &FailureRecord| record.violation.unwrap_or(f64::INFINITY);
+        judged.sort_by(|a, b| b.wrong.cmp(&a.wrong).then(size(b).total_cmp(&size(a))));
+        let certified = is_complete && judged.is_empty();
+        let mut failures = Vec::new();
+        // The places tell more than the vertices behind them.
+        if proof.relative() > tolerance {
+            let of_proof = long.failures.iter().chain(&short.failures);
+            let of_proof = of_proof.map(|f| OriginalFailure::new(f, &points.refined, mesh));
+            failures.extend(of_proof.map(|f| FailureRecord::of_proof(&f)));
+            judged.retain(|record| record.wrong);
         }
+        judged.append(&mut failures);
         Self {
             schema: "geobench-certificate/1",
-            certified: relative <= tolerance,
-            absolute: Some(absolute).filter(|x| x.is_finite()),
-            relative: Some(relative).filter(|x| x.is_finite()),
+            certified,
+            absolute: greatest(Certificate::error),
+            relative: greatest(Certificate::relative_error),
             faces: mesh.face_count(),
+            vertices,
+            compared,
             pieces: long.pieces,
-            failures,
+            failures: judged,
             details,
         }
     }
@@ -178,27 +254,24 @@ impl CertificateDocument {
     fn text(&self, model: &str, tolerance: f64) -> String {
         let number = |x: Option<f64>| x.map_or("infinity".to_owned(), |x| format!("{x:.1e}"));
         let (absolute, relative) = (number(self.absolute), number(self.relative));
+        let is_within = self.relative.is_some_and(|relative| relative <= tolerance);
         let mut text = if self.certified {
             format!("{model}: certified to {absolute}, {relative} of each distance\n")
+        } else if is_within {
+            format!("{model}: not certified: distances are missing\n")
+        } else if self.failures.iter().any(|failure| failure.wrong) {
+            format!("{model}: not certified: distances are wrong\n")
         } else {
             format!(
-                "{model}: not certified: an error of {absolute}, {relative} of a distance, is not \
-                 excluded; {tolerance:.1e} is allowed\n"
+                "{model}: not certified: cannot be proven; an error of {absolute}, {relative} of a \
+                 distance, is not excluded, and {tolerance:.1e} is allowed\n"
             )
         };
         for detail in &self.details {
             let _ = writeln!(text, "  {detail}");
         }
         for failure in self.failures.iter().take(SHOWN) {
-            let place = match (failure.face, failure.vertex) {
-                (Some(face), _) => format!("face {face}"),
-                (None, Some(vertex)) => format!("vertex {vertex}"),
-                (None, None) => continue,
-            };
-            let by = failure
-                .violation
-                .map_or("without bound".to_owned(), |v| format!("by {v:.1e}"));
-            let _ = writeln!(text, "  {place}: wrong {by}");
+            let _ = writeln!(text, "  {}", failure.text());
         }
         if self.failures.len() > SHOWN {
             let _ = writeln!(text, "  and {} more", self.failures.len() - SHOWN);

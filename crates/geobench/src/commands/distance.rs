@@ -106,7 +106,7 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     let mesh = threads.run(|| model.mesh_within(options.reading))?;
     let points = Points::new(
         &mesh,
-        &options.sources.all()?,
+        &options.sources.all(),
         wanted.as_deref(),
         &model.path,
     )?;

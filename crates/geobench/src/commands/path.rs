@@ -84,12 +84,7 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     let mesh = &model.mesh_within(options.reading)?;
     let wanted: Option<Vec<WantedTarget>> =
         (!options.all_targets).then(|| options.target.iter().map(|t| (t.clone(), None)).collect());
-    let points = Points::new(
-        mesh,
-        &options.sources.all()?,
-        wanted.as_deref(),
-        &model.path,
-    )?;
+    let points = Points::new(mesh, &options.sources.all(), wanted.as_deref(), &model.path)?;
     if !options.quiet && options.output.as_deref() != Some(FilePath::new("-")) {
         points.print_notes()?;
     }

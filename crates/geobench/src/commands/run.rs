@@ -4,7 +4,7 @@ use clap::Args;
 use geobench_harness::exec::source::SourceSpec;
 use geobench_harness::plan::sampling::{Seconds, Share};
 use geobench_registry as registry;
-use geobench_registry::{Selection, SimdChoice, UsageError};
+use geobench_registry::{Selection, SimdChoice};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -182,11 +182,9 @@ pub(crate) struct RunSourceOptions {
 
 impl RunSourceOptions {
     /// All given sources as one list; `None` if none are given.
-    pub(crate) fn sources(&self) -> Result<Option<SourceSpec>, UsageError> {
-        if self.source.is_empty() {
-            return Ok(None);
-        }
-        SourceSpec::of_all(self.source.iter().cloned()).map(Some)
+    pub(crate) fn sources(&self) -> Option<SourceSpec> {
+        let sources = self.source.iter().cloned();
+        (!self.source.is_empty()).then(|| SourceSpec::of_all(sources))
     }
 }
 
@@ -327,6 +325,8 @@ pub(crate) struct Tally {
     cells: usize,
     failed: usize,
     refused: usize,
+    /// Whether a reference is proven wrong, which may have no cell.
+    has_wrong_reference: bool,
 }
 
 impl Tally {
@@ -337,9 +337,11 @@ impl Tally {
             cells: 0,
             failed: 0,
             refused: 0,
+            has_wrong_reference: false,
         };
         for cell in cells {
             tally.cells += 1;
+            tally.has_wrong_reference |= cell.check.replaced.is_some();
             match cell.status {
                 Status::Ok => {
                     tally.failed += usize::from(checked && cell.check.reference.is_none());
@@ -362,6 +364,9 @@ pub(crate) fn verdict(tallies: &[Tally]) -> Verdict {
             "{failed} of {} cells failed or could not be checked",
             sum(|tally| tally.cells)
         ));
+        Verdict::Failed
+    } else if tallies.iter().any(|tally| tally.has_wrong_reference) {
+        terminal::error("a reference is proven wrong");
         Verdict::Failed
     } else if sum(|tally| tally.refused) > 0 {
         Verdict::BadInput
@@ -388,7 +393,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let asked = Settings {
         models: (!options.models.is_empty()).then(|| models.collect()),
         algorithms: options.algo.clone().map(|algorithms| algorithms.0),
-        sources: options.source.sources()?,
+        sources: options.source.sources(),
         sources_together: options.source.sources_together.then_some(true),
         targets: goal.targets,
         targets_file: None,

@@ -7,18 +7,22 @@ use geobench_harness::exec::goal::GoalSpec;
 use geobench_harness::exec::interrupt;
 use geobench_harness::exec::model::{self, ModelRef};
 use geobench_harness::exec::source::{PointSpec, SourceSpec};
-use geobench_harness::exec::{Backend, Pass, Session, Step};
+use geobench_harness::exec::{Backend, Observation, Pass, Session, Step};
 use geobench_harness::measure::number::scientific;
 use geobench_harness::plan::{self, suite};
-use geobench_harness::run::agreement::{self, Clusters, Vote};
+use geobench_harness::run::agreement::{self, Vote};
 use geobench_harness::run::answer_layout::AnswerLayout;
-use geobench_harness::run::check::{self, Deviation};
+use geobench_harness::run::check::Deviation;
+use geobench_harness::run::proof;
+use geobench_harness::run::reference_check::{Answer, ReferenceCheck};
 use geobench_harness::schema::{ModelRecord, Status};
-use geobench_registry::{self as registry, Selection, SimdChoice};
+use geobench_mesh::Tolerance;
+use geobench_registry::{self as registry, CERTIFICATE, Selection, SimdChoice};
+use geobench_window::precision;
 
 use crate::args::{Algorithms, MODELS_HELP, algorithms, threads, tolerance};
 use crate::isolation::IsolationOptions;
-use crate::points::GoalOptions;
+use crate::points::{GoalOptions, distinct};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -48,7 +52,7 @@ pub(crate) struct VerifyOptions {
     #[command(flatten)]
     goal: GoalOptions,
 
-    /// Largest relative difference that passes
+    /// Largest relative difference that passes, beside rounding
     #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
     tolerance: f64,
 
@@ -62,7 +66,7 @@ pub(crate) struct VerifyOptions {
     #[arg(long, value_name = "SIMD", default_value_t)]
     simd: SimdChoice,
 
-    /// Where answers disagree, prove which are right, as `geobench certify` does
+    /// Where answers disagree, prove which are right also on models of more than 50,000 faces
     #[arg(long)]
     certify: bool,
 
@@ -76,9 +80,6 @@ pub(crate) struct VerifyOptions {
 
 /// The reference algorithm. It runs even if it is not selected.
 const REFERENCE: &str = "mmp-fast";
-
-/// The algorithm that returns only distances that it has proven.
-const CERTIFICATE: &str = "certificate";
 
 pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     let models = if options.models.is_empty() {
@@ -118,6 +119,7 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     let backend = options.isolation.backend(limits, true)?;
     interrupt::listen().context("cannot listen to signals")?;
     let mut tally = VerifyTally::default();
+    let sources = distinct(&options.source);
     for model in &models {
         if interrupt::requested() {
             break;
@@ -126,6 +128,7 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
             Ok(mut session) => LoadedModelCheck {
                 options,
                 algorithms: &algorithms,
+                sources: &sources,
                 goal: &goal,
                 model,
                 record: &session.model().clone(),
@@ -138,23 +141,17 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
             }
         }
     }
-    if !options.quiet || tally.wrong > 0 {
-        terminal::print(&format!(
-            "{} of {} answers agree\n",
-            tally.answers - tally.wrong,
-            tally.answers
-        ))?;
+    if !options.quiet || tally.has_failed() {
+        terminal::print(&format!("{}\n", tally.text()))?;
     }
     if interrupt::requested() {
         terminal::error("interrupted");
         return Ok(Verdict::Interrupted);
     }
-    Ok(match tally {
-        VerifyTally { wrong: 1.., .. } => Verdict::Failed,
-        VerifyTally {
-            bad_input: true, ..
-        } => Verdict::BadInput,
-        _ => Verdict::Passed,
+    Ok(match tally.has_failed() {
+        true => Verdict::Failed,
+        false if tally.bad_input => Verdict::BadInput,
+        false => Verdict::Passed,
     })
 }
 
@@ -186,14 +183,49 @@ fn able_to_end_early(
 struct VerifyTally {
     answers: usize,
     wrong: usize,
+    /// Answers that differ from others by no more than is in doubt.
+    undecided: usize,
+    /// Right answers in doubt.
+    doubtful: usize,
     /// Whether a model, a source or a file of stored distances could not be used.
     bad_input: bool,
+}
+
+impl VerifyTally {
+    fn count(&mut self, verdict: &Judgement) {
+        self.answers += 1;
+        match verdict.word {
+            Word::Wrong => self.wrong += 1,
+            Word::InDoubt => self.undecided += 1,
+            Word::Ok => self.doubtful += usize::from(verdict.doubt.is_some()),
+        }
+    }
+
+    /// Whether answers disagree.
+    const fn has_failed(&self) -> bool {
+        self.wrong > 0 || self.undecided > 0
+    }
+
+    fn text(&self) -> String {
+        let Self { answers, wrong, .. } = self;
+        let agreeing = answers - wrong - self.undecided;
+        let doubtful = match self.doubtful {
+            0 => String::new(),
+            some => format!(", {some} of them in doubt"),
+        };
+        let undecided = match self.undecided {
+            0 => String::new(),
+            some => format!("; {some} in doubt differ"),
+        };
+        format!("{agreeing} of {answers} answers agree{doubtful}{undecided}")
+    }
 }
 
 /// The check of all algorithms on one loaded model.
 struct LoadedModelCheck<'a> {
     options: &'a VerifyOptions,
     algorithms: &'a [Selection],
+    sources: &'a SourceSpec,
     goal: &'a GoalSpec,
     model: &'a ModelRef,
     record: &'a ModelRecord,
@@ -203,8 +235,7 @@ impl LoadedModelCheck<'_> {
     /// Checks the model from the requested sources, and from those with stored distances.
     fn verify(&self, session: &mut dyn Session, tally: &mut VerifyTally) -> anyhow::Result<()> {
         let vertices = self.record.vertex_count();
-        let sources = SourceSpec::of_all(self.options.source.iter().cloned());
-        let mut sources = match sources.and_then(|sources| sources.points(vertices)) {
+        let mut sources = match self.sources.points(vertices) {
             Ok(sources) => sources,
             Err(error) => {
                 terminal::error(&format!("{}: {error}", self.model.path));
@@ -270,29 +301,23 @@ impl LoadedModelCheck<'_> {
         ))
     }
 
-    /// Counts the judgement of an algorithm's answer and prints it.
+    /// Prints the judgement of an answer.
     fn tell_judgement(
         &self,
-        algorithm: &Selection,
+        name: &str,
         source: PointSpec,
         verdict: &Judgement,
-        tally: &mut VerifyTally,
     ) -> anyhow::Result<()> {
-        tally.answers += 1;
-        tally.wrong += usize::from(verdict.wrong);
-        if self.options.quiet && !verdict.wrong {
+        if self.options.quiet && verdict.word == Word::Ok {
             return Ok(());
         }
-        terminal::print(&format!(
-            "{}: source {source}: {}: {}\n",
-            self.record.name,
-            algorithm.label(),
-            verdict.text()
-        ))
+        let model = &self.record.name;
+        let text = verdict.text();
+        terminal::print(&format!("{model}: source {source}: {name}: {text}\n"))
     }
 
     /// Runs all algorithms from `source` and prints one line for each. If answers disagree, prints
-    /// which of them agree.
+    /// which of them agree, and which are proven right.
     fn verify_source(
         &self,
         source: PointSpec,
@@ -300,192 +325,304 @@ impl LoadedModelCheck<'_> {
         tally: &mut VerifyTally,
     ) -> anyhow::Result<()> {
         let vertices = self.record.vertex_count();
-        let stored = self.stored(source, vertices, tally);
         let layout = AnswerLayout::new(self.goal, vertices);
-        let count = layout.count(vertices);
-        let spec = SourceSpec::from(source);
-        let mut reference: Option<Vec<f64>> = None;
-        let mut clusters = Clusters::default();
+        let mut state = SourceState {
+            count: layout.count(vertices),
+            stored: self.stored(source, vertices, tally),
+            checks: ReferenceCheck::new(layout),
+            spec: SourceSpec::from(source),
+            doubt: None,
+        };
         let mut votes = Vec::new();
+        let mut answers: Vec<JudgedAnswer> = Vec::new();
         for algorithm in self.algorithms {
             if interrupt::requested() {
-                return Ok(());
+                break;
             }
             if self.is_too_slow(algorithm) {
                 self.tell_left_out(algorithm, source)?;
                 continue;
             }
+            let is_reference = algorithm.label() == REFERENCE;
             let mut verdict = Judgement::default();
-            let step = Step {
-                model: &self.record.name,
-                algorithm,
-                source: &spec,
-                goal: self.goal,
-                pass: Pass::Warmup,
-                solves: 1,
-            };
-            let done = session.execute(&step);
+            let done = session.execute(&self.step(algorithm, &state.spec));
             if interrupt::requested() {
-                return Ok(());
+                break;
             }
             // The model lacks the source or a target.
             if let Err(failure) = &done
                 && failure.status == Status::Refused
-                && algorithm.label() == REFERENCE
+                && is_reference
             {
                 terminal::error(&format!("{}: {}", self.record.name, failure.message));
                 tally.bad_input = true;
                 return Ok(());
             }
+            let mut cluster = None;
             match done {
-                Err(failure) => verdict.wrong(&failure.message),
+                Err(failure) => {
+                    verdict.wrong(&failure.message);
+                    if is_reference {
+                        state.checks.unchecked = Some(failure.message);
+                    }
+                }
                 Ok(observation) => {
-                    let found = observation.distances;
-                    // The note is about the position of the source. One line with it is enough.
-                    verdict
-                        .remarks
-                        .extend(observation.note.filter(|_| reference.is_none()));
-                    let tolerance = algorithm.tolerance(self.options.tolerance);
-                    verdict.may_differ = algorithm.may_differ();
-                    let mut vote = Vote::of_reference(algorithm.label(), false);
-                    let mut agrees = algorithm.label() == REFERENCE;
-                    if let Some(reference) = &reference {
-                        match check::check_length(&found, reference.len()) {
-                            Ok(()) => {
-                                let expected = reference.iter().copied().enumerate();
-                                let may_differ = verdict.may_differ;
-                                let comparison =
-                                    layout.compare(&found, expected, tolerance, may_differ);
-                                verdict.judge(REFERENCE, &comparison, &layout);
-                                vote.compared(&comparison);
-                                agrees = comparison.agrees();
-                            }
-                            Err(error) => verdict.wrong(&error.to_string()),
-                        }
-                    }
+                    let vote =
+                        self.judge(algorithm, observation, &mut verdict, &mut state, session);
                     if !algorithm.is_approximate() {
-                        if !agrees {
-                            vote.cluster = clusters.assign(&found, tolerance, &layout);
-                        }
+                        cluster = Some(vote.cluster);
                         votes.push(vote);
-                    }
-                    if let Some(field) = stored.as_ref().filter(|_| found.len() == count) {
-                        verdict.judge_by_stored(field, &found, &layout, tolerance);
-                    }
-                    if algorithm.label() == REFERENCE {
-                        reference = Some(found);
-                    } else if reference.is_none() {
-                        verdict.wrong("the reference failed, so there is nothing to agree with");
                     }
                 }
             }
-            self.tell_judgement(algorithm, source, &verdict, tally)?;
+            // From the first disagreement on, lines wait for a proof.
+            let all_agree = answers.iter().all(|answer| answer.shown.is_some());
+            let shown = (all_agree && verdict.word == Word::Ok).then_some(Word::Ok);
+            if shown.is_some() {
+                self.tell_judgement(algorithm.label(), source, &verdict)?;
+            }
+            answers.push(JudgedAnswer {
+                name: algorithm.label().to_owned(),
+                cluster,
+                verdict,
+                shown,
+            });
         }
-        if let (Some(reference), Some(field)) = (&reference, &stored)
-            && reference.len() == count
+        if let Some(field) = &state.stored
+            && (state.checks.answer.as_ref()).is_some_and(|answer| answer.vertices == state.count)
         {
-            let name = field.path.display().to_string();
-            let expected = layout.of_stored(&field.distances);
-            votes.push(self.vote_of(&name, &expected, reference, &clusters, &layout));
+            votes.push(self.vote_of(field, &state.checks));
         }
-        if let Some(summary) = agreement::summary(&votes) {
-            let name = &self.record.name;
-            let verdict = match (&reference, self.options.certify) {
-                (Some(reference), true) => {
-                    self.prove(&spec, session, reference, &clusters, &votes, &layout)
-                }
-                _ => "--certify proves which are right".to_owned(),
-            };
-            terminal::print(&format!("{name}: source {source}: {summary}\n"))?;
-            terminal::print(&format!("{name}: source {source}: {verdict}\n"))?;
+        let summary = agreement::summary(&votes).filter(|_| !interrupt::requested());
+        let decision = summary
+            .as_ref()
+            .map(|_| self.decide(session, &state, &mut answers));
+        for answer in &answers {
+            tally.count(&answer.verdict);
+            if answer.shown != Some(answer.verdict.word) {
+                self.tell_judgement(&answer.name, source, &answer.verdict)?;
+            }
+        }
+        for text in summary.into_iter().chain(decision) {
+            terminal::print(&format!("{}: source {source}: {text}\n", self.record.name))?;
         }
         Ok(())
     }
 
-    /// Computes proven distances with [`CERTIFICATE`] and describes which answers agree with them.
-    fn prove(
+    /// Judges an answer by the reference and by stored distances. Returns its vote.
+    fn judge(
         &self,
-        source: &SourceSpec,
+        algorithm: &Selection,
+        observation: Observation,
+        verdict: &mut Judgement,
+        state: &mut SourceState,
         session: &mut dyn Session,
-        reference: &[f64],
-        clusters: &Clusters,
-        votes: &[Vote],
-        layout: &AnswerLayout,
-    ) -> String {
-        let certificate = match registry::select_one(CERTIFICATE) {
-            Ok(certificate) => certificate,
-            Err(error) => return error.to_string(),
-        };
-        let found = session.execute(&Step {
+    ) -> Vote {
+        let is_reference = algorithm.label() == REFERENCE;
+        let checks = &mut state.checks;
+        let found = observation.distances;
+        // The note is about the position of the source. One line with it is enough.
+        let note = observation.note.filter(|_| is_reference);
+        verdict.remarks.extend(note);
+        let tolerance = algorithm.tolerance(self.options.tolerance);
+        verdict.may_differ = algorithm.may_differ();
+        verdict.find_doubt(self.record.longest_edge, &found);
+        let mut vote = Vote::of_reference(algorithm.label(), false);
+        if is_reference {
+            checks.answer = Some(Answer::of(REFERENCE, &found));
+            state.doubt = verdict.doubt;
+        } else if checks.answer.is_none() {
+            verdict.wrong("the reference failed, so there is nothing to agree with");
+            vote.cluster = checks.cluster_of_differing(&found, tolerance);
+        } else {
+            if !verdict.may_differ {
+                let step = self.step(&self.algorithms[0], &state.spec);
+                checks.find_scale(&found, tolerance, session, &step);
+            }
+            let agrees = match checks.deviation(&found, tolerance, verdict.may_differ) {
+                Ok(comparison) => {
+                    verdict.judge(REFERENCE, &comparison, &checks.layout, state.doubt);
+                    vote.compared(&comparison);
+                    comparison.agrees()
+                }
+                Err(error) => {
+                    verdict.wrong(&error.to_string());
+                    false
+                }
+            };
+            if !agrees && !algorithm.is_approximate() {
+                vote.cluster = checks.cluster_of_differing(&found, tolerance);
+            }
+        }
+        if let Some(field) = state.stored.as_ref().filter(|_| found.len() == state.count) {
+            verdict.judge_by_stored(field, &found, &checks.layout, tolerance);
+        }
+        vote
+    }
+
+    fn step<'s>(&'s self, algorithm: &'s Selection, source: &'s SourceSpec) -> Step<'s> {
+        Step {
             model: &self.record.name,
-            algorithm: &certificate,
+            algorithm,
             source,
             goal: self.goal,
             pass: Pass::Warmup,
             solves: 1,
-        });
-        let proven = match found {
-            Ok(observation) => observation.distances,
-            Err(failure) => return format!("nothing is proven: {}", failure.message),
-        };
-        let agrees = |answer: &[f64]| layout.agrees(answer, &proven, self.options.tolerance);
-        let right = if agrees(reference) {
-            Some(agreement::REFERENCE)
-        } else {
-            clusters.find(agrees)
-        };
-        let names: Vec<&str> = votes
-            .iter()
-            .filter(|vote| right == Some(vote.cluster))
-            .map(|vote| vote.name.as_str())
-            .collect();
-        if names.is_empty() {
-            return "no answer agrees with the proven distances".to_owned();
         }
-        format!("proven right: {}", names.join(", "))
+    }
+
+    /// Decides by a proof which answers are right, revises their judgements, and describes the
+    /// decision. A file of stored distances is added to the answers if it is wrong.
+    fn decide(
+        &self,
+        session: &mut dyn Session,
+        state: &SourceState,
+        answers: &mut Vec<JudgedAnswer>,
+    ) -> String {
+        let checks = &state.checks;
+        if let Some(why) = proof::too_large(self.record.faces).filter(|_| !self.options.certify) {
+            return proof::nothing_proven(&format!("{why}; --certify proves which are right"));
+        }
+        let tolerance = self.options.tolerance;
+        let certificate = registry::certificate(tolerance);
+        let step = self.step(&certificate, &state.spec);
+        let distances = match session.execute(&step) {
+            Ok(observation) => observation.distances,
+            Err(failure) => return proof::nothing_proven(&failure.message),
+        };
+        let mut proven = ReferenceCheck::new(checks.layout.clone());
+        proven.answer = Some(Answer::of(CERTIFICATE, &distances));
+        let mut judge = |found: &[f64], verdict: &mut Judgement| {
+            proven.find_scale(found, tolerance, session, &step);
+            match proven.deviation(found, tolerance, false) {
+                Ok(comparison) => verdict.decide(&comparison, &proven.layout),
+                Err(error) => verdict.wrong(&error.to_string()),
+            }
+        };
+        for answer in answers.iter_mut() {
+            if let Some(found) = answer.cluster.and_then(|cluster| checks.first(cluster)) {
+                judge(&found, &mut answer.verdict);
+            }
+        }
+        let mut right: Vec<String> = answers
+            .iter()
+            .filter(|answer| answer.cluster.is_some() && answer.verdict.word == Word::Ok)
+            .map(|answer| answer.name.clone())
+            .collect();
+        if let Some(field) = state
+            .stored
+            .as_ref()
+            .filter(|_| distances.len() == state.count)
+        {
+            let mut found = distances.clone();
+            for (place, distance) in checks.layout.of_stored(&field.distances) {
+                found[place] = distance;
+            }
+            let name = field.path.display().to_string();
+            let mut verdict = Judgement::default();
+            judge(&found, &mut verdict);
+            if verdict.word == Word::Ok {
+                right.push(name);
+            } else {
+                answers.push(JudgedAnswer {
+                    name,
+                    cluster: None,
+                    verdict,
+                    shown: None,
+                });
+            }
+        }
+        agreement::proven_right(right.iter().map(String::as_str))
     }
 
     /// Stored distances of a file as a vote. They may lack some vertices, so they join the first
     /// cluster that agrees at the vertices that they have.
-    fn vote_of(
-        &self,
-        name: &str,
-        distances: &[(usize, f64)],
-        reference: &[f64],
-        clusters: &Clusters,
-        layout: &AnswerLayout,
-    ) -> Vote {
-        let tolerance = self.options.tolerance;
+    fn vote_of(&self, field: &StoredDistances, checks: &ReferenceCheck) -> Vote {
+        let rule = rule_of(field, self.options.tolerance);
+        let expected = checks.layout.of_stored(&field.distances);
         let compare = |answer: &[f64]| {
-            let stored = distances.iter().copied();
-            layout.compare(answer, stored, tolerance, false)
+            let stored = expected.iter().copied();
+            checks.layout.compare(answer, stored, &rule, false)
         };
-        let mut vote = Vote::of_reference(name, true);
-        let comparison = compare(reference);
+        let reference = checks.first(agreement::REFERENCE).unwrap_or_default();
+        let mut vote = Vote::of_reference(&field.path.display().to_string(), true);
+        let comparison = compare(&reference);
         if !comparison.agrees() {
             vote.compared(&comparison);
             let has_all = |answer: &[f64]| answer.len() == reference.len();
-            let found = clusters.find(|answer| has_all(answer) && compare(answer).agrees());
-            vote.cluster = found.unwrap_or_else(|| clusters.next());
+            let agrees = |answer: &[f64]| has_all(answer) && compare(answer).agrees();
+            let found = checks.clusters.find(agrees);
+            vote.cluster = found.unwrap_or_else(|| checks.clusters.next());
         }
         vote
     }
 }
 
+/// What is known of the distances from a source.
+struct SourceState {
+    spec: SourceSpec,
+    /// Number of distances of an answer.
+    count: usize,
+    stored: Option<StoredDistances>,
+    checks: ReferenceCheck,
+    /// The doubt of the reference.
+    doubt: Option<f64>,
+}
+
+/// The rule for comparisons with stored distances from one source.
+fn rule_of(field: &StoredDistances, tolerance: f64) -> Tolerance {
+    let distances: Vec<f64> = field.distances.iter().map(|&(_, d)| d).collect();
+    Tolerance::of(&distances).with_relative(tolerance)
+}
+
+/// An answer and its judgement.
+struct JudgedAnswer {
+    /// Name of the algorithm or path of the file.
+    name: String,
+    /// The cluster of an exact answer.
+    cluster: Option<u32>,
+    verdict: Judgement,
+    /// The word in its last line.
+    shown: Option<Word>,
+}
+
+/// A judgement in a word.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Word {
+    #[default]
+    Ok,
+    /// It differs, by no more than is in doubt.
+    InDoubt,
+    Wrong,
+}
+
 /// The verdict on one answer.
 #[derive(Default)]
 struct Judgement {
-    wrong: bool,
+    word: Word,
     /// Whether the answer may differ by any finite amount.
     may_differ: bool,
+    /// Bound of its rounding errors, if edges are too long for its distances.
+    doubt: Option<f64>,
     remarks: Vec<String>,
 }
 
 impl Judgement {
     /// Marks the answer as wrong, for the reason `why`.
     fn wrong(&mut self, why: &str) {
-        self.wrong = true;
+        self.word = Word::Wrong;
         self.remarks.push(why.to_owned());
+    }
+
+    /// Finds out whether the answer is in doubt on a model whose longest edge has this length.
+    fn find_doubt(&mut self, longest_edge: Option<f64>, distances: &[f64]) {
+        self.doubt = longest_edge.and_then(|longest| precision::doubtful_by(longest, distances));
+        self.remarks.extend(self.doubt.map(|doubt| {
+            format!(
+                "in doubt, each distance may be off by up to {}",
+                scientific(doubt)
+            )
+        }));
     }
 
     /// Compares an answer with the stored distances of a file, which may lack some vertices.
@@ -497,41 +634,73 @@ impl Judgement {
         tolerance: f64,
     ) {
         let expected = layout.of_stored(&field.distances);
-        let comparison = layout.compare(found, expected, tolerance, self.may_differ);
+        let rule = rule_of(field, tolerance);
+        let comparison = layout.compare(found, expected, &rule, self.may_differ);
         let mut name = field.path.display().to_string();
         if comparison.compared < found.len() {
             let (compared, count, noun) = (comparison.compared, found.len(), layout.noun());
             name = format!("{name} at {compared} of {count} {noun}");
         }
-        self.judge(&name, &comparison, layout);
+        self.judge(&name, &comparison, layout, None);
     }
 
-    /// Adds a remark on the comparison with `reference`, and marks a disagreement as wrong.
-    fn judge(&mut self, reference: &str, comparison: &Deviation, layout: &AnswerLayout) {
-        match &comparison.worst {
-            Some(_) if self.may_differ && comparison.max_rel.is_finite() => {
-                self.remarks.push(format!(
-                    "approximate: {reference} differs by up to {} relative",
-                    scientific(comparison.max_rel)
-                ));
-            }
-            Some(worst) => self.wrong(&format!(
-                "differs from {reference}: {}; {} of {} {} differ",
-                layout.describe(worst),
-                comparison.disagreeing,
-                comparison.compared,
-                layout.noun()
-            )),
-            None => self.remarks.push(format!(
+    /// Adds a remark on the comparison with `reference`, and marks a disagreement as wrong, or as in
+    /// doubt if it is within the doubt of the answer or of the reference.
+    fn judge(
+        &mut self,
+        reference: &str,
+        comparison: &Deviation,
+        layout: &AnswerLayout,
+        doubt_of_reference: Option<f64>,
+    ) {
+        let Some(worst) = &comparison.worst else {
+            self.remarks.push(format!(
                 "agrees with {reference}, largest relative difference {}",
                 scientific(comparison.max_rel)
-            )),
+            ));
+            return;
+        };
+        if self.may_differ && comparison.max_rel.is_finite() {
+            self.remarks.push(format!(
+                "approximate: {reference} differs by up to {} relative",
+                scientific(comparison.max_rel)
+            ));
+            return;
         }
+        let doubt = f64::max(self.doubt.unwrap_or(0.0), doubt_of_reference.unwrap_or(0.0));
+        if comparison.excess > doubt {
+            self.word = Word::Wrong;
+        } else if self.word == Word::Ok {
+            self.word = Word::InDoubt;
+        }
+        self.remarks.push(format!(
+            "differs from {reference}: {}; {} of {} {} differ",
+            layout.describe(worst),
+            comparison.disagreeing,
+            comparison.compared,
+            layout.noun()
+        ));
+    }
+
+    /// Replaces the judgement by that of a comparison with proven distances.
+    fn decide(&mut self, comparison: &Deviation, layout: &AnswerLayout) {
+        self.word = Word::Ok;
+        let mut remarks = std::mem::take(&mut self.remarks);
+        if comparison.agrees() {
+            self.remarks.push("proven right".to_owned());
+        } else {
+            self.judge("proven distances", comparison, layout, None);
+        }
+        self.remarks.append(&mut remarks);
     }
 
     /// The verdict with its remarks. Only an answer of the reference has no remarks.
     fn text(&self) -> String {
-        let word = if self.wrong { "WRONG" } else { "ok" };
+        let word = match self.word {
+            Word::Ok => "ok",
+            Word::InDoubt => "IN DOUBT",
+            Word::Wrong => "WRONG",
+        };
         if self.remarks.is_empty() {
             return format!("{word} (reference)");
         }

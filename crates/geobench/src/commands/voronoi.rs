@@ -13,7 +13,6 @@ use geobench_export::output::{OutputFile, check_distinct, check_not_read, prepar
 use geobench_export::picture::{Paint, Scene};
 use geobench_export::{FileFormat, no_coordinates};
 use geobench_harness::exec::model;
-use geobench_harness::exec::source::SourceSpec;
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::VertexId;
 use geobench_mesh::io as mesh_io;
@@ -23,7 +22,7 @@ use geobench_voronoi::Diagram;
 use super::generate;
 use crate::args::MODELS_HELP;
 use crate::isolation::ReadingOptions;
-use crate::points::Points;
+use crate::points::{Points, SourcesOptions};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -34,10 +33,8 @@ pub(crate) struct VoronoiOptions {
     #[arg(value_name = "MODEL")]
     model: String,
 
-    /// The source: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W,
-    /// at:X,Y,Z or a list of these; may be repeated. One that is named twice has one cell
-    #[arg(long, value_name = "SRC", required = true, allow_negative_numbers = true, value_parser = SourceSpec::with_repeats)]
-    source: Vec<SourceSpec>,
+    #[command(flatten)]
+    sources: SourcesOptions,
 
     /// The algorithm: window-vtp, lct11 or xls14
     #[arg(long, value_name = "A", default_value = "window-vtp", value_parser = registry::select_one)]
@@ -92,8 +89,7 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let model = model::only(&options.model)?;
     check_not_read(&outputs, &[&model.path])?;
     let mesh = &model.mesh_within(options.reading)?;
-    let named = SourceSpec::joined(options.source.iter().cloned());
-    let points = Points::new(mesh, &named, Some(&[]), &model.path)?;
+    let points = Points::new(mesh, &options.sources.all(), Some(&[]), &model.path)?;
     let refined = &points.refined.mesh;
     let sources = points.source_vertices();
     let Some(mut solver) = options.algo.field_solver(refined) else {
@@ -129,9 +125,6 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let mut summary = points.notes.join("\n");
     if !summary.is_empty() {
         summary.push('\n');
-    }
-    for repeat in named.repeats() {
-        let _ = writeln!(summary, "{repeat} and has one cell");
     }
     summary.push_str(&coinciding(&points.sources));
     summary.push_str(&summary_of(&options.output, &file));

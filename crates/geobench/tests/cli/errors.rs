@@ -44,10 +44,6 @@ fn wrong_usage() {
             "`-1` is not a source: give `first`, a vertex number",
         ),
         (
-            "run square.off --source 1,1",
-            "source vertex 1 is named twice",
-        ),
-        (
             "run square.off --format yaml",
             "invalid value 'yaml' for '--format <FORMAT>'",
         ),

@@ -178,13 +178,13 @@ fn stored_distances_are_compared_at_the_targets() {
     sandbox.succeed(&format!("{run} --radius 1.2"));
     let wrong = sandbox.call(&format!("{run} --target 3,2 -o b.json"));
     assert_eq!(wrong.code, 1);
+    // A proof decides that the file is wrong.
     let cell = cells(&sandbox, "b.json")[0].clone();
-    assert_eq!(cell["check"]["worst_vertex"], 2);
-    assert!(
-        cell["message"]
-            .as_str()
-            .unwrap()
-            .contains("vertex 2 is at 1.41"),
-        "{cell}"
-    );
+    assert_eq!(cell["check"]["replaced"], "./square.s0.csv", "{cell}");
+    assert_eq!(cell["check"]["proven"], true, "{cell}");
+    let said = "the reference `./square.s0.csv` is proven wrong; proven right: mmp";
+    assert!(wrong.stderr.contains(said), "{}", wrong.stderr);
+    let proof = cell["check"]["proof"].as_str().unwrap();
+    let vertex = "vertex 2 is at 9 instead of 1.41";
+    assert!(proof.contains(vertex), "{proof}");
 }

@@ -201,10 +201,6 @@ fn wrong_input_is_named() {
             "path square.off --source edge:1-3,0.5 --target 1",
             "edge:1-3,0.5: no edge joins the vertices 1 and 3",
         ),
-        (
-            "path square.off --source 1,1 --target 2",
-            "source vertex 1 is named twice",
-        ),
         ("path square.off --source 1", "--target <DST>"),
         ("path square.off --target 1", "--source <SRC>"),
         (

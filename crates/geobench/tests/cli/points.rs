@@ -184,10 +184,6 @@ fn what_is_no_point_is_named() {
         ("--source x -o d.csv", "`x` is not a source: give"),
         ("--source 9 -o d.csv", "source vertex 9 does not exist"),
         (
-            "--source 1 --source 1 -o d.csv",
-            "source vertex 1 is named twice",
-        ),
-        (
             "--source edge:1-3,0.5 -o d.csv",
             "edge:1-3,0.5: no edge joins the vertices 1 and 3",
         ),
@@ -398,4 +394,52 @@ fn a_point_that_is_not_there_costs_its_cells() {
             "{message}"
         );
     }
+}
+
+#[test]
+fn a_source_named_twice_is_one_source() {
+    let sandbox = Sandbox::with_square();
+    sandbox.write(
+        "suite.toml",
+        "[[group]]\nname = \"twice\"\nmodels = [\"square.off\"]\nalgorithms = [\"vtp\"]\n\
+         source = [1, 3, 1]\nrepeat = 1\n",
+    );
+    for (command, twice) in [
+        (
+            "distance square.off",
+            "--source 1 --source 3 --source 1 -o d.json",
+        ),
+        ("distance square.off --each", "--source 1,3,1 -o d.json"),
+        ("path square.off --target 0", "--source 1,3,1 -o p.json"),
+        (
+            "isolines square.off --levels 0.5",
+            "--source 1,3,1 -o i.json",
+        ),
+        ("voronoi square.off", "--source 1,3 --source 1 -o v.json"),
+        ("certify square.off", "--source 1,3,1"),
+        ("verify square.off --algo vtp", "--source 1 --source 3,1"),
+        (
+            "run square.off --algo vtp --repeat 1",
+            "--source 1,3,1 -o r.json",
+        ),
+        ("run --config suite.toml", "-o r.json"),
+    ] {
+        let outcome = sandbox.call(&format!("{command} {twice}"));
+        assert_eq!(outcome.code, 0, "{command}: {}", outcome.stderr);
+        let note = ": source vertex 1 is named twice and counts once\n";
+        assert_eq!(
+            outcome.stderr.matches(note).count(),
+            1,
+            "{command}: {}",
+            outcome.stderr
+        );
+    }
+    assert_eq!(sandbox.json("v.json")["cells"].as_array().unwrap().len(), 2);
+    assert_eq!(sandbox.json("r.json")["cells"].as_array().unwrap().len(), 2);
+    let point = "face:1,0.5,0.25,0.25";
+    let outcome = sandbox.call(&format!(
+        "distance square.off --source {point},{point} -o d.json"
+    ));
+    let note = format!("geobench: note: source {point} is named twice and counts once\n");
+    assert_eq!((outcome.code, outcome.stderr), (0, note));
 }

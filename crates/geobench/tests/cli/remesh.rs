@@ -1,5 +1,7 @@
 //! `geobench remesh`.
 
+use std::fmt::Write as _;
+
 use crate::support::Sandbox;
 
 #[test]
@@ -81,4 +83,32 @@ fn what_cannot_be_made_is_refused_and_leaves_no_file() {
         assert!(error.contains(part), "{error}");
         assert!(!sandbox.path("e.obj").exists());
     }
+}
+
+/// Regression test: along a boundary of a strip without area, points were set in memory without
+/// end.
+#[test]
+fn a_strip_without_area_is_refused_or_remeshed() {
+    let sandbox = Sandbox::new();
+    let mut strip = String::new();
+    for y in ["0", "1e-57", "2e-57", "3e-57"] {
+        for x in 0..4 {
+            writeln!(strip, "v {x} {y} 0").unwrap();
+        }
+    }
+    for y in 0..3 {
+        for x in 1..4 {
+            let a = 4 * y + x;
+            let [b, c, d] = [a + 1, a + 4, a + 5];
+            writeln!(strip, "f {a} {b} {d}\nf {a} {d} {c}").unwrap();
+        }
+    }
+    sandbox.write("strip.obj", &strip);
+    let outcome = sandbox.call("remesh strip.obj --sites 3 -o r.obj");
+    let is_refused = outcome.stderr.starts_with("geobench: error: strip.obj: ");
+    assert!(
+        outcome.code == 0 || outcome.code == 2 && is_refused,
+        "{}",
+        outcome.stderr
+    );
 }

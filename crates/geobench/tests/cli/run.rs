@@ -209,23 +209,19 @@ fn one_broken_model_does_not_lose_the_others() {
 #[test]
 fn a_wrong_answer_is_a_failure() {
     let sandbox = Sandbox::with_square();
-    // The distance of vertex 2 is the square root of 2.
-    sandbox.write(
-        "expected/square.s0.csv",
-        "vertex,distance\n0,0\n1,1\n2,1.5\n3,1\n",
-    );
-    let outcome = sandbox.call("run square.off --algo mmp --check file --quiet --format csv");
+    let outcome = sandbox.call("run square.off --algo test-wrong --check mmp --format csv");
     assert_eq!(outcome.code, 1);
-    assert!(
-        outcome
-            .stderr
-            .contains("square: mmp, source 0: wrong: differs from")
-    );
-    assert!(outcome.stderr.contains("vertex 2 is at 1.414"));
+    let said = "no majority among the 2 algorithms, either may be wrong: the reference `mmp`; \
+                `test-wrong` differs from `mmp` by up to 3.333e-1 relative, at vertex 1; \
+                proven right: mmp";
+    assert!(outcome.stderr.contains(said), "{}", outcome.stderr);
     let row = outcome.stdout.lines().nth(1).unwrap();
-    assert!(row.starts_with("square,mmp,0,,1,false,wrong,"), "{row}");
+    assert!(
+        row.starts_with("square,test-wrong,0,,1,false,wrong,"),
+        "{row}"
+    );
 
-    let table = sandbox.call("run square.off --algo mmp --check expected/square.s0.csv");
+    let table = sandbox.call("run square.off --algo test-wrong --check mmp");
     assert_eq!(table.code, 1);
     assert!(
         table
@@ -233,6 +229,26 @@ fn a_wrong_answer_is_a_failure() {
             .lines()
             .any(|l| l.contains("Time (s)") && l.contains("wrong"))
     );
+}
+
+#[test]
+fn a_wrong_file_of_distances_is_a_failure_and_fails_no_cell() {
+    let sandbox = Sandbox::with_square();
+    // The distance of vertex 2 is the square root of 2.
+    sandbox.write(
+        "expected/square.s0.csv",
+        "vertex,distance\n0,0\n1,1\n2,1.5\n3,1\n",
+    );
+    for check in ["file", "expected/square.s0.csv"] {
+        let command = format!("run square.off --algo mmp --check {check} --format csv");
+        let outcome = sandbox.call(&command);
+        assert_eq!(outcome.code, 1);
+        let said = "expected/square.s0.csv` is proven wrong; proven right: mmp";
+        assert!(outcome.stderr.contains(said), "{}", outcome.stderr);
+        let row = outcome.stdout.lines().nth(1).unwrap();
+        assert!(row.starts_with("square,mmp,0,,1,false,ok,"), "{row}");
+        assert!(row.contains("is wrong: differs from certificate: vertex 2 is at 1.5"));
+    }
 }
 
 #[test]

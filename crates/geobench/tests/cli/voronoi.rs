@@ -166,15 +166,6 @@ fn sources_at_one_place_have_one_cell() {
     );
     let file = sandbox.json("v.json");
     assert_eq!(file["cells"][1]["area"], json!(0.0));
-    for sources in ["--source 3,5,3", "--source 3 --source 5 --source 3"] {
-        let said = sandbox.succeed(&format!("voronoi gen:grid,n=4 {sources} -o w.json"));
-        assert!(
-            said.contains("source vertex 3 is named twice and has one cell"),
-            "{said}"
-        );
-        let file = sandbox.json("w.json");
-        assert_eq!(file["cells"].as_array().unwrap().len(), 2);
-    }
 }
 
 #[test]

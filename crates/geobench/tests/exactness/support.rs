@@ -4,7 +4,7 @@ use std::any::Any;
 use std::fmt::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use geobench_mesh::{Mesh, TriangleSoup, VertexId};
+use geobench_mesh::{Mesh, Tolerance, TriangleSoup, VertexId};
 use geobench_oracle::{Geometry, Model};
 use geobench_registry::{Algorithm, Selection, select};
 use geobench_window::Solver;
@@ -151,8 +151,9 @@ impl Failures {
     /// Adds a failure if two fields differ by more than `tolerance`, relative to the expected
     /// value. It names the worst vertex.
     ///
-    /// Every value may also differ by the rounding of the largest value. For example, two vertices
-    /// in one place, at distance 0, may get the distance 1e-17.
+    /// Every value may also differ by the rounding of the greatest value, which is less than the
+    /// [rule](Tolerance) allows on all but extreme fields. For example, two vertices in one place,
+    /// at distance 0, may get the distance 1e-17.
     pub(crate) fn compare(
         &mut self,
         at: impl Fn() -> String,
@@ -160,12 +161,11 @@ impl Failures {
         expected: impl IntoIterator<Item = (usize, f64)>,
         tolerance: f64,
     ) {
-        let furthest = found
-            .iter()
-            .copied()
-            .filter(|d| d.is_finite())
-            .fold(0.0, f64::max);
-        let floor = 1e-15 * furthest;
+        let expected: Vec<(usize, f64)> = expected.into_iter().collect();
+        let finite = expected.iter().map(|&(_, d)| d).filter(|d| d.is_finite());
+        let rule = Tolerance::with_scales(vec![finite.fold(0.0, f64::max)])
+            .with_relative(tolerance)
+            .with_rounding(1e-15);
         let mut worst = (0.0, None);
         let mut count = 0;
         for (vertex, expected) in expected {
@@ -174,8 +174,7 @@ impl Failures {
                 return;
             };
             let difference = (found - expected).abs();
-            // The condition is written so that NaN fails. Two infinities are equal.
-            if found == expected || difference <= (tolerance * expected).max(floor) {
+            if rule.is_right(vertex, found, expected) {
                 continue;
             }
             count += 1;

@@ -13,7 +13,7 @@ use crate::exec::goal::GoalSpec;
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
 use crate::exec::source::{LocatedPoint, Locator, SourceSpec};
-use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
+use crate::exec::{Backend, Components, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::PeakMemory;
 use crate::schema::{ModelRecord, Phases, SourceLabel, Status};
 
@@ -153,6 +153,20 @@ impl Session for InProcess {
                 Err(Failure::new(Status::Crashed, message))
             }
         }
+    }
+
+    fn components(&mut self, step: &Step<'_>) -> Result<Components, Failure> {
+        let refused = |error: anyhow::Error| Failure::new(Status::Refused, format!("{error:#}"));
+        let source = self.source(step).map_err(refused)?;
+        let mut vertices = source.mesh.components();
+        let of_target = |v: &VertexId| vertices[v.index()];
+        let targets = source.targets.as_ref();
+        let places: Option<Vec<u32>> = targets.map(|all| all.iter().map(of_target).collect());
+        vertices.truncate(self.mesh.vertex_count());
+        Ok(Components {
+            places: places.unwrap_or_else(|| vertices.clone()),
+            vertices,
+        })
     }
 }
 

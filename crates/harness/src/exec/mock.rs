@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use geobench_window::{Counter, Counters};
 
 use crate::exec::model::ModelRef;
-use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
+use crate::exec::{Backend, Components, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::lock::lock;
 use crate::measure::memory::Peaks;
 use crate::schema::{ModelRecord, Phases, Status};
@@ -135,6 +135,13 @@ impl Session for MockSession<'_> {
             .alter
             .and_then(|alter| alter(step, &mut observation));
         failure.map_or(Ok(observation), Err)
+    }
+
+    fn components(&mut self, _: &Step<'_>) -> Result<Components, Failure> {
+        Ok(Components {
+            vertices: vec![0; VERTICES],
+            places: vec![0; VERTICES],
+        })
     }
 }
 

@@ -136,6 +136,22 @@ pub trait Session: Send {
     ///
     /// If the run fails, with the status of its cell.
     fn execute(&mut self, step: &Step<'_>) -> Result<Observation, Failure>;
+
+    /// The connected components of the model, for the check of a run.
+    ///
+    /// # Errors
+    ///
+    /// If the model, a source or a target cannot be used.
+    fn components(&mut self, step: &Step<'_>) -> Result<Components, Failure>;
+}
+
+/// Numbers of connected components.
+#[derive(Clone, Debug)]
+pub struct Components {
+    /// That of each vertex of the model.
+    pub vertices: Vec<u32>,
+    /// That of each distance of the answer to a step.
+    pub places: Vec<u32>,
 }
 
 /// Loads models and opens sessions.

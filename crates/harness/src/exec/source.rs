@@ -200,6 +200,38 @@ impl From<&SourceLabel> for SourceSpec {
     }
 }
 
+/// The source points, each once, and a note for each that is named again.
+pub fn distinct(points: Vec<PointSpec>) -> (Vec<PointSpec>, Vec<String>) {
+    distinct_by(points, |point| Some(*point))
+}
+
+/// The items without those whose `point` an earlier one names, and a note for each such point.
+fn distinct_by<T>(
+    mut items: Vec<T>,
+    point: impl Fn(&T) -> Option<PointSpec>,
+) -> (Vec<T>, Vec<String>) {
+    let mut seen = HashSet::new();
+    let mut notes = Vec::new();
+    items.retain(|item| {
+        let Some(point) = point(item) else {
+            return true;
+        };
+        let is_new = seen.insert(point.to_string());
+        if !is_new {
+            let name = match point {
+                PointSpec::Vertex(v) => format!("vertex {v}"),
+                _ => point.to_string(),
+            };
+            let note = format!("source {name} is named twice and counts once");
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
+        is_new
+    });
+    (items, notes)
+}
+
 impl SourceSpec {
     /// The first vertex.
     pub fn first() -> Self {
@@ -207,51 +239,18 @@ impl SourceSpec {
     }
 
     /// All of these together.
-    ///
-    /// # Errors
-    ///
-    /// When a source is named twice.
-    pub fn of_all(specs: impl IntoIterator<Item = Self>) -> Result<Self, UsageError> {
-        let all = Self::joined(specs);
-        all.check_repeats()?;
-        Ok(all)
-    }
-
-    /// All of these together, where a source may be named twice.
-    pub fn joined(specs: impl IntoIterator<Item = Self>) -> Self {
+    pub fn of_all(specs: impl IntoIterator<Item = Self>) -> Self {
         Self(specs.into_iter().flat_map(|spec| spec.0).collect())
     }
 
-    /// Parses sources, of which one may be named twice.
-    ///
-    /// # Errors
-    ///
-    /// When the text is not a list of sources.
-    pub fn with_repeats(text: &str) -> Result<Self, UsageError> {
-        Self::parse(text, "source")
-    }
-
-    /// For each source that is named again, a message that says so.
-    pub fn repeats(&self) -> Vec<String> {
-        let mut seen = HashSet::new();
-        let points = self.0.iter().filter_map(|form| match form {
-            Form::Point(point) => Some(point),
+    /// The same sources, each once, and a note for each that is named again.
+    pub fn distinct(self) -> (Self, Vec<String>) {
+        let point = |form: &Form| match form {
+            Form::Point(point) => Some(*point),
             _ => None,
-        });
-        let repeated = points.filter(|point| !seen.insert(point.to_string()));
-        repeated
-            .map(|point| match point {
-                PointSpec::Vertex(v) => format!("source vertex {v} is named twice"),
-                _ => format!("source {point} is named twice"),
-            })
-            .collect()
-    }
-
-    fn check_repeats(&self) -> Result<(), UsageError> {
-        match self.repeats().into_iter().next() {
-            Some(message) => Err(UsageError(message)),
-            None => Ok(()),
-        }
+        };
+        let (forms, notes) = distinct_by(self.0, point);
+        (Self(forms), notes)
     }
 
     /// Number of sources; every `all` counts as one.
@@ -411,9 +410,7 @@ impl FromStr for SourceSpec {
     type Err = UsageError;
 
     fn from_str(text: &str) -> Result<Self, UsageError> {
-        let spec = Self::with_repeats(text)?;
-        spec.check_repeats()?;
-        Ok(spec)
+        Self::parse(text, "source")
     }
 }
 
@@ -542,13 +539,23 @@ mod tests {
             refused("random:0"),
             "`random:0` asks for no source; ask for at least one"
         );
-        assert_eq!(refused("1,2,1"), "source vertex 1 is named twice");
-        assert_eq!(
-            refused("at:1,2,3,at:1,2,3.0"),
-            "source at:1,2,3 is named twice"
-        );
         let target = "x".parse::<TargetSpec>().unwrap_err().to_string();
         assert!(target.starts_with("`x` is not a target: "), "{target}");
+    }
+
+    #[test]
+    fn a_source_named_twice_is_one_source() {
+        let all = ["1,2,1", "at:1,2,3,at:1,2,3.0,1", "random:2"].map(parse);
+        let (sources, notes) = SourceSpec::of_all(all).distinct();
+        assert_eq!(sources.to_string(), "1,2,at:1,2,3,random:2,seed=1");
+        assert_eq!(
+            notes,
+            [
+                "source vertex 1 is named twice and counts once",
+                "source at:1,2,3 is named twice and counts once"
+            ]
+        );
+        assert_eq!(parse("3").distinct(), (parse("3"), Vec::new()));
     }
 
     #[test]

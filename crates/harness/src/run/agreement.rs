@@ -2,14 +2,14 @@
 //!
 //! The answers for one model and source are put into clusters. An answer joins the first cluster
 //! whose first answer it agrees with. Cluster 0 is that of the reference. If most answers are in
-//! another cluster, the reference is probably wrong.
+//! another cluster, the reference is probably wrong; a [proof](crate::run::proof) decides it.
 
 use std::collections::BTreeMap;
 
-use geobench_registry as registry;
+use geobench_registry::{self as registry, CERTIFICATE};
 
-use crate::run::answer_layout::AnswerLayout;
 use crate::run::check::Deviation;
+use crate::run::proof::is_certificate;
 use crate::schema::Cell;
 
 /// The first answer of each cluster except cluster 0.
@@ -21,14 +21,21 @@ pub struct Clusters {
 }
 
 impl Clusters {
-    /// The cluster of an answer that disagrees with the reference. Adds a cluster if the answer
-    /// agrees with none.
-    pub fn assign(&mut self, distances: &[f64], tolerance: f64, layout: &AnswerLayout) -> u32 {
-        let known = self.find(|first| layout.agrees(distances, first, tolerance));
-        known.unwrap_or_else(|| {
-            self.first.push(Some(distances.to_vec()));
-            self.first.len() as u32
-        })
+    /// Adds a cluster of an answer that agrees with no other, and returns its number.
+    pub fn add(&mut self, distances: &[f64]) -> u32 {
+        self.first.push(Some(distances.to_vec()));
+        self.first.len() as u32
+    }
+
+    /// The first answer of a cluster other than that of the reference.
+    pub fn first(&self, cluster: u32) -> Option<&Vec<f64>> {
+        let index = (cluster as usize).checked_sub(1)?;
+        self.first.get(index)?.as_ref()
+    }
+
+    /// The first answers of the clusters, in their order.
+    pub fn into_first(self) -> Vec<Option<Vec<f64>>> {
+        self.first
     }
 
     /// The first cluster for whose first answer `agrees` returns true.
@@ -46,7 +53,7 @@ impl Clusters {
     }
 
     /// Sets the first answer of a cluster from before an interruption. Cluster 0 is ignored.
-    pub(crate) fn restore(&mut self, cluster: u32, distances: Option<Vec<f64>>) {
+    pub fn restore(&mut self, cluster: u32, distances: Option<Vec<f64>>) {
         let Some(index) = (cluster as usize).checked_sub(1) else {
             return;
         };
@@ -63,13 +70,13 @@ pub struct Vote {
     /// Name of the algorithm or path of the file.
     pub name: String,
     /// Whether the answer was read from a file.
-    pub(crate) is_file: bool,
+    pub is_file: bool,
     /// The cluster, 0 for that of the reference.
     pub cluster: u32,
     /// Largest relative difference from the reference; `None` if it is not finite.
-    pub(crate) max_rel: Option<f64>,
+    pub max_rel: Option<f64>,
     /// The vertex with that difference, if the answer does not agree with the reference.
-    pub(crate) worst_vertex: Option<u64>,
+    pub worst_vertex: Option<u64>,
 }
 
 impl Vote {
@@ -268,9 +275,12 @@ fn names(votes: &[&Vote]) -> String {
 
 /// The answers of `cells`, which share a model and source. That of the reference comes first.
 fn votes(cells: &[Cell]) -> Vec<Vote> {
-    let reference = cells
+    // Proven distances take the place of a refuted reference.
+    let mut references = cells
         .iter()
-        .find_map(|cell| cell.check.reference.as_deref());
+        .filter_map(|cell| cell.check.reference.as_deref());
+    let first = references.clone().next();
+    let reference = references.find(|name| *name == CERTIFICATE).or(first);
     let mut votes = Vec::new();
     if let Some(name) = reference {
         votes.push(Vote::of_reference(
@@ -297,7 +307,7 @@ fn votes(cells: &[Cell]) -> Vec<Vote> {
 /// outside the cluster of the reference get the sizes of both clusters. The cell of the reference
 /// gets a description of all clusters, unless its own has the majority. If all answers agree,
 /// nothing changes.
-pub(crate) fn explain(cells: &mut [Cell]) {
+pub fn explain(cells: &mut [Cell]) {
     let votes = votes(cells);
     let Some(ballot) = Ballot::of(&votes) else {
         return;
@@ -307,7 +317,10 @@ pub(crate) fn explain(cells: &mut [Cell]) {
         let is_reference = cell.check.reference.as_deref() == Some(&cell.algorithm);
         let addition = match cell.check.cluster {
             Some(_) if is_reference && !trusted => ballot.summary(),
-            Some(cluster) if !is_reference && cluster != REFERENCE => ballot.remark(cluster),
+            Some(cluster) if !is_reference && cluster != REFERENCE => {
+                let proven = cell.check.proven.map_or("", |_| "; proven wrong");
+                ballot.remark(cluster) + proven
+            }
             _ => continue,
         };
         cell.message = Some(match cell.message.take() {
@@ -317,24 +330,64 @@ pub(crate) fn explain(cells: &mut [Cell]) {
     }
 }
 
-/// One line for each model and source of `cells` whose answers disagree: which of them agree.
-/// Cells of the same model and source must be adjacent.
+/// What a proof says about the answers of `cells`, which share a model and source. `None` if none
+/// was sought.
+fn decision(cells: &[Cell]) -> Option<String> {
+    let proof = cells.iter().find_map(|cell| cell.check.proof.as_ref())?;
+    if cells.iter().all(|cell| cell.check.proven.is_none()) {
+        return Some(proof.clone());
+    }
+    // The reference beside proven answers is right itself, or is the proof.
+    let reference = cells
+        .iter()
+        .find_map(|cell| cell.check.reference.as_deref());
+    let reference = reference.filter(|&name| {
+        !is_certificate(name) && cells.iter().all(|cell| cell.algorithm.as_str() != name)
+    });
+    let of_right = |cell: &&Cell| cell.check.proven == Some(true);
+    let right = cells.iter().filter(of_right);
+    let right = right.map(|cell| cell.algorithm.as_str());
+    Some(proven_right(reference.into_iter().chain(right)))
+}
+
+/// Names the answers that are proven right.
+pub fn proven_right<'n>(names: impl Iterator<Item = &'n str>) -> String {
+    let names: Vec<&str> = names.collect();
+    if names.is_empty() {
+        return "no answer agrees with the proven distances".to_owned();
+    }
+    format!("proven right: {}", names.join(", "))
+}
+
+/// One line for each model and source of `cells` whose answers disagree, or whose reference is
+/// proven wrong: which of them agree, and which are proven right. Cells of the same model and source
+/// must be adjacent.
 pub fn summaries(cells: &[Cell]) -> Vec<String> {
     let same = |a: &Cell, b: &Cell| (&a.model, &a.source) == (&b.model, &b.source);
     let summary = |cells: &[Cell]| {
-        let (first, text) = (cells.first()?, summary(&votes(cells))?);
+        let first = cells.first()?;
+        let replaced = cells.iter().find_map(|cell| cell.check.replaced.as_ref());
+        let replaced = replaced.map(|name| format!("the reference `{name}` is proven wrong"));
+        let parts = [replaced, summary(&votes(cells)), decision(cells)];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        if parts.is_empty() {
+            return None;
+        }
         let source = first
             .source
             .as_ref()
             .map_or_else(String::new, |s| format!(", source {s}"));
-        Some(format!("{}{source}: {text}", first.model))
+        Some(format!("{}{source}: {}", first.model, parts.join("; ")))
     };
     cells.chunk_by(same).filter_map(summary).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use geobench_mesh::Tolerance;
+
     use super::*;
+    use crate::run::answer_layout::AnswerLayout;
 
     /// `mmp` and others, each with its cluster; the reference is `mmp`.
     fn votes(others: &[(&str, u32)]) -> Vec<Vote> {
@@ -426,19 +479,24 @@ mod tests {
 
     #[test]
     fn answers_join_the_first_cluster_that_they_agree_with() {
+        let rule = Tolerance::relative(1e-9);
         let layout = AnswerLayout::default();
+        let assign = |clusters: &mut Clusters, distances: &[f64]| {
+            let known = clusters.find(|first| layout.agrees(distances, first, &rule));
+            known.unwrap_or_else(|| clusters.add(distances))
+        };
         let mut clusters = Clusters::default();
-        assert_eq!(clusters.assign(&[0.0, 1.0], 1e-9, &layout), 1);
-        assert_eq!(clusters.assign(&[0.0, 2.0], 1e-9, &layout), 2);
-        assert_eq!(clusters.assign(&[0.0, 1.0 + 1e-12], 1e-9, &layout), 1);
+        assert_eq!(assign(&mut clusters, &[0.0, 1.0]), 1);
+        assert_eq!(assign(&mut clusters, &[0.0, 2.0]), 2);
+        assert_eq!(assign(&mut clusters, &[0.0, 1.0 + 1e-12]), 1);
         // Answers with another number of vertices or with NaN agree with nothing.
-        assert_eq!(clusters.assign(&[0.0], 1e-9, &layout), 3);
-        assert_eq!(clusters.assign(&[0.0, f64::NAN], 1e-9, &layout), 4);
-        assert_eq!(clusters.assign(&[0.0, f64::NAN], 1e-9, &layout), 5);
+        assert_eq!(assign(&mut clusters, &[0.0]), 3);
+        assert_eq!(assign(&mut clusters, &[0.0, f64::NAN]), 4);
+        assert_eq!(assign(&mut clusters, &[0.0, f64::NAN]), 5);
         let mut later = Clusters::default();
         later.restore(2, Some(vec![5.0]));
         later.restore(0, None);
-        assert_eq!(later.assign(&[5.0], 1e-9, &layout), 2);
-        assert_eq!(later.assign(&[6.0], 1e-9, &layout), 3);
+        assert_eq!(assign(&mut later, &[5.0]), 2);
+        assert_eq!(assign(&mut later, &[6.0]), 3);
     }
 }

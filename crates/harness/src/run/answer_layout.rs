@@ -3,6 +3,8 @@
 
 use std::collections::HashMap;
 
+use geobench_mesh::Tolerance;
+
 use crate::exec::goal::GoalSpec;
 use crate::exec::source::PointSpec;
 use crate::run::check::{self, Deviation, Disagreement};
@@ -31,8 +33,8 @@ impl AnswerLayout {
     ///
     /// With a radius, distances beyond it are infinite. Rounding decides on which side of the
     /// radius a distance close to it lies. A place with one finite and one infinite distance is
-    /// therefore skipped if the finite one is at least `radius * (1 - tolerance)`. In an answer that
-    /// may differ by any finite amount, every such place is skipped.
+    /// therefore skipped if the finite one is less than the radius by no more than `rule` allows. In
+    /// an answer that may differ by any finite amount, every such place is skipped.
     ///
     /// # Panics
     ///
@@ -41,7 +43,7 @@ impl AnswerLayout {
         &self,
         found: &[f64],
         expected: impl IntoIterator<Item = (usize, f64)>,
-        tolerance: f64,
+        rule: &Tolerance,
         may_differ: bool,
     ) -> Deviation {
         let is_compared = |&(place, expected): &(usize, f64)| {
@@ -52,17 +54,17 @@ impl AnswerLayout {
             if found.is_finite() == expected.is_finite() || found.is_nan() {
                 return true;
             }
-            !may_differ && found.min(expected) < radius * (1.0 - tolerance)
+            !may_differ && found.min(expected) < radius - rule.allowed(place, radius)
         };
         let expected = expected.into_iter().filter(is_compared);
-        check::compare_some(found, expected, tolerance)
+        check::compare_some(found, expected, rule)
     }
 
     /// Whether the exact answer `found` agrees with the answer `expected`; see
     /// [`compare`](Self::compare). Answers of different lengths do not.
-    pub fn agrees(&self, found: &[f64], expected: &[f64], tolerance: f64) -> bool {
+    pub fn agrees(&self, found: &[f64], expected: &[f64], rule: &Tolerance) -> bool {
         let places = expected.iter().copied().enumerate();
-        found.len() == expected.len() && self.compare(found, places, tolerance, false).agrees()
+        found.len() == expected.len() && self.compare(found, places, rule, false).agrees()
     }
 
     /// Stored distances of vertices, converted to places of an answer and cut at the radius. Places
@@ -86,7 +88,7 @@ impl AnswerLayout {
     }
 
     /// The vertex at a place of an answer. `None` for a point that is not a vertex.
-    pub(crate) fn vertex(&self, place: usize) -> Option<usize> {
+    pub fn vertex(&self, place: usize) -> Option<usize> {
         match &self.targets {
             None => Some(place),
             Some(targets) => match targets.get(place)?.label() {
@@ -136,7 +138,8 @@ mod tests {
         let layout = AnswerLayout::new(&goal("", Some(2.0)), 3);
         let agrees = |found: f64, expected: f64, may_differ| {
             let expected = [(0, expected)];
-            let found = layout.compare(&[found], expected, 1e-9, may_differ);
+            let rule = Tolerance::relative(1e-9);
+            let found = layout.compare(&[found], expected, &rule, may_differ);
             found.agrees()
         };
         assert!(agrees(2.0, INF, false) && agrees(INF, 2.0, false));

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use geobench_registry::{ProcessLifetime, Program, Selection};
+use geobench_registry::{CERTIFICATE, ProcessLifetime, Program, Selection};
 use geobench_window::Counter;
 
 use crate::exec::{Failure, Pass};
@@ -12,6 +12,7 @@ use crate::plan::sampling::Sampling;
 use crate::run::agreement;
 use crate::run::earlier::NOT_CHECKED;
 use crate::run::journal::{RunId, RunOutcome};
+use crate::run::proof::RevisedGroup;
 use crate::schema::{Cell, Check, Memory, Status, Time};
 
 /// The outcomes of the runs of a cell.
@@ -124,6 +125,31 @@ impl<'p> CellRuns<'p> {
     pub(super) fn summaries(&self) -> impl Iterator<Item = (Pass, Result<Option<f64>, Status>)> {
         let outcomes = self.outcomes.iter();
         outcomes.map(|(&(pass, _), outcome)| (pass, summary(outcome)))
+    }
+
+    /// Puts comparisons with proven distances in the place of those with a reference that a proof
+    /// has refuted.
+    pub(super) fn revise(&mut self, groups: &[RevisedGroup]) {
+        for outcome in self.outcomes.values_mut() {
+            let known = &outcome.check;
+            let is_new = known.reference.as_deref() == Some(CERTIFICATE);
+            let group = groups
+                .iter()
+                .find(|group| known.cluster == Some(group.before));
+            let Some(group) = group.filter(|_| !is_new) else {
+                continue;
+            };
+            outcome.check = Check {
+                unreachable: known.unreachable,
+                doubt: known.doubt,
+                wrong_labels: known.wrong_labels,
+                ..group.check.clone()
+            };
+            outcome.unchecked = None;
+            let failure = outcome.failure.take();
+            outcome.failure = failure.or_else(|| group.failure.clone());
+            self.failure = self.failure.take().or_else(|| outcome.failure.clone());
+        }
     }
 
     /// Adds the outcome of a run.
@@ -252,8 +278,12 @@ impl<'p> CellRuns<'p> {
             Some(_) => check.max_rel.unwrap_or(f64::INFINITY),
             None => -1.0,
         };
-        let worst = outcomes()
-            .map(|outcome| &outcome.check)
+        // Proven distances take the place of a refuted reference.
+        let is_proven = |check: &&Check| check.reference.as_deref() == Some(CERTIFICATE);
+        let checks = || outcomes().map(|outcome| &outcome.check);
+        let with_proof = checks().any(|check| is_proven(&check));
+        let worst = checks()
+            .filter(|check| !with_proof || is_proven(check))
             .max_by(|a, b| badness(a).total_cmp(&badness(b)));
         let unreachable = outcomes()
             .rev()

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use anyhow::ensure;
+use geobench_mesh::Tolerance;
 
 /// How distances differ from a reference.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +14,9 @@ pub struct Deviation {
     /// Largest relative difference. That of a and b is |a - b| / max(|a|, |b|), 0 if they are
     /// equal, and infinite where the absolute difference is.
     pub max_rel: f64,
+    /// The least tolerance with which all vertices agree. Infinite where the absolute difference is,
+    /// or if a source is not at 0.
+    pub least_tolerance: f64,
     /// Mean relative error |found - expected| / expected, over the vertices whose reference
     /// distance is positive and finite. Infinite if the answer does not reach one of them; 0 if
     /// there are none.
@@ -23,9 +27,11 @@ pub struct Deviation {
     pub unreachable: usize,
     /// Number of vertices that were compared.
     pub compared: usize,
-    /// Number of compared vertices that differ by more than the tolerance.
+    /// Number of compared vertices that differ by more than is allowed.
     pub disagreeing: usize,
-    /// The vertex with the largest relative difference, if that exceeds the tolerance.
+    /// Most by which a difference exceeds what is allowed; 0 if none does.
+    pub excess: f64,
+    /// The vertex whose difference is the largest multiple of what is allowed, if it exceeds that.
     pub worst: Option<Disagreement>,
 }
 
@@ -49,7 +55,7 @@ impl Deviation {
 
 impl Disagreement {
     /// Describes the disagreement. `place` is the name of the vertex or point.
-    pub(crate) fn at(&self, place: &str) -> String {
+    pub fn at(&self, place: &str) -> String {
         let (abs, rel) = difference(self.found, self.expected);
         format!(
             "{place} is at {} instead of {} (difference {abs:.3e}, relative {rel:.3e})",
@@ -78,8 +84,7 @@ pub fn check_length(found: &[f64], expected: usize) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Compares `found` with `expected` at the vertices that `expected` has. Two distances agree if
-/// they differ by at most `tolerance` relative, or if both are infinite. NaN agrees with nothing.
+/// Compares `found` with `expected` at the vertices that `expected` has, by `rule`.
 ///
 /// # Panics
 ///
@@ -87,20 +92,22 @@ pub fn check_length(found: &[f64], expected: usize) -> anyhow::Result<()> {
 pub fn compare_some(
     found: &[f64],
     expected: impl IntoIterator<Item = (usize, f64)>,
-    tolerance: f64,
+    rule: &Tolerance,
 ) -> Deviation {
     let mut result = Deviation {
         max_abs: 0.0,
         max_rel: 0.0,
+        least_tolerance: 0.0,
         mean_rel: 0.0,
         rms_rel: 0.0,
         // NaN counts as a wrong answer below, not as unreachable.
         unreachable: found.iter().filter(|d| **d == f64::INFINITY).count(),
         compared: 0,
         disagreeing: 0,
+        excess: 0.0,
         worst: None,
     };
-    let mut worst_rel = 0.0;
+    let mut worst_multiple = 0.0;
     let (mut sum, mut squares, mut errors) = (0.0, 0.0, 0_usize);
     for (vertex, expected) in expected {
         let found = found[vertex];
@@ -108,16 +115,24 @@ pub fn compare_some(
         result.compared += 1;
         result.max_abs = result.max_abs.max(abs);
         result.max_rel = result.max_rel.max(rel);
+        let beyond_rounding = abs - rule.allowed(vertex, 0.0);
+        if beyond_rounding > 0.0 {
+            let needed = beyond_rounding / expected.min(f64::MAX);
+            result.least_tolerance = result.least_tolerance.max(needed);
+        }
         if expected > 0.0 && expected.is_finite() {
             let error = abs / expected;
             sum += error;
             squares += error * error;
             errors += 1;
         }
-        if rel > tolerance {
+        if !rule.is_right(vertex, found, expected) {
             result.disagreeing += 1;
-            if rel > worst_rel {
-                worst_rel = rel;
+            let allowed = rule.allowed(vertex, expected);
+            result.excess = result.excess.max(abs - allowed);
+            let multiple = abs / allowed;
+            if multiple > worst_multiple {
+                worst_multiple = multiple;
                 result.worst = Some(Disagreement {
                     vertex,
                     found,
@@ -153,8 +168,10 @@ mod tests {
 
     const INF: f64 = f64::INFINITY;
 
+    /// By relative differences alone.
     fn compare(found: &[f64], expected: &[f64], tolerance: f64) -> Deviation {
-        compare_some(found, expected.iter().copied().enumerate(), tolerance)
+        let rule = Tolerance::relative(tolerance);
+        compare_some(found, expected.iter().copied().enumerate(), &rule)
     }
 
     #[test]
@@ -170,6 +187,27 @@ mod tests {
         assert!(compare(&[1e6 + 1.0], &[1e6], 1e-6).agrees());
         assert!(!compare(&[1e-6 + 1e-9], &[1e-6], 1e-6).agrees());
         assert!(compare(&[1.0], &[2.0], 0.5).agrees());
+    }
+
+    #[test]
+    fn rounding_of_the_field_is_no_disagreement() {
+        let expected = [0.0, 1e-10, 1.0, 1.0, 1.0];
+        let rule = Tolerance::of(&expected);
+        let compare = |found: &[f64]| {
+            let expected = expected.iter().copied().enumerate();
+            compare_some(found, expected, &rule)
+        };
+        assert!(compare(&[1e-14, 1e-10 - 1e-14, 1.0, 1.0, 1.0]).agrees());
+        let found = compare(&[0.0, 2e-10, 1.0 + 3e-9, 1.0, 1.0]);
+        assert_eq!(found.disagreeing, 2);
+        assert!((found.least_tolerance - 0.999).abs() < 1e-9);
+        assert_eq!(
+            compare(&[0.0, 1e-10 + 1e-14, 1.0, 1.0, 1.0]).least_tolerance,
+            0.0
+        );
+        // 2e-9 against 1e-10, but 3 times against 1000 times what is allowed.
+        assert_eq!(found.worst.unwrap().vertex, 1);
+        assert!((found.excess - 2e-9).abs() < 1e-12);
     }
 
     #[test]
@@ -216,7 +254,8 @@ mod tests {
 
     #[test]
     fn a_sample_is_compared_only_where_it_is() {
-        let result = compare_some(&[0.0, 5.0, 2.0], [(0, 0.0), (2, 2.0)], 1e-9);
+        let rule = Tolerance::relative(1e-9);
+        let result = compare_some(&[0.0, 5.0, 2.0], [(0, 0.0), (2, 2.0)], &rule);
         assert!(result.agrees());
         assert_eq!(result.compared, 2);
     }

@@ -25,6 +25,7 @@ use anyhow::{Context, anyhow, bail};
 use serde::{Deserialize, Serialize};
 
 use crate::exec::{Failure, Observation, Pass};
+use crate::run::proof::Decision;
 use crate::schema::difference::first_difference;
 use crate::schema::{
     Check, InstructionCount, ModelRecord, PlanRecord, PlannedGroup, SCHEMA, SessionRecord,
@@ -50,6 +51,17 @@ pub struct RunId {
     pub pass: Pass,
     /// Index among the runs of this pass, from 0.
     pub round: usize,
+}
+
+/// Identifies the runs from one source, or from several together.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub(super) struct UnitId {
+    /// Name of the group; null for a group without a name.
+    pub(super) group: Option<String>,
+    /// Name of the model.
+    pub(super) model: String,
+    /// The source, or several sources together.
+    pub(super) source: SourceLabel,
 }
 
 /// The outcome of a run, after the check of its answer.
@@ -82,6 +94,7 @@ pub struct Journal {
     models: HashMap<String, ModelRecord>,
     outcomes: HashMap<RunId, RunOutcome>,
     instructions: HashMap<RunId, InstructionCount>,
+    decisions: HashMap<UnitId, Decision>,
 }
 
 /// Maximum time to wait for the lock.
@@ -148,6 +161,7 @@ impl Journal {
             models: HashMap::new(),
             outcomes: HashMap::new(),
             instructions: HashMap::new(),
+            decisions: HashMap::new(),
         };
         let mut bytes = Vec::new();
         let read = journal.file.read_to_end(&mut bytes);
@@ -254,6 +268,9 @@ impl Journal {
             JournalLine::Instructions { id, found } => {
                 self.instructions.insert(id, found);
             }
+            JournalLine::Decision { id, found } => {
+                self.decisions.insert(id, found);
+            }
             JournalLine::Run { id, found } => self.note(id, found)?,
         }
         Ok(())
@@ -338,6 +355,11 @@ impl Journal {
     /// The outcome of a run, if it is done.
     pub(super) fn outcome(&self, run: &RunId) -> Option<&RunOutcome> {
         self.outcomes.get(run)
+    }
+
+    /// What a proof has decided about disagreeing answers.
+    pub(super) fn decision(&self, unit: &UnitId) -> Option<&Decision> {
+        self.decisions.get(unit)
     }
 
     /// The instruction count of a cell. `run` is the counting run of that cell.
@@ -477,6 +499,13 @@ pub(super) enum JournalLine {
         #[serde(flatten)]
         found: InstructionCount,
     },
+    /// Answers disagreed, and a proof was sought.
+    Decision {
+        /// The runs concerned.
+        id: UnitId,
+        /// What it says.
+        found: Decision,
+    },
     /// A run ended.
     Run {
         /// The run.
@@ -490,7 +519,7 @@ impl JournalLine {
     /// The run that the line refers to, if any.
     const fn run(&self) -> Option<&RunId> {
         match self {
-            Self::Plan(_) | Self::Session(_) | Self::Model(_) => None,
+            Self::Plan(_) | Self::Session(_) | Self::Model(_) | Self::Decision { .. } => None,
             Self::Instructions { id, .. } | Self::Run { id, .. } => Some(id),
         }
     }

@@ -1,5 +1,6 @@
 //! The nearest sources of each vertex, from one run per source.
 
+use geobench_mesh::Tolerance;
 use geobench_voronoi::NO_SOURCE;
 
 /// The nearest sources of every vertex, as a bit set per vertex. Ties count as nearest.
@@ -21,19 +22,19 @@ impl NearestSources {
     }
 
     /// Adds a source to the set of each vertex that it reaches, where its distance exceeds the
-    /// least one by at most `tolerance` relative. `distances` are those from this source, for all
+    /// least one by at most what `rule` allows. `distances` are those from this source, for all
     /// vertices. `least` has vertices with their distances from the nearest source.
     pub(super) fn add(
         &mut self,
         source: usize,
         distances: &[f64],
         least: &[(usize, f64)],
-        tolerance: f64,
+        rule: &Tolerance,
     ) {
         for &(v, least) in least {
             let is_near = distances
                 .get(v)
-                .is_some_and(|&d| d.is_finite() && d <= least * (1.0 + tolerance));
+                .is_some_and(|&d| d.is_finite() && d <= least + rule.allowed(v, least));
             if is_near {
                 self.bits[v * self.words + source / 64] |= 1 << (source % 64);
             }
@@ -66,8 +67,9 @@ mod tests {
     fn a_label_is_that_of_any_nearest_source() {
         let mut nearest = NearestSources::new(3, 70);
         let least = [(0, 0.0), (1, 2.0), (2, f64::INFINITY)];
-        nearest.add(3, &[0.0, 2.0, f64::INFINITY], &least, 1e-9);
-        nearest.add(69, &[4.0, 2.0 + 1e-9, f64::INFINITY], &least, 1e-9);
+        let rule = Tolerance::relative(1e-9);
+        nearest.add(3, &[0.0, 2.0, f64::INFINITY], &least, &rule);
+        nearest.add(69, &[4.0, 2.0 + 1e-9, f64::INFINITY], &least, &rule);
         let wrong = |labels: [u32; 3]| nearest.wrong(&labels).collect::<Vec<_>>();
         assert!(wrong([3, 3, NO_SOURCE]).is_empty());
         assert!(wrong([3, 69, NO_SOURCE]).is_empty());

@@ -16,7 +16,9 @@ pub mod merge;
 #[cfg(any(test, feature = "mock"))]
 pub mod mock;
 mod order;
-mod reference_check;
+pub mod proof;
+pub mod reference_check;
+mod scale;
 #[cfg(test)]
 mod tests;
 mod unit;

@@ -1,52 +1,121 @@
 //! The reference answer for one model and source, and the comparison of answers with it.
 
+use geobench_mesh::Tolerance;
 use geobench_registry::Selection;
 
-use crate::exec::Failure;
+use crate::exec::{Failure, Session, Step};
 use crate::run::agreement::{self, Clusters};
 use crate::run::answer_layout::AnswerLayout;
 use crate::run::check::{self, Deviation};
+use crate::run::proof::{Decision, RevisedGroup};
+use crate::run::scale::Scale;
 use crate::schema::{Check, Status};
 
 /// The reference answer, or why there is none.
 #[derive(Debug, Default)]
-pub(super) struct ReferenceCheck {
+pub struct ReferenceCheck {
     /// The reference answer.
-    pub(super) answer: Option<Answer>,
+    pub answer: Option<Answer>,
     /// Why there is no reference answer although one was requested.
-    pub(super) unchecked: Option<String>,
+    pub unchecked: Option<String>,
     /// Clusters of the answers that differ from the reference.
-    pub(super) clusters: Clusters,
+    pub clusters: Clusters,
     /// Layout of the answers.
-    pub(super) layout: AnswerLayout,
+    pub layout: AnswerLayout,
+    /// The scale of the reference.
+    pub(crate) scale: Scale,
+    /// What a proof has decided, once answers differed.
+    pub(crate) decision: Option<Decision>,
 }
 
 /// A reference answer and its name.
 #[derive(Debug)]
-pub(super) struct Answer {
-    pub(super) name: String,
+pub struct Answer {
+    /// Name of the algorithm or path of the file.
+    pub name: String,
     /// Places in the answer and their distances. A file may lack some places.
-    pub(super) distances: Vec<(usize, f64)>,
+    pub distances: Vec<(usize, f64)>,
     /// Number of distances that an answer must have.
-    pub(super) vertices: usize,
+    pub vertices: usize,
+    /// Vertices and distances of a file, of all that it has. `None` for an algorithm.
+    pub stored: Option<Vec<(usize, f64)>>,
 }
 
 impl Answer {
     /// The answer of an algorithm.
-    pub(super) fn of(name: &str, distances: &[f64]) -> Self {
+    pub fn of(name: &str, distances: &[f64]) -> Self {
         Self {
             name: name.to_owned(),
             vertices: distances.len(),
             distances: distances.iter().copied().enumerate().collect(),
+            stored: None,
         }
+    }
+
+    /// All distances of the answer in their order, with those of `other` where it has none.
+    pub fn completed_by(&self, other: &Self) -> Vec<f64> {
+        let mut found = vec![f64::INFINITY; self.vertices];
+        for &(place, distance) in other.distances.iter().chain(&self.distances) {
+            found[place] = distance;
+        }
+        found
     }
 }
 
 impl ReferenceCheck {
+    /// Without a reference answer so far, for answers of this layout.
+    pub fn new(layout: AnswerLayout) -> Self {
+        Self {
+            layout,
+            ..Self::default()
+        }
+    }
+
+    /// Whether `distances` differ from the reference answer.
+    pub fn differs(&self, distances: &[f64], tolerance: f64) -> bool {
+        let rule = self.scale.rule(tolerance);
+        self.answer.as_ref().is_some_and(|answer| {
+            let expected = answer.distances.iter().copied();
+            distances.len() == answer.vertices
+                && !(self.layout.compare(distances, expected, &rule, false)).agrees()
+        })
+    }
+
+    /// Whether `distances`, the answer of `algorithm`, differ from the reference; or, without an
+    /// answer of the reference, from all others so far.
+    pub fn is_disputed(&self, distances: &[f64], algorithm: &Selection, tolerance: f64) -> bool {
+        if self.answer.is_some() || self.unchecked.is_none() || algorithm.is_approximate() {
+            return self.differs(distances, tolerance);
+        }
+        self.clusters.next() > 1 && self.known_cluster(distances, tolerance).is_none()
+    }
+
+    /// Finds the scale of the reference, unless it is known or `distances` agree without it. `step`
+    /// is a run of the reference.
+    pub fn find_scale(
+        &mut self,
+        distances: &[f64],
+        tolerance: f64,
+        session: &mut dyn Session,
+        step: &Step<'_>,
+    ) {
+        let Some(answer) = self.answer.as_ref() else {
+            return;
+        };
+        if !matches!(self.scale, Scale::NotSought) || !self.differs(distances, tolerance) {
+            return;
+        }
+        let field = match &answer.stored {
+            None if step.goal.is_everything() => Some(answer.distances.clone()),
+            stored => stored.clone(),
+        };
+        self.scale = Scale::find(session, step, field);
+    }
+
     /// Compares an answer of `algorithm` with the reference. Returns the comparison, and a failure
-    /// if the answer differs by more than `tolerance`, or than the proven bound of the algorithm if
-    /// that is larger. Approximate answers are not put into clusters.
-    pub(super) fn judge(
+    /// if the answer differs by more than `tolerance` and rounding allow, or than the proven bound
+    /// of the algorithm if that is larger. Approximate answers are not put into clusters.
+    pub fn judge(
         &mut self,
         distances: &[f64],
         algorithm: &Selection,
@@ -58,10 +127,89 @@ impl ReferenceCheck {
         if is_wanted && !algorithm.is_approximate() {
             check.cluster = Some(match (&self.answer, &failure) {
                 (Some(_), None) => agreement::REFERENCE,
-                _ => self.clusters.assign(distances, tolerance, &self.layout),
+                _ => self.cluster_of_differing(distances, tolerance),
             });
         }
         (check, failure)
+    }
+
+    /// The cluster of an answer that differs from the reference.
+    pub fn cluster_of_differing(&mut self, distances: &[f64], tolerance: f64) -> u32 {
+        let known = self.known_cluster(distances, tolerance);
+        known.unwrap_or_else(|| self.clusters.add(distances))
+    }
+
+    /// The first answer of a cluster.
+    pub fn first(&self, cluster: u32) -> Option<Vec<f64>> {
+        match cluster {
+            agreement::REFERENCE => {
+                let distances = self.answer.as_ref()?.distances.iter();
+                Some(distances.map(|&(_, d)| d).collect())
+            }
+            other => self.clusters.first(other).cloned(),
+        }
+    }
+
+    /// The cluster other than that of the reference that an answer agrees with. Without an answer of
+    /// the reference, the first answer of a cluster has its place in the rule.
+    fn known_cluster(&self, distances: &[f64], tolerance: f64) -> Option<u32> {
+        self.clusters.find(|first| {
+            let rule = match &self.answer {
+                Some(_) => self.scale.rule(tolerance),
+                None => Tolerance::of(first).with_relative(tolerance),
+            };
+            self.layout.agrees(distances, first, &rule)
+        })
+    }
+
+    /// Compares the answers so far with the reference, which has taken the place of `refuted`.
+    /// Numbers the clusters anew.
+    pub(crate) fn revise(
+        &mut self,
+        refuted: Option<Vec<f64>>,
+        tolerance: f64,
+    ) -> Vec<RevisedGroup> {
+        let mut before = vec![refuted];
+        before.extend(std::mem::take(&mut self.clusters).into_first());
+        let mut groups = Vec::new();
+        for (number, found) in (0..).zip(before) {
+            let Some(found) = found else { continue };
+            let (mut check, failure) = self.compare(&found, tolerance, false);
+            check.cluster = Some(match failure {
+                None => agreement::REFERENCE,
+                Some(_) => self.cluster_of_differing(&found, tolerance),
+            });
+            groups.push(RevisedGroup {
+                before: number,
+                check,
+                failure,
+            });
+        }
+        groups
+    }
+
+    /// Compares `distances` with the reference. Without one, only NaN is wrong.
+    ///
+    /// # Errors
+    ///
+    /// If the numbers of distances differ.
+    pub fn deviation(
+        &self,
+        distances: &[f64],
+        tolerance: f64,
+        may_differ: bool,
+    ) -> anyhow::Result<Deviation> {
+        let Some(answer) = &self.answer else {
+            // NaN is compared with itself and never agrees.
+            let places = distances.iter().copied().enumerate();
+            let expected = places.filter(|(_, d)| d.is_nan());
+            let rule = Tolerance::relative(tolerance);
+            return Ok(check::compare_some(distances, expected, &rule));
+        };
+        check::check_length(distances, answer.vertices)?;
+        let expected = answer.distances.iter().copied();
+        let rule = self.scale.rule(tolerance);
+        Ok((self.layout).compare(distances, expected, &rule, may_differ))
     }
 
     fn compare(
@@ -71,34 +219,21 @@ impl ReferenceCheck {
         may_differ: bool,
     ) -> (Check, Option<Failure>) {
         let wrong = |message: String| Failure::new(Status::Wrong, message);
-        let comparison = match &self.answer {
-            Some(answer) => {
-                if let Err(error) = check::check_length(distances, answer.vertices) {
-                    return (Check::default(), Some(wrong(error.to_string())));
-                }
-                let expected = answer.distances.iter().copied();
-                (self.layout).compare(distances, expected, tolerance, may_differ)
-            }
-            // Without a reference, only NaN is wrong. It is compared with itself and never agrees.
-            None => check::compare_some(
-                distances,
-                distances
-                    .iter()
-                    .copied()
-                    .enumerate()
-                    .filter(|(_, d)| d.is_nan()),
-                tolerance,
-            ),
+        let comparison = match self.deviation(distances, tolerance, may_differ) {
+            Ok(comparison) => comparison,
+            Err(error) => return (Check::default(), Some(wrong(error.to_string()))),
         };
         let name = self.answer.as_ref().map(|answer| answer.name.as_str());
         let failure = comparison.worst.map(|worst| {
             wrong(format!(
-                "differs from {}: {}; {} of {} {} differ by more than {tolerance:e} relative",
+                "differs from {}: {}; {} of {} {} differ by more than {tolerance:e} relative and \
+                 rounding{}",
                 name.unwrap_or("no reference"),
                 self.layout.describe(&worst),
                 comparison.disagreeing,
                 comparison.compared,
-                self.layout.noun()
+                self.layout.noun(),
+                self.scale.remark()
             ))
         });
         let mut check = record(name, &comparison);
@@ -115,6 +250,7 @@ fn record(reference: Option<&str>, comparison: &Deviation) -> Check {
         reference: reference.map(str::to_owned),
         max_abs: finite(comparison.max_abs),
         max_rel: finite(comparison.max_rel),
+        least_tolerance: finite(comparison.least_tolerance),
         unreachable: Some(comparison.unreachable as u64),
         compared: reference.map(|_| comparison.compared as u64),
         worst_vertex: reference

@@ -113,7 +113,7 @@ fn a_wrong_answer_is_a_failed_cell_and_never_a_time() {
     assert_eq!(
         wrong.message.as_deref().unwrap(),
         "differs from mmp: vertex 2 is at 1.75 instead of 1.5 (difference 2.500e-1, relative 1.429e-1); \
-         1 of 4 vertices differ by more than 1e-9 relative; 2 algorithms: 1 with the reference's answer, \
+         1 of 4 vertices differ by more than 1e-9 relative and rounding; 2 algorithms: 1 with the reference's answer, \
          1 with this one, no majority"
     );
     assert_eq!(cell(&records.cells, "mmp").status, Status::Ok);

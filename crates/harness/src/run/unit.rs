@@ -4,23 +4,25 @@ use std::path::Path;
 use std::slice;
 use std::sync::{Mutex, MutexGuard};
 
-use geobench_registry::Selection;
+use geobench_registry::{self as registry, CERTIFICATE, Selection};
 use geobench_window::precision;
 
 use crate::exec::model::ModelRef;
 use crate::exec::source::SourceSpec;
 use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::lock::lock;
+use crate::measure::number::scientific;
 use crate::plan::{Plan, Reference};
 use crate::run::agreement;
 use crate::run::answer_layout::AnswerLayout;
 use crate::run::cell_runs::{CellRuns, summary};
 use crate::run::each::each;
 use crate::run::earlier::{self, Earlier};
-use crate::run::journal::{Journal, JournalLine, RunId, RunOutcome};
+use crate::run::journal::{Journal, JournalLine, RunId, RunOutcome, UnitId};
 use crate::run::labels::NearestSources;
 use crate::run::log::RunLog;
 use crate::run::order::RunOrder;
+use crate::run::proof::{self, Decision};
 use crate::run::reference_check::{Answer, ReferenceCheck};
 use crate::schema::{Cell, ModelRecord, Status};
 
@@ -30,6 +32,8 @@ pub(crate) struct Unit<'p> {
     plan: UnitPlan<'p>,
     /// One for each algorithm of the plan, in its order.
     cells: Vec<CellRuns<'p>>,
+    /// What a proof has decided about disagreeing answers.
+    decision: Option<Decision>,
 }
 
 /// The data shared by the cells of a unit.
@@ -83,7 +87,11 @@ impl<'p> Unit<'p> {
             cells: cells
                 .map(|(index, algorithm)| CellRuns::new(index, algorithm, plan.sampling))
                 .collect(),
+            decision: None,
         };
+        if let Some(journal) = recorded.journal {
+            unit.decision = journal.decision(&unit.plan.unit_id()).cloned();
+        }
         // The reference has one warm-up even if the plan has none.
         let warmups = (0..plan.warmup.max(1)).map(|round| (Pass::Warmup, round));
         let times = (0..plan.sampling.most()).map(|round| (Pass::Time, round));
@@ -106,12 +114,22 @@ impl<'p> Unit<'p> {
         for cell in &mut unit.cells {
             cell.count_samples();
         }
+        unit.revise();
         unit
     }
 
     /// Whether all runs are done.
     pub(crate) fn is_complete(&self) -> bool {
         self.cells.iter().all(CellRuns::is_complete)
+    }
+
+    /// Judges answers anew that were compared with a reference before a proof refuted it.
+    fn revise(&mut self) {
+        if let Some(Decision::Replaced { groups, .. }) = &self.decision {
+            for cell in &mut self.cells {
+                cell.revise(groups);
+            }
+        }
     }
 
     /// Executes the missing runs of all cells, interleaved.
@@ -126,7 +144,7 @@ impl<'p> Unit<'p> {
     ) -> anyhow::Result<()> {
         self.begin(log);
         if !self.is_complete() {
-            let checks = self.plan.checks();
+            let checks = self.plan.checks(self.decision.take());
             let mut context = RunContext {
                 session,
                 log,
@@ -136,6 +154,7 @@ impl<'p> Unit<'p> {
                 .plan
                 .prepare(&mut self.cells, &mut context)
                 .and_then(|warmed| self.plan.make_runs(&mut self.cells, warmed, &mut context));
+            self.decision = context.check().decision.take();
             stopped_or(done)?;
         }
         self.end(log);
@@ -158,12 +177,16 @@ impl<'p> Unit<'p> {
     ) -> anyhow::Result<()> {
         self.begin(log);
         if !self.is_complete() {
-            stopped_or(self.plan.make_runs_of_cells(
+            let checks = self.plan.checks(self.decision.take());
+            let done = self.plan.make_runs_of_cells(
                 &mut self.cells,
                 first,
                 &|| backend.open_further(model, self.plan.model),
                 log,
-            ))?;
+                &checks,
+            );
+            self.decision = lock(&checks.reference).decision.take();
+            stopped_or(done)?;
         }
         self.end(log);
         Ok(())
@@ -187,7 +210,8 @@ impl<'p> Unit<'p> {
     }
 
     /// The records of the finished cells.
-    pub(crate) fn cells(self) -> Vec<Cell> {
+    pub(crate) fn cells(mut self) -> Vec<Cell> {
+        self.revise();
         let ids: Vec<RunId> = self
             .cells
             .iter()
@@ -211,16 +235,21 @@ impl<'p> Unit<'p> {
                 cell
             })
             .collect();
-        let unchanged: Vec<(usize, Option<String>)> = cells
+        let unchanged: Vec<(usize, Cell)> = cells
             .iter()
             .enumerate()
             .filter(|(_, cell)| earlier.contains(cell))
-            .map(|(index, cell)| (index, cell.message.clone()))
+            .map(|(index, cell)| (index, cell.clone()))
             .collect();
+        if let Some(decision) = &self.decision {
+            for cell in &mut cells {
+                decision.describe(&mut cell.check);
+            }
+        }
         agreement::explain(&mut cells);
         // Cells from the earlier file have these remarks already.
-        for (index, message) in unchanged {
-            cells[index].message = message;
+        for (index, cell) in unchanged {
+            cells[index] = cell;
         }
         cells
     }
@@ -234,8 +263,8 @@ impl<'p> UnitPlan<'p> {
         first: Option<Box<dyn Session + 's>>,
         open: &(dyn Fn() -> Result<Box<dyn Session + 's>, Refusal> + Sync),
         log: &RunLog<'_>,
+        checks: &Checks,
     ) -> anyhow::Result<()> {
-        let checks = self.checks();
         let mut session = match first.map_or_else(open, Ok) {
             Ok(session) => session,
             Err(refusal) => return self.refuse(cells, &refusal, log),
@@ -243,7 +272,7 @@ impl<'p> UnitPlan<'p> {
         let mut context = RunContext {
             session: &mut *session,
             log,
-            checks: &checks,
+            checks,
         };
         let warmed = self.prepare(cells, &mut context)?;
         // The session of the reference run continues with the cell that it warmed up, or else with
@@ -265,7 +294,7 @@ impl<'p> UnitPlan<'p> {
                     let mut context = RunContext {
                         session: &mut *session,
                         log,
-                        checks: &checks,
+                        checks,
                     };
                     self.make_runs(cell, warmed, &mut context)
                 }
@@ -295,11 +324,12 @@ impl<'p> UnitPlan<'p> {
     }
 
     /// The state of the checks before the first run.
-    fn checks(&self) -> Checks {
+    fn checks(&self, decision: Option<Decision>) -> Checks {
         let vertices = self.model.vertex_count();
         Checks {
             reference: Mutex::new(ReferenceCheck {
                 layout: AnswerLayout::new(&self.plan.goal, vertices),
+                decision,
                 ..ReferenceCheck::default()
             }),
             nearest: Mutex::default(),
@@ -366,6 +396,17 @@ impl<'p> UnitPlan<'p> {
         cells: &mut [CellRuns<'p>],
         context: &mut RunContext<'_, '_>,
     ) -> anyhow::Result<Option<usize>> {
+        let is_refuted =
+            |check: &ReferenceCheck| matches!(check.decision, Some(Decision::Replaced { .. }));
+        if is_refuted(&context.check()) {
+            let proven = self.prove(context)?;
+            let mut check = context.check();
+            match proven {
+                Ok(proven) => check.answer = Some(Answer::of(CERTIFICATE, &proven)),
+                Err(why) => check.unchecked = Some(why),
+            }
+            return Ok(None);
+        }
         let reference = match &self.plan.reference {
             Reference::None => return Ok(None),
             Reference::Files(files) => {
@@ -383,6 +424,7 @@ impl<'p> UnitPlan<'p> {
                                 name,
                                 distances,
                                 vertices,
+                                stored: Some(field.distances),
                             });
                         }
                     }
@@ -485,6 +527,9 @@ impl<'p> UnitPlan<'p> {
     ) -> anyhow::Result<()> {
         let mut done = done;
         let labels = done.as_mut().ok().and_then(|done| done.labels.take());
+        if let Ok(found) = &done {
+            self.settle(cell.algorithm, &found.distances, context)?;
+        }
         let mut outcome = self.judge(cell.algorithm, done, &mut context.check());
         if let Some(labels) = labels.filter(|_| outcome.failure.is_none()) {
             self.judge_labels(&labels, &mut outcome, context)?;
@@ -493,6 +538,111 @@ impl<'p> UnitPlan<'p> {
             outcome.place = self.position(round, cell.index);
         }
         self.keep(cell, pass, round, outcome, context.log)
+    }
+
+    /// Finds what the judgement of an answer needs: the scale of the reference where they differ,
+    /// and a proof where they still do.
+    fn settle(
+        &self,
+        algorithm: &Selection,
+        distances: &[f64],
+        context: &mut RunContext<'_, '_>,
+    ) -> anyhow::Result<()> {
+        // Other cells wait, since they may need the same.
+        let mut check = context.check();
+        let tolerance = algorithm.tolerance(self.plan.tolerance);
+        if algorithm.may_differ() || !check.is_disputed(distances, algorithm, tolerance) {
+            return Ok(());
+        }
+        self.find_scale(&mut check, distances, tolerance, context)?;
+        if check.decision.is_none() && check.is_disputed(distances, algorithm, tolerance) {
+            let decision = self.decide(&mut check, context)?;
+            context.log.keep(JournalLine::Decision {
+                id: self.unit_id(),
+                found: decision.clone(),
+            })?;
+            check.decision = Some(decision);
+        }
+        Ok(())
+    }
+
+    /// Finds the scale of the reference, if the comparison with `distances` depends on it.
+    fn find_scale(
+        &self,
+        check: &mut ReferenceCheck,
+        distances: &[f64],
+        tolerance: f64,
+        context: &mut RunContext<'_, '_>,
+    ) -> Result<(), Interrupted> {
+        let is_named = |name: &str| check.answer.as_ref().is_some_and(|a| a.name == name);
+        let certificate = registry::certificate(self.plan.tolerance);
+        let algorithm = match &self.plan.reference {
+            Reference::Algorithm(reference) if is_named(reference.label()) => reference,
+            // It takes the place of a refuted reference. A file is not run.
+            _ => &certificate,
+        };
+        let step = self.as_step(algorithm, Pass::Warmup, 1);
+        check.find_scale(distances, tolerance, context.session, &step);
+        if context.log.interrupted() {
+            return Err(Interrupted);
+        }
+        Ok(())
+    }
+
+    /// Proven distances, or why there are none.
+    fn prove(
+        &self,
+        context: &mut RunContext<'_, '_>,
+    ) -> Result<Result<Vec<f64>, String>, Interrupted> {
+        let certificate = registry::certificate(self.plan.tolerance);
+        let done = context.execute(&self.as_step(&certificate, Pass::Warmup, 1))?;
+        Ok(done
+            .map(|found| found.distances)
+            .map_err(|failure| failure.message))
+    }
+
+    /// Decides by a proof whether the reference is right. If it is not, the proven distances take
+    /// its place.
+    fn decide(
+        &self,
+        check: &mut ReferenceCheck,
+        context: &mut RunContext<'_, '_>,
+    ) -> Result<Decision, Interrupted> {
+        let reference = check.answer.as_ref().map(|answer| answer.name.clone());
+        if let Some(proven) = reference
+            .as_ref()
+            .filter(|name| proof::is_certificate(name))
+        {
+            return Ok(Decision::Confirmed(proven.clone()));
+        }
+        if let Some(why) = proof::too_large(self.model.faces) {
+            return Ok(Decision::Undecided(why));
+        }
+        let proven = match self.prove(context)? {
+            Ok(proven) => Answer::of(CERTIFICATE, &proven),
+            Err(why) => return Ok(Decision::Undecided(why)),
+        };
+        let found = check
+            .answer
+            .as_ref()
+            .map(|answer| answer.completed_by(&proven));
+        let before = (
+            check.answer.replace(proven),
+            std::mem::take(&mut check.scale),
+        );
+        let tolerance = self.plan.tolerance;
+        if let (Some(found), Some(reference)) = (&found, &reference) {
+            self.find_scale(check, found, tolerance, context)?;
+            if !check.differs(found, tolerance) {
+                (check.answer, check.scale) = before;
+                return Ok(Decision::Confirmed(reference.clone()));
+            }
+        }
+        check.unchecked = None;
+        Ok(Decision::Replaced {
+            reference,
+            groups: check.revise(found, tolerance),
+        })
     }
 
     /// Writes the outcome of a run to the journal and adds it to its cell.
@@ -576,7 +726,8 @@ impl<'p> UnitPlan<'p> {
             let (Ok(done), Some(answer)) = (done, &check.answer) else {
                 return Ok(None);
             };
-            nearest.add(i, &done.distances, &answer.distances, self.plan.tolerance);
+            let rule = check.scale.rule(self.plan.tolerance);
+            nearest.add(i, &done.distances, &answer.distances, &rule);
         }
         Ok(Some(nearest))
     }
@@ -597,6 +748,16 @@ impl<'p> UnitPlan<'p> {
                 // An answer without a proven bound may differ by any finite amount.
                 let failure =
                     failure.filter(|_| !algorithm.may_differ() || check.max_rel.is_none());
+                let failure = failure.map(|failure| match check.doubt.map(scientific) {
+                    Some(doubt) => Failure {
+                        message: format!(
+                            "{}; in doubt, each distance may be off by up to {doubt}",
+                            failure.message
+                        ),
+                        ..failure
+                    },
+                    None => failure,
+                });
                 RunOutcome {
                     observation,
                     check,
@@ -620,6 +781,14 @@ impl<'p> UnitPlan<'p> {
             goal: &self.plan.goal,
             pass,
             solves,
+        }
+    }
+
+    fn unit_id(&self) -> UnitId {
+        UnitId {
+            group: self.plan.group.name.clone(),
+            model: self.model.name.clone(),
+            source: self.source.label(),
         }
     }
 

@@ -560,7 +560,8 @@ pub struct Check {
     /// Null if nothing was compared.
     #[serde(default)]
     pub compared: Option<u64>,
-    /// The vertex with the largest relative difference; null if there is no difference.
+    /// The vertex whose difference is the largest multiple of what is allowed; null if none exceeds
+    /// it.
     #[serde(default)]
     pub worst_vertex: Option<u64>,
     /// Mean relative error over the compared vertices that the reference reaches, without the
@@ -587,6 +588,20 @@ pub struct Check {
     /// reference from each source. Null if labels were not checked.
     #[serde(default)]
     pub wrong_labels: Option<u64>,
+    /// The least relative tolerance with which the answer is right beside the reference; null if
+    /// there is none. Less than `max_rel` where rounding explains differences.
+    #[serde(default)]
+    pub least_tolerance: Option<f64>,
+    /// Whether a proof shows that the answer is right or wrong. Null if no exact answers for this
+    /// model and source disagreed, or nothing was proven.
+    #[serde(default)]
+    pub proven: Option<bool>,
+    /// What was proven by what, or why nothing was; null if no exact answers disagreed.
+    #[serde(default)]
+    pub proof: Option<String>,
+    /// The reference that was proven wrong, if proven distances took its place.
+    #[serde(default)]
+    pub replaced: Option<String>,
 }
 
 /// Serializes counters as a map from name to count or `null`, in the order of [`Counter::ALL`].

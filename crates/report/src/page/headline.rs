@@ -8,7 +8,7 @@ use geobench_harness::schema::{Cell, ResultFile, Status};
 use crate::table::disturbance;
 use crate::table::group::{GroupCells, distinct, is_same_problem, pairs};
 
-/// The largest relative difference from the reference that counts as exact.
+/// The largest relative difference from the reference, beyond rounding, that counts as exact.
 pub(super) const EXACT: f64 = 1e-6;
 
 /// Names the algorithm that is fastest on most models, and its speed-up over the base of ratios. If
@@ -96,7 +96,9 @@ fn is_exact(group: &GroupCells<'_>, algorithm: &str) -> bool {
         .iter()
         .filter(|cell| cell.algorithm == algorithm);
     cells.all(|cell| {
-        let is_close = cell.check.max_rel.is_none_or(|error| error <= EXACT);
+        // Older files have no tolerance.
+        let error = cell.check.least_tolerance.or(cell.check.max_rel);
+        let is_close = error.is_none_or(|error| error <= EXACT);
         is_close && !cell.approximate
     })
 }
@@ -282,7 +284,7 @@ mod tests {
     #[test]
     fn approximate_answers_are_not_the_fastest() {
         let mut result = result(&[("a", "heat", 0.1), ("a", "mmp", 2.0), ("a", "vtp", 1.0)]);
-        result.cells[0].check.max_rel = Some(0.01);
+        result.cells[0].check.least_tolerance = Some(0.01);
         let record = GroupRecord::default();
         let group = GroupCells::new(&record, &result.models, &result.cells);
         let text = headline(&group).unwrap();

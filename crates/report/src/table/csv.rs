@@ -42,7 +42,7 @@ const AFTER_COUNTERS: &str = "/memory/papers_bytes /memory/windows_peak_bytes /m
     /memory/rss_peak_bytes /phases/propagation /phases/pruning /phases/management /phases/samples \
     /check/reference /check/max_abs /check/max_rel /check/unreachable /check/compared \
     /check/worst_vertex /check/mean_rel /check/rms_rel /check/edge_excess /check/doubt /check/cluster \
-    /check/wrong_labels /group /instructions /instructions_simd /shard /simd";
+    /check/wrong_labels /check/least_tolerance /check/proven /check/proof /check/replaced /group /instructions /instructions_simd /shard /simd";
 
 /// The columns on the model and the machine of a cell.
 const SURROUNDINGS: [&str; 4] = ["vertices", "faces", "edges", "machine"];

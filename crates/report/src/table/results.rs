@@ -232,6 +232,28 @@ fn note_on_instructions(cells: &[&Cell]) -> Option<String> {
     })
 }
 
+/// The algorithms whose distances are in doubt, and by how much.
+fn note_on_doubt(cells: &[&Cell]) -> Option<String> {
+    let in_doubt = || {
+        cells
+            .iter()
+            .copied()
+            .filter(|cell| cell.check.doubt.is_some())
+    };
+    let doubt = in_doubt().filter_map(|cell| cell.check.doubt);
+    let doubt = scientific(doubt.max_by(f64::total_cmp)?);
+    let answers = cells.iter().filter(|cell| cell.check.unreachable.is_some());
+    let whose = if in_doubt().count() == answers.count() {
+        String::new()
+    } else {
+        format!(" of {}", algorithms(in_doubt()).join(", "))
+    };
+    Some(format!(
+        "edges are too long for the distances{whose}, each of which may be off by up to {doubt}; \
+         `geobench distance` names the faces"
+    ))
+}
+
 /// A note on the number of infinite distances and their reason.
 fn note_on_unreachable(cells: &[&Cell]) -> Option<String> {
     let count = cells.iter().filter_map(|c| c.check.unreachable).max();
@@ -328,14 +350,7 @@ fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
     notes.extend(notes_on_times(cells));
     notes.extend(note_on_instructions(cells));
     notes.extend(note_on_unreachable(cells));
-    let doubt = cells.iter().filter_map(|c| c.check.doubt);
-    if let Some(doubt) = doubt.max_by(f64::total_cmp) {
-        notes.push(format!(
-            "edges are too long for these distances, each of which may be off by up to {}; \
-             `geobench distance` names the faces",
-            scientific(doubt)
-        ));
-    }
+    notes.extend(note_on_doubt(cells));
     let mut notes: Vec<Note> = notes.into_iter().map(Note::new).collect();
     for cell in cells {
         let Some(message) = &cell.message else {

@@ -40,8 +40,27 @@ pub const DEFAULT_SEED: u64 = 1;
 pub struct Plans {
     /// One plan per group, in order. A model has the same name in all plans.
     pub plans: Vec<Plan>,
-    /// Warnings about models that are left out, one line each.
+    /// Warnings about models that are left out and sources named twice, one line each.
     pub notes: Vec<String>,
+}
+
+impl Plans {
+    fn add(
+        &mut self,
+        settings: &Settings,
+        models: Vec<ModelRef>,
+        group: GroupRecord,
+    ) -> Result<(), UsageError> {
+        let sources = settings.sources.clone().unwrap_or_else(SourceSpec::first);
+        let (sources, notes) = sources.distinct();
+        for note in notes {
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
+        self.plans.push(plan(settings, sources, models, group)?);
+        Ok(())
+    }
 }
 
 /// Selects among the models of a suite.
@@ -80,8 +99,7 @@ pub fn plans(
             model::collect(MODELS)?
         };
         if asked.algorithms.is_some() || asked.simd.is_some() {
-            done.plans
-                .push(plan(&asked, models, GroupRecord::default())?);
+            done.add(&asked, models, GroupRecord::default())?;
             return Ok(done);
         }
         for (name, shows, simd, algorithms) in GROUPS {
@@ -96,7 +114,7 @@ pub fn plans(
                 ..GroupRecord::default()
             };
             let settings = asked.or(&settings);
-            done.plans.push(plan(&settings, models.clone(), record)?);
+            done.add(&settings, models.clone(), record)?;
         }
         return Ok(done);
     };
@@ -156,7 +174,7 @@ pub fn plans(
             shows: group.shows.clone(),
             ..GroupRecord::default()
         };
-        done.plans.push(plan(&settings, models, record)?);
+        done.add(&settings, models, record)?;
     }
     name_alike(&mut done.plans);
     Ok(done)
@@ -191,6 +209,7 @@ fn name_alike(plans: &mut [Plan]) {
 
 fn plan(
     settings: &Settings,
+    sources: SourceSpec,
     models: Vec<ModelRef>,
     group: GroupRecord,
 ) -> Result<Plan, UsageError> {
@@ -215,7 +234,7 @@ fn plan(
             ..group
         },
         models,
-        sources: settings.sources.clone().unwrap_or_else(SourceSpec::first),
+        sources,
         sources_together: settings.sources_together.unwrap_or(false),
         goal: GoalSpec {
             targets: settings.targets.clone(),

@@ -340,8 +340,8 @@ fn source<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SourceSpe
     let words = words(deserializer)?;
     let sources = words.iter().map(|word| word.parse());
     let sources = sources.collect::<Result<Vec<SourceSpec>, _>>();
-    let source = sources.and_then(SourceSpec::of_all);
-    source.map(Some).map_err(D::Error::custom)
+    let sources = sources.map_err(D::Error::custom)?;
+    Ok(Some(SourceSpec::of_all(sources)))
 }
 
 /// Deserializes targets: a string, a number, or a list of these.

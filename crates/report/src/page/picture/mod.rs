@@ -221,7 +221,7 @@ fn isolines(mesh: &Mesh, source: VertexId, step: f64) -> Vec<Vec<[f64; 3]>> {
     let Ok(field) = DistanceField::new(mesh, &[source.into()]) else {
         return Vec::new();
     };
-    let isolines = field.isolines(&field.levels_every(step));
+    let isolines = field.isolines(&field.levels_every(step).unwrap_or_default());
     let lines = isolines.iter().flat_map(|isoline| &isoline.lines);
     lines.map(|line| line.polyline(mesh, 0.01 * step)).collect()
 }

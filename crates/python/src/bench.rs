@@ -24,6 +24,7 @@ use pyo3::prelude::*;
 
 use crate::interrupt;
 use crate::mesh::PyMesh;
+use crate::points::warn_user;
 use crate::solver::check_threads;
 
 /// Ends a benchmark between two runs once the [`Stop`] is set.
@@ -122,6 +123,8 @@ pub(crate) fn run_to_json(
         Some(check) => check.parse().map_err(|error| wrong("check", &error))?,
     };
     let sources: SourceSpec = sources.parse().map_err(|error| wrong("sources", &error))?;
+    let (sources, notes) = sources.distinct();
+    warn_user(py, "sources", &notes)?;
     let plan = Plan {
         group: GroupRecord::default(),
         models: self::models(&models)?,

@@ -1,8 +1,8 @@
 //! Certified distances.
 
-use geodesics::certify::{Bound as ErrorBound, FailurePlace};
+use geodesics::certify::FailurePlace;
 use geodesics::mesh::threads::Threads;
-use geodesics::{Certificate, CertificateError, OriginalFailure, Stop};
+use geodesics::{Certificate, CertificateError, Judgement, OriginalFailure, Stop};
 use numpy::PyArray1;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use crate::arrays;
 use crate::errors::solve_error;
 use crate::interrupt;
-use crate::points::ResolvedPoints;
+use crate::points::{ResolvedPoints, together};
 use crate::solver::{check_threads, mesh_of};
 
 /// A proven bound on the errors of distances. It is true if the bound is within the tolerance.
@@ -20,7 +20,8 @@ pub(crate) struct PyCertificate {
     certified: bool,
     /// float: upper bound of the error of a distance, in units of the mesh.
     absolute: f64,
-    /// float: upper bound of the error as a fraction of the distance.
+    /// float: upper bound of the error as a fraction of the distance; less where a distance is far
+    /// below the others.
     relative: f64,
     /// float: the relative error that is allowed.
     tolerance: f64,
@@ -97,45 +98,40 @@ pub(crate) fn certify(
     }
     let ResolvedPoints {
         refined, sources, ..
-    } = ResolvedPoints::new(&mesh, source, "source", None)?;
+    } = ResolvedPoints::new(&mesh, together(source, "source")?, "source", None)?;
     let given = distances
         .map(|given| arrays::distances(given, "distances", mesh.vertex_count()))
         .transpose()?;
     let (surface, faces) = (refined.mesh.clone(), mesh.face_count());
     let threads = Threads::start(check_threads(threads)?)
         .map_err(|error| PyOSError::new_err(error.to_string()))?;
-    let work = move || {
-        let proof = threads.run(|| Certificate::of(&surface, &sources))?;
-        let compared = given.map(|given| proof.compare(given.into_iter().enumerate()));
-        Ok((proof, compared))
-    };
+    let work = move || threads.run(|| Certificate::of(&surface, &sources));
     // A proof takes far longer than a run, so it counts as a run on ten times the faces.
     let found = interrupt::call(py, faces.saturating_mul(10), &Stop::default(), work)?;
-    let (mut proof, compared) = found.map_err(|error| match error {
+    let mut proof = found.map_err(|error| match error {
         CertificateError::Solve(error) => solve_error(error),
         other => PyValueError::new_err(other.to_string()),
     })?;
-    let (mut absolute, mut relative) = (proof.absolute(), proof.relative());
-    let fails = |bound: &&ErrorBound| bound.relative > tolerance;
-    let bounds = [&proof.too_long, &proof.too_short]
-        .into_iter()
-        .filter(fails);
-    let mut failures: Vec<(&'static str, u32, f64)> = bounds
-        .flat_map(|bound| &bound.failures)
-        .map(|failure| {
+    let given = given.unwrap_or_else(|| proof.distances[..mesh.vertex_count()].to_vec());
+    let (mut absolute, mut relative, mut failures) = (0.0_f64, 0.0_f64, Vec::new());
+    for (v, &d) in given.iter().enumerate() {
+        absolute = absolute.max(proof.error(v, d));
+        relative = relative.max(proof.relative_error(v, d));
+        if let Judgement::Wrong(by) | Judgement::Unproven(by) = proof.judge(v, d, tolerance) {
+            failures.push(("vertex", v as u32, by));
+        }
+    }
+    failures.sort_by(|a, b| b.2.total_cmp(&a.2));
+    if proof.relative() > tolerance {
+        let places = proof.too_long.failures.iter().chain(&proof.too_short.failures);
+        failures.extend(places.map(|failure| {
             let failure = OriginalFailure::new(failure, &refined, &mesh);
             let (kind, number) = match failure.place {
                 FailurePlace::Face(face) => ("face", face.raw()),
                 FailurePlace::Vertex(vertex) => ("vertex", vertex.raw()),
             };
             (kind, number, failure.violation)
-        })
-        .collect();
-    if let Some(compared) = compared {
-        absolute += compared.absolute;
-        relative += compared.relative;
-        let wrong = proof.wrong(&compared, tolerance);
-        failures.extend(wrong.map(|(v, by)| ("vertex", v as u32, by)));
+        }));
     }
     // Drop the distances of vertices that were inserted for sources.
     proof.distances.truncate(mesh.vertex_count());

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use geobench_harness::exec::expected::stem;
-use geodesics::mesh::{MeshMeasures, Report, Severity};
+use geodesics::mesh::tolerance::RELATIVE;
+use geodesics::mesh::{MeshMeasures, Report, Severity, Tolerance};
 use geodesics::{Mesh, Place, RemeshOptions, Stop, TriangleSoup, VertexId, generate, io};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
@@ -170,6 +171,47 @@ impl PyMesh {
     #[getter]
     fn defects(&self) -> Vec<String> {
         self.defects.clone()
+    }
+
+    /// The vertices whose distances are wrong beside those of a reference.
+    ///
+    /// A distance is right beside a distance d of the reference if it differs by at most
+    /// `tolerance` * d + 1e-13 * m. The scale m of a component is the lesser of its greatest distance
+    /// and 100 times the median of its finite distances in the reference. Infinite distances are
+    /// right where the reference is infinite.
+    ///
+    /// Parameters
+    /// ----------
+    /// found : array_like, shape (n,)
+    ///     The distances to check, in units of the mesh.
+    /// reference : array_like, shape (n,)
+    ///     The right distances of all vertices.
+    /// tolerance : float
+    ///     The largest relative error that is allowed.
+    ///
+    /// Returns
+    /// -------
+    /// (k,) uint32
+    ///     Vertex numbers, in ascending order.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     An array has another shape, or holds NaN or a negative number.
+    #[pyo3(signature = (found, reference, *, tolerance = RELATIVE))]
+    fn wrong_distances<'py>(
+        &self,
+        py: Python<'py>,
+        found: &Bound<'py, PyAny>,
+        reference: &Bound<'py, PyAny>,
+        tolerance: f64,
+    ) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        let vertices = self.mesh.vertex_count();
+        let found = arrays::distances(found, "found", vertices)?;
+        let reference = arrays::distances(reference, "reference", vertices)?;
+        let rule = Tolerance::on(&self.mesh, &reference).with_relative(tolerance);
+        let wrong = rule.wrong(&found, &reference).map(|v| v as u32);
+        Ok(PyArray1::from_vec(py, wrong.collect()))
     }
 
     /// Counts and sizes: a dictionary with `vertices`, `faces`, `edges`, `boundary_edges`,

@@ -1,8 +1,8 @@
 //! Sources and targets that are passed from Python.
 
-use geobench_harness::exec::source::{Locator, PointSpec};
+use geobench_harness::exec::source::{Locator, PointSpec, distinct};
 use geodesics::{Mesh, Refined, SurfacePoint, VertexId};
-use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyIndexError, PyTypeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
 
@@ -156,6 +156,23 @@ pub(crate) fn several(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Poin
     Ok(points)
 }
 
+/// Reads the sources of one run, each once. A `UserWarning` names those given twice.
+pub(crate) fn together(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<PointSpec>> {
+    let points = several(value, name)?;
+    let (points, notes) = distinct(points);
+    warn_user(value.py(), name, &notes)?;
+    Ok(points)
+}
+
+/// A `UserWarning` for each note on the argument `name`.
+pub(crate) fn warn_user(py: Python<'_>, name: &str, notes: &[String]) -> PyResult<()> {
+    for note in notes {
+        let message = std::ffi::CString::new(format!("{name}: {note}"))?;
+        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &message, 1)?;
+    }
+    Ok(())
+}
+
 /// Reads one point.
 pub(crate) fn single(value: &Bound<'_, PyAny>, name: &str) -> PyResult<PointSpec> {
     one(value, name)?.ok_or_else(|| not_a_point(value, name))
@@ -219,15 +236,16 @@ pub(crate) struct ResolvedPoints {
 }
 
 impl ResolvedPoints {
+    /// The points `sources`, called `source_name` in messages, and the targets.
     pub(crate) fn new(
         mesh: &Mesh,
-        sources: &Bound<'_, PyAny>,
+        sources: Vec<PointSpec>,
         source_name: &str,
         targets: Option<(&Bound<'_, PyAny>, &str)>,
     ) -> PyResult<Self> {
         let mut finder = Finder::new(mesh);
         let mut points = Vec::new();
-        for spec in several(sources, source_name)? {
+        for spec in sources {
             points.push(finder.find(spec, source_name)?);
         }
         let count = points.len();

@@ -15,7 +15,7 @@ use crate::errors::{PrecisionWarning, path_error, solve_error};
 use crate::interrupt;
 use crate::mesh::PyMesh;
 use crate::path::PyPath;
-use crate::points::ResolvedPoints;
+use crate::points::{ResolvedPoints, several, together};
 
 /// An algorithm on one mesh, with a pool of solvers. Each solver is set up once and reused.
 pub(crate) struct SolverPool {
@@ -34,10 +34,8 @@ impl SolverPool {
         })
     }
 
-    /// The text of a warning if `distances` are imprecise. Checking all faces takes a few percent
-    /// of a run, so it is skipped if the longest edge shows that it cannot find anything.
+    /// The text of a warning if `distances` are imprecise.
     fn doubt(&self, distances: &[f64]) -> Option<String> {
-        precision::doubtful_by(self.mesh.longest_edge(), distances)?;
         precision::doubt(&self.mesh, distances).map(|doubt| doubt.to_string())
     }
 
@@ -218,7 +216,8 @@ impl Algorithm {
         targets: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let targets = targets.map(|targets| (targets, "targets"));
-        let points = ResolvedPoints::new(&self.mesh, source, "source", targets)?;
+        let points =
+            ResolvedPoints::new(&self.mesh, together(source, "source")?, "source", targets)?;
         let stop = Stop::default();
         let goal = goal(radius, points.targets.as_deref(), &stop)?;
         let pool = self.pool(&points);
@@ -239,7 +238,8 @@ impl Algorithm {
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let threads = check_threads(threads)?;
         let targets = targets.map(|targets| (targets, "targets"));
-        let points = ResolvedPoints::new(&self.mesh, sources, "sources", targets)?;
+        let points =
+            ResolvedPoints::new(&self.mesh, several(sources, "sources")?, "sources", targets)?;
         let stop = Stop::default();
         let goal = goal(radius, points.targets.as_deref(), &stop)?;
         let workers = threads.min(points.sources.len());
@@ -280,7 +280,8 @@ impl Algorithm {
         targets_name: &str,
     ) -> PyResult<Vec<Option<PyPath>>> {
         let targets = Some((targets, targets_name));
-        let points = ResolvedPoints::new(&self.mesh, source, "source", targets)?;
+        let points =
+            ResolvedPoints::new(&self.mesh, together(source, "source")?, "source", targets)?;
         let stop = Stop::default();
         let goal = goal(None, points.targets.as_deref(), &stop)?;
         let pool = self.pool(&points);
@@ -482,7 +483,12 @@ impl PySolver {
         py: Python<'py>,
         source: &Bound<'py, PyAny>,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyDict>)> {
-        let points = ResolvedPoints::new(&self.algorithm.mesh, source, "source", None)?;
+        let points = ResolvedPoints::new(
+            &self.algorithm.mesh,
+            together(source, "source")?,
+            "source",
+            None,
+        )?;
         let stop = Stop::default();
         let goal = goal(None, None, &stop)?;
         let pool = self.algorithm.pool(&points);
@@ -522,7 +528,12 @@ impl PySolver {
         py: Python<'py>,
         source: &Bound<'py, PyAny>,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyDict>)> {
-        let points = ResolvedPoints::new(&self.algorithm.mesh, source, "source", None)?;
+        let points = ResolvedPoints::new(
+            &self.algorithm.mesh,
+            together(source, "source")?,
+            "source",
+            None,
+        )?;
         let pool = self.algorithm.pool(&points);
         let work = move || {
             let mut sampler = PhaseSampler::start()?;

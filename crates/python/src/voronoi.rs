@@ -15,7 +15,7 @@ use crate::errors::solve_error;
 use crate::interrupt;
 use crate::mesh::PyMesh;
 use crate::path::triples;
-use crate::points::{Point, ResolvedPoints, several};
+use crate::points::{Point, ResolvedPoints, together};
 
 /// A geodesic Voronoi diagram. Its cells are the regions of a surface with the same nearest source.
 #[pyclass(frozen, module = "geobench", name = "Voronoi")]
@@ -192,10 +192,10 @@ pub(crate) struct PyVoronoiVertex {
 
 impl PyVoronoi {
     pub(crate) fn new(py: Python<'_>, mesh: &Mesh, sources: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let specs = several(sources, "sources")?;
+        let specs = together(sources, "sources")?;
         let ResolvedPoints {
             refined, sources, ..
-        } = ResolvedPoints::new(mesh, sources, "sources", None)?;
+        } = ResolvedPoints::new(mesh, specs.clone(), "sources", None)?;
         let mut seen = HashSet::new();
         for (i, v) in sources.iter().enumerate() {
             if !seen.insert(v) {

@@ -54,7 +54,20 @@ def check_with_pygeodesic(mesh):
     source = mesh.n_vertices // 2
     expected, _ = other.geodesicDistances(np.array([source]), None)
     expected[np.isinf(expected) | (expected > 1e90)] = np.inf
-    same(mesh.distance(source), expected)
+    assert not mesh.wrong_distances(mesh.distance(source), expected).size
+
+
+def test_one_rule_says_which_distances_are_wrong():
+    square = gb.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    right = np.array([0, 1, 2**0.5, 1])
+    off = right + [1e-13, -9e-10, 2e-9, 0]
+    assert square.wrong_distances(right, right).tolist() == []
+    assert square.wrong_distances(off, right).tolist() == [2]
+    assert square.wrong_distances(off, right, tolerance=1e-10).tolist() == [1, 2]
+    off[1] = np.inf
+    assert square.wrong_distances(off, right).tolist() == [1, 2]
+    with pytest.raises(ValueError, match="found: the shape is"):
+        square.wrong_distances(right[:3], right)
 
 
 @pytest.mark.parametrize("spec", ["torus,faces=3000,bump=0.1,seed=7", "sphere,subdiv=4"])
@@ -200,3 +213,23 @@ def test_where_points_are(square):
     same(barycentric, [0.25, 0.5, 0.25], 1e-14)
     assert square.nearest_vertex(0.9, 0.2, 1) == 1
     assert square.info()["components"] == 1 and square.info()["boundary_edges"] == 4
+
+
+def test_a_source_named_twice_is_one_source(tmp_path):
+    mesh = gb.generate("grid,n=4")
+    point = gb.face(3, 0.25, 0.25, 0.5)
+    for ask in [
+        lambda sources: mesh.distance(sources),
+        lambda sources: mesh.path(sources, 20).length,
+        lambda sources: mesh.isolines(sources, levels=[0.5])[0].length,
+        lambda sources: mesh.voronoi(sources).distances,
+        lambda sources: len(gb.run("vtp", mesh, sources=sources, sources_together=True, repeat=1)),
+    ]:
+        once = ask([1, 7, point])
+        with pytest.warns(UserWarning, match="source vertex 1 is named twice and counts once"):
+            twice = ask([1, 7, point, 1])
+        np.testing.assert_array_equal(once, twice)
+        with pytest.warns(UserWarning, match="face:3,0.25,0.25,0.5 is named twice"):
+            ask([1, point, point])
+    # One row for each source.
+    assert mesh.distances([1, 1]).shape == (2, 25)

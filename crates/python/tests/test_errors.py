@@ -107,7 +107,7 @@ def test_other_calls(square, tmp_path):
     fails(ValueError, "x: NaN", gb.at, np.nan, 0, 0)
     fails(ValueError, "one of every and levels", square.isolines, 0)
     fails(ValueError, "every: 0", square.isolines, 0, every=0)
-    fails(ValueError, "every: 0.00001 asks for", square.isolines, 0, every=1e-5)
+    fails(ValueError, "every: a step of 0.00001 asks for", square.isolines, 0, every=1e-5)
     fails(ValueError, "levels: -1", square.isolines, 0, levels=[1, -1])
     same = [gb.face(0, 0.2, 0.3, 0.5)] * 2
     fails(ValueError, "face:0,0.2,0.3,0.5 occurs twice", square.voronoi, same)

@@ -49,6 +49,8 @@ impl Dijkstra {
 }
 
 impl Propagate for Dijkstra {
+    const ALONG_EDGES: bool = true;
+
     fn counters() -> Vec<Counter> {
         vec![Counter::QueuePushes, Counter::QueuePeak]
     }

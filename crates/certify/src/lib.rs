@@ -121,7 +121,7 @@ pub struct Bound {
     /// distances.
     pub errors: Vec<f64>,
     /// Places where the violation exceeds rounding, worst first.
-    pub failures: Vec<Failure>,
+    pub failures: Vec<ProofFailure>,
     /// Number of envelope pieces on all edges, for [`Claim::not_too_long`]; number of points of all
     /// paths, for [`Claim::not_too_short`].
     pub pieces: usize,
@@ -143,7 +143,7 @@ pub struct Bound {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Failure {
+pub struct ProofFailure {
     /// The face or vertex.
     pub place: FailurePlace,
     /// For a face, the edge on which the distances are too long. `None` for a vertex, and for a
@@ -278,7 +278,7 @@ impl<'a> Claim<'a> {
                 }
                 let violation = self.disagreement(&field, v);
                 if violation > ROUNDING * d.max(self.longest_edge(v)) {
-                    failures.push(Failure {
+                    failures.push(ProofFailure {
                         place: FailurePlace::Vertex(v),
                         edge: None,
                         violation,
@@ -306,7 +306,7 @@ impl<'a> Claim<'a> {
         for face in self.mesh.faces() {
             let violation = in_face[face.index()];
             if violation > ROUNDING * self.scale(face) {
-                failures.push(Failure {
+                failures.push(ProofFailure {
                     place: FailurePlace::Face(face),
                     edge: sides[face.index()],
                     violation,
@@ -411,7 +411,7 @@ impl<'a> Claim<'a> {
         }
         bound.absolute = bound.errors.iter().copied().fold(0.0, f64::max);
         bound.relative = self.greatest_relative(&bound.errors);
-        let worst_first = |a: &Failure, b: &Failure| b.violation.total_cmp(&a.violation);
+        let worst_first = |a: &ProofFailure, b: &ProofFailure| b.violation.total_cmp(&a.violation);
         bound.failures.sort_by(worst_first);
         bound
     }
@@ -438,7 +438,7 @@ impl<'a> Claim<'a> {
             let excess = (length - d).next_up().max(0.0);
             bound.errors.push(excess);
             if excess > ROUNDING * 10.0 * d {
-                bound.failures.push(Failure {
+                bound.failures.push(ProofFailure {
                     place: FailurePlace::Vertex(v),
                     edge: None,
                     violation: excess,

@@ -9,7 +9,7 @@ use crate::{FileFormat, SourceLabel, json_line, no_coordinates};
 
 /// Distances with their origin.
 #[derive(Clone, Copy, Debug)]
-pub struct DistanceField<'a> {
+pub struct DistanceFile<'a> {
     /// Name of the model.
     pub model: &'a str,
     /// Name of the algorithm.
@@ -127,7 +127,7 @@ impl FieldFormat {
     /// # Errors
     ///
     /// When the format needs coordinates and the mesh has none.
-    pub fn render(self, field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
+    pub fn render(self, field: &DistanceFile<'_>) -> anyhow::Result<Vec<u8>> {
         if self.is_mesh() && field.mesh.positions().len() != field.distances.len() {
             return Err(no_coordinates(field.model));
         }
@@ -143,7 +143,7 @@ impl FieldFormat {
 
 /// CSV with as many digits as needed to read the numbers back exactly. Lines are formatted in
 /// parallel.
-fn csv(field: &DistanceField<'_>) -> Vec<u8> {
+fn csv(field: &DistanceFile<'_>) -> Vec<u8> {
     use std::fmt::Write;
     let Some(targets) = field.targets else {
         let lines = threads::each(threads::ranges(field.distances.len(), 1), |range| {
@@ -214,7 +214,7 @@ struct DistanceDocument<'a> {
     distances: Vec<Option<f64>>,
 }
 
-impl DistanceField<'_> {
+impl DistanceFile<'_> {
     fn title(&self) -> String {
         format!(
             "geodesic distance by {}, model {}",
@@ -224,7 +224,7 @@ impl DistanceField<'_> {
 }
 
 /// One JSON object. Infinite distances are `null`, because JSON has no infinity.
-fn json(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
+fn json(field: &DistanceFile<'_>) -> anyhow::Result<Vec<u8>> {
     let distances: Vec<Option<f64>> = field
         .distances
         .iter()
@@ -271,7 +271,7 @@ pub(super) fn npy_of(descr: &str, shape: &str, numbers: impl Iterator<Item = u8>
 /// The mesh with colours and distances. Mesh programs read the property `quality` as a vertex
 /// scalar. VTK reads no scalars from PLY files, but it reads texture coordinates, so the distance
 /// is also the first texture coordinate.
-fn ply(field: &DistanceField<'_>) -> anyhow::Result<Vec<u8>> {
+fn ply(field: &DistanceFile<'_>) -> anyhow::Result<Vec<u8>> {
     let triangles: Vec<[u32; 3]> = field
         .mesh
         .faces()
@@ -296,7 +296,7 @@ const VTK_TRIANGLE: u32 = 5;
 /// Legacy VTK: the mesh with the fields `distance` and `reached`. Binary (big-endian), because the
 /// text form cannot write infinity in a way that every reader accepts; an unstructured grid,
 /// because some readers know no others.
-fn vtk(field: &DistanceField<'_>) -> Vec<u8> {
+fn vtk(field: &DistanceFile<'_>) -> Vec<u8> {
     let (vertices, faces) = (field.distances.len(), field.mesh.face_count());
     let title = vtk_title(&field.title());
     let mut bytes = format!(
@@ -386,10 +386,10 @@ mod tests {
     use super::*;
 
     /// A triangle and an isolated vertex.
-    pub(super) fn with_field<T>(test: impl FnOnce(&DistanceField<'_>) -> T) -> T {
+    pub(super) fn with_field<T>(test: impl FnOnce(&DistanceFile<'_>) -> T) -> T {
         let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0], [9.0, 9.0, 9.0]];
         let (mesh, _) = Mesh::from_soup(TriangleSoup::new(positions, vec![[0, 1, 2]])).unwrap();
-        test(&DistanceField {
+        test(&DistanceFile {
             model: "t",
             algorithm: "mmp",
             sources: &[SourceLabel::Vertex(0)],
@@ -459,7 +459,7 @@ mod tests {
             text => SourceLabel::Other(text.to_owned()),
         });
         with_field(|field| {
-            let field = DistanceField {
+            let field = DistanceFile {
                 targets: Some(&targets),
                 radius: Some(3.5),
                 distances: &[2.5, f64::INFINITY],

@@ -8,7 +8,7 @@ use geobench_export::output::{self, OutputFile};
 use geobench_harness::figures;
 use geobench_harness::plan::suite;
 use geobench_registry::{MOST_THREADS, Selection, UsageError, select};
-use geobench_report::table::Format;
+use geobench_report::table::ResultFormat;
 
 /// Help text on models, for all commands that take models.
 pub(crate) const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, each also .gz), a directory (searched \
@@ -31,15 +31,18 @@ enum CsvRows {
 
 impl CsvOptions {
     /// `format`, with these kinds of rows if it is CSV.
-    pub(crate) fn of(self, format: Format) -> Format {
+    pub(crate) fn of(self, format: ResultFormat) -> ResultFormat {
         match (format, self.csv) {
-            (Format::Csv, CsvRows::Samples) => Format::Samples,
+            (ResultFormat::Csv, CsvRows::Samples) => ResultFormat::Samples,
             (format, _) => format,
         }
     }
 
     /// The output files at `paths` with their formats; CSV files get these kinds of rows.
-    pub(crate) fn outputs(self, paths: &[PathBuf]) -> anyhow::Result<Vec<(Format, OutputFile)>> {
+    pub(crate) fn outputs(
+        self,
+        paths: &[PathBuf],
+    ) -> anyhow::Result<Vec<(ResultFormat, OutputFile)>> {
         let outputs = output::prepare(paths)?.into_iter();
         Ok(outputs
             .map(|(format, file)| (self.of(format), file))

@@ -83,7 +83,7 @@ enum Command {
     /// Write the Voronoi diagram of several sources: cells, their borders, the dual triangulation
     Voronoi(voronoi::VoronoiOptions),
     /// Make a new mesh for a surface, with evenly spread vertices: the dual of a Voronoi diagram
-    Remesh(remesh::RemeshOptions),
+    Remesh(remesh::RemeshingOptions),
     /// Prove distances right, or say where they are not
     Certify(certify::CertifyOptions),
     /// Write a generated model to a file

@@ -104,7 +104,7 @@ impl GoalOptions {
 
 /// Sources and targets as vertices of a refined mesh. The refined mesh is the mesh of the model
 /// with further vertices at the points that are not vertices.
-pub(crate) struct Points {
+pub(crate) struct LocatedPoints {
     pub(crate) refined: Refined,
     /// The points on the mesh of the model, in the order of `refined.vertices`: sources, then
     /// targets.
@@ -116,7 +116,7 @@ pub(crate) struct Points {
     pub(crate) notes: Vec<String>,
 }
 
-impl Points {
+impl LocatedPoints {
     /// Locates the sources and the targets `wanted`, which are `None` for all vertices. `model` is
     /// the name of the mesh in messages.
     ///

@@ -24,7 +24,7 @@ use geobench_harness::schema::ResultFile;
 use geobench_harness::schema::result_file;
 use geobench_report::history::{compare, pool};
 use geobench_report::page::{self as report, Form, Input, Options, PictureChoice, Tables};
-use geobench_report::table::{ComparisonFormat, Format, Look};
+use geobench_report::table::{ComparisonFormat, Look, ResultFormat};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use support::Sandbox;
@@ -133,7 +133,7 @@ fn results() -> (Vec<String>, String) {
 
 /// Writes `file` in every format, and joins and compares it with `other`.
 fn use_all(file: &ResultFile, other: &ResultFile, thoroughly: bool) {
-    use Format::{Csv, Json, Latex, Markdown, Table};
+    use ResultFormat::{Csv, Json, Latex, Markdown, Table};
     for format in [Table, Markdown, Latex, Csv, Json] {
         let _ = format.render(file);
     }

@@ -1,6 +1,8 @@
 //! Distances with a proof of their error.
 
-use geobench_certify::{Bound, Claim, ClaimError, Failure, FailurePlace, PathPoint, WindowData};
+use geobench_certify::{
+    Bound, Claim, ClaimError, FailurePlace, PathPoint, ProofFailure, WindowData,
+};
 use geobench_mesh::tolerance::RELATIVE;
 use geobench_mesh::{HalfEdgeId, Mesh, Refined, Tolerance, VertexId};
 use geobench_mmp::{Mmp, mmp, windows_of};
@@ -232,7 +234,7 @@ impl OriginalFailure {
     /// # Panics
     ///
     /// If the refined mesh has no such place.
-    pub fn new(failure: &Failure, refined: &Refined, mesh: &Mesh) -> Self {
+    pub fn new(failure: &ProofFailure, refined: &Refined, mesh: &Mesh) -> Self {
         let is_original = |v: VertexId| v.index() < mesh.vertex_count();
         let in_face = |h: &HalfEdgeId| FailurePlace::Face(refined.parent(h.face()));
         let place = match failure.place {

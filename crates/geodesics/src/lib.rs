@@ -112,7 +112,7 @@
 //! * [`VtpFast`], the fastest solver, and [`Pvtp`], the same on several threads.
 //! * [`solvers`]: all solvers, with the names of the papers.
 //! * [`Paths`]: the shortest paths to many vertices, from one run of a solver.
-//! * [`Diagram`]: geodesic Voronoi diagrams. [`remesh`]: new meshes; [`Quality`] and [`Deviation`]
+//! * [`Diagram`]: geodesic Voronoi diagrams. [`remesh`]: new meshes; [`Quality`] and [`SurfaceDeviation`]
 //!   measure them. [`Certificate`]: proofs of distances. [`DistanceField`]: the distance of every
 //!   point of a surface, for isolines.
 //! * [`Solver`]: the interface of all solvers. It also counts windows and samples phases.
@@ -158,7 +158,7 @@ pub use geobench_mesh::{
 };
 pub use geobench_paths::{Path, PathError, PathPlace, Paths};
 pub use geobench_voronoi::{
-    Deviation, Diagram, Dual, FieldSolver, Quality, RemeshError, RemeshOptions, Remeshed,
+    Diagram, Dual, FieldSolver, Quality, RemeshError, RemeshOptions, Remeshed, SurfaceDeviation,
     WindowVtp, remesh,
 };
 pub use geobench_vtp::{Pvtp, VtpFast};

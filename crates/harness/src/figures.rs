@@ -352,7 +352,7 @@ mod tests {
 
     #[test]
     fn the_wavefront_is_averaged_over_its_way_and_compared_with_k() {
-        let sample = |distance: f64, windows: u64, k: u64| crate::schema::WavefrontRecord {
+        let sample = |distance: f64, windows: u64, k: u64| crate::schema::WavefrontSample {
             parents: 0,
             windows,
             distance,

@@ -379,7 +379,7 @@ impl fmt::Display for Defect {
             Self::RepeatedVertex { face, vertex } => write!(f, "face {face}: vertex {vertex}"),
             Self::ZeroLengthEdge { vertices, faces }
             | Self::NonManifoldEdge { vertices, faces } => {
-                write!(f, "{} in {}", Ends(vertices), Faces(faces))
+                write!(f, "{} in {}", Ends(vertices), SomeFaces(faces))
             }
             Self::LengthOutOfRange { vertices, length } => {
                 write!(f, "{}: {length:.3e}", Ends(vertices))
@@ -399,7 +399,7 @@ impl fmt::Display for Defect {
             ),
             Self::TriangleInequality { face, lengths } => write!(f, "face {face}: {lengths:?}"),
             Self::NotOrientable { vertices, faces } => {
-                write!(f, "at {} in {}", Ends(vertices), Faces(faces))
+                write!(f, "at {} in {}", Ends(vertices), SomeFaces(faces))
             }
             Self::DuplicateFace { face, first } => write!(f, "face {face} repeats face {first}"),
             Self::FlippedFace { face } | Self::ShortFace { face } | Self::FlatFace { face } => {
@@ -425,9 +425,9 @@ impl fmt::Display for Ends<'_> {
 }
 
 /// Some faces. Long lists are shortened.
-struct Faces<'a>(&'a [u32]);
+struct SomeFaces<'a>(&'a [u32]);
 
-impl fmt::Display for Faces<'_> {
+impl fmt::Display for SomeFaces<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(if self.0.len() == 1 { "face " } else { "faces " })?;
         write_list(f, self.0)

@@ -66,7 +66,7 @@ pub use numbering::Numbering;
 pub use point::{Place, PointError, SurfacePoint};
 pub use random::SplitMix64;
 pub use refine::{Motion, Refined};
-pub use report::{InvalidMesh, Report, Summary};
+pub use report::{DefectSummary, InvalidMesh, Report};
 pub use soup::TriangleSoup;
 pub use suggestion::did_you_mean;
 pub use tolerance::Tolerance;

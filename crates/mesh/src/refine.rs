@@ -10,7 +10,7 @@ use crate::build::build_refined;
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::mesh::{Mesh, NO_TWIN};
 use crate::point::{Place, PointError, SNAP, SurfacePoint};
-use patch::{Neighbour, Patch};
+use patch::{Patch, PatchNeighbour};
 
 /// A mesh with the same surface as another one, in which given points are vertices.
 ///
@@ -177,7 +177,7 @@ impl Motion {
 
 /// An added vertex on an edge.
 #[derive(Clone, Copy)]
-struct Stop {
+struct EdgeVertex {
     /// Weights of the tail and the head of the half-edge with the lower number.
     weights: [f64; 2],
     vertex: u32,
@@ -215,7 +215,7 @@ impl Mesh {
     ///
     /// If a point is not one of this mesh, or the numbers of vertices or faces exceed 32 bits.
     pub fn with_points(&self, points: &[SurfacePoint]) -> Result<Refined, PointError> {
-        let mut edges: BTreeMap<HalfEdgeId, Vec<Stop>> = BTreeMap::new();
+        let mut edges: BTreeMap<HalfEdgeId, Vec<EdgeVertex>> = BTreeMap::new();
         let mut faces: BTreeMap<FaceId, Vec<([f64; 3], u32)>> = BTreeMap::new();
         let mut vertices = Vec::with_capacity(points.len());
         let mut places = Vec::new();
@@ -236,12 +236,12 @@ impl Mesh {
                     self.check_face(h.face())?;
                     let h = self.twin(h).map_or(h, |twin| twin.min(h));
                     let stops = edges.entry(h).or_default();
-                    let same = |stop: &&Stop| apart(stop.weights, weights) <= SNAP;
+                    let same = |stop: &&EdgeVertex| apart(stop.weights, weights) <= SNAP;
                     if let Some(stop) = stops.iter().find(same) {
                         stop.vertex
                     } else {
                         let vertex = next(&places);
-                        stops.push(Stop { weights, vertex });
+                        stops.push(EdgeVertex { weights, vertex });
                         places.push(*point);
                         vertex
                     }
@@ -249,7 +249,7 @@ impl Mesh {
                 Place::Face(face, weights) => {
                     self.check_face(face)?;
                     let inside = faces.entry(face).or_default();
-                    let shape = patch::Shape::new(self, face);
+                    let shape = patch::BarycentricShape::new(self, face);
                     let same = |(other, _): &&([f64; 3], u32)| {
                         shape.distance(*other, weights) <= SNAP * shape.longest()
                     };
@@ -295,7 +295,7 @@ impl Mesh {
 struct Refinement<'m> {
     mesh: &'m Mesh,
     /// Vertices inside edges, by the half-edge with the lower number.
-    edges: BTreeMap<HalfEdgeId, Vec<Stop>>,
+    edges: BTreeMap<HalfEdgeId, Vec<EdgeVertex>>,
     /// Vertices inside faces, with their barycentric coordinates.
     faces: BTreeMap<FaceId, Vec<([f64; 3], u32)>>,
     /// The points of the added vertices.
@@ -346,10 +346,10 @@ impl Refinement<'_> {
                 for (k, neighbour) in triangle.neighbours.iter().enumerate() {
                     let h = (3 * place + k) as u32;
                     match *neighbour {
-                        Neighbour::Inside(other, edge) => {
+                        PatchNeighbour::Inside(other, edge) => {
                             twins[h as usize] = (3 * number(other) + edge) as u32;
                         }
-                        Neighbour::Side(side) => {
+                        PatchNeighbour::Side(side) => {
                             let rank = patch.rank_of_edge(triangle, k, side);
                             along.insert((face.half_edge(side as u32), rank), h);
                         }
@@ -422,7 +422,7 @@ impl Refinement<'_> {
     }
 
     /// The added vertices on `h`, from its tail to its head, with the weights of its tail and head.
-    fn stops(&self, h: HalfEdgeId) -> Vec<Stop> {
+    fn stops(&self, h: HalfEdgeId) -> Vec<EdgeVertex> {
         let turned = self.mesh.twin(h).filter(|&twin| twin < h);
         let Some(stops) = self.edges.get(&turned.unwrap_or(h)) else {
             return Vec::new();
@@ -430,7 +430,7 @@ impl Refinement<'_> {
         if turned.is_none() {
             return stops.clone();
         }
-        let turn = |stop: &Stop| Stop {
+        let turn = |stop: &EdgeVertex| EdgeVertex {
             weights: [stop.weights[1], stop.weights[0]],
             ..*stop
         };

@@ -24,7 +24,7 @@ pub struct Report {
 
 /// All defects of one kind in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Summary {
+pub struct DefectSummary {
     /// The kind.
     pub kind: DefectKind,
     /// Number of defects. For [`SeveralComponents`](DefectKind::SeveralComponents), the number of
@@ -68,7 +68,7 @@ impl Report {
     }
 
     /// One sentence for each kind of defect, in the order of [`DefectKind`], fatal ones first.
-    pub fn summaries(&self) -> Vec<Summary> {
+    pub fn summaries(&self) -> Vec<DefectSummary> {
         self.defects
             .chunk_by(|x, y| x.kind() == y.kind())
             .map(summarize)
@@ -103,7 +103,7 @@ impl fmt::Display for InvalidMesh {
 }
 
 /// Summarises defects of one kind. There must be at least one.
-fn summarize(defects: &[Defect]) -> Summary {
+fn summarize(defects: &[Defect]) -> DefectSummary {
     const SHOWN: usize = 3;
     let kind = defects[0].kind();
     let count = match &defects[0] {
@@ -120,7 +120,7 @@ fn summarize(defects: &[Defect]) -> Summary {
         };
         text = format!("{text} ({}{more})", names.join("; "));
     }
-    Summary {
+    DefectSummary {
         kind,
         count,
         text,

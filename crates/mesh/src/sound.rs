@@ -47,7 +47,7 @@ impl Sound {
             return None;
         }
         let (outgoing_starts, mut outgoing) = group_by_tail(positions.len(), triangles);
-        let shapes = Shapes::of(positions, triangles)?;
+        let shapes = TriangleMeasures::of(positions, triangles)?;
         let mut total_angles = shapes.total_angles;
         let fans = link_fans(
             triangles,
@@ -166,7 +166,7 @@ fn group_by_tail(vertex_count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<
 }
 
 /// Measures of the triangles.
-struct Shapes {
+struct TriangleMeasures {
     lengths: Vec<[f64; 3]>,
     /// Sum of the angles at each vertex, in the order of half-edges. Not set if `corners` is used.
     total_angles: Vec<f64>,
@@ -180,7 +180,7 @@ struct Shapes {
 /// Number of triangles that are measured together.
 const TOGETHER: usize = 8;
 
-impl Shapes {
+impl TriangleMeasures {
     /// `None` if a triangle may be flat, or an edge is too long, too short or not finite.
     fn of(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Option<Self> {
         let ranges = threads::ranges(triangles.len(), 4);
@@ -346,8 +346,8 @@ fn link_fans(
 /// The half-edges that start at one vertex, in ascending order: the *ring*.
 #[derive(Default)]
 struct Fan {
-    heads: Ends,
-    apexes: Ends,
+    heads: RingEnds,
+    apexes: RingEnds,
     /// Indices into the ring, in the order of the fan.
     order: Vec<u32>,
     sorted: Vec<HalfEdgeId>,
@@ -355,7 +355,7 @@ struct Fan {
 
 /// The other vertices of the half-edges of a ring, on one side.
 #[derive(Default)]
-struct Ends {
+struct RingEnds {
     list: Vec<u32>,
     /// The vertices with their indices, sorted; used for long lists.
     sorted: Vec<(u32, u32)>,
@@ -364,7 +364,7 @@ struct Ends {
 /// Lists up to this length are searched linearly.
 const LINEAR_SEARCH: usize = 24;
 
-impl Ends {
+impl RingEnds {
     fn set(&mut self, ends: impl Iterator<Item = u32>) {
         self.list.clear();
         self.list.extend(ends);

@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use crate::scalar::Scalar;
+use crate::scalar::RealNumber;
 use crate::surface::{PreciseSurface, next, prev};
 
 /// An upper bound: the lengths of shortest paths along edges; infinite where no path leads.
@@ -11,13 +11,16 @@ use crate::surface::{PreciseSurface, next, prev};
 /// # Panics
 ///
 /// If a source is not a vertex.
-pub fn edge_graph_distances<S: Scalar>(surface: &PreciseSurface<S>, sources: &[u32]) -> Vec<f64> {
+pub fn edge_graph_distances<S: RealNumber>(
+    surface: &PreciseSurface<S>,
+    sources: &[u32],
+) -> Vec<f64> {
     crate::rounded(&edge_graph(surface, sources))
 }
 
 /// Dijkstra's algorithm on the edges, with a linear search for the nearest open vertex: quadratic
 /// and simple.
-pub(crate) fn edge_graph<S: Scalar>(
+pub(crate) fn edge_graph<S: RealNumber>(
     surface: &PreciseSurface<S>,
     sources: &[u32],
 ) -> Vec<Option<S>> {

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::fmt;
 
 use crate::bounds::edge_graph;
-use crate::scalar::Scalar;
+use crate::scalar::RealNumber;
 use crate::surface::{PreciseSurface, next, prev};
 
 /// The factor of the largest distance still wanted, up to which a line is followed.
@@ -87,7 +87,7 @@ impl Error for GaveUp {}
 /// # Panics
 ///
 /// If a source is not a vertex.
-pub fn distances<S: Scalar>(surface: &PreciseSurface<S>, sources: &[u32]) -> Vec<Option<S>> {
+pub fn distances<S: RealNumber>(surface: &PreciseSurface<S>, sources: &[u32]) -> Vec<Option<S>> {
     match search(surface, sources, Search::EXHAUSTIVE) {
         Ok(distances) => distances,
         Err(gave_up) => unreachable!("{gave_up}, but it may take any number of them"),
@@ -112,7 +112,7 @@ pub fn distances<S: Scalar>(surface: &PreciseSurface<S>, sources: &[u32]) -> Vec
 /// # Panics
 ///
 /// If a source is not a vertex.
-pub fn search<S: Scalar>(
+pub fn search<S: RealNumber>(
     surface: &PreciseSurface<S>,
     sources: &[u32],
     search: Search,
@@ -142,11 +142,11 @@ pub fn search<S: Scalar>(
             );
         }
         let is_source = sources.contains(&(vertex as u32));
-        let furthest = open.iter().filter_map(|&v| best[v]).reduce(Scalar::max);
+        let furthest = open.iter().filter_map(|&v| best[v]).reduce(RealNumber::max);
         if let Some(furthest) = furthest
             && (is_source || search.everywhere || surface.bends_at(vertex as u32))
         {
-            let mut lines = Lines {
+            let mut lines = VertexLines {
                 surface,
                 start,
                 limit: furthest * S::from_f64(MARGIN),
@@ -160,14 +160,14 @@ pub fn search<S: Scalar>(
     Ok(best)
 }
 
-fn offer<S: Scalar>(best: &mut Option<S>, length: S) {
+fn offer<S: RealNumber>(best: &mut Option<S>, length: S) {
     if best.is_none_or(|b| length < b) {
         *best = Some(length);
     }
 }
 
 /// The lines from one vertex.
-struct Lines<'a, S> {
+struct VertexLines<'a, S> {
     surface: &'a PreciseSurface<S>,
     /// Distance of the vertex.
     start: S,
@@ -178,7 +178,7 @@ struct Lines<'a, S> {
     beams_left: &'a mut u64,
 }
 
-impl<S: Scalar> Lines<'_, S> {
+impl<S: RealNumber> VertexLines<'_, S> {
     fn follow_from(&mut self, vertex: usize) -> Result<(), GaveUp> {
         let surface = self.surface;
         let mut waiting: Vec<(usize, Beam<S>)> = surface.leaving[vertex]
@@ -249,7 +249,7 @@ impl<S: Scalar> Lines<'_, S> {
 /// The position at which the line to the apex crosses the beam's side, and the length of the
 /// shortest path to the apex through the beam: straight if the position is within the beam, else
 /// along its end ray.
-fn reach_apex<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>) -> (S, S) {
+fn reach_apex<S: RealNumber>(surface: &PreciseSurface<S>, beam: &Beam<S>) -> (S, S) {
     let [cx, cy] = surface.sides[beam.side].apex;
     let [px, py] = beam.origin;
     let split = (cy * px - py * cx) / (cy - py);
@@ -263,7 +263,11 @@ fn reach_apex<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>) -> (S, S) 
 }
 
 /// The lines that leave through the side from tail to apex.
-fn left_part<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>, split: S) -> Option<Beam<S>> {
+fn left_part<S: RealNumber>(
+    surface: &PreciseSurface<S>,
+    beam: &Beam<S>,
+    split: S,
+) -> Option<Beam<S>> {
     let entered = surface.sides[beam.side];
     let left = surface.sides[prev(beam.side)];
     let side = left.twin?;
@@ -291,7 +295,11 @@ fn left_part<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>, split: S) -
 }
 
 /// The lines that leave through the side from apex to head.
-fn right_part<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>, split: S) -> Option<Beam<S>> {
+fn right_part<S: RealNumber>(
+    surface: &PreciseSurface<S>,
+    beam: &Beam<S>,
+    split: S,
+) -> Option<Beam<S>> {
     let entered = surface.sides[beam.side];
     let right = surface.sides[next(beam.side)];
     let side = right.twin?;
@@ -322,17 +330,17 @@ fn right_part<S: Scalar>(surface: &PreciseSurface<S>, beam: &Beam<S>, split: S) 
 
 /// The distance from the foot of the apex to the head of a side. Subtracting the abscissa from the
 /// length would cancel on a short side. Two adjacent sides project on each other instead.
-fn from_head<S: Scalar>(surface: &PreciseSurface<S>, side: usize) -> S {
+fn from_head<S: RealNumber>(surface: &PreciseSurface<S>, side: usize) -> S {
     let ahead = &surface.sides[next(side)];
     ahead.apex[0] * ahead.length / surface.sides[side].length
 }
 
-fn clamp<S: Scalar>(x: S, length: S) -> S {
+fn clamp<S: RealNumber>(x: S, length: S) -> S {
     x.max(S::zero()).min(length)
 }
 
 /// The beam, if it has a width and comes from below its side. A beam for which rounding says
 /// otherwise has at most one line.
-fn kept<S: Scalar>(beam: Beam<S>) -> Option<Beam<S>> {
+fn kept<S: RealNumber>(beam: Beam<S>) -> Option<Beam<S>> {
     (beam.from < beam.to && beam.origin[1] < S::zero()).then_some(beam)
 }

@@ -41,17 +41,17 @@ pub use bounds::{edge_graph_distances, euclidean_distances, steiner_distances};
 pub use double_double::DoubleDouble;
 pub use flood::{GaveUp, Search, distances, search};
 pub use model::{Geometry, Model};
-pub use path::{PathFlaw, PathPoint, judge_path};
+pub use path::{JudgedPoint, PathFlaw, judge_path};
 pub use random::Random;
-pub use scalar::Scalar;
+pub use scalar::RealNumber;
 pub use subdivide::{Subdivision, subdivide};
 pub use surface::PreciseSurface;
 pub use transform::{Transform, Transformed};
 
 /// Distances rounded to `f64`; infinite where no path leads.
-pub fn rounded<S: Scalar>(distances: &[Option<S>]) -> Vec<f64> {
+pub fn rounded<S: RealNumber>(distances: &[Option<S>]) -> Vec<f64> {
     distances
         .iter()
-        .map(|d| d.map_or(f64::INFINITY, Scalar::to_f64))
+        .map(|d| d.map_or(f64::INFINITY, RealNumber::to_f64))
         .collect()
 }

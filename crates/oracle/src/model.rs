@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::random::Random;
-use crate::scalar::Scalar;
+use crate::scalar::RealNumber;
 use crate::surface::PreciseSurface;
 
 /// The data that determine the shape of a [`Model`].
@@ -131,7 +131,7 @@ impl Model {
     }
 
     /// The surface for the oracle.
-    pub fn surface<S: Scalar>(&self) -> PreciseSurface<S> {
+    pub fn surface<S: RealNumber>(&self) -> PreciseSurface<S> {
         match &self.geometry {
             Geometry::Positions(positions) => {
                 PreciseSurface::from_positions(positions, &self.triangles)

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::f64::consts::PI;
 use std::fmt;
 
-use crate::scalar::Scalar;
+use crate::scalar::RealNumber;
 use crate::surface::{PreciseSurface, next, prev};
 
 /// Greatest difference between a path and the distance of its target, as a fraction of the
@@ -20,7 +20,7 @@ const PLACE: f64 = 1e-15;
 
 /// A point of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PathPoint {
+pub enum JudgedPoint {
     /// A vertex.
     Vertex(u32),
     /// A point on an edge, which the path crosses.
@@ -62,7 +62,7 @@ impl fmt::Display for PathFlaw {
 impl Error for PathFlaw {}
 
 /// A straight piece of a path, between two vertices.
-struct Piece<S> {
+struct StraightPiece<S> {
     /// The numbers of its first and its last point.
     ends: [usize; 2],
     /// Length of the straight line in the plane into which the triangles are unfolded.
@@ -117,19 +117,19 @@ struct Room {
 /// # Errors
 ///
 /// What is wrong with the path.
-pub fn judge_path<S: Scalar>(
+pub fn judge_path<S: RealNumber>(
     surface: &PreciseSurface<S>,
-    points: &[PathPoint],
+    points: &[JudgedPoint],
     sources: &[u32],
     target: u32,
     [distance, told]: [f64; 2],
 ) -> Result<(), PathFlaw> {
     match (points.first(), points.last()) {
-        (Some(PathPoint::Vertex(source)), Some(PathPoint::Vertex(last)))
+        (Some(JudgedPoint::Vertex(source)), Some(JudgedPoint::Vertex(last)))
             if sources.contains(source) && *last == target => {}
         _ => return Err(PathFlaw::Ends),
     }
-    let at_vertices = (0..points.len()).filter(|&i| matches!(points[i], PathPoint::Vertex(_)));
+    let at_vertices = (0..points.len()).filter(|&i| matches!(points[i], JudgedPoint::Vertex(_)));
     let at_vertices: Vec<usize> = at_vertices.collect();
     let pieces = at_vertices.windows(2);
     let pieces = pieces.map(|ends| surface.piece(points, [ends[0], ends[1]]));
@@ -177,7 +177,7 @@ pub fn judge_path<S: Scalar>(
     Ok(())
 }
 
-impl<S: Scalar> PreciseSurface<S> {
+impl<S: RealNumber> PreciseSurface<S> {
     /// The vertex opposite to a side.
     fn third(&self, side: usize) -> usize {
         self.sides[prev(side)].tail
@@ -189,8 +189,8 @@ impl<S: Scalar> PreciseSurface<S> {
 
     /// The two sides of the edge of `point`, the one of its triangle first, and its position from
     /// the tail of that one.
-    fn edge(&self, point: PathPoint) -> Option<(usize, S)> {
-        let PathPoint::Edge { triangle, ends, t } = point else {
+    fn edge(&self, point: JudgedPoint) -> Option<(usize, S)> {
+        let JudgedPoint::Edge { triangle, ends, t } = point else {
             return None;
         };
         let t = S::from_f64(t);
@@ -210,9 +210,14 @@ impl<S: Scalar> PreciseSurface<S> {
     }
 
     /// The piece between two vertices, the points with the numbers `ends`.
-    fn piece(&self, points: &[PathPoint], [first, last]: [usize; 2]) -> Result<Piece<S>, PathFlaw> {
+    fn piece(
+        &self,
+        points: &[JudgedPoint],
+        [first, last]: [usize; 2],
+    ) -> Result<StraightPiece<S>, PathFlaw> {
         let broken = |i| PathFlaw::Broken(i);
-        let (PathPoint::Vertex(from), PathPoint::Vertex(to)) = (points[first], points[last]) else {
+        let (JudgedPoint::Vertex(from), JudgedPoint::Vertex(to)) = (points[first], points[last])
+        else {
             return Err(broken(first));
         };
         let [from, to] = [from, to].map(|v| v as usize);
@@ -235,7 +240,7 @@ impl<S: Scalar> PreciseSurface<S> {
         found
     }
 
-    fn along_edge(&self, [from, to]: [usize; 2], ends: [usize; 2]) -> Option<Piece<S>> {
+    fn along_edge(&self, [from, to]: [usize; 2], ends: [usize; 2]) -> Option<StraightPiece<S>> {
         let along = |from: usize, to: usize| {
             let mut leaving = self.leaving[from].iter().copied();
             leaving.find(|&side| self.head(side) == to)
@@ -248,7 +253,7 @@ impl<S: Scalar> PreciseSurface<S> {
         let directions = [direction(from, to)?, direction(to, from)?];
         let side = along(from, to).or_else(|| along(to, from))?;
         let straight = self.sides[side].length;
-        Some(Piece {
+        Some(StraightPiece {
             ends,
             straight,
             length: straight,
@@ -262,11 +267,11 @@ impl<S: Scalar> PreciseSurface<S> {
     /// The piece that leaves its first vertex through `start`, a side of the first triangle.
     fn across(
         &self,
-        points: &[PathPoint],
+        points: &[JudgedPoint],
         [first, last]: [usize; 2],
         start: usize,
         to: usize,
-    ) -> Result<Piece<S>, PathFlaw> {
+    ) -> Result<StraightPiece<S>, PathFlaw> {
         // The triangle of `side` has been crossed; `ends` are the positions of its tail and head in
         // the plane.
         let mut side = start;
@@ -343,7 +348,7 @@ impl<S: Scalar> PreciseSurface<S> {
                 farthest = (first + i + 1, off);
             }
         }
-        Ok(Piece {
+        Ok(StraightPiece {
             ends: [first, last],
             straight,
             length,
@@ -421,20 +426,20 @@ impl<S: Scalar> PreciseSurface<S> {
     }
 }
 
-fn between<S: Scalar>([a, b]: [[S; 2]; 2], t: S) -> [S; 2] {
+fn between<S: RealNumber>([a, b]: [[S; 2]; 2], t: S) -> [S; 2] {
     [0, 1].map(|k| a[k] + t * (b[k] - a[k]))
 }
 
-fn minus<S: Scalar>(a: [S; 2], b: [S; 2]) -> [S; 2] {
+fn minus<S: RealNumber>(a: [S; 2], b: [S; 2]) -> [S; 2] {
     [0, 1].map(|k| a[k] - b[k])
 }
 
-fn norm<S: Scalar>([x, y]: [S; 2]) -> S {
+fn norm<S: RealNumber>([x, y]: [S; 2]) -> S {
     x.hypot(y)
 }
 
 /// The angle from `a` to `b`, counter-clockwise.
-fn turn<S: Scalar>(a: [S; 2], b: [S; 2]) -> f64 {
+fn turn<S: RealNumber>(a: [S; 2], b: [S; 2]) -> f64 {
     let (across, along) = (a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
     // Far from 1, a product may have no double in its low half, or no value at all.
     across.to_f64().atan2(along.to_f64())
@@ -463,27 +468,27 @@ mod tests {
         surface(&positions, &triangles)
     }
 
-    fn crossing(triangle: u32, ends: [u32; 2], t: f64) -> PathPoint {
-        PathPoint::Edge { triangle, ends, t }
+    fn crossing(triangle: u32, ends: [u32; 2], t: f64) -> JudgedPoint {
+        JudgedPoint::Edge { triangle, ends, t }
     }
 
     #[test]
     fn a_path_must_lead_on_from_triangle_to_triangle() {
         let strip = strip();
         let from_1_to_4 = [
-            PathPoint::Vertex(1),
+            JudgedPoint::Vertex(1),
             crossing(1, [0, 3], 2.0 / 3.0),
             crossing(0, [3, 2], 0.5),
-            PathPoint::Vertex(4),
+            JudgedPoint::Vertex(4),
         ];
         // From (0, 1) to (2, 0) across the diagonals at 2/3 and 4/3.
-        let points = |last: PathPoint| {
+        let points = |last: JudgedPoint| {
             let [a, _, b, c] = from_1_to_4;
             [a, crossing(1, [3, 0], 1.0 / 3.0), b, last, c]
         };
         let d = 5.0_f64.sqrt();
         let right = points(crossing(3, [2, 5], 1.0 / 3.0));
-        let judge = |points: &[PathPoint]| judge_path(&strip, points, &[1], 4, [d, d]);
+        let judge = |points: &[JudgedPoint]| judge_path(&strip, points, &[1], 4, [d, d]);
         assert_eq!(judge(&right), Ok(()));
         assert_eq!(judge(&right[..4]), Err(PathFlaw::Ends));
         // Not an edge of the triangle, outside the edge, and an edge left out.
@@ -512,10 +517,10 @@ mod tests {
     #[test]
     fn a_path_bends_only_where_no_shortcut_exists() {
         let strip = strip();
-        let along = [0, 2, 4].map(PathPoint::Vertex);
+        let along = [0, 2, 4].map(JudgedPoint::Vertex);
         assert_eq!(judge_path(&strip, &along, &[0], 4, [2.0; 2]), Ok(()));
         // Along two sides of a square, where a shortcut through its inside exists.
-        let around = [1, 3, 2].map(PathPoint::Vertex);
+        let around = [1, 3, 2].map(JudgedPoint::Vertex);
         let flaw = judge_path(&strip, &around, &[1], 2, [2.0; 2]);
         assert!(matches!(flaw, Err(PathFlaw::Bent(1, by)) if (by - PI / 2.0).abs() < 1e-12));
         // Around the inner corner of an L, where the shortcut would lie outside.
@@ -530,7 +535,7 @@ mod tests {
             ],
             &[[0, 2, 3], [0, 3, 5], [0, 5, 4], [0, 4, 1]],
         );
-        let inside = [1, 0, 2].map(PathPoint::Vertex);
+        let inside = [1, 0, 2].map(JudgedPoint::Vertex);
         assert_eq!(judge_path(&corner, &inside, &[1], 2, [2.0; 2]), Ok(()));
     }
 }

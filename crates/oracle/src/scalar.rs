@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use crate::DoubleDouble;
 
 /// A real number of some precision: [`f64`] with 53 bits or [`DoubleDouble`] with about 105.
-pub trait Scalar:
+pub trait RealNumber:
     Copy
     + Debug
     + PartialOrd
@@ -66,7 +66,7 @@ pub trait Scalar:
     }
 }
 
-impl Scalar for f64 {
+impl RealNumber for f64 {
     const SADDLE_SLACK: f64 = 1e-10;
     const THIN: f64 = 1e-7;
     const LEAD: f64 = 1e-12;
@@ -84,7 +84,7 @@ impl Scalar for f64 {
     }
 }
 
-impl Scalar for DoubleDouble {
+impl RealNumber for DoubleDouble {
     const SADDLE_SLACK: f64 = 1e-15;
     const THIN: f64 = 1e-15;
     const LEAD: f64 = 1e-15;
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn hypot_min_and_max_work_in_both_types() {
-        assert_eq!(Scalar::hypot(3.0_f64, 4.0), 5.0);
+        assert_eq!(RealNumber::hypot(3.0_f64, 4.0), 5.0);
         let (three, four) = (DoubleDouble::new(3.0), DoubleDouble::new(4.0));
         assert_eq!(three.hypot(four).to_f64(), 5.0);
         assert_eq!(three.min(four).to_f64(), 3.0);

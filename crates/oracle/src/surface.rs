@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-use crate::scalar::Scalar;
+use crate::scalar::RealNumber;
 
 /// Height of a triangle without area, as a fraction of its longest side.
 ///
@@ -43,7 +43,7 @@ pub(crate) const fn prev(side: usize) -> usize {
     side - side % 3 + (side + 2) % 3
 }
 
-impl<S: Scalar> PreciseSurface<S> {
+impl<S: RealNumber> PreciseSurface<S> {
     /// The surface of `triangles` with vertices at `positions`. Triangles may have no area.
     /// Vertices may be isolated. Several fans may meet at a vertex.
     ///
@@ -226,7 +226,7 @@ impl<S: Scalar> PreciseSurface<S> {
 }
 
 /// Twice the area of a triangle, by Kahan's form of Heron's formula.
-fn heron<S: Scalar>([a, b, c]: [S; 3]) -> S {
+fn heron<S: RealNumber>([a, b, c]: [S; 3]) -> S {
     let longest = a.max(b).max(c);
     let shortest = a.min(b).min(c);
     let middle = a.min(b).max(a.max(b).min(c));
@@ -238,20 +238,20 @@ fn heron<S: Scalar>([a, b, c]: [S; 3]) -> S {
 }
 
 /// `twice_area`, raised if needed to that of the least height of a triangle with these sides.
-fn raised<S: Scalar>(twice_area: S, [a, b, c]: [S; 3]) -> S {
+fn raised<S: RealNumber>(twice_area: S, [a, b, c]: [S; 3]) -> S {
     let longest = a.max(b).max(c);
     twice_area.max(S::from_f64(LIFT) * longest * longest)
 }
 
-fn minus<S: Scalar>(a: [S; 3], b: [S; 3]) -> [S; 3] {
+fn minus<S: RealNumber>(a: [S; 3], b: [S; 3]) -> [S; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-fn dot<S: Scalar>(a: [S; 3], b: [S; 3]) -> S {
+fn dot<S: RealNumber>(a: [S; 3], b: [S; 3]) -> S {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn cross<S: Scalar>(a: [S; 3], b: [S; 3]) -> [S; 3] {
+fn cross<S: RealNumber>(a: [S; 3], b: [S; 3]) -> [S; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -259,6 +259,6 @@ fn cross<S: Scalar>(a: [S; 3], b: [S; 3]) -> [S; 3] {
     ]
 }
 
-fn norm<S: Scalar>(a: [S; 3]) -> S {
+fn norm<S: RealNumber>(a: [S; 3]) -> S {
     dot(a, a).sqrt()
 }

@@ -2,12 +2,12 @@
 
 use geobench_oracle::closed_forms::{self, ClosedForm};
 use geobench_oracle::{
-    DoubleDouble, Scalar, distances, edge_graph_distances, euclidean_distances, rounded,
+    DoubleDouble, RealNumber, distances, edge_graph_distances, euclidean_distances, rounded,
     steiner_distances,
 };
 
 /// Compares the oracle with the formula from every source of a case.
-fn check<S: Scalar>(case: &ClosedForm, tolerance: f64) {
+fn check<S: RealNumber>(case: &ClosedForm, tolerance: f64) {
     let surface = case.model.surface::<S>();
     for &source in &case.model.sources {
         let found = rounded(&distances(&surface, &[source]));

@@ -2,9 +2,9 @@
 
 use std::collections::HashSet;
 
-use geobench_oracle::{DoubleDouble, Model, PreciseSurface, Scalar, distances, rounded, zoo};
+use geobench_oracle::{DoubleDouble, Model, PreciseSurface, RealNumber, distances, rounded, zoo};
 
-fn from<S: Scalar>(surface: &PreciseSurface<S>, source: u32) -> Vec<f64> {
+fn from<S: RealNumber>(surface: &PreciseSurface<S>, source: u32) -> Vec<f64> {
     rounded(&distances(surface, &[source]))
 }
 

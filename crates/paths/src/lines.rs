@@ -17,14 +17,14 @@ const ROUNDING: f64 = 1e-14;
 
 /// A direction at a vertex.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Direction {
+pub(crate) struct LineDirection {
     /// A half-edge that starts at the vertex.
     pub(crate) corner: HalfEdgeId,
     /// The angle from the half-edge, inside its face.
     pub(crate) angle: f64,
 }
 
-impl Direction {
+impl LineDirection {
     /// The direction `to` at the tail of `corner`, where `along` is that of `corner`.
     pub(crate) fn new(corner: HalfEdgeId, along: Vector, to: Vector) -> Self {
         let angle = cross_2d(along, to).atan2(dot(along, to));
@@ -49,7 +49,7 @@ impl Direction {
 
 /// A straight line from one vertex to another, across faces or along an edge.
 #[derive(Clone, Debug)]
-pub(crate) struct Line {
+pub(crate) struct StraightLine {
     /// The vertex from which a path comes along the line.
     pub(crate) from: VertexId,
     pub(crate) length: f64,
@@ -57,12 +57,12 @@ pub(crate) struct Line {
     /// Rounding may make it negative.
     pub(crate) excess: f64,
     /// The directions of the line at its end and at `from`.
-    pub(crate) directions: [Direction; 2],
+    pub(crate) directions: [LineDirection; 2],
     /// The edges that the line crosses, from its end on.
     pub(crate) crossings: Vec<Point>,
 }
 
-impl Line {
+impl StraightLine {
     /// The faces that the line crosses.
     pub(crate) fn faces(&self) -> impl Iterator<Item = FaceId> {
         let last = self.directions[1].corner.face();
@@ -83,8 +83,8 @@ impl Line {
             length,
             excess: length + distances[from.index()] - distances[end.index()],
             directions: [
-                Direction::of_edge(mesh, end, from)?,
-                Direction::of_edge(mesh, from, end)?,
+                LineDirection::of_edge(mesh, end, from)?,
+                LineDirection::of_edge(mesh, from, end)?,
             ],
             crossings: Vec::new(),
         })
@@ -93,7 +93,7 @@ impl Line {
 
 /// The straight lines that cross one edge on their way from the vertex at which paths end. The
 /// image of that vertex is the source of `window`.
-struct Beam {
+struct LineBeam {
     /// The half-edge through which the lines enter a face.
     h: HalfEdgeId,
     window: Window,
@@ -128,7 +128,7 @@ impl Met {
     }
 }
 
-struct Search<'a> {
+struct LineSearch<'a> {
     mesh: &'a Mesh,
     distances: &'a [f64],
     /// The vertex at which paths end, and its distance.
@@ -136,7 +136,7 @@ struct Search<'a> {
     distance: f64,
     /// By how much a path may exceed the distance.
     slack: f64,
-    beams: Vec<Beam>,
+    beams: Vec<LineBeam>,
     /// The beams not yet propagated, nearest first.
     queue: MinHeap<usize>,
     /// Lengths of paths from `end` to the vertices met.
@@ -171,11 +171,16 @@ struct FoundLine {
 ///
 /// If the distance is known less exactly than `slack` allows, and no line attains it, a greater slack
 /// is taken.
-pub(crate) fn lines_to(mesh: &Mesh, distances: &[f64], end: VertexId, slack: f64) -> Vec<Line> {
+pub(crate) fn lines_to(
+    mesh: &Mesh,
+    distances: &[f64],
+    end: VertexId,
+    slack: f64,
+) -> Vec<StraightLine> {
     let distance = distances[end.index()];
     let mut slack = slack;
     loop {
-        let mut search = Search {
+        let mut search = LineSearch {
             mesh,
             distances,
             end,
@@ -197,7 +202,7 @@ pub(crate) fn lines_to(mesh: &Mesh, distances: &[f64], end: VertexId, slack: f64
     }
 }
 
-impl Search<'_> {
+impl LineSearch<'_> {
     fn start(&mut self) {
         for (v, length) in self.mesh.neighbours(self.end) {
             self.meet(v, length);
@@ -271,7 +276,7 @@ impl Search<'_> {
         }
         let met = parent.map_or_else(Met::default, |i| self.beams[i].met);
         self.queue.push(length, self.beams.len());
-        self.beams.push(Beam {
+        self.beams.push(LineBeam {
             h,
             window,
             parent,
@@ -281,7 +286,7 @@ impl Search<'_> {
     }
 
     fn propagate(&mut self, i: usize) {
-        let Beam {
+        let LineBeam {
             h, window, longest, ..
         } = self.beams[i];
         if self.is_beaten(h, &window) {
@@ -331,7 +336,7 @@ impl Search<'_> {
     /// nearest to the sources on: a line through a vertex is one line, not two. Then the others by
     /// their excess. Last those from vertices that are no nearer to the sources than `end`, beside
     /// it by less than the rounding of distances.
-    fn sorted(self) -> Vec<Line> {
+    fn sorted(self) -> Vec<StraightLine> {
         let nearness = |line: &FoundLine| self.distances[line.from.index()];
         let is_nearer = |line: &FoundLine| nearness(line) < self.distance;
         let nearer = self.lines.iter().filter(|line| is_nearer(line));
@@ -358,20 +363,20 @@ impl Search<'_> {
     /// In the frame of each edge, the image of the one end is that of the beam, unfolded from
     /// there; that of the other end is unfolded from that other end. So near both ends the points
     /// err by the rounding of the faces between.
-    fn line(&self, found: &FoundLine) -> Option<Line> {
+    fn line(&self, found: &FoundLine) -> Option<StraightLine> {
         let mesh = self.mesh;
         let Some(last) = found.beam else {
-            return Line::along_edge(mesh, self.distances, [self.end, found.from]);
+            return StraightLine::along_edge(mesh, self.distances, [self.end, found.from]);
         };
-        let Beam { h, window, .. } = self.beams[last];
+        let LineBeam { h, window, .. } = self.beams[last];
         // The vertex `from`, above the edge of the beam.
         let mut from = mesh.apex(h);
-        let at_from = Direction::new(h.prev(), sub([0.0; 2], from), sub(window.source(), from));
+        let at_from = LineDirection::new(h.prev(), sub([0.0; 2], from), sub(window.source(), from));
         let mut at_end = at_from;
         let mut crossings = Vec::new();
         let mut next = Some(last);
         while let Some(i) = next {
-            let Beam {
+            let LineBeam {
                 h, window, parent, ..
             } = self.beams[i];
             let ([px, py], [x, y]) = (window.source(), from);
@@ -387,7 +392,7 @@ impl Search<'_> {
             next = parent;
             let Some(i) = parent else {
                 let end = window.source();
-                at_end = Direction::new(out.prev(), sub([l, 0.0], end), sub(from, end));
+                at_end = LineDirection::new(out.prev(), sub([l, 0.0], end), sub(from, end));
                 break;
             };
             // From the frame of the exit to that of the entrance.
@@ -400,7 +405,7 @@ impl Search<'_> {
             from = [x0 + ux * x - uy * y, y0 + uy * x + ux * y];
         }
         crossings.reverse();
-        Some(Line {
+        Some(StraightLine {
             from: found.from,
             length: found.length,
             excess: found.excess,

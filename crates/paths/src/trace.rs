@@ -7,7 +7,7 @@ use geobench_mesh::vector::{norm, sub};
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::{Goal, Origin, Origins, SolveError, Solver, Sources};
 
-use crate::lines::{Direction, Line, PLACE, lines_to};
+use crate::lines::{LineDirection, PLACE, StraightLine, lines_to};
 use crate::path::{Path, Point};
 
 /// Greatest angle between the straight line to an image and a vertex that the path passes. It
@@ -174,7 +174,7 @@ impl Paths {
                 let found = self.by_search(target);
                 // Of an approximate algorithm, the path that it recorded may be as long as its
                 // distance, and a shorter one be straight.
-                let is_as_long = |lines: &Vec<Line>| self.is_as_long(lines, target);
+                let is_as_long = |lines: &Vec<StraightLine>| self.is_as_long(lines, target);
                 let better = found.as_ref().is_some_and(is_as_long)
                     || !recorded.as_ref().is_some_and(is_as_long);
                 if better { found.or(recorded) } else { recorded }
@@ -186,13 +186,15 @@ impl Paths {
 
     /// The lines of the path to `target` that the solver recorded, from the target on; `None` if
     /// one of them leads nowhere.
-    fn by_records(&self, target: VertexId) -> Option<Vec<Line>> {
+    fn by_records(&self, target: VertexId) -> Option<Vec<StraightLine>> {
         let mut lines = Vec::new();
         let mut v = target;
         for _ in 0..self.distances.len() {
             let line = match self.origins.of(&self.mesh, v) {
                 Origin::None => return Some(lines),
-                Origin::Vertex(from) => Line::along_edge(&self.mesh, &self.distances, [v, from])?,
+                Origin::Vertex(from) => {
+                    StraightLine::along_edge(&self.mesh, &self.distances, [v, from])?
+                }
                 Origin::Window { h, image } => self.glide(target, v, h, image)?,
             };
             v = line.from;
@@ -202,7 +204,7 @@ impl Paths {
     }
 
     /// Whether the path to `target` along `lines` is as long as its distance.
-    fn is_as_long(&self, lines: &[Line], target: VertexId) -> bool {
+    fn is_as_long(&self, lines: &[StraightLine], target: VertexId) -> bool {
         let distance = self.distances[target.index()];
         let length: f64 = lines.iter().map(|line| line.length).sum();
         let points = lines.iter().map(|line| line.crossings.len() + 1);
@@ -212,7 +214,7 @@ impl Paths {
 
     /// Whether the path to `target` along `lines` is as long as its distance, straight at the
     /// vertices that it passes, and crosses no face twice.
-    fn is_shortest(&self, lines: &[Line], target: VertexId) -> bool {
+    fn is_shortest(&self, lines: &[StraightLine], target: VertexId) -> bool {
         // Only among vertices at almost one distance, a path may wander about at no length.
         let short = WANDERING * self.distances[target.index()];
         self.is_as_long(lines, target)
@@ -224,7 +226,7 @@ impl Paths {
 
     /// Whether a path is straight at the vertex from which line `there` comes and where line `back`
     /// ends, up to `bend`: no shortcut exists on either side.
-    fn is_straight(&self, there: &Line, back: &Line, bend: f64) -> bool {
+    fn is_straight(&self, there: &StraightLine, back: &StraightLine, bend: f64) -> bool {
         let mesh = &self.mesh;
         let ends = [there.directions[1], back.directions[0]];
         // The angles from the first edge of the fan.
@@ -273,7 +275,7 @@ impl Paths {
     }
 
     /// The path along `lines`, which lead from `target` to a source.
-    fn path_of(&self, target: VertexId, lines: &[Line]) -> Path {
+    fn path_of(&self, target: VertexId, lines: &[StraightLine]) -> Path {
         let count = lines
             .iter()
             .map(|line| line.crossings.len() + 1)
@@ -296,7 +298,7 @@ impl Paths {
     /// has recorded. Of several lines to a vertex, which differ by rounding alone, those are taken
     /// at which the path is straight.
     #[cold]
-    fn by_search(&self, target: VertexId) -> Option<Vec<Line>> {
+    fn by_search(&self, target: VertexId) -> Option<Vec<StraightLine>> {
         let mut known = HashMap::new();
         MORE.iter()
             .find_map(|factor| self.walk(target, factor * BEND, &mut known))
@@ -309,8 +311,8 @@ impl Paths {
         &self,
         target: VertexId,
         bend: f64,
-        known: &mut HashMap<VertexId, Vec<Line>>,
-    ) -> Option<Vec<Line>> {
+        known: &mut HashMap<VertexId, Vec<StraightLine>>,
+    ) -> Option<Vec<StraightLine>> {
         let rounding = PLACE * self.mesh.longest_edge();
         let most = TOLERANCE * self.distances[target.index()] + rounding;
         let mut passed = vec![Passed::new(target, 0.0)];
@@ -381,7 +383,13 @@ impl Paths {
     /// that it meets. `None` if it meets none, or the search must decide: beside slivers, the error
     /// of an image may exceed that of its distance.
     #[inline]
-    fn glide(&self, target: VertexId, v: VertexId, h: HalfEdgeId, image: [f64; 2]) -> Option<Line> {
+    fn glide(
+        &self,
+        target: VertexId,
+        v: VertexId,
+        h: HalfEdgeId,
+        image: [f64; 2],
+    ) -> Option<StraightLine> {
         let distance = self.distances[v.index()];
         let start = self.mesh.apex(h);
         let to_image = sub(image, start);
@@ -402,13 +410,13 @@ impl Paths {
         let mut left = (turned([self.mesh.length(h), 0.0]), self.tail(h.next()));
         for (at, from) in [right, left] {
             if meets(at, from) {
-                return Line::along_edge(&self.mesh, &self.distances, [v, from]);
+                return StraightLine::along_edge(&self.mesh, &self.distances, [v, from]);
             }
         }
         if !(right.0[1] < 0.0 && left.0[1] > 0.0) {
             return None;
         }
-        let at_end = Direction::new(h.prev(), right.0, [1.0, 0.0]);
+        let at_end = LineDirection::new(h.prev(), right.0, [1.0, 0.0]);
         let mut crossings = Vec::new();
         let mut out = h;
         for _ in 0..self.mesh.face_count() {
@@ -433,8 +441,8 @@ impl Paths {
             ];
             let from = self.tail(g.prev());
             if meets(apex, from) {
-                let at_from = Direction::new(g.prev(), sub(b, apex), apex.map(|x| -x));
-                return Some(Line {
+                let at_from = LineDirection::new(g.prev(), sub(b, apex), apex.map(|x| -x));
+                return Some(StraightLine {
                     from,
                     length: norm(apex),
                     excess: excess(apex, from),
@@ -457,9 +465,9 @@ impl Paths {
 }
 
 /// Whether no face is crossed twice.
-fn crosses_once(lines: &[Line]) -> bool {
+fn crosses_once(lines: &[StraightLine]) -> bool {
     let mut crossed = HashSet::new();
-    let mut faces = lines.iter().flat_map(Line::faces);
+    let mut faces = lines.iter().flat_map(StraightLine::faces);
     faces.all(|face| crossed.insert(face))
 }
 

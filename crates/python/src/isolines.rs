@@ -118,14 +118,14 @@ impl PyLine {
 }
 
 /// The requested levels: the multiples of a step, or a list.
-enum Levels {
+enum WantedLevels {
     Every(f64),
     These(Vec<f64>),
 }
 
-fn levels(every: Option<f64>, levels: Option<Vec<f64>>) -> PyResult<Levels> {
+fn levels(every: Option<f64>, levels: Option<Vec<f64>>) -> PyResult<WantedLevels> {
     match (every, levels) {
-        (Some(every), None) if every.is_finite() && every > 0.0 => Ok(Levels::Every(every)),
+        (Some(every), None) if every.is_finite() && every > 0.0 => Ok(WantedLevels::Every(every)),
         (Some(every), None) => Err(PyValueError::new_err(format!(
             "every: {every}, but it is a distance above 0, in units of the mesh"
         ))),
@@ -133,7 +133,7 @@ fn levels(every: Option<f64>, levels: Option<Vec<f64>>) -> PyResult<Levels> {
             Some(level) => Err(PyValueError::new_err(format!(
                 "levels: {level}, but a level is a distance above 0, in units of the mesh"
             ))),
-            None => Ok(Levels::These(levels)),
+            None => Ok(WantedLevels::These(levels)),
         },
         _ => Err(PyValueError::new_err("give one of every and levels")),
     }
@@ -157,8 +157,8 @@ pub(crate) fn isolines(
     let work = move || {
         let field = DistanceField::new(&surface, &points)?;
         let levels = match asked {
-            Levels::These(levels) => levels,
-            Levels::Every(every) => match field.levels_every(every) {
+            WantedLevels::These(levels) => levels,
+            WantedLevels::Every(every) => match field.levels_every(every) {
                 Ok(levels) => levels,
                 Err(refused) => return Ok(Err(refused)),
             },

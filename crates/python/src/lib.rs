@@ -39,7 +39,7 @@ fn core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     )?;
     module.add_class::<mesh::PyMesh>()?;
     module.add_class::<solver::PySolver>()?;
-    module.add_class::<points::Point>()?;
+    module.add_class::<points::PyPoint>()?;
     module.add_class::<path::PyPath>()?;
     module.add_class::<voronoi::PyVoronoi>()?;
     module.add_class::<voronoi::PyCell>()?;

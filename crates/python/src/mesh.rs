@@ -17,7 +17,7 @@ use crate::interrupt;
 use crate::isolines::{PyIsoline, isolines};
 use crate::path::{PyPath, triples};
 use crate::points::{Finder, single};
-use crate::solver::{Algorithm, one_path, selection};
+use crate::solver::{MeshAlgorithm, one_path, selection};
 use crate::voronoi::PyVoronoi;
 
 /// An immutable triangle mesh, validated when it is made. Vertices keep their numbers.
@@ -69,8 +69,8 @@ impl PyMesh {
         }
     }
 
-    fn algorithm(&self, name: &str) -> PyResult<Algorithm> {
-        Ok(Algorithm::new(&self.mesh, &selection(name, None, "auto")?))
+    fn algorithm(&self, name: &str) -> PyResult<MeshAlgorithm> {
+        Ok(MeshAlgorithm::new(&self.mesh, &selection(name, None, "auto")?))
     }
 }
 

@@ -10,10 +10,10 @@ use pyo3::types::{PyBool, PyString};
 /// or numbers of vertices.
 #[pyclass(frozen, eq, module = "geobench", from_py_object)]
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Point(pub(crate) PointSpec);
+pub(crate) struct PyPoint(pub(crate) PointSpec);
 
 #[pymethods]
-impl Point {
+impl PyPoint {
     fn __repr__(&self) -> String {
         match self.0 {
             PointSpec::Vertex(v) => format!("vertex({v})"),
@@ -56,14 +56,14 @@ fn number(value: &Bound<'_, PyAny>, name: &str) -> PyResult<u32> {
 
 /// The point at vertex `v`. Sources and targets can also be given by the number alone.
 #[pyfunction]
-pub(crate) fn vertex(v: &Bound<'_, PyAny>) -> PyResult<Point> {
-    Ok(Point(PointSpec::Vertex(number(v, "v")?)))
+pub(crate) fn vertex(v: &Bound<'_, PyAny>) -> PyResult<PyPoint> {
+    Ok(PyPoint(PointSpec::Vertex(number(v, "v")?)))
 }
 
 /// The point on the edge between vertices `a` and `b` at the fraction `t` of its length from `a`,
 /// between 0 and 1.
 #[pyfunction]
-pub(crate) fn edge(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, t: f64) -> PyResult<Point> {
+pub(crate) fn edge(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, t: f64) -> PyResult<PyPoint> {
     let ends = [number(a, "a")?, number(b, "b")?];
     if !(0.0..=1.0).contains(&t) {
         return Err(PyValueError::new_err(format!(
@@ -71,13 +71,13 @@ pub(crate) fn edge(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, t: f64) -> PyResu
         )));
     }
     // -0 becomes 0: equal points have equal texts, and so equal hashes.
-    Ok(Point(PointSpec::Edge(ends, t + 0.0)))
+    Ok(PyPoint(PointSpec::Edge(ends, t + 0.0)))
 }
 
 /// The point of face `f` with barycentric coordinates `u`, `v`, `w`, in the order of the corners of
 /// the face. Their sum must be 1.
 #[pyfunction]
-pub(crate) fn face(f: &Bound<'_, PyAny>, u: f64, v: f64, w: f64) -> PyResult<Point> {
+pub(crate) fn face(f: &Bound<'_, PyAny>, u: f64, v: f64, w: f64) -> PyResult<PyPoint> {
     for (name, x) in [("u", u), ("v", v), ("w", w)] {
         if !x.is_finite() {
             return Err(PyValueError::new_err(format!(
@@ -86,12 +86,12 @@ pub(crate) fn face(f: &Bound<'_, PyAny>, u: f64, v: f64, w: f64) -> PyResult<Poi
         }
     }
     let weights = [u, v, w].map(|x| x + 0.0);
-    Ok(Point(PointSpec::Face(number(f, "f")?, weights)))
+    Ok(PyPoint(PointSpec::Face(number(f, "f")?, weights)))
 }
 
 /// The point of the surface nearest to the position `(x, y, z)`, in units of the mesh.
 #[pyfunction]
-pub(crate) fn at(x: f64, y: f64, z: f64) -> PyResult<Point> {
+pub(crate) fn at(x: f64, y: f64, z: f64) -> PyResult<PyPoint> {
     for (name, x) in [("x", x), ("y", y), ("z", z)] {
         if !x.is_finite() {
             return Err(PyValueError::new_err(format!(
@@ -99,13 +99,13 @@ pub(crate) fn at(x: f64, y: f64, z: f64) -> PyResult<Point> {
             )));
         }
     }
-    Ok(Point(PointSpec::At([x, y, z].map(|x| x + 0.0))))
+    Ok(PyPoint(PointSpec::At([x, y, z].map(|x| x + 0.0))))
 }
 
-/// Reads one point, the number of a vertex or a `Point`; `None` if `value` is neither, and may be a
+/// Reads one point, the number of a vertex or a `PyPoint`; `None` if `value` is neither, and may be a
 /// sequence.
 fn one(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<PointSpec>> {
-    if let Ok(point) = value.cast::<Point>() {
+    if let Ok(point) = value.cast::<PyPoint>() {
         return Ok(Some(point.get().0));
     }
     if value.is_instance_of::<PyBool>() || value.is_instance_of::<PyString>() {

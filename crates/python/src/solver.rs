@@ -185,13 +185,13 @@ pub(crate) fn warn(py: Python<'_>, doubt: Option<String>) -> PyResult<()> {
 /// An algorithm on a mesh. Sources and targets that are not vertices need solvers on a refined
 /// mesh.
 #[derive(Clone)]
-pub(crate) struct Algorithm {
+pub(crate) struct MeshAlgorithm {
     pub(crate) mesh: Mesh,
     /// The solvers on `mesh`, which are kept from call to call.
     pub(crate) kept: Arc<SolverPool>,
 }
 
-impl Algorithm {
+impl MeshAlgorithm {
     pub(crate) fn new(mesh: &Mesh, selection: &Selection) -> Self {
         Self {
             mesh: mesh.clone(),
@@ -334,7 +334,7 @@ impl Algorithm {
 ///     The algorithm does not exist, or a parameter, `threads` or `simd` is out of range.
 #[pyclass(frozen, module = "geobench", name = "Solver")]
 pub(crate) struct PySolver {
-    algorithm: Algorithm,
+    algorithm: MeshAlgorithm,
     mesh: Py<PyMesh>,
 }
 
@@ -351,7 +351,7 @@ impl PySolver {
     ) -> PyResult<Self> {
         let mesh = mesh_of(mesh)?;
         let selection = selection(algorithm, threads, simd)?;
-        let solver = Algorithm::new(&mesh.get().mesh, &selection);
+        let solver = MeshAlgorithm::new(&mesh.get().mesh, &selection);
         let pool = Arc::clone(&solver.kept);
         // Set up the first solver now and put it into the pool.
         let faces = solver.mesh.face_count();
@@ -566,7 +566,7 @@ impl PySolver {
 
 /// The shortest path to one target; an error if `target` is a sequence.
 pub(crate) fn one_path(
-    algorithm: &Algorithm,
+    algorithm: &MeshAlgorithm,
     py: Python<'_>,
     source: &Bound<'_, PyAny>,
     target: &Bound<'_, PyAny>,

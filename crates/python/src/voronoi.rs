@@ -15,13 +15,13 @@ use crate::errors::solve_error;
 use crate::interrupt;
 use crate::mesh::PyMesh;
 use crate::path::triples;
-use crate::points::{Point, ResolvedPoints, together};
+use crate::points::{PyPoint, ResolvedPoints, together};
 
 /// A geodesic Voronoi diagram. Its cells are the regions of a surface with the same nearest source.
 #[pyclass(frozen, module = "geobench", name = "Voronoi")]
 pub(crate) struct PyVoronoi {
     diagram: Shared<Diagram>,
-    surface: Shared<Surface>,
+    surface: Shared<RefinedSurface>,
     /// (n,) int64: for each vertex the index of its nearest source; -1 if it is unreachable.
     #[pyo3(get)]
     labels: Py<PyArray1<i64>>,
@@ -32,7 +32,7 @@ pub(crate) struct PyVoronoi {
 }
 
 /// A mesh, its sources, and the refined mesh on which these are vertices.
-struct Surface {
+struct RefinedSurface {
     mesh: Mesh,
     refined: Refined,
     /// The sources as vertices of `refined`.
@@ -41,7 +41,7 @@ struct Surface {
     specs: Vec<PointSpec>,
 }
 
-impl Surface {
+impl RefinedSurface {
     /// The number of the vertex at a source; `None` if the source is not a vertex of `mesh`.
     fn vertex(&self, source: usize) -> Option<u32> {
         let vertex = self.sources[source];
@@ -88,7 +88,7 @@ impl PyCell {
 #[pyclass(frozen, module = "geobench", name = "Arc")]
 pub(crate) struct PyArc {
     diagram: Shared<Diagram>,
-    surface: Shared<Surface>,
+    surface: Shared<RefinedSurface>,
     place: usize,
 }
 
@@ -209,7 +209,7 @@ impl PyVoronoi {
             }
         }
         let faces = mesh.face_count();
-        let surface = Shared::new(Surface {
+        let surface = Shared::new(RefinedSurface {
             mesh: mesh.clone(),
             refined,
             sources,
@@ -253,7 +253,7 @@ impl PyVoronoi {
         specs
             .map(|(i, spec)| match self.surface.vertex(i) {
                 Some(vertex) => vertex.into_py_any(py),
-                None => Point(*spec).into_py_any(py),
+                None => PyPoint(*spec).into_py_any(py),
             })
             .collect()
     }

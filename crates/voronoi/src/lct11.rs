@@ -8,7 +8,7 @@ use geobench_window::{
 
 use crate::field::{FieldSolver, LabelledField};
 use crate::store::edge_of;
-use crate::wave::{ArrivalMode, COUNTERS, Wavefront};
+use crate::wave::{ArrivalMode, COUNTERS, WaveState};
 
 /// MMP from several sources (Liu, Chen, Tang 2011). Windows cross one by one, in the order of the
 /// discipline `Q`. All windows that trimming leaves stay on their edges until the end.
@@ -19,7 +19,7 @@ use crate::wave::{ArrivalMode, COUNTERS, Wavefront};
 #[derive(Clone, Debug)]
 pub struct Lct11<Q = Priority> {
     runs: CompiledRuns<Self>,
-    wave: Wavefront,
+    wave: WaveState,
     queue: Q,
 }
 
@@ -35,7 +35,7 @@ impl<Q: Discipline> Lct11<Q> {
     pub fn in_order(mesh: &Mesh, queue: Q, filter: VertexFilter) -> Self {
         Self {
             runs: CompiledRuns::new(),
-            wave: Wavefront::new(mesh, filter),
+            wave: WaveState::new(mesh, filter),
             queue,
         }
     }

@@ -19,11 +19,11 @@ mod wave;
 mod window_vtp;
 
 pub use diagram::{
-    Bisector, BorderArc, Cell, Diagram, Dual, NoTriangulation, Node, NodeKind, Obstacle, Part,
-    Vertex,
+    Bisector, BorderArc, CellPart, Diagram, Dual, NoTriangulation, Node, NodeKind, Obstacle,
+    Vertex, VoronoiCell,
 };
 pub use field::{FieldSolver, LabelledField, NO_SOURCE};
 pub use lct11::Lct11;
-pub use remesh::{Deviation, Quality, RemeshError, RemeshOptions, Remeshed, remesh};
+pub use remesh::{Quality, RemeshError, RemeshOptions, Remeshed, SurfaceDeviation, remesh};
 pub use removal::Removal;
 pub use window_vtp::{WindowVtp, WindowVtpOptions};

@@ -9,7 +9,7 @@ use crate::field::NO_SOURCE;
 #[cfg(test)]
 use crate::store::Stored;
 use crate::store::edge_of;
-use crate::wave::Wavefront;
+use crate::wave::WaveState;
 
 /// Which windows are removed during a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,7 +36,7 @@ const AHEAD: [usize; 2] = [8, 4];
 
 /// The state of a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum State {
+enum FaceProgress {
     /// Windows may still shorten distances in the face.
     #[default]
     Active,
@@ -59,7 +59,7 @@ enum State {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Remover {
     removal: Removal,
-    states: Vec<State>,
+    states: Vec<FaceProgress>,
     /// Reached faces that are not known to be inactive, by their bound d + e.
     queue: MinHeap<u32>,
     /// Reached faces that are not known to be redundant, for the periodic scan.
@@ -107,13 +107,13 @@ impl Remover {
         self.open.clear();
         (self.crossed, self.turns) = (0, 0);
         if self.watches_faces() {
-            self.states.resize(faces, State::Active);
+            self.states.resize(faces, FaceProgress::Active);
         }
     }
 
     /// Removes windows if a sweep or scan is due. `propagated` is the number of propagations since
     /// the last call. All windows still to be propagated offer `d` or more.
-    pub(crate) fn step(&mut self, wave: &mut Wavefront, propagated: u64, d: f64) {
+    pub(crate) fn step(&mut self, wave: &mut WaveState, propagated: u64, d: f64) {
         match self.removal {
             Removal::Off => {}
             Removal::Continuous => {
@@ -135,7 +135,7 @@ impl Remover {
     }
 
     /// Removes the windows that have become redundant since the last sweep.
-    fn sweep(&mut self, wave: &mut Wavefront, d: f64) {
+    fn sweep(&mut self, wave: &mut WaveState, d: f64) {
         for (i, &f) in wave.reached.iter().enumerate() {
             prefetch_face(wave, wave.reached.get(i + AHEAD[1]));
             self.queue.push(bound(wave, f), f);
@@ -161,26 +161,26 @@ impl Remover {
 
     /// As [`sweep`](Self::sweep), by a scan of all reached faces that are not known to be
     /// redundant.
-    fn look_through(&mut self, wave: &mut Wavefront, d: f64) {
+    fn look_through(&mut self, wave: &mut WaveState, d: f64) {
         let mut open = std::mem::take(&mut self.open);
         open.retain(|&f| {
             if is_inactive(wave, f, d) {
                 self.settle(wave, f);
             }
-            self.states[f as usize] != State::Redundant
+            self.states[f as usize] != FaceProgress::Redundant
         });
         self.open = open;
     }
 
     /// Sets the state of face `f`, which is inactive, and removes the windows of its edges that
     /// have become redundant.
-    fn settle(&mut self, wave: &mut Wavefront, f: u32) {
+    fn settle(&mut self, wave: &mut WaveState, f: u32) {
         let face = FaceId::new(f);
         if !self.has_one_source(wave, face) {
-            self.states[f as usize] = State::Border;
+            self.states[f as usize] = FaceProgress::Border;
             return;
         }
-        self.states[f as usize] = State::Redundant;
+        self.states[f as usize] = FaceProgress::Redundant;
         for h in [0, 1, 2].map(|corner| face.half_edge(corner)) {
             // Boundary edges hold no windows.
             if let Some(twin) = wave.faces.twin(h)
@@ -192,13 +192,13 @@ impl Remover {
     }
 
     /// Whether the face of `h` is redundant.
-    fn is_redundant(&self, wave: &Wavefront, h: HalfEdgeId) -> bool {
+    fn is_redundant(&self, wave: &WaveState, h: HalfEdgeId) -> bool {
         #[cfg(test)]
         if self.traps.active_neighbour {
             return self.has_one_source(wave, h.face());
         }
         let _ = wave;
-        self.states[h.face().index()] == State::Redundant
+        self.states[h.face().index()] == FaceProgress::Redundant
     }
 
     /// Whether an edge is closed when its windows are removed.
@@ -213,7 +213,7 @@ impl Remover {
 
     /// Whether all windows on the edges of `face`, and all its vertices, have the same source.
     #[allow(clippy::unused_self)] // As above.
-    fn has_one_source(&self, wave: &Wavefront, face: FaceId) -> bool {
+    fn has_one_source(&self, wave: &WaveState, face: FaceId) -> bool {
         let corners = wave.faces.corners(face.half_edge(0));
         let [first, others @ ..] = corners.map(|v| wave.labels[v.index()]);
         #[cfg(test)]
@@ -227,14 +227,14 @@ impl Remover {
 }
 
 /// The edges of `face` that can hold windows: all but boundary edges.
-fn edges_of(wave: &Wavefront, face: FaceId) -> impl Iterator<Item = usize> {
+fn edges_of(wave: &WaveState, face: FaceId) -> impl Iterator<Item = usize> {
     let half_edges = [0, 1, 2].into_iter().map(move |c| face.half_edge(c));
     half_edges.filter_map(|h| Some(edge_of(h, wave.faces.twin(h)?).0))
 }
 
 /// Whether the windows on the edges of `face` have the same source, regardless of its vertices.
 #[cfg(test)]
-fn windows_have_one_source(wave: &Wavefront, face: FaceId) -> bool {
+fn windows_have_one_source(wave: &WaveState, face: FaceId) -> bool {
     let windows = edges_of(wave, face).flat_map(|e| wave.store.list(e));
     let mut sources = windows.map(Stored::source);
     let first = sources.next();
@@ -243,7 +243,7 @@ fn windows_have_one_source(wave: &Wavefront, face: FaceId) -> bool {
 
 /// Prefetches face `f`.
 #[inline]
-fn prefetch_face(wave: &Wavefront, f: Option<&u32>) {
+fn prefetch_face(wave: &WaveState, f: Option<&u32>) {
     if let Some(&f) = f {
         wave.faces.announce(FaceId::new(f).half_edge(0));
     }
@@ -252,7 +252,7 @@ fn prefetch_face(wave: &Wavefront, f: Option<&u32>) {
 /// Prefetches the data that [`Remover::settle`] reads. The face must have been
 /// [prefetched](prefetch_face) before.
 #[inline]
-fn prefetch_around(wave: &Wavefront, f: Option<&u32>) {
+fn prefetch_around(wave: &WaveState, f: Option<&u32>) {
     if let Some(&f) = f {
         let face = FaceId::new(f);
         for v in wave.faces.corners(face.half_edge(0)) {
@@ -265,14 +265,14 @@ fn prefetch_around(wave: &Wavefront, f: Option<&u32>) {
 }
 
 /// The distance d + e within which all points of face `f` are reached.
-fn bound(wave: &Wavefront, f: u32) -> f64 {
+fn bound(wave: &WaveState, f: u32) -> f64 {
     let face = FaceId::new(f);
     let lengths = [0, 1, 2].map(|corner| wave.faces.length(face.half_edge(corner)));
     wave.nearest[f as usize] + lengths.into_iter().fold(0.0, f64::max)
 }
 
 /// Whether windows that offer `d` or more cannot improve face `f`, beyond rounding.
-fn is_inactive(wave: &Wavefront, f: u32, d: f64) -> bool {
+fn is_inactive(wave: &WaveState, f: u32, d: f64) -> bool {
     is_less(bound(wave, f), d)
 }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use geobench_mesh::HalfEdgeId;
 use geobench_window::blocks::{FreeBlocks, larger_class, room};
-use geobench_window::trimming::{Comparison, Overlap, Owner, foot, is_sliver, pieces};
+use geobench_window::trimming::{Overlap, Owner, ShorterPart, foot, is_sliver, pieces};
 use geobench_window::{Window, prefetch};
 
 use crate::field::NO_SOURCE;
@@ -547,7 +547,7 @@ fn loses_everywhere(met: &[Stored], new: &Window, l: f64) -> bool {
     for Stored { window, .. } in met {
         let (lo, hi) = (window.b0.max(new.b0), window.b1.min(new.b1));
         if covered < lo && !is_sliver(new, covered, lo, l)
-            || Comparison::between(window, new, lo, hi, l) != Comparison::Lost
+            || ShorterPart::between(window, new, lo, hi, l) != ShorterPart::Lost
         {
             return false;
         }

@@ -30,7 +30,7 @@ pub(crate) const COUNTERS: &[Counter] = &[
 
 /// A window that has arrived at a half-edge and waits there to cross.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Arrival {
+pub(crate) struct HeldWindow {
     pub(crate) h: HalfEdgeId,
     /// The ends of its edge.
     pub(crate) ends: [VertexId; 2],
@@ -53,7 +53,7 @@ pub(crate) enum ArrivalMode {
 /// [`arrivals`](Self::arrivals) and [`improved`](Self::improved), from which the schedule takes
 /// them.
 #[derive(Clone, Debug)]
-pub(crate) struct Wavefront {
+pub(crate) struct WaveState {
     pub(crate) mesh: Mesh,
     pub(crate) faces: Faces,
     pub(crate) thin: ThinFaces,
@@ -70,12 +70,12 @@ pub(crate) struct Wavefront {
     /// Faces reached for the first time since the last call of
     /// [`Remover::step`](crate::removal::Remover) that read them; empty if `nearest` is.
     pub(crate) reached: Vec<u32>,
-    pub(crate) arrivals: Vec<Arrival>,
+    pub(crate) arrivals: Vec<HeldWindow>,
     /// Pseudo-sources, the vertices at which paths may turn, whose distance has improved.
     pub(crate) improved: Vec<(f64, VertexId)>,
 }
 
-impl Wavefront {
+impl WaveState {
     pub(crate) fn new(mesh: &Mesh, filter: VertexFilter) -> Self {
         let half_edges = mesh.half_edge_count();
         Self {
@@ -233,7 +233,7 @@ impl Wavefront {
         self.store.insert(e, &window, is_reversed, source, l);
         let [head, tail, _] = self.faces.corners(twin);
         for waiting in &self.store.changes.waiting {
-            self.arrivals.push(Arrival {
+            self.arrivals.push(HeldWindow {
                 h: if waiting.is_reversed == is_reversed {
                     h
                 } else {
@@ -303,7 +303,7 @@ impl Wavefront {
         if changes.least < f64::INFINITY {
             // `twin` belongs to the face that the windows have left, which is in the cache.
             let [head, tail, _] = self.faces.corners(twin);
-            self.arrivals.push(Arrival {
+            self.arrivals.push(HeldWindow {
                 h,
                 ends: [tail, head],
                 label: changes.least,
@@ -518,7 +518,7 @@ impl Wavefront {
 /// Returns the number of children tried and, if the apex is improved, the length of the best path
 /// to it with the index of its window.
 #[inline]
-#[allow(clippy::too_many_arguments)] // Private, and one step of `Wavefront::cross_all`.
+#[allow(clippy::too_many_arguments)] // Private, and one step of `WaveState::cross_all`.
 fn cross_face<P: Probe>(
     view: &FaceView,
     known: [f64; 3],

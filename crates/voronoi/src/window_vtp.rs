@@ -13,7 +13,7 @@ use geobench_window::{
 use crate::field::{FieldSolver, LabelledField};
 use crate::removal::{Removal, Remover};
 use crate::store::{Stored, edge_of};
-use crate::wave::{ArrivalMode, COUNTERS, Wavefront};
+use crate::wave::{ArrivalMode, COUNTERS, WaveState};
 
 /// Options of [`WindowVtp`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +64,7 @@ enum VertexEvent {
 /// ```
 #[derive(Clone, Debug)]
 pub struct WindowVtp {
-    wave: Wavefront,
+    wave: WaveState,
     pub(crate) remover: Remover,
     queue: MinHeap<VertexEvent>,
     /// For each vertex, the least distance of the windows that wait for it; infinite without any.
@@ -91,7 +91,7 @@ impl WindowVtp {
     /// Sets up for `mesh` with `options`; O(faces).
     pub fn with_options(mesh: &Mesh, options: WindowVtpOptions) -> Self {
         Self {
-            wave: Wavefront::new(mesh, options.filter),
+            wave: WaveState::new(mesh, options.filter),
             remover: Remover::new(options.removal),
             queue: MinHeap::default(),
             keys: Vec::new(),

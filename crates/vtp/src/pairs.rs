@@ -21,7 +21,7 @@ pub(crate) const BLURRED: f64 = 1e-3;
 
 /// The result of a comparison. Either window may also have been cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Verdict {
+pub(crate) enum PairOutcome {
     BothStay,
     FirstDies,
     SecondDies,
@@ -69,7 +69,7 @@ impl SharedEdge {
 
 /// Compares two windows of one edge, and cuts what each loses to the other (Qin et al. 2016,
 /// section 4.1, cases 1 to 6). Returns whether one of them has lost everything.
-pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &SharedEdge) -> Verdict {
+pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &SharedEdge) -> PairOutcome {
     let (lo, hi) = (a.b0.max(b.b0), a.b1.min(b.b1));
     if lo > hi {
         return check_disjoint(a, b, edge);
@@ -82,16 +82,16 @@ pub(crate) fn check_pair(a: &mut Window, b: &mut Window, edge: &SharedEdge) -> V
         let (da, db) = (a.distance(x), b.distance(x));
         if da < db * WINS - edge.blur {
             if !cut(b, a, x, edge) {
-                return Verdict::SecondDies;
+                return PairOutcome::SecondDies;
             }
         } else if db < da * WINS - edge.blur && !cut(a, b, x, edge) {
-            return Verdict::FirstDies;
+            return PairOutcome::FirstDies;
         }
         if lo == hi {
             break;
         }
     }
-    Verdict::BothStay
+    PairOutcome::BothStay
 }
 
 /// Cuts the rays of `loser` that cross the path of `winner` to `x`. `winner` must be shorter at
@@ -117,14 +117,14 @@ fn cut(loser: &mut Window, winner: &Window, x: f64, edge: &SharedEdge) -> bool {
 
 /// Compares windows with disjoint intervals (cases 3 and 6). If their nearest rays have crossed
 /// inside the triangle behind the edge, the window whose path to the crossing is longer is deleted.
-fn check_disjoint(a: &Window, b: &Window, edge: &SharedEdge) -> Verdict {
+fn check_disjoint(a: &Window, b: &Window, edge: &SharedEdge) -> PairOutcome {
     if a.b1 < b.b0 {
         return check_in_order(a, b, edge);
     }
     match check_in_order(b, a, edge) {
-        Verdict::FirstDies => Verdict::SecondDies,
-        Verdict::SecondDies => Verdict::FirstDies,
-        Verdict::BothStay => Verdict::BothStay,
+        PairOutcome::FirstDies => PairOutcome::SecondDies,
+        PairOutcome::SecondDies => PairOutcome::FirstDies,
+        PairOutcome::BothStay => PairOutcome::BothStay,
     }
 }
 
@@ -137,22 +137,22 @@ fn check_disjoint(a: &Window, b: &Window, edge: &SharedEdge) -> Verdict {
 /// entered through one edge, the shorter ray entered at a point that both windows reach. The rays
 /// that do not cross it in the triangle are those beyond that point. The path from there to the
 /// source crosses them, as in [`cut`].
-fn check_in_order(left: &Window, right: &Window, edge: &SharedEdge) -> Verdict {
+fn check_in_order(left: &Window, right: &Window, edge: &SharedEdge) -> PairOutcome {
     let (v, u) = (left.source(), right.source());
     let Some(Meeting { s, t, blur }) = meet((v, left.b1), (u, right.b0), edge.slenderness) else {
-        return Verdict::BothStay;
+        return PairOutcome::BothStay;
     };
     if !edge.is_behind([v[0] + s * (left.b1 - v[0]), v[1] - s * v[1]], blur) {
-        return Verdict::BothStay;
+        return PairOutcome::BothStay;
     }
     let to_left = left.sigma + s * length(v, left.b1);
     let to_right = right.sigma + t * length(u, right.b0);
     if to_left < to_right * WINS - edge.blur {
-        Verdict::SecondDies
+        PairOutcome::SecondDies
     } else if to_right < to_left * WINS - edge.blur {
-        Verdict::FirstDies
+        PairOutcome::FirstDies
     } else {
-        Verdict::BothStay
+        PairOutcome::BothStay
     }
 }
 
@@ -209,7 +209,7 @@ mod tests {
         }
     }
 
-    fn check(mut a: Window, mut b: Window) -> (Verdict, [f64; 2], [f64; 2]) {
+    fn check(mut a: Window, mut b: Window) -> (PairOutcome, [f64; 2], [f64; 2]) {
         let verdict = check_pair(&mut a, &mut b, &EDGE);
         (verdict, [a.b0, a.b1], [b.b0, b.b1])
     }
@@ -219,7 +219,7 @@ mod tests {
         let dear = window(0.2, 0.9, 0.9, -1.0, 1.0);
         let cheap = window(0.0, 0.5, 0.1, -1.0, 0.0);
         let (verdict, dear_left, cheap_left) = check(dear, cheap);
-        assert_eq!(verdict, Verdict::BothStay);
+        assert_eq!(verdict, PairOutcome::BothStay);
         assert_eq!(dear_left, [0.5, 0.9]);
         assert_eq!(cheap_left, [0.0, 0.5]);
     }
@@ -228,14 +228,14 @@ mod tests {
     fn a_better_window_over_the_whole_of_another_kills_it() {
         let dear = window(0.2, 0.4, 0.9, -1.0, 1.0);
         let cheap = window(0.0, 0.5, 0.1, -1.0, 0.0);
-        assert_eq!(check(dear, cheap).0, Verdict::FirstDies);
-        assert_eq!(check(cheap, dear).0, Verdict::SecondDies);
+        assert_eq!(check(dear, cheap).0, PairOutcome::FirstDies);
+        assert_eq!(check(cheap, dear).0, PairOutcome::SecondDies);
     }
 
     #[test]
     fn equal_windows_both_stay_whole() {
         let w = window(0.2, 0.4, 0.9, -1.0, 1.0);
-        assert_eq!(check(w, w), (Verdict::BothStay, [0.2, 0.4], [0.2, 0.4]));
+        assert_eq!(check(w, w), (PairOutcome::BothStay, [0.2, 0.4], [0.2, 0.4]));
     }
 
     #[test]
@@ -255,7 +255,7 @@ mod tests {
                     ..twin
                 },
             );
-            assert_eq!(verdict, Verdict::BothStay);
+            assert_eq!(verdict, PairOutcome::BothStay);
             assert_eq!((kept, also_kept), ([0.2, 0.6], [0.4, 0.8]));
         }
     }
@@ -267,7 +267,7 @@ mod tests {
         let dear = window(0.0, 1.0, 0.5, -2.0, 5.0);
         let cheap = window(0.4, 0.6, 0.5, -0.5, 0.0);
         let (verdict, kept, _) = check(dear, cheap);
-        assert_eq!((verdict, kept), (Verdict::BothStay, [0.0, 1.0]));
+        assert_eq!((verdict, kept), (PairOutcome::BothStay, [0.0, 1.0]));
     }
 
     #[test]
@@ -275,12 +275,12 @@ mod tests {
         // Rays from (0.9, -1) to 0.3 and from (0.1, -1) to 0.7 cross at (0.5, -1/3).
         let left = window(0.1, 0.3, 0.9, -1.0, 0.0);
         let right = window(0.7, 0.9, 0.1, -1.0, 0.5);
-        assert_eq!(check(left, right).0, Verdict::SecondDies);
-        assert_eq!(check(right, left).0, Verdict::FirstDies);
+        assert_eq!(check(left, right).0, PairOutcome::SecondDies);
+        assert_eq!(check(right, left).0, PairOutcome::FirstDies);
         // With a flatter triangle behind the edge they crossed before it, possibly on other faces.
         let flat = SharedEdge::new(1.0, [0.5, -0.2]);
         let verdict = check_pair(&mut left.clone(), &mut right.clone(), &flat);
-        assert_eq!(verdict, Verdict::BothStay);
+        assert_eq!(verdict, PairOutcome::BothStay);
     }
 
     /// Two windows bounded by one corner of the triangle seemed to cross beside it, and one of them
@@ -307,7 +307,7 @@ mod tests {
             0.069_832_371_716_493_88,
         );
         for [mut a, mut b] in [[cheap, dear], [dear, cheap]] {
-            assert_eq!(check_pair(&mut a, &mut b, &edge), Verdict::BothStay);
+            assert_eq!(check_pair(&mut a, &mut b, &edge), PairOutcome::BothStay);
         }
     }
 }

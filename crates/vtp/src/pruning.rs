@@ -10,7 +10,7 @@ use geobench_window::Window;
 use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::settle;
 use crate::engine::layout::MeshLayout;
-use crate::pairs::{SharedEdge, Verdict, check_pair};
+use crate::pairs::{PairOutcome, SharedEdge, check_pair};
 use crate::trim::trim_pair;
 use geobench_window::simd::Lanes;
 
@@ -101,8 +101,8 @@ fn push_to_all(checked: &mut Vec<Window>, mut new: Window, edge: &SharedEdge) {
             return true;
         }
         let verdict = check_pair(w, &mut new, edge);
-        alive = verdict != Verdict::SecondDies;
-        verdict != Verdict::FirstDies
+        alive = verdict != PairOutcome::SecondDies;
+        verdict != PairOutcome::FirstDies
     });
     if alive {
         checked.push(new);
@@ -128,12 +128,12 @@ impl Pairs for TrimmedNeighbours {
 fn push_and_trim(checked: &mut Vec<Window>, mut new: Window, edge: &SharedEdge) {
     while let Some(last) = checked.last_mut() {
         match check_pair(last, &mut new, edge) {
-            Verdict::BothStay => {}
-            Verdict::FirstDies => {
+            PairOutcome::BothStay => {}
+            PairOutcome::FirstDies => {
                 checked.pop();
                 continue;
             }
-            Verdict::SecondDies => return,
+            PairOutcome::SecondDies => return,
         }
         let Some((of_last, of_new)) = trim_pair(last, &new, edge.l) else {
             break;

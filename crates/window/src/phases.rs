@@ -42,7 +42,7 @@ pub struct Phases {
 /// ```
 #[derive(Debug)]
 pub struct PhaseSampler {
-    shared: Arc<Shared>,
+    shared: Arc<SharedState>,
     thread: Option<JoinHandle<()>>,
     runs: u32,
     elapsed: Duration,
@@ -50,7 +50,7 @@ pub struct PhaseSampler {
 
 /// The state that both threads share.
 #[derive(Debug)]
-struct Shared {
+struct SharedState {
     /// The [`Phase`] of the run as a number, or [`IDLE`].
     phase: AtomicU8,
     /// Samples of each phase.
@@ -81,7 +81,7 @@ impl PhaseSampler {
     ///
     /// When the system does not start a thread.
     pub fn start() -> io::Result<Self> {
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(SharedState {
             phase: AtomicU8::new(IDLE),
             samples: Default::default(),
             started: AtomicBool::new(false),
@@ -148,7 +148,7 @@ impl Drop for PhaseSampler {
     }
 }
 
-impl Shared {
+impl SharedState {
     /// The loop of the thread.
     fn sample(&self) {
         self.started.store(true, Ordering::Release);

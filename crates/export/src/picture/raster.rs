@@ -17,7 +17,7 @@ const SHARP: f64 = 0.766;
 
 /// The part of the surface that is visible at a sample.
 #[derive(Clone, Copy, Debug)]
-struct Sample {
+struct ScreenSample {
     /// The depth in samples, which grows towards the viewer; minus infinity without a surface.
     depth: f32,
     /// The geodesic distance from the source; infinite if unreachable.
@@ -28,7 +28,7 @@ struct Sample {
     paint: Option<[u8; 3]>,
 }
 
-const NOTHING: Sample = Sample {
+const NOTHING: ScreenSample = ScreenSample {
     depth: f32::NEG_INFINITY,
     distance: 0.0,
     light: 0.0,
@@ -41,7 +41,7 @@ pub(super) struct Image {
     size: [usize; 2],
     /// Red, green, blue and opacity of every pixel.
     pixels: Vec<[u8; 4]>,
-    samples: Vec<Sample>,
+    samples: Vec<ScreenSample>,
 }
 
 /// Renders `mesh` as `camera` sees it. Colours show distances from 0 to `farthest`, with isolines
@@ -69,7 +69,7 @@ pub(super) fn render(
             };
             brightness(view.turn(normal))
         });
-        let whole = Triangle {
+        let whole = ViewTriangle {
             corners: corners.map(|v| seen[v]),
             distances: corners.map(|v| distances[v]),
             light,
@@ -121,14 +121,14 @@ fn brightness(normal: [f64; 3]) -> f64 {
 
 /// A triangle in view coordinates.
 #[derive(Clone, Copy, Debug)]
-struct Triangle {
+struct ViewTriangle {
     corners: [Vector; 3],
     distances: [f64; 3],
     light: [f64; 3],
     paint: Option<[u8; 3]>,
 }
 
-impl Triangle {
+impl ViewTriangle {
     /// The part of the triangle whose corners have these barycentric coordinates.
     fn part(&self, corners: [[f64; 3]; 3], colour: [u8; 3]) -> Self {
         let blend = |of: [f64; 3]| corners.map(|weights| dot(weights, of));
@@ -144,7 +144,7 @@ impl Triangle {
     }
 
     /// Writes the samples at which the triangle is nearer than the surface drawn before.
-    fn fill(self, samples: &mut [Sample], [width, height]: [usize; 2]) {
+    fn fill(self, samples: &mut [ScreenSample], [width, height]: [usize; 2]) {
         let Self {
             corners,
             distances,
@@ -180,7 +180,7 @@ impl Triangle {
                 let depth = blend(shares, corners.map(|corner| corner[2])) as f32;
                 let sample = &mut samples[column + width * row];
                 if depth > sample.depth {
-                    *sample = Sample {
+                    *sample = ScreenSample {
                         depth,
                         distance: blend(shares, distances) as f32,
                         light: blend(shares, light) as f32,
@@ -194,7 +194,7 @@ impl Triangle {
 
 /// The colour of a sample, if a surface is visible.
 fn colour(
-    samples: &[Sample],
+    samples: &[ScreenSample],
     [width, height]: [usize; 2],
     [column, row]: [usize; 2],
     farthest: f64,
@@ -212,7 +212,7 @@ fn colour(
     if !distance.is_finite() {
         return Some(distances::UNREACHED.map(|part| f64::from(part) * light));
     }
-    let band = |sample: &Sample| (f64::from(sample.distance) / step).floor();
+    let band = |sample: &ScreenSample| (f64::from(sample.distance) / step).floor();
     // An isoline separates two neighbouring samples of different bands. Their depths must be close,
     // so that both lie on the same part of the surface.
     let near = width.max(height) as f32 * 0.01;
@@ -237,7 +237,7 @@ fn colour(
 
 /// The pixels of a picture, each the mean of the colours of its samples.
 fn resolve(
-    samples: &[Sample],
+    samples: &[ScreenSample],
     [width, height]: [usize; 2],
     colour: impl Fn([usize; 2]) -> Option<[f64; 3]>,
 ) -> Vec<[u8; 4]> {

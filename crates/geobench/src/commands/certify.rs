@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use crate::args::{MODELS_HELP, threads, tolerance};
 use crate::isolation::ReadingOptions;
-use crate::points::{Points, SourcesOptions};
+use crate::points::{LocatedPoints, SourcesOptions};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -65,7 +65,7 @@ pub(crate) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     let threads = Threads::start(options.threads as usize)?;
     let model = model::only(&options.model)?;
     let mesh = &threads.run(|| model.mesh_within(options.reading))?;
-    let points = Points::new(mesh, &options.sources.all(), None, &model.path)?;
+    let points = LocatedPoints::new(mesh, &options.sources.all(), None, &model.path)?;
     if options.format == CertificateFormat::Text {
         points.print_notes()?;
     }
@@ -188,7 +188,7 @@ impl CertificateDocument {
     /// Judges the distances `given`, with their vertices.
     fn new(
         mesh: &Mesh,
-        points: &Points,
+        points: &LocatedPoints,
         proof: &Certificate,
         given: &[(usize, f64)],
         options: &CertifyOptions,

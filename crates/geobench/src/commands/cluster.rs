@@ -11,7 +11,7 @@ use geobench_harness::exec::model::ModelRef;
 use geobench_harness::plan::suite::Plans;
 use geobench_harness::plan::{Plan, Reference};
 use geobench_harness::run::cluster::{
-    ClusterDirectory, ClusterRecord, EXCLUSIVE, PartState, Placement, Resources, parts_in_words,
+    ClusterDirectory, ClusterFiles, ClusterRecord, EXCLUSIVE, PartState, Resources, parts_in_words,
 };
 use geobench_report::table::terminal::listing;
 use geobench_report::table::{Column, Entry, Look, Table};
@@ -122,7 +122,7 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     let here = std::env::current_dir().context("cannot tell the current directory")?;
     let fixed = fixed(&run, &plans);
     let files = files(&run, &plans);
-    let placement = Placement::find(directory, &program, &here, &files, fixed.as_deref())?;
+    let placement = ClusterFiles::find(directory, &program, &here, &files, fixed.as_deref())?;
     let mut resources = Resources::of(&plans, parts);
     // `Resources::of` assumes one cell at a time; `--jobs` cells run concurrently.
     resources.cores *= run.jobs as usize;

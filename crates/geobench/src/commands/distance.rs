@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::bail;
 use clap::Args;
 use geobench_export::FileFormat;
-use geobench_export::distances::{DistanceField, DistanceMatrix, FieldFormat, MatrixFormat};
+use geobench_export::distances::{DistanceFile, DistanceMatrix, FieldFormat, MatrixFormat};
 use geobench_export::output::{OutputFile, check_not_read};
 use geobench_harness::exec::expected::file_word;
 use geobench_harness::exec::model;
@@ -19,7 +19,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 
 use crate::args::{MODELS_HELP, threads};
 use crate::isolation::ReadingOptions;
-use crate::points::{GoalOptions, Points, SourcesOptions};
+use crate::points::{GoalOptions, LocatedPoints, SourcesOptions};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -80,9 +80,9 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         );
     }
     let form = if options.matrix {
-        Form::Matrix(MatrixFormat::of_path(&options.output)?)
+        DistanceOutput::Matrix(MatrixFormat::of_path(&options.output)?)
     } else {
-        Form::Field(FieldFormat::of_path(&options.output)?)
+        DistanceOutput::Field(FieldFormat::of_path(&options.output)?)
     };
     if options.each && !options.matrix && options.output == Path::new("-") {
         bail!("--each writes a file for each source: name one, or add --matrix for a single table");
@@ -94,7 +94,7 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         check_not_read(&[&output], &[&model.path])?;
     }
     let wanted = options.goal.wanted()?;
-    if let (Form::Field(format), Some(_)) = (&form, &wanted)
+    if let (DistanceOutput::Field(format), Some(_)) = (&form, &wanted)
         && format.is_mesh()
     {
         bail!(
@@ -104,7 +104,7 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     }
     let threads = Threads::start(options.threads as usize)?;
     let mesh = threads.run(|| model.mesh_within(options.reading))?;
-    let points = Points::new(
+    let points = LocatedPoints::new(
         &mesh,
         &options.sources.all(),
         wanted.as_deref(),
@@ -122,8 +122,8 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         threads: &threads,
     };
     let summaries = match form {
-        Form::Matrix(format) => vec![request.matrix(format, &output)?],
-        Form::Field(format) => request.fields(format, output)?,
+        DistanceOutput::Matrix(format) => vec![request.matrix(format, &output)?],
+        DistanceOutput::Field(format) => request.fields(format, output)?,
     };
     for summary in summaries {
         if !is_quiet {
@@ -134,7 +134,7 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
 }
 
 /// The kind and format of the output.
-enum Form {
+enum DistanceOutput {
     Field(FieldFormat),
     Matrix(MatrixFormat),
 }
@@ -177,7 +177,7 @@ struct DistanceCommand<'a> {
     model: &'a str,
     /// The mesh of the model.
     mesh: &'a Mesh,
-    points: &'a Points,
+    points: &'a LocatedPoints,
     threads: &'a Threads,
 }
 
@@ -198,7 +198,7 @@ impl DistanceCommand<'_> {
             let sources: Vec<VertexId> = task.sources.iter().map(|(_, vertex)| *vertex).collect();
             let distances = self.solve(solver, &sources)?;
             let labels: Vec<SourceLabel> = task.sources.iter().map(|(l, _)| l.clone()).collect();
-            let field = DistanceField {
+            let field = DistanceFile {
                 model: self.model,
                 algorithm: algorithm.label(),
                 sources: &labels,

@@ -7,7 +7,7 @@ use geobench_export::escape::printable;
 use geobench_export::json_lines;
 use geobench_harness::exec::model::{self, LoadedModel, ModelError, ModelRef};
 use geobench_harness::measure::number::grouped;
-use geobench_mesh::{Report, Severity, Summary};
+use geobench_mesh::{DefectSummary, Report, Severity};
 use serde_json::{Value, json};
 
 use crate::args::{ListFormat, MODELS_HELP};
@@ -67,7 +67,7 @@ pub(crate) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
 fn in_json(model: &ModelRef, loaded: &Result<LoadedModel, ModelError>) -> Value {
     let defects = |report: &Report| -> Vec<Value> {
         let summaries = report.summaries();
-        let defect = |summary: &Summary| {
+        let defect = |summary: &DefectSummary| {
             json!({
                 "severity": severity(summary.kind.severity()),
                 "text": summary.text,

@@ -16,7 +16,7 @@ use geobench_window::precision;
 
 use crate::args::MODELS_HELP;
 use crate::isolation::ReadingOptions;
-use crate::points::{Points, SourcesOptions};
+use crate::points::{LocatedPoints, SourcesOptions};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -87,7 +87,7 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let model = model::only(&options.model)?;
     check_not_read(&[&output], &[&model.path])?;
     let mesh = &model.mesh_within(options.reading)?;
-    let points = Points::new(mesh, &options.sources.all(), None, &model.path)?;
+    let points = LocatedPoints::new(mesh, &options.sources.all(), None, &model.path)?;
     let is_quiet = options.quiet || options.output == Path::new("-");
     if !is_quiet {
         points.print_notes()?;

@@ -21,7 +21,7 @@ use geobench_window::precision;
 
 use crate::args::MODELS_HELP;
 use crate::isolation::ReadingOptions;
-use crate::points::{Points, SourcesOptions, WantedTarget};
+use crate::points::{LocatedPoints, SourcesOptions, WantedTarget};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -84,7 +84,7 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     let mesh = &model.mesh_within(options.reading)?;
     let wanted: Option<Vec<WantedTarget>> =
         (!options.all_targets).then(|| options.target.iter().map(|t| (t.clone(), None)).collect());
-    let points = Points::new(mesh, &options.sources.all(), wanted.as_deref(), &model.path)?;
+    let points = LocatedPoints::new(mesh, &options.sources.all(), wanted.as_deref(), &model.path)?;
     if !options.quiet && options.output.as_deref() != Some(FilePath::new("-")) {
         points.print_notes()?;
     }
@@ -155,7 +155,7 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     Ok(verdict)
 }
 
-impl Points {
+impl LocatedPoints {
     /// Converts `path` from the refined mesh to points of `mesh`. Returns the label of its source
     /// as well.
     fn told(&self, mesh: &Mesh, path: Path) -> (SourceLabel, Path) {

@@ -7,7 +7,7 @@ use clap::Args;
 use geobench_export::output;
 use geobench_harness::schema::result_file;
 use geobench_report::history::pool as rounds;
-use geobench_report::table::Format;
+use geobench_report::table::ResultFormat;
 
 use crate::verdict::Verdict;
 
@@ -28,7 +28,7 @@ pub(crate) struct PoolOptions {
 }
 
 pub(crate) fn pool(options: &PoolOptions) -> anyhow::Result<Verdict> {
-    let outputs = output::prepare::<Format>(&options.output)?;
+    let outputs = output::prepare::<ResultFormat>(&options.output)?;
     for (i, round) in options.rounds.iter().enumerate() {
         if options.rounds[..i].contains(round) {
             bail!("{}: given twice; each round counts once", round.display());

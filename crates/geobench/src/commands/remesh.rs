@@ -13,7 +13,7 @@ use geobench_export::picture::{Paint, Scene};
 use geobench_harness::exec::model;
 use geobench_mesh::io as mesh_io;
 use geobench_mesh::{Mesh, VertexId};
-use geobench_voronoi::{Deviation, Quality, RemeshOptions as Sites, Remeshed};
+use geobench_voronoi::{Quality, RemeshOptions as Sites, Remeshed, SurfaceDeviation};
 
 use super::generate;
 use crate::args::MODELS_HELP;
@@ -23,7 +23,7 @@ use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
 #[command(after_help = MODELS_HELP)]
-pub(crate) struct RemeshOptions {
+pub(crate) struct RemeshingOptions {
     /// The model
     #[arg(value_name = "MODEL")]
     model: String,
@@ -63,7 +63,7 @@ const SAMPLES: usize = 100_000;
 /// Colour of the faces of the new mesh in the picture, RGB.
 const PLAIN: [u8; 3] = [222, 226, 233];
 
-pub(crate) fn remesh(options: &RemeshOptions) -> anyhow::Result<Verdict> {
+pub(crate) fn remesh(options: &RemeshingOptions) -> anyhow::Result<Verdict> {
     let ending = generate::ending(&options.output)?;
     let output = OutputFile::prepare(&options.output)?;
     let picture = match &options.picture {
@@ -139,7 +139,7 @@ fn draw(new: &Remeshed, png: bool, model: &str) -> anyhow::Result<Vec<u8>> {
 }
 
 fn summary(
-    options: &RemeshOptions,
+    options: &RemeshingOptions,
     mesh: &Mesh,
     new: &Remeshed,
     seconds: f64,
@@ -193,8 +193,8 @@ fn summary(
         "worst aspect",
         quality.map(|q| format!("{:.3}", q.worst_aspect)),
     );
-    let there = Deviation::between(mesh, &new.mesh, SAMPLES)?;
-    let back = Deviation::between(&new.mesh, mesh, SAMPLES)?;
+    let there = SurfaceDeviation::between(mesh, &new.mesh, SAMPLES)?;
+    let back = SurfaceDeviation::between(&new.mesh, mesh, SAMPLES)?;
     let diagonal = mesh.diagonal();
     let shown = |d: f64| {
         let percent = 100.0 * d / diagonal.max(f64::MIN_POSITIVE);

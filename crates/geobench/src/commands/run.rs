@@ -27,7 +27,7 @@ use geobench_harness::schema::{
     SourceLabel, Status, result_file,
 };
 use geobench_report::history::join::{self, Joined};
-use geobench_report::table::{self, Format, Look};
+use geobench_report::table::{self, Look, ResultFormat};
 use toml::Spanned;
 
 use crate::args::{Algorithms, CsvOptions, MODELS_HELP, algorithms, row, threads, tolerance};
@@ -132,8 +132,8 @@ pub(crate) struct RunOptions {
     pub(crate) extras: ExtraOptions,
 
     /// What goes to standard output
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = Format::Table)]
-    pub(crate) format: Format,
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ResultFormat::Table)]
+    pub(crate) format: ResultFormat,
 
     /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
     #[arg(short, long, value_name = "FILE")]
@@ -294,7 +294,7 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
         progress, result, ..
     } = listener;
     drop(progress);
-    if format == Format::Table {
+    if format == ResultFormat::Table {
         terminal::print_rendered(&table::footnote(&result, look))?;
     } else {
         terminal::print_rendered(&format.render(&whole)?)?;
@@ -492,7 +492,9 @@ fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
 
 /// The format of standard output, and the files to write with their formats. An output `-` sets the
 /// format of standard output. The file of `--add-to` is among the files.
-fn outputs(options: &RunOptions) -> anyhow::Result<(Format, Vec<(Format, OutputFile)>)> {
+fn outputs(
+    options: &RunOptions,
+) -> anyhow::Result<(ResultFormat, Vec<(ResultFormat, OutputFile)>)> {
     let mut format = options.csv_rows.of(options.format);
     let mut outputs = options.csv_rows.outputs(&options.output)?;
     outputs.retain(|(form, file)| {
@@ -507,7 +509,7 @@ fn outputs(options: &RunOptions) -> anyhow::Result<(Format, Vec<(Format, OutputF
         if file.is_standard_output() {
             bail!("--add-to -: a result file grows; name one");
         }
-        outputs.push((Format::Json, file));
+        outputs.push((ResultFormat::Json, file));
         check_distinct(&outputs.iter().map(|(_, file)| file).collect::<Vec<_>>())?;
     }
     Ok((format, outputs))
@@ -612,7 +614,7 @@ fn earlier(path: &Path, plans: &[Plan]) -> anyhow::Result<(String, ResultFile)> 
 /// Opens the journal. Warns, unless `quiet`, if some of its sessions ran on another machine.
 fn open_journal(
     path: &Path,
-    outputs: &[(Format, OutputFile)],
+    outputs: &[(ResultFormat, OutputFile)],
     plan: &PlanRecord,
     session: &SessionRecord,
     quiet: bool,
@@ -639,7 +641,7 @@ fn open_journal(
 /// loses only unfinished models.
 pub(crate) struct Reporter {
     pub(crate) progress: Progress,
-    pub(crate) format: Format,
+    pub(crate) format: ResultFormat,
     pub(crate) look: Look,
     /// Whether to count instructions.
     pub(crate) instructions: bool,
@@ -649,7 +651,7 @@ pub(crate) struct Reporter {
     pub(crate) decompressed: DecompressionLimit,
     /// Whether to suppress the warnings about successful cells and about the earlier file.
     pub(crate) quiet: bool,
-    pub(crate) outputs: Vec<(Format, OutputFile)>,
+    pub(crate) outputs: Vec<(ResultFormat, OutputFile)>,
     pub(crate) result: ResultFile,
     /// Name and contents of the file of `--add-to`.
     pub(crate) earlier: Option<(String, ResultFile)>,
@@ -686,7 +688,7 @@ impl Reporter {
 
     /// Prints text of a table above the progress, if the format of standard output is a table.
     fn show(&mut self, text: &str) -> anyhow::Result<()> {
-        if self.format == Format::Table && !text.is_empty() {
+        if self.format == ResultFormat::Table && !text.is_empty() {
             self.progress.suspend(|| terminal::print_rendered(text))?;
         }
         Ok(())
@@ -728,7 +730,7 @@ impl Reporter {
         if failed.is_empty() {
             return Ok(whole);
         }
-        let rescued = rescue(&Format::Json.render(&whole)?);
+        let rescued = rescue(&ResultFormat::Json.render(&whole)?);
         bail!("{}; {rescued}", failed.join("; "));
     }
 
@@ -821,7 +823,7 @@ impl Listener for Reporter {
             for summary in agreement::summaries(cells) {
                 terminal::error(&summary);
             }
-            if let (Format::Table, Some(group)) = (self.format, self.result.groups.last()) {
+            if let (ResultFormat::Table, Some(group)) = (self.format, self.result.groups.last()) {
                 let look = self.look;
                 let mut text = table::model_table(group, model, cells, look);
                 // The last column stays free, because some terminals wrap a line that fills it.
@@ -842,7 +844,7 @@ impl Listener for Reporter {
 
 /// Prints the messages of cells to standard error: each refusal once, failures, and, unless
 /// `quiet`, messages of successful cells. For tables only refusals are printed.
-fn remark(cells: &[Cell], format: Format, quiet: bool) {
+fn remark(cells: &[Cell], format: ResultFormat, quiet: bool) {
     let mut last_refusal = None;
     for cell in cells {
         let Some(message) = &cell.message else {
@@ -855,7 +857,7 @@ fn remark(cells: &[Cell], format: Format, quiet: bool) {
             }
             Status::Refused => {}
             // Tables have these messages in their notes.
-            _ if format == Format::Table => {}
+            _ if format == ResultFormat::Table => {}
             status => {
                 let source = cell.source.clone().unwrap_or(SourceLabel::Vertex(0));
                 let place = format!("{}: {}, source {source}", cell.model, cell.algorithm);

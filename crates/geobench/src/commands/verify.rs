@@ -192,7 +192,7 @@ struct VerifyTally {
 }
 
 impl VerifyTally {
-    fn count(&mut self, verdict: &Judgement) {
+    fn count(&mut self, verdict: &AnswerVerdict) {
         self.answers += 1;
         match verdict.word {
             Word::Wrong => self.wrong += 1,
@@ -306,7 +306,7 @@ impl LoadedModelCheck<'_> {
         &self,
         name: &str,
         source: PointSpec,
-        verdict: &Judgement,
+        verdict: &AnswerVerdict,
     ) -> anyhow::Result<()> {
         if self.options.quiet && verdict.word == Word::Ok {
             return Ok(());
@@ -344,7 +344,7 @@ impl LoadedModelCheck<'_> {
                 continue;
             }
             let is_reference = algorithm.label() == REFERENCE;
-            let mut verdict = Judgement::default();
+            let mut verdict = AnswerVerdict::default();
             let done = session.execute(&self.step(algorithm, &state.spec));
             if interrupt::requested() {
                 break;
@@ -414,7 +414,7 @@ impl LoadedModelCheck<'_> {
         &self,
         algorithm: &Selection,
         observation: Observation,
-        verdict: &mut Judgement,
+        verdict: &mut AnswerVerdict,
         state: &mut SourceState,
         session: &mut dyn Session,
     ) -> Vote {
@@ -492,7 +492,7 @@ impl LoadedModelCheck<'_> {
         };
         let mut proven = ReferenceCheck::new(checks.layout.clone());
         proven.answer = Some(Answer::of(CERTIFICATE, &distances));
-        let mut judge = |found: &[f64], verdict: &mut Judgement| {
+        let mut judge = |found: &[f64], verdict: &mut AnswerVerdict| {
             proven.find_scale(found, tolerance, session, &step);
             match proven.deviation(found, tolerance, false) {
                 Ok(comparison) => verdict.decide(&comparison, &proven.layout),
@@ -519,7 +519,7 @@ impl LoadedModelCheck<'_> {
                 found[place] = distance;
             }
             let name = field.path.display().to_string();
-            let mut verdict = Judgement::default();
+            let mut verdict = AnswerVerdict::default();
             judge(&found, &mut verdict);
             if verdict.word == Word::Ok {
                 right.push(name);
@@ -581,7 +581,7 @@ struct JudgedAnswer {
     name: String,
     /// The cluster of an exact answer.
     cluster: Option<u32>,
-    verdict: Judgement,
+    verdict: AnswerVerdict,
     /// The word in its last line.
     shown: Option<Word>,
 }
@@ -598,7 +598,7 @@ enum Word {
 
 /// The verdict on one answer.
 #[derive(Default)]
-struct Judgement {
+struct AnswerVerdict {
     word: Word,
     /// Whether the answer may differ by any finite amount.
     may_differ: bool,
@@ -607,7 +607,7 @@ struct Judgement {
     remarks: Vec<String>,
 }
 
-impl Judgement {
+impl AnswerVerdict {
     /// Marks the answer as wrong, for the reason `why`.
     fn wrong(&mut self, why: &str) {
         self.word = Word::Wrong;

@@ -22,7 +22,7 @@ use geobench_voronoi::Diagram;
 use super::generate;
 use crate::args::MODELS_HELP;
 use crate::isolation::ReadingOptions;
-use crate::points::{Points, SourcesOptions};
+use crate::points::{LocatedPoints, SourcesOptions};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -89,7 +89,7 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let model = model::only(&options.model)?;
     check_not_read(&outputs, &[&model.path])?;
     let mesh = &model.mesh_within(options.reading)?;
-    let points = Points::new(mesh, &options.sources.all(), Some(&[]), &model.path)?;
+    let points = LocatedPoints::new(mesh, &options.sources.all(), Some(&[]), &model.path)?;
     let refined = &points.refined.mesh;
     let sources = points.source_vertices();
     let Some(mut solver) = options.algo.field_solver(refined) else {

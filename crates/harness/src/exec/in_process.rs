@@ -15,7 +15,7 @@ use crate::exec::model::ModelRef;
 use crate::exec::source::{LocatedPoint, Locator, SourceSpec};
 use crate::exec::{Backend, Components, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::PeakMemory;
-use crate::schema::{ModelRecord, Phases, SourceLabel, Status};
+use crate::schema::{ModelRecord, PhaseSeconds, SourceLabel, Status};
 
 /// A profiled run is repeated until it has this many samples of phases. The share of a phase is
 /// then within 0.02 of the true share with a probability of 95 %.
@@ -253,7 +253,7 @@ impl InProcess {
         }
         let phases = sampler.phases();
         Ok(Observation {
-            phases: Some(Phases {
+            phases: Some(PhaseSeconds {
                 propagation: Some(phases.propagation.as_secs_f64()),
                 pruning: Some(phases.pruning.as_secs_f64()),
                 management: Some(phases.management.as_secs_f64()),

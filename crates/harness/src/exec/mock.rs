@@ -8,7 +8,7 @@ use crate::exec::model::ModelRef;
 use crate::exec::{Backend, Components, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::lock::lock;
 use crate::measure::memory::Peaks;
-use crate::schema::{ModelRecord, Phases, Status};
+use crate::schema::{ModelRecord, PhaseSeconds, Status};
 
 /// Changes the result of a run, or makes it fail.
 pub type Alter = fn(&Step<'_>, &mut Observation) -> Option<Failure>;
@@ -118,7 +118,7 @@ impl Session for MockSession<'_> {
                 observation.counters = Some(counters);
             }
             Pass::Profile => {
-                observation.phases = Some(Phases {
+                observation.phases = Some(PhaseSeconds {
                     propagation: Some(0.5),
                     pruning: Some(0.25),
                     management: Some(0.125),

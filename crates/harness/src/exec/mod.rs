@@ -28,7 +28,7 @@ use crate::exec::goal::GoalSpec;
 use crate::exec::model::ModelRef;
 use crate::exec::source::SourceSpec;
 use crate::measure::memory::Peaks;
-use crate::schema::{Cell, InstructionCount, ModelRecord, Phases, Status, WavefrontRecord};
+use crate::schema::{Cell, InstructionCount, ModelRecord, PhaseSeconds, Status, WavefrontSample};
 
 /// The purpose of a run. Journals store the names in snake case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -93,7 +93,7 @@ pub struct Observation {
     pub counters: Option<Counters>,
     /// Samples of the wavefront at even intervals of the counting run.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub wavefront: Vec<WavefrontRecord>,
+    pub wavefront: Vec<WavefrontSample>,
     /// Largest violation of the triangle inequality along an edge, from the counting run of an
     /// approximate algorithm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -101,7 +101,7 @@ pub struct Observation {
     /// Peak memory.
     pub peaks: Peaks,
     /// Seconds in each phase.
-    pub phases: Option<Phases>,
+    pub phases: Option<PhaseSeconds>,
     /// Actual position of the source, if it differs from the requested one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,

@@ -25,11 +25,11 @@ pub struct ModelRef {
     pub name: String,
     /// The file as the user wrote it, or `gen:` and the spec.
     pub path: String,
-    origin: Origin,
+    origin: ModelOrigin,
 }
 
 #[derive(Clone, Debug)]
-enum Origin {
+enum ModelOrigin {
     File(PathBuf),
     Generated(Spec),
     Memory(Mesh),
@@ -174,7 +174,7 @@ impl ModelRef {
         Self {
             name: stem(&path),
             path: path.display().to_string(),
-            origin: Origin::File(path),
+            origin: ModelOrigin::File(path),
         }
     }
 
@@ -190,7 +190,7 @@ impl ModelRef {
         Ok(Self {
             name: spec.strip_prefix("gen:").unwrap_or(spec).to_owned(),
             path: parsed.to_string(),
-            origin: Origin::Generated(parsed),
+            origin: ModelOrigin::Generated(parsed),
         })
     }
 
@@ -199,7 +199,7 @@ impl ModelRef {
         Self {
             name: name.to_owned(),
             path: name.to_owned(),
-            origin: Origin::Memory(mesh.clone()),
+            origin: ModelOrigin::Memory(mesh.clone()),
         }
     }
 
@@ -228,7 +228,7 @@ impl ModelRef {
         Self {
             name: name.to_owned(),
             path: format!("{name}.obj"),
-            origin: Origin::File(PathBuf::from(format!("{name}.obj"))),
+            origin: ModelOrigin::File(PathBuf::from(format!("{name}.obj"))),
         }
     }
 
@@ -248,33 +248,33 @@ impl ModelRef {
     /// Identifies the model, except its name, to a child process.
     pub(crate) fn argument(&self) -> &OsStr {
         match &self.origin {
-            Origin::File(path) => path.as_os_str(),
-            Origin::Generated(_) | Origin::Memory(_) => OsStr::new(&self.path),
+            ModelOrigin::File(path) => path.as_os_str(),
+            ModelOrigin::Generated(_) | ModelOrigin::Memory(_) => OsStr::new(&self.path),
         }
     }
 
     /// The file behind it; none if it is generated.
     pub fn file_path(&self) -> Option<&Path> {
         match &self.origin {
-            Origin::File(path) => Some(path),
-            Origin::Generated(_) | Origin::Memory(_) => None,
+            ModelOrigin::File(path) => Some(path),
+            ModelOrigin::Generated(_) | ModelOrigin::Memory(_) => None,
         }
     }
 
     /// The generator's spec with all defaults written out; none if it is read from a file.
     pub fn spec(&self) -> Option<String> {
         match &self.origin {
-            Origin::File(_) | Origin::Memory(_) => None,
-            Origin::Generated(spec) => Some(spec.to_string()),
+            ModelOrigin::File(_) | ModelOrigin::Memory(_) => None,
+            ModelOrigin::Generated(spec) => Some(spec.to_string()),
         }
     }
 
     /// The file that it is read from, or that its generator starts from.
     pub fn source_file(&self) -> Option<&Path> {
         match &self.origin {
-            Origin::File(path) => Some(path),
-            Origin::Generated(spec) => spec.path().map(Path::new),
-            Origin::Memory(_) => None,
+            ModelOrigin::File(path) => Some(path),
+            ModelOrigin::Generated(spec) => spec.path().map(Path::new),
+            ModelOrigin::Memory(_) => None,
         }
     }
 
@@ -301,9 +301,9 @@ impl ModelRef {
     pub fn read(&self, options: impl Into<ReadOptions>) -> Result<TriangleSoup, ModelError> {
         let options = options.into();
         match &self.origin {
-            Origin::File(path) => read_file(path, options),
-            Origin::Memory(mesh) => Ok(mesh.to_soup()),
-            Origin::Generated(spec) => {
+            ModelOrigin::File(path) => read_file(path, options),
+            ModelOrigin::Memory(mesh) => Ok(mesh.to_soup()),
+            ModelOrigin::Generated(spec) => {
                 let made = match spec.path() {
                     Some(path) => spec.modifiers().apply(read_file(Path::new(path), options)?),
                     None => generate::generate(spec),
@@ -320,7 +320,7 @@ impl ModelRef {
     ///
     /// Names the file and the line or the elements that make it unusable.
     pub fn load(&self, options: impl Into<ReadOptions>) -> Result<LoadedModel, ModelError> {
-        if let Origin::Memory(mesh) = &self.origin {
+        if let ModelOrigin::Memory(mesh) = &self.origin {
             let known_by_positions = mesh.positions().len() == mesh.vertex_count();
             let sha256 = known_by_positions.then(|| hash_soup(&mesh.to_soup()));
             return Ok(self.loaded(mesh.clone(), Report::default(), sha256));
@@ -329,8 +329,8 @@ impl ModelRef {
         let soup = self.read(options)?;
         let load_seconds = start.elapsed().as_secs_f64();
         let sha256 = match &self.origin {
-            Origin::File(path) => hash_file(path).ok(),
-            Origin::Generated(_) | Origin::Memory(_) => Some(hash_soup(&soup)),
+            ModelOrigin::File(path) => hash_file(path).ok(),
+            ModelOrigin::Generated(_) | ModelOrigin::Memory(_) => Some(hash_soup(&soup)),
         };
         let start = Instant::now();
         let (mesh, report) = self.build(soup)?;
@@ -347,7 +347,7 @@ impl ModelRef {
     ///
     /// As [`load`](Self::load).
     pub fn mesh_within(&self, options: impl Into<ReadOptions>) -> Result<Mesh, ModelError> {
-        if let Origin::Memory(mesh) = &self.origin {
+        if let ModelOrigin::Memory(mesh) = &self.origin {
             return Ok(mesh.clone());
         }
         let (mesh, _) = self.build(self.read(options)?)?;

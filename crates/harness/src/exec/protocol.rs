@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::exec::{Observation, Pass};
 use crate::measure::memory::Peaks;
-use crate::schema::{ModelRecord, Phases, SourceLabel, WavefrontRecord};
+use crate::schema::{ModelRecord, PhaseSeconds, SourceLabel, WavefrontSample};
 
 /// Request to an outside program. Its command names the model and the source.
 pub(crate) const SOLVE: &str = "solve";
@@ -78,9 +78,9 @@ pub(crate) struct Reply {
     /// Most bytes on its heap during the solve, without the mesh.
     pub(crate) heap_peak_bytes: Option<u64>,
     /// Seconds in each phase.
-    pub(crate) phases: Option<Phases>,
+    pub(crate) phases: Option<PhaseSeconds>,
     /// The wavefront at even intervals of the run.
-    pub(crate) wavefront: Vec<WavefrontRecord>,
+    pub(crate) wavefront: Vec<WavefrontSample>,
     /// Most by which the distances of the ends of an edge differ beyond its length; from this
     /// program only.
     pub(crate) edge_excess: Option<f64>,
@@ -237,7 +237,7 @@ mod tests {
                 extraction_seconds: Some(0.1),
                 labels: Some(vec![0, u32::MAX]),
                 counters,
-                wavefront: vec![WavefrontRecord {
+                wavefront: vec![WavefrontSample {
                     parents: u64::MAX,
                     windows: 1,
                     distance: 1.0 / 3.0,
@@ -248,9 +248,9 @@ mod tests {
                     heap: Some(7),
                     rss: None,
                 },
-                phases: Some(Phases {
+                phases: Some(PhaseSeconds {
                     propagation: Some(0.1),
-                    ..Phases::default()
+                    ..PhaseSeconds::default()
                 }),
                 edge_excess: Some(0.1 + 0.2),
                 note: Some("at:1,2,3 is 1 from the surface".to_owned()),

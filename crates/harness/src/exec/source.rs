@@ -32,7 +32,7 @@ pub enum PointSpec {
 
 /// A part of a [`SourceSpec`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Form {
+enum SourcePart {
     /// The first vertex of the file.
     First,
     Point(PointSpec),
@@ -48,7 +48,7 @@ enum Form {
 /// Sources as a user gives them: `first`, a vertex number, `random:N[,seed=S]`, `all`, points of
 /// the surface, or a list of these. Vertices and faces are numbered from 0 in the file's order.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SourceSpec(Vec<Form>);
+pub struct SourceSpec(Vec<SourcePart>);
 
 /// A point found on a surface.
 #[derive(Clone, Debug)]
@@ -180,7 +180,7 @@ impl fmt::Display for PointSpec {
 
 impl From<PointSpec> for SourceSpec {
     fn from(point: PointSpec) -> Self {
-        Self(vec![Form::Point(point)])
+        Self(vec![SourcePart::Point(point)])
     }
 }
 
@@ -235,7 +235,7 @@ fn distinct_by<T>(
 impl SourceSpec {
     /// The first vertex.
     pub fn first() -> Self {
-        Self(vec![Form::First])
+        Self(vec![SourcePart::First])
     }
 
     /// All of these together.
@@ -245,8 +245,8 @@ impl SourceSpec {
 
     /// The same sources, each once, and a note for each that is named again.
     pub fn distinct(self) -> (Self, Vec<String>) {
-        let point = |form: &Form| match form {
-            Form::Point(point) => Some(*point),
+        let point = |form: &SourcePart| match form {
+            SourcePart::Point(point) => Some(*point),
             _ => None,
         };
         let (forms, notes) = distinct_by(self.0, point);
@@ -256,7 +256,7 @@ impl SourceSpec {
     /// Number of sources; every `all` counts as one.
     pub fn count(&self) -> usize {
         let counts = self.0.iter().map(|form| match form {
-            Form::Random { count, .. } => *count,
+            SourcePart::Random { count, .. } => *count,
             _ => 1,
         });
         counts.fold(0, usize::saturating_add)
@@ -264,14 +264,14 @@ impl SourceSpec {
 
     /// Whether the number of sources depends on the model.
     pub fn has_all(&self) -> bool {
-        self.0.contains(&Form::All)
+        self.0.contains(&SourcePart::All)
     }
 
     /// The name of all sources together in tables and files. A single vertex is its number.
     pub fn label(&self) -> SourceLabel {
         match self.0[..] {
-            [Form::First] => SourceLabel::Vertex(0),
-            [Form::Point(point)] => point.label(),
+            [SourcePart::First] => SourceLabel::Vertex(0),
+            [SourcePart::Point(point)] => point.label(),
             _ => SourceLabel::Other(self.to_string()),
         }
     }
@@ -279,10 +279,10 @@ impl SourceSpec {
     /// The names of all sources, as far as they are known without the model: `None` stands for
     /// all of them if some are drawn or counted in the model.
     pub fn labels(&self) -> Vec<Option<SourceLabel>> {
-        let known = |form: &Form| match form {
-            Form::First => Some(SourceLabel::Vertex(0)),
-            Form::Point(point) => Some(point.label()),
-            Form::Random { .. } | Form::All => None,
+        let known = |form: &SourcePart| match form {
+            SourcePart::First => Some(SourceLabel::Vertex(0)),
+            SourcePart::Point(point) => Some(point.label()),
+            SourcePart::Random { .. } | SourcePart::All => None,
         };
         let labels: Option<Vec<SourceLabel>> = self.0.iter().map(known).collect();
         labels.map_or_else(
@@ -311,10 +311,10 @@ impl SourceSpec {
         let mut points = Vec::new();
         for form in &self.0 {
             match *form {
-                Form::First => points.push(PointSpec::Vertex(0)),
-                Form::Point(point) => points.push(point),
-                Form::All => points.extend((0..vertices as u32).map(PointSpec::Vertex)),
-                Form::Random { count, seed } => {
+                SourcePart::First => points.push(PointSpec::Vertex(0)),
+                SourcePart::Point(point) => points.push(point),
+                SourcePart::All => points.extend((0..vertices as u32).map(PointSpec::Vertex)),
+                SourcePart::Random { count, seed } => {
                     if count > vertices {
                         return Err(UsageError(format!(
                             "{count} different {noun}s are asked for, but the model has {vertices} vertices"
@@ -352,22 +352,22 @@ impl SourceSpec {
                 }
             };
             forms.push(match word.split_once(':') {
-                None if word == "first" => Form::First,
-                None if word == "all" => Form::All,
-                None => Form::Point(PointSpec::Vertex(word.parse().map_err(|_| syntax())?)),
+                None if word == "first" => SourcePart::First,
+                None if word == "all" => SourcePart::All,
+                None => SourcePart::Point(PointSpec::Vertex(word.parse().map_err(|_| syntax())?)),
                 Some(("edge", ends)) => {
                     let (a, b) = ends.split_once('-').ok_or_else(syntax)?;
                     let end = |end: &str| end.trim().parse().map_err(|_| syntax());
-                    Form::Point(PointSpec::Edge([end(a)?, end(b)?], number(None)?))
+                    SourcePart::Point(PointSpec::Edge([end(a)?, end(b)?], number(None)?))
                 }
                 Some(("face", face)) => {
                     let face = face.trim().parse().map_err(|_| syntax())?;
                     let weights = [number(None)?, number(None)?, number(None)?];
-                    Form::Point(PointSpec::Face(face, weights))
+                    SourcePart::Point(PointSpec::Face(face, weights))
                 }
                 Some(("at", x)) => {
                     let position = [number(Some(x.trim()))?, number(None)?, number(None)?];
-                    Form::Point(PointSpec::At(position))
+                    SourcePart::Point(PointSpec::At(position))
                 }
                 Some(("random", count)) => {
                     let count = count.trim().parse().map_err(|_| syntax())?;
@@ -386,7 +386,7 @@ impl SourceSpec {
                             return Err(syntax());
                         }
                     }
-                    Form::Random { count, seed }
+                    SourcePart::Random { count, seed }
                 }
                 Some(_) => return Err(syntax()),
             });
@@ -421,10 +421,10 @@ impl fmt::Display for SourceSpec {
                 f.write_str(",")?;
             }
             match form {
-                Form::First => f.write_str("first")?,
-                Form::Point(point) => write!(f, "{point}")?,
-                Form::Random { count, seed } => write!(f, "random:{count},seed={seed}")?,
-                Form::All => f.write_str("all")?,
+                SourcePart::First => f.write_str("first")?,
+                SourcePart::Point(point) => write!(f, "{point}")?,
+                SourcePart::Random { count, seed } => write!(f, "random:{count},seed={seed}")?,
+                SourcePart::All => f.write_str("all")?,
             }
         }
         Ok(())

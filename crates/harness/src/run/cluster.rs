@@ -408,7 +408,7 @@ pub const EXCLUSIVE: &str = "--exclusive";
 
 /// Where the nodes find the program and the models.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Placement {
+pub struct ClusterFiles {
     /// The executable.
     pub program: PathBuf,
     /// The working directory of the jobs, to which paths of models are relative.
@@ -417,7 +417,7 @@ pub struct Placement {
     pub notes: Vec<String>,
 }
 
-impl Placement {
+impl ClusterFiles {
     /// Decides whether the nodes use `program` and `files` in place. The program is copied to `to`
     /// if it is on another file system. All files are copied to `to` if one of them, or `here`, to
     /// which paths of files are relative, is on another file system.
@@ -561,7 +561,7 @@ impl ClusterRecord {
     /// The record of a benchmark before its first submission.
     pub fn new(
         parts: u32,
-        placement: &Placement,
+        placement: &ClusterFiles,
         run: Vec<String>,
         resources: Resources,
         options: Vec<String>,
@@ -584,7 +584,7 @@ mod tests {
     use super::*;
 
     fn record() -> ClusterRecord {
-        let placement = Placement {
+        let placement = ClusterFiles {
             program: "/apps/geo bench".into(),
             directory: "/home/ann".into(),
             notes: Vec::new(),
@@ -670,7 +670,7 @@ mod tests {
         directory.create().unwrap();
         let files = ["a.obj".into()];
         let placement =
-            Placement::find(&directory, &here.join("geobench"), here, &files, None).unwrap();
+            ClusterFiles::find(&directory, &here.join("geobench"), here, &files, None).unwrap();
         assert_eq!(placement.program, here.join("geobench"));
         assert_eq!(placement.directory, here);
     }

@@ -8,7 +8,7 @@ use crate::run::agreement::{self, Clusters};
 use crate::run::answer_layout::AnswerLayout;
 use crate::run::check::{self, Deviation};
 use crate::run::proof::{Decision, RevisedGroup};
-use crate::run::scale::Scale;
+use crate::run::scale::FieldScale;
 use crate::schema::{Check, Status};
 
 /// The reference answer, or why there is none.
@@ -23,7 +23,7 @@ pub struct ReferenceCheck {
     /// Layout of the answers.
     pub layout: AnswerLayout,
     /// The scale of the reference.
-    pub(crate) scale: Scale,
+    pub(crate) scale: FieldScale,
     /// What a proof has decided, once answers differed.
     pub(crate) decision: Option<Decision>,
 }
@@ -102,14 +102,14 @@ impl ReferenceCheck {
         let Some(answer) = self.answer.as_ref() else {
             return;
         };
-        if !matches!(self.scale, Scale::NotSought) || !self.differs(distances, tolerance) {
+        if !matches!(self.scale, FieldScale::NotSought) || !self.differs(distances, tolerance) {
             return;
         }
         let field = match &answer.stored {
             None if step.goal.is_everything() => Some(answer.distances.clone()),
             stored => stored.clone(),
         };
-        self.scale = Scale::find(session, step, field);
+        self.scale = FieldScale::find(session, step, field);
     }
 
     /// Compares an answer of `algorithm` with the reference. Returns the comparison, and a failure

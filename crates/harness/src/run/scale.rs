@@ -10,7 +10,7 @@ use crate::schema::ModelRecord;
 
 /// The scale of each distance of an answer; see [`Tolerance`].
 #[derive(Clone, Debug, Default)]
-pub(crate) enum Scale {
+pub(crate) enum FieldScale {
     /// No difference has needed it so far. It can cost a run, since it comes from all vertices also
     /// where a run has targets or a radius.
     #[default]
@@ -21,7 +21,7 @@ pub(crate) enum Scale {
     Unknown(Failure),
 }
 
-impl Scale {
+impl FieldScale {
     /// The rule with this scale, which allows the relative error `relative`.
     pub(crate) fn rule(&self, relative: f64) -> Tolerance {
         match self {

@@ -296,7 +296,7 @@ pub struct Cell {
     /// Memory: peaks from the profiled run, the others from the counted run.
     pub memory: Memory,
     /// Time in each phase, from a separate run that is sampled.
-    pub phases: Phases,
+    pub phases: PhaseSeconds,
     /// Comparison with the reference.
     pub check: Check,
     /// Name of the group; null if the group has none.
@@ -317,7 +317,7 @@ pub struct Cell {
     /// Samples of the wavefront at even intervals of the run that counts. Absent without
     /// `--wavefront`, and for algorithms without a wavefront.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub wavefront: Vec<WavefrontRecord>,
+    pub wavefront: Vec<WavefrontSample>,
 }
 
 impl Cell {
@@ -354,7 +354,7 @@ pub struct InstructionCount {
 
 /// A sample of the wavefront. The distance of a window is its smallest distance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct WavefrontRecord {
+pub struct WavefrontSample {
     /// Number of windows propagated before the sample.
     pub parents: u64,
     /// Number of windows in the queue.
@@ -367,7 +367,7 @@ pub struct WavefrontRecord {
     pub k: Option<u64>,
 }
 
-impl From<geobench_window::WavefrontRecord> for WavefrontRecord {
+impl From<geobench_window::WavefrontRecord> for WavefrontSample {
     fn from(sample: geobench_window::WavefrontRecord) -> Self {
         Self {
             parents: sample.parents,
@@ -532,7 +532,7 @@ pub struct Memory {
 
 /// Seconds of one run in each phase: the time of the run, divided in proportion to the samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Phases {
+pub struct PhaseSeconds {
     /// Computing child windows and distances.
     pub propagation: Option<f64>,
     /// Filtering, trimming and comparing windows.

@@ -61,34 +61,38 @@ impl Key {
     }
 
     /// The value if the key is not given; `None` for a path and for an abbreviation.
-    pub(super) fn default(&self) -> Option<Value> {
+    pub(super) fn default(&self) -> Option<KeyValue> {
         match self.kind {
-            Kind::Whole { default, .. } => Some(Value::Whole(default)),
-            Kind::Real { default, .. } => Some(Value::Real(default)),
-            Kind::Choice(words) => words.first().map(|word| Value::Word(word)),
+            Kind::Whole { default, .. } => Some(KeyValue::Whole(default)),
+            Kind::Real { default, .. } => Some(KeyValue::Real(default)),
+            Kind::Choice(words) => words.first().map(|word| KeyValue::Word(word)),
             Kind::Path | Kind::All(_) => None,
         }
     }
 
     /// Reads `text` as a value of this key.
-    pub(super) fn parse(&self, family: &'static str, text: &str) -> Result<Value, GenerateError> {
+    pub(super) fn parse(
+        &self,
+        family: &'static str,
+        text: &str,
+    ) -> Result<KeyValue, GenerateError> {
         let value = match self.kind {
             Kind::Whole { min, max, .. } => text
                 .parse()
                 .ok()
                 .filter(|value| (min..=max).contains(value))
-                .map(Value::Whole),
+                .map(KeyValue::Whole),
             Kind::Real { min, max, .. } => text
                 .parse()
                 .ok()
                 .filter(|value| (min..=max).contains(value))
                 // Adding 0 turns -0 into 0, which would have another text.
-                .map(|value: f64| Value::Real(value + 0.0)),
+                .map(|value: f64| KeyValue::Real(value + 0.0)),
             Kind::Choice(words) => words
                 .iter()
                 .find(|word| word.eq_ignore_ascii_case(text))
-                .map(|word| Value::Word(word)),
-            Kind::Path => (!text.is_empty()).then(|| Value::Path(text.to_owned())),
+                .map(|word| KeyValue::Word(word)),
+            Kind::Path => (!text.is_empty()).then(|| KeyValue::Path(text.to_owned())),
             Kind::All(_) => None,
         };
         value.ok_or_else(|| GenerateError::BadValue {
@@ -125,14 +129,14 @@ impl Key {
 
 /// A value that has been checked against its key.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Value {
+pub(super) enum KeyValue {
     Whole(u64),
     Real(f64),
     Word(&'static str),
     Path(String),
 }
 
-impl fmt::Display for Value {
+impl fmt::Display for KeyValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Whole(value) => write!(f, "{value}"),
@@ -166,12 +170,12 @@ impl fmt::Display for Real {
 
 /// The values of a family's keys.
 pub(super) struct Params<'a> {
-    pub(super) values: &'a [(&'static Key, Value)],
+    pub(super) values: &'a [(&'static Key, KeyValue)],
     pub(super) seed: u64,
 }
 
 impl Params<'_> {
-    fn value(&self, name: &str) -> &Value {
+    fn value(&self, name: &str) -> &KeyValue {
         let found = self.values.iter().find(|(key, _)| key.name == name);
         // Only the families' code asks, for keys of their own table; tests build every family.
         &found.expect("a family asks for its own keys").1
@@ -180,7 +184,7 @@ impl Params<'_> {
     /// The value of a key of [`Kind::Whole`].
     pub(super) fn whole(&self, name: &str) -> u64 {
         match self.value(name) {
-            Value::Whole(value) => *value,
+            KeyValue::Whole(value) => *value,
             other => unreachable!("{name}={other} is not a whole number"),
         }
     }
@@ -193,13 +197,13 @@ impl Params<'_> {
     /// The value of a key of [`Kind::Real`].
     pub(super) fn real(&self, name: &str) -> f64 {
         match self.value(name) {
-            Value::Real(value) => *value,
+            KeyValue::Real(value) => *value,
             other => unreachable!("{name}={other} is not a number"),
         }
     }
 
     /// Whether the key of [`Kind::Choice`] has this value.
     pub(super) fn is(&self, name: &str, word: &str) -> bool {
-        matches!(self.value(name), Value::Word(value) if *value == word)
+        matches!(self.value(name), KeyValue::Word(value) if *value == word)
     }
 }

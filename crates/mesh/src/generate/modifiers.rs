@@ -1,6 +1,6 @@
 //! Modifiers of any model, generated or loaded.
 
-use super::keys::{Key, Value};
+use super::keys::{Key, KeyValue};
 use super::noise::add_noise;
 use super::parts::cut_into_parts;
 use super::subdivide::{midpoint_subdivide, split};
@@ -122,41 +122,41 @@ impl Modifiers {
     }
 
     /// Sets the value of one of [`MODIFIER_KEYS`].
-    pub(super) fn set(&mut self, key: &Key, value: &Value) {
+    pub(super) fn set(&mut self, key: &Key, value: &KeyValue) {
         match (key.name, value) {
-            ("parts", Value::Whole(parts)) => self.parts = *parts as u32,
-            ("subdivide", Value::Whole(times)) => self.subdivide = *times as u32,
-            ("noise", Value::Real(noise)) => self.noise = *noise,
-            ("scale", Value::Real(scale)) => self.scale = *scale,
-            ("seed", Value::Whole(seed)) => self.seed = *seed,
+            ("parts", KeyValue::Whole(parts)) => self.parts = *parts as u32,
+            ("subdivide", KeyValue::Whole(times)) => self.subdivide = *times as u32,
+            ("noise", KeyValue::Real(noise)) => self.noise = *noise,
+            ("scale", KeyValue::Real(scale)) => self.scale = *scale,
+            ("seed", KeyValue::Whole(seed)) => self.seed = *seed,
             (name, value) => unreachable!("{name}={value} is not a modifier"),
         }
     }
 
     /// The keys that change the model, with their values. The seed changes it if there is noise, or
     /// if the shape depends on it (`seeded`).
-    pub(super) fn settings(&self, seeded: bool) -> impl Iterator<Item = (&'static str, Value)> {
+    pub(super) fn settings(&self, seeded: bool) -> impl Iterator<Item = (&'static str, KeyValue)> {
         let default = Self::default();
         [
             (
                 self.parts != default.parts,
-                ("parts", Value::Whole(u64::from(self.parts))),
+                ("parts", KeyValue::Whole(u64::from(self.parts))),
             ),
             (
                 self.subdivide != default.subdivide,
-                ("subdivide", Value::Whole(u64::from(self.subdivide))),
+                ("subdivide", KeyValue::Whole(u64::from(self.subdivide))),
             ),
             (
                 self.noise != default.noise,
-                ("noise", Value::Real(self.noise)),
+                ("noise", KeyValue::Real(self.noise)),
             ),
             (
                 self.scale != default.scale,
-                ("scale", Value::Real(self.scale)),
+                ("scale", KeyValue::Real(self.scale)),
             ),
             (
                 seeded || self.noise != 0.0,
-                ("seed", Value::Whole(self.seed)),
+                ("seed", KeyValue::Whole(self.seed)),
             ),
         ]
         .into_iter()

@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::families::{FAMILIES, Family, Seeding};
-use super::keys::{Key, Kind, Params, Value};
+use super::keys::{Key, KeyValue, Kind, Params};
 use super::modifiers::{MODIFIER_KEYS, Modifiers};
 use super::{GenerateError, MAX_FACES};
 use crate::soup::TriangleSoup;
@@ -19,7 +19,7 @@ use crate::suggestion::did_you_mean;
 pub struct Spec {
     family: &'static Family,
     /// A value for each of the family's keys that has one, in the table's order.
-    values: Vec<(&'static Key, Value)>,
+    values: Vec<(&'static Key, KeyValue)>,
     modifiers: Modifiers,
     face_count: Option<u64>,
 }
@@ -42,7 +42,7 @@ impl Spec {
     /// [`modifiers`](Self::modifiers).
     pub fn path(&self) -> Option<&str> {
         self.values.iter().find_map(|(_, value)| match value {
-            Value::Path(path) => Some(path.as_str()),
+            KeyValue::Path(path) => Some(path.as_str()),
             _ => None,
         })
     }
@@ -102,8 +102,8 @@ impl FromStr for Spec {
         let text = text.strip_prefix(PREFIX).unwrap_or(text);
         let (name, settings) = text.split_once(',').unwrap_or((text, ""));
         let family = find_family(name.trim())?;
-        let mut given: Vec<(&'static Key, Value)> = Vec::new();
-        let mut settings = Settings { rest: settings };
+        let mut given: Vec<(&'static Key, KeyValue)> = Vec::new();
+        let mut settings = SpecPieces { rest: settings };
         while let Some(setting) = settings.next_setting(family)? {
             let (name, text) = setting;
             for key in find_keys(family, name)? {
@@ -184,11 +184,11 @@ fn join(names: impl Iterator<Item = &'static str>) -> String {
 }
 
 /// Iterates over the `key=value` pieces of a spec.
-struct Settings<'a> {
+struct SpecPieces<'a> {
     rest: &'a str,
 }
 
-impl<'a> Settings<'a> {
+impl<'a> SpecPieces<'a> {
     /// The next key and its value, both without spaces around them.
     ///
     /// A value that starts with a quotation mark ends with the next one that is not doubled, as in

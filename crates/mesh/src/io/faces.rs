@@ -142,7 +142,7 @@ fn separate_cuts(soup: &mut TriangleSoup, corners: &[u32], arities: &[u32]) {
         push_cuts(&corners[outline], &soup.triangles[triangles], &mut cuts);
     }
     cuts.sort_unstable();
-    let filter = Filter::of(&cuts);
+    let filter = CutFilter::of(&cuts);
     let is_cut = |edge: &u64| filter.may_hold(*edge) && cuts.binary_search(edge).is_ok();
     let outlines = || {
         polygons
@@ -231,9 +231,9 @@ fn push_cuts(outline: &[u32], triangles: &[[u32; 3]], cuts: &mut Vec<u64>) {
 }
 
 /// Tells of most numbers that are not in a list that they are not, by one bit for each hash.
-struct Filter(Vec<u64>);
+struct CutFilter(Vec<u64>);
 
-impl Filter {
+impl CutFilter {
     fn of(numbers: &[u64]) -> Self {
         let mut words = vec![0; (numbers.len() / 4).next_power_of_two()];
         for &number in numbers {

@@ -8,7 +8,9 @@ use std::borrow::Cow;
 use super::error::Flaw;
 use super::faces::FaceList;
 use super::quick_obj;
-use super::text::{Lines, Words, coordinates, integer, number, shown, without_comment, words};
+use super::text::{
+    NumberedLines, Words, coordinates, integer, number, shown, without_comment, words,
+};
 use crate::defect::FileForm;
 use crate::soup::TriangleSoup;
 
@@ -103,11 +105,11 @@ fn corner(word: &[u8], so_far: usize) -> Result<u32, String> {
 
 /// The statements of a file without comments, each with the number of its first line. A backslash
 /// at the end of a line continues the statement on the next line.
-pub(super) struct Statements<'a>(Lines<'a>);
+pub(super) struct Statements<'a>(NumberedLines<'a>);
 
 impl<'a> Statements<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
-        Self(Lines::new(bytes))
+        Self(NumberedLines::new(bytes))
     }
 }
 

@@ -8,13 +8,14 @@
 use super::error::Flaw;
 use super::faces::FaceList;
 use super::text::{
-    Lines, Tokens, coordinates, index, integer, is_blank, number, shown, without_comment, words,
+    NumberedLines, Tokens, coordinates, index, integer, is_blank, number, shown, without_comment,
+    words,
 };
 use crate::soup::TriangleSoup;
 
 /// Reads an OFF file.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
-    let mut lines = Content(Lines::new(bytes));
+    let mut lines = Content(NumberedLines::new(bytes));
     let header = header(&mut lines)?;
     // The format is free: numbers may extend over lines or share one. Most files have a line for
     // each vertex and each face, where numbers that follow are ignored.
@@ -37,7 +38,7 @@ impl Polygons {
 }
 
 /// Reads a line for each vertex and each face of a file of `size` bytes.
-fn read_lines(size: usize, header: &Header, mut lines: Content<'_>) -> Result<Polygons, Flaw> {
+fn read_lines(size: usize, header: &OffHeader, mut lines: Content<'_>) -> Result<Polygons, Flaw> {
     // A header cannot reserve more memory than the shortest lines, "0 0 0" and "3 0 1 2", allow.
     let most = |line_length| size / line_length + 1;
     let mut positions = Vec::with_capacity(most(6).min(header.vertices as usize));
@@ -67,7 +68,7 @@ fn read_lines(size: usize, header: &Header, mut lines: Content<'_>) -> Result<Po
 
 /// Reads the numbers of a file one after the other, whatever lines they are in. There must be as
 /// many as the keyword and the counts say, so colours, whose number may vary, are not possible.
-fn read_free(header: &Header, mut tokens: Tokens<'_>) -> Result<Polygons, Flaw> {
+fn read_free(header: &OffHeader, mut tokens: Tokens<'_>) -> Result<Polygons, Flaw> {
     let mut polygons = Polygons {
         positions: Vec::new(),
         faces: FaceList::default(),
@@ -101,7 +102,7 @@ fn read_free(header: &Header, mut tokens: Tokens<'_>) -> Result<Polygons, Flaw> 
 }
 
 /// What the lines before the vertices say.
-struct Header {
+struct OffHeader {
     vertices: u64,
     faces: u64,
     /// How many numbers of normals and texture coordinates follow the position of a vertex.
@@ -109,7 +110,7 @@ struct Header {
 }
 
 /// The number of vertices and of faces.
-fn header(lines: &mut Content<'_>) -> Result<Header, Flaw> {
+fn header(lines: &mut Content<'_>) -> Result<OffHeader, Flaw> {
     let (mut line, mut content) = lines
         .next()
         .ok_or_else(|| Flaw::file("there are only blank lines and comments in it"))?;
@@ -161,7 +162,7 @@ fn header(lines: &mut Content<'_>) -> Result<Header, Flaw> {
         .map(|word| integer(word).and_then(|count| count.try_into().ok()))
         .collect();
     match counts[..] {
-        [Some(vertices), Some(faces)] | [Some(vertices), Some(faces), Some(_)] => Ok(Header {
+        [Some(vertices), Some(faces)] | [Some(vertices), Some(faces), Some(_)] => Ok(OffHeader {
             vertices,
             faces,
             more,
@@ -178,7 +179,7 @@ fn header(lines: &mut Content<'_>) -> Result<Header, Flaw> {
 
 /// What the keyword says.
 struct Keyword {
-    /// As in [`Header`].
+    /// As in [`OffHeader`].
     more: usize,
     /// Whether the number of dimensions follows.
     has_dimension: bool,
@@ -245,7 +246,7 @@ fn face(line: u64, content: &[u8], corners: &mut Vec<u32>) -> Result<(), Flaw> {
 }
 
 /// The lines that are not blank and not comments.
-struct Content<'a>(Lines<'a>);
+struct Content<'a>(NumberedLines<'a>);
 
 impl<'a> Iterator for Content<'a> {
     type Item = (u64, &'a [u8]);

@@ -9,7 +9,7 @@
 use std::hash::{BuildHasher, RandomState};
 
 use super::error::{FilePosition, Flaw};
-use super::text::{Lines, Tokens, coordinates, number, shown};
+use super::text::{NumberedLines, Tokens, coordinates, number, shown};
 use crate::defect::{Defect, FileForm};
 use crate::soup::TriangleSoup;
 
@@ -39,7 +39,7 @@ fn is_binary(bytes: &[u8]) -> bool {
     {
         return true;
     }
-    let start = Lines::new(bytes).rest().trim_ascii_start();
+    let start = NumberedLines::new(bytes).rest().trim_ascii_start();
     let says_text = start
         .get(..5)
         .is_some_and(|s| s.eq_ignore_ascii_case(b"solid"));
@@ -107,7 +107,7 @@ fn read_binary(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
 /// two words, the name of a solid may follow `endsolid` without a blank, and `endfacet` may be
 /// missing.
 fn read_text(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
-    let mut words = Tokens::new(Lines::new(bytes), false);
+    let mut words = Tokens::new(NumberedLines::new(bytes), false);
     // A triangle takes some 100 bytes of text.
     let mut weld = Weld::with_capacity(bytes.len() / 100);
     let mut open = false;

@@ -8,7 +8,7 @@ use super::error::Flaw;
 /// The lines of a file with their numbers, counted from 1. Lines end with LF or CR LF; in a file
 /// without LF, with CR.
 #[derive(Clone, Debug)]
-pub(super) struct Lines<'a> {
+pub(super) struct NumberedLines<'a> {
     rest: &'a [u8],
     /// Number of the line returned last.
     number: u64,
@@ -16,7 +16,7 @@ pub(super) struct Lines<'a> {
     ending: u8,
 }
 
-impl<'a> Lines<'a> {
+impl<'a> NumberedLines<'a> {
     /// The lines of `bytes`, without a UTF-8 byte order mark at the start.
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self {
@@ -51,7 +51,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-impl<'a> Iterator for Lines<'a> {
+impl<'a> Iterator for NumberedLines<'a> {
     type Item = (u64, &'a [u8]);
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -108,14 +108,14 @@ fn blank(text: &[u8]) -> usize {
 /// The words of several lines, for formats whose elements may extend over lines or share one.
 #[derive(Clone, Debug)]
 pub(super) struct Tokens<'a> {
-    lines: Lines<'a>,
+    lines: NumberedLines<'a>,
     words: Words<'a>,
     /// Whether `#` begins a comment.
     comments: bool,
 }
 
 impl<'a> Tokens<'a> {
-    pub(super) fn new(lines: Lines<'a>, comments: bool) -> Self {
+    pub(super) fn new(lines: NumberedLines<'a>, comments: bool) -> Self {
         Self {
             lines,
             words: words(&[]),
@@ -299,10 +299,10 @@ mod tests {
 
     #[test]
     fn lines_are_counted_whatever_ends_them() {
-        let lines: Vec<_> = Lines::new(b"\xef\xbb\xbfa\r\n\nb\rc\nd").collect();
+        let lines: Vec<_> = NumberedLines::new(b"\xef\xbb\xbfa\r\n\nb\rc\nd").collect();
         let expected: [(u64, &[u8]); 4] = [(1, b"a"), (2, b""), (3, b"b\rc"), (4, b"d")];
         assert_eq!(lines, expected);
-        let lines: Vec<_> = Lines::new(b"a\r\rb").collect();
+        let lines: Vec<_> = NumberedLines::new(b"a\r\rb").collect();
         assert_eq!(lines, [(1, &b"a"[..]), (2, b""), (3, b"b")]);
     }
 

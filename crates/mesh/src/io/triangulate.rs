@@ -225,7 +225,7 @@ impl Polygon {
 /// being an ear by a reflex corner inside its triangle, and ears are convex.
 fn clip_ears(polygon: &Polygon, budget: &mut Budget) -> Result<Vec<[usize; 3]>, TooComplex> {
     let n = polygon.points.len();
-    let mut ring = Ring {
+    let mut ring = CornerRing {
         next: (0..n).map(|i| (i + 1) % n).collect(),
         prev: (0..n).map(|i| (i + n - 1) % n).collect(),
         turns: vec![0.0; n],
@@ -275,7 +275,7 @@ fn clip_ears(polygon: &Polygon, budget: &mut Budget) -> Result<Vec<[usize; 3]>, 
 }
 
 /// The remaining corners, in a circular list.
-struct Ring {
+struct CornerRing {
     next: Vec<usize>,
     prev: Vec<usize>,
     /// Twice the signed area of each corner's triangle; infinite for removed corners.
@@ -284,7 +284,7 @@ struct Ring {
     blockers: Vec<usize>,
 }
 
-impl Ring {
+impl CornerRing {
     /// The triangle of corner `i` and its neighbours.
     fn ear(&self, i: usize) -> [usize; 3] {
         [self.prev[i], i, self.next[i]]

@@ -142,17 +142,17 @@ pub struct PlyWriter<'a> {
     triangles: &'a [[u32; 3]],
     encoding: PlyEncoding,
     comments: Vec<&'a str>,
-    columns: Vec<Column<'a>>,
+    columns: Vec<VertexProperty<'a>>,
 }
 
 /// A further property, or group of properties, of all vertices.
 #[derive(Clone, Copy, Debug)]
-enum Column<'a> {
+enum VertexProperty<'a> {
     Scalars(&'a str, &'a [f64]),
     Colors(&'a [[u8; 3]]),
 }
 
-impl Column<'_> {
+impl VertexProperty<'_> {
     fn len(&self) -> usize {
         match self {
             Self::Scalars(_, values) => values.len(),
@@ -193,14 +193,14 @@ impl<'a> PlyWriter<'a> {
     /// `name` must be one word. In text, values that are not finite are written as `inf` and `NaN`.
     #[must_use]
     pub fn scalars(mut self, name: &'a str, values: &'a [f64]) -> Self {
-        self.columns.push(Column::Scalars(name, values));
+        self.columns.push(VertexProperty::Scalars(name, values));
         self
     }
 
     /// Adds the properties `red`, `green` and `blue` of type `uchar`, with values for each vertex.
     #[must_use]
     pub fn colors(mut self, colors: &'a [[u8; 3]]) -> Self {
-        self.columns.push(Column::Colors(colors));
+        self.columns.push(VertexProperty::Colors(colors));
         self
     }
 
@@ -241,8 +241,8 @@ impl<'a> PlyWriter<'a> {
             }
             for column in &self.columns {
                 match column {
-                    Column::Scalars(_, values) => row.double(values[v]),
-                    Column::Colors(values) => values[v].iter().for_each(|&c| row.uchar(c)),
+                    VertexProperty::Scalars(_, values) => row.double(values[v]),
+                    VertexProperty::Colors(values) => values[v].iter().for_each(|&c| row.uchar(c)),
                 }
             }
             row.write(out)?;
@@ -273,8 +273,8 @@ impl<'a> PlyWriter<'a> {
         }
         for column in &self.columns {
             match column {
-                Column::Scalars(name, _) => writeln!(out, "property double {name}")?,
-                Column::Colors(_) => {
+                VertexProperty::Scalars(name, _) => writeln!(out, "property double {name}")?,
+                VertexProperty::Colors(_) => {
                     for channel in ["red", "green", "blue"] {
                         writeln!(out, "property uchar {channel}")?;
                     }

@@ -18,7 +18,7 @@ const FLIP_SLACK: f64 = 1e-9;
 /// face at one of its corners, times [differences](difference) of coordinates. Differences are
 /// exact for close points. The relative error of a vector is therefore small, however short it is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shape {
+pub(super) struct BarycentricShape {
     lengths: [f64; 3],
     twice_area: f64,
     /// `edges[k]` runs from corner k to corner k + 1, in the frame of the shortest edge. In this
@@ -26,7 +26,7 @@ pub(super) struct Shape {
     edges: [[f64; 2]; 3],
 }
 
-impl Shape {
+impl BarycentricShape {
     pub(super) fn new(mesh: &Mesh, face: FaceId) -> Self {
         let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
         let apexes = mesh.apexes(face);
@@ -100,7 +100,7 @@ fn oriented([p, q, r]: [[f64; 3]; 3]) -> (f64, f64) {
 
 /// The neighbour across an edge of a triangle of a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Neighbour {
+pub(super) enum PatchNeighbour {
     /// This triangle, across its edge with this number.
     Inside(usize, usize),
     /// None: the edge is a part of this side of the face.
@@ -109,14 +109,14 @@ pub(super) enum Neighbour {
 
 /// A triangle of a patch: three points, and the neighbours across the edges from each to the next.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Triangle {
+pub(super) struct PatchTriangle {
     pub(super) corners: [usize; 3],
-    pub(super) neighbours: [Neighbour; 3],
+    pub(super) neighbours: [PatchNeighbour; 3],
 }
 
 /// A point of a patch.
 #[derive(Clone, Copy, Debug)]
-struct Point {
+struct PatchPoint {
     barycentric: [f64; 3],
     vertex: u32,
     /// Its rank on its side, counted from the tail. Corners have ranks on two sides.
@@ -132,9 +132,9 @@ pub(super) struct Frames {
 /// A split face: the Delaunay triangulation of its corners and points, in its own plane.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {
-    shape: Shape,
-    points: Vec<Point>,
-    triangles: Vec<Triangle>,
+    shape: BarycentricShape,
+    points: Vec<PatchPoint>,
+    triangles: Vec<PatchTriangle>,
     /// Number of points on each side.
     on_sides: [usize; 3],
     /// Flips left. The limit ensures termination despite rounding.
@@ -148,25 +148,25 @@ impl Patch {
         let point = |k: usize| {
             let mut barycentric = [0.0; 3];
             barycentric[k] = 1.0;
-            Point {
+            PatchPoint {
                 barycentric,
                 vertex: corners[k],
                 rank: 0,
             }
         };
         Self {
-            shape: Shape::new(mesh, face),
+            shape: BarycentricShape::new(mesh, face),
             points: [0, 1, 2].map(point).to_vec(),
-            triangles: vec![Triangle {
+            triangles: vec![PatchTriangle {
                 corners: [0, 1, 2],
-                neighbours: [0, 1, 2].map(Neighbour::Side),
+                neighbours: [0, 1, 2].map(PatchNeighbour::Side),
             }],
             on_sides: [0; 3],
             flips_left: 0,
         }
     }
 
-    pub(super) fn triangles(&self) -> &[Triangle] {
+    pub(super) fn triangles(&self) -> &[PatchTriangle] {
         &self.triangles
     }
 
@@ -176,7 +176,7 @@ impl Patch {
     }
 
     /// The rank, from the tail on, of the part of `side` that is edge `k` of `triangle`.
-    pub(super) fn rank_of_edge(&self, triangle: &Triangle, k: usize, side: usize) -> usize {
+    pub(super) fn rank_of_edge(&self, triangle: &PatchTriangle, k: usize, side: usize) -> usize {
         let tail = triangle.corners[k];
         if tail == side {
             0
@@ -188,15 +188,15 @@ impl Patch {
     /// Lengths and apexes of `triangle`; `part` gives the length of a part of a side of the face.
     pub(super) fn shape_of(
         &self,
-        triangle: &Triangle,
+        triangle: &PatchTriangle,
         part: impl Fn(usize, usize) -> f64,
     ) -> Frames {
         let corners = triangle.corners.map(|p| self.points[p].barycentric);
         let edges = [0, 1, 2].map(|k| self.shape.vector(corners[k], corners[(k + 1) % 3]));
         let lengths = [0, 1, 2].map(|k| match triangle.neighbours[k] {
-            Neighbour::Side(side) => part(side, self.rank_of_edge(triangle, k, side)),
+            PatchNeighbour::Side(side) => part(side, self.rank_of_edge(triangle, k, side)),
             // Both triangles of an edge measure it in the same direction.
-            Neighbour::Inside(..) => {
+            PatchNeighbour::Inside(..) => {
                 let (p, q) = (triangle.corners[k], triangle.corners[(k + 1) % 3]);
                 let [p, q] = [p.min(q), p.max(q)].map(|p| self.points[p].barycentric);
                 self.shape.distance(p, q)
@@ -223,7 +223,7 @@ impl Patch {
         // The last part of the side is the one that ends at its head.
         let found = self.triangles.iter().enumerate().find_map(|(t, triangle)| {
             let is_last = |&k: &usize| {
-                triangle.neighbours[k] == Neighbour::Side(side)
+                triangle.neighbours[k] == PatchNeighbour::Side(side)
                     && triangle.corners[(k + 1) % 3] == last
             };
             (0..3).find(is_last).map(|k| (t, k))
@@ -232,25 +232,25 @@ impl Patch {
             unreachable!("every side has a last part");
         };
         let p = self.push(barycentric, vertex, rank);
-        let Triangle {
+        let PatchTriangle {
             corners,
             neighbours,
         } = turned(&self.triangles[t], k);
         let [a, b, c] = corners;
         let new = self.triangles.len();
-        self.triangles.push(Triangle {
+        self.triangles.push(PatchTriangle {
             corners: [p, b, c],
             neighbours: [
-                Neighbour::Side(side),
+                PatchNeighbour::Side(side),
                 neighbours[1],
-                Neighbour::Inside(t, 1),
+                PatchNeighbour::Inside(t, 1),
             ],
         });
-        self.triangles[t] = Triangle {
+        self.triangles[t] = PatchTriangle {
             corners: [a, p, c],
             neighbours: [
-                Neighbour::Side(side),
-                Neighbour::Inside(new, 2),
+                PatchNeighbour::Side(side),
+                PatchNeighbour::Inside(new, 2),
                 neighbours[2],
             ],
         };
@@ -263,7 +263,7 @@ impl Patch {
         let (t, doubtful) = self.locate(barycentric);
         let p = self.push(barycentric, vertex, 0);
         if let Some(k) = doubtful
-            && let Neighbour::Inside(u, m) = self.triangles[t].neighbours[k]
+            && let PatchNeighbour::Inside(u, m) = self.triangles[t].neighbours[k]
         {
             self.split_edge(t, k, u, m, p);
         } else {
@@ -272,7 +272,7 @@ impl Patch {
     }
 
     fn push(&mut self, barycentric: [f64; 3], vertex: u32, rank: usize) -> usize {
-        self.points.push(Point {
+        self.points.push(PatchPoint {
             barycentric,
             vertex,
             rank,
@@ -308,23 +308,35 @@ impl Patch {
     }
 
     fn split_triangle(&mut self, t: usize, p: usize) {
-        let Triangle {
+        let PatchTriangle {
             corners: [a, b, c],
             neighbours: [ab, bc, ca],
         } = self.triangles[t];
         let u = self.triangles.len();
         let v = u + 1;
-        self.triangles[t] = Triangle {
+        self.triangles[t] = PatchTriangle {
             corners: [a, b, p],
-            neighbours: [ab, Neighbour::Inside(u, 2), Neighbour::Inside(v, 1)],
+            neighbours: [
+                ab,
+                PatchNeighbour::Inside(u, 2),
+                PatchNeighbour::Inside(v, 1),
+            ],
         };
-        self.triangles.push(Triangle {
+        self.triangles.push(PatchTriangle {
             corners: [b, c, p],
-            neighbours: [bc, Neighbour::Inside(v, 2), Neighbour::Inside(t, 1)],
+            neighbours: [
+                bc,
+                PatchNeighbour::Inside(v, 2),
+                PatchNeighbour::Inside(t, 1),
+            ],
         });
-        self.triangles.push(Triangle {
+        self.triangles.push(PatchTriangle {
             corners: [c, a, p],
-            neighbours: [ca, Neighbour::Inside(t, 2), Neighbour::Inside(u, 1)],
+            neighbours: [
+                ca,
+                PatchNeighbour::Inside(t, 2),
+                PatchNeighbour::Inside(u, 1),
+            ],
         });
         self.relink(&[t, u, v]);
         self.improve(vec![(t, 0), (u, 0), (v, 0)]);
@@ -337,36 +349,36 @@ impl Patch {
         let [a, b, c] = first.corners;
         let d = second.corners[2];
         let (v, w) = (self.triangles.len(), self.triangles.len() + 1);
-        self.triangles[t] = Triangle {
+        self.triangles[t] = PatchTriangle {
             corners: [a, p, c],
             neighbours: [
-                Neighbour::Inside(w, 0),
-                Neighbour::Inside(v, 2),
+                PatchNeighbour::Inside(w, 0),
+                PatchNeighbour::Inside(v, 2),
                 first.neighbours[2],
             ],
         };
-        self.triangles.push(Triangle {
+        self.triangles.push(PatchTriangle {
             corners: [p, b, c],
             neighbours: [
-                Neighbour::Inside(u, 0),
+                PatchNeighbour::Inside(u, 0),
                 first.neighbours[1],
-                Neighbour::Inside(t, 1),
+                PatchNeighbour::Inside(t, 1),
             ],
         });
-        self.triangles[u] = Triangle {
+        self.triangles[u] = PatchTriangle {
             corners: [b, p, d],
             neighbours: [
-                Neighbour::Inside(v, 0),
-                Neighbour::Inside(w, 2),
+                PatchNeighbour::Inside(v, 0),
+                PatchNeighbour::Inside(w, 2),
                 second.neighbours[2],
             ],
         };
-        self.triangles.push(Triangle {
+        self.triangles.push(PatchTriangle {
             corners: [p, a, d],
             neighbours: [
-                Neighbour::Inside(t, 0),
+                PatchNeighbour::Inside(t, 0),
                 second.neighbours[1],
-                Neighbour::Inside(u, 1),
+                PatchNeighbour::Inside(u, 1),
             ],
         });
         self.relink(&[t, u, v, w]);
@@ -377,8 +389,8 @@ impl Patch {
     fn relink(&mut self, changed: &[usize]) {
         for &t in changed {
             for k in 0..3 {
-                if let Neighbour::Inside(u, m) = self.triangles[t].neighbours[k] {
-                    self.triangles[u].neighbours[m] = Neighbour::Inside(t, k);
+                if let PatchNeighbour::Inside(u, m) = self.triangles[t].neighbours[k] {
+                    self.triangles[u].neighbours[m] = PatchNeighbour::Inside(t, k);
                 }
             }
         }
@@ -387,7 +399,7 @@ impl Patch {
     /// Flips edges that are not Delaunay, starting with these.
     fn improve(&mut self, mut edges: Vec<(usize, usize)>) {
         while let Some((t, k)) = edges.pop() {
-            let Neighbour::Inside(u, m) = self.triangles[t].neighbours[k] else {
+            let PatchNeighbour::Inside(u, m) = self.triangles[t].neighbours[k] else {
                 continue;
             };
             let first = turned(&self.triangles[t], k);
@@ -403,20 +415,20 @@ impl Patch {
                 continue;
             }
             self.flips_left -= 1;
-            self.triangles[t] = Triangle {
+            self.triangles[t] = PatchTriangle {
                 corners: [a, d, c],
                 neighbours: [
                     second.neighbours[1],
-                    Neighbour::Inside(u, 2),
+                    PatchNeighbour::Inside(u, 2),
                     first.neighbours[2],
                 ],
             };
-            self.triangles[u] = Triangle {
+            self.triangles[u] = PatchTriangle {
                 corners: [d, b, c],
                 neighbours: [
                     second.neighbours[2],
                     first.neighbours[1],
-                    Neighbour::Inside(t, 1),
+                    PatchNeighbour::Inside(t, 1),
                 ],
             };
             self.relink(&[t, u]);
@@ -439,8 +451,8 @@ impl Patch {
 }
 
 /// `triangle` with its corner `k` as the first one.
-fn turned(triangle: &Triangle, k: usize) -> Triangle {
-    Triangle {
+fn turned(triangle: &PatchTriangle, k: usize) -> PatchTriangle {
+    PatchTriangle {
         corners: [0, 1, 2].map(|i| triangle.corners[(k + i) % 3]),
         neighbours: [0, 1, 2].map(|i| triangle.neighbours[(k + i) % 3]),
     }

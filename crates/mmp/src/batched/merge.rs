@@ -57,18 +57,18 @@ pub(super) struct Merged {
 pub(super) struct Merger {
     overlap: Overlap,
     met: Vec<Window>,
-    pieces: Pieces,
+    pieces: Replacement,
 }
 
 /// The windows that replace those that a sweep has passed.
 #[derive(Clone, Debug, Default)]
-struct Pieces {
+struct Replacement {
     windows: Vec<StoredWindow>,
     /// Counted runs only.
     levels: Vec<u32>,
 }
 
-impl Pieces {
+impl Replacement {
     fn clear(&mut self) {
         self.windows.clear();
         self.levels.clear();
@@ -130,7 +130,7 @@ impl Merger {
         let windows = &batch.windows;
         let mut k = 0;
         while k < windows.len() {
-            let mut sweep = Sweep::start(store, i, windows[k].b0, &mut self.pieces);
+            let mut sweep = ListSweep::start(store, i, windows[k].b0, &mut self.pieces);
             let mut is_open = sweep.insert(&windows[k], batch.level(k), l, merged, weigh, probe);
             // A sweep does not compare a window with those it inserted: the next window must begin
             // behind the last one.
@@ -155,8 +155,8 @@ impl Merger {
                 is_open = sweep.insert(&new, batch.level(k), l, merged, weigh, probe);
                 k += 1;
             }
-            let Sweep { base, next, .. } = sweep;
-            let Pieces {
+            let ListSweep { base, next, .. } = sweep;
+            let Replacement {
                 windows: pieces,
                 levels,
             } = &self.pieces;
@@ -261,8 +261,8 @@ fn report_growth<P: Probe>(
 ///
 /// Replaced ranges are collected and copied back at the end. A stored window that loses its left
 /// part is cut in place.
-struct Sweep<'a> {
-    pieces: &'a mut Pieces,
+struct ListSweep<'a> {
+    pieces: &'a mut Replacement,
     windows: &'a mut [StoredWindow],
     levels: &'a [u32],
     /// The first window that the pieces replace.
@@ -271,10 +271,10 @@ struct Sweep<'a> {
     next: usize,
 }
 
-impl<'a> Sweep<'a> {
+impl<'a> ListSweep<'a> {
     /// Starts behind the windows of list `i` that end at `x` or before.
     #[inline(always)]
-    fn start(store: &'a mut Store, i: usize, x: f64, pieces: &'a mut Pieces) -> Self {
+    fn start(store: &'a mut Store, i: usize, x: f64, pieces: &'a mut Replacement) -> Self {
         let next = store.ending_by(i, x);
         pieces.clear();
         let (windows, levels) = store.windows_and_levels(i);

@@ -61,7 +61,7 @@ const AHEAD: [usize; 2] = [6, 2];
 #[derive(Clone, Debug)]
 pub struct Batched<Q> {
     runs: CompiledRuns<Self>,
-    state: State<Q>,
+    state: RunState<Q>,
     /// The windows that are propagated, and their children on the left and on the right exit.
     taken: Batch,
     children: [Batch; 2],
@@ -69,7 +69,7 @@ pub struct Batched<Q> {
 
 /// The state of a run: lists, queue and distances.
 #[derive(Clone, Debug)]
-struct State<Q> {
+struct RunState<Q> {
     mesh: Mesh,
     surface: Surface,
     queue: Q,
@@ -91,7 +91,7 @@ impl<Q: Discipline> Batched<Q> {
         let order = Surface::order(mesh);
         Self {
             runs: CompiledRuns::new(),
-            state: State {
+            state: RunState {
                 mesh: mesh.clone(),
                 surface: Surface::new(mesh),
                 queue,
@@ -221,7 +221,7 @@ impl<Q: Discipline> Batched<Q> {
     }
 }
 
-impl<Q: Discipline> State<Q> {
+impl<Q: Discipline> RunState<Q> {
     /// Prefetches the memory that the next turns need.
     #[inline]
     fn read_ahead(&self) {

@@ -21,9 +21,9 @@ pub(crate) type Slot = u32;
 
 /// Flags of the window in a slot.
 #[derive(Clone, Copy, Debug, Default)]
-struct State(u8);
+struct SlotFlags(u8);
 
-impl State {
+impl SlotFlags {
     /// It waits in the queue, where it has exactly one event.
     const WAITS: u8 = 1;
     /// Its least distance has grown since it was queued.
@@ -89,7 +89,7 @@ pub(crate) struct Lists {
     places: Vec<ListEntry>,
     free_blocks: FreeBlocks,
     windows: Vec<Window>,
-    states: Vec<State>,
+    states: Vec<SlotFlags>,
     free: Vec<Slot>,
     waiting: usize,
     stored: usize,
@@ -194,7 +194,7 @@ impl Lists {
     /// The direction in which the window crosses its edge.
     #[inline]
     pub(crate) fn direction(&self, slot: Slot) -> Direction {
-        if self.states[slot as usize].has(State::REVERSED) {
+        if self.states[slot as usize].has(SlotFlags::REVERSED) {
             Direction::Reverse
         } else {
             Direction::Forward
@@ -204,7 +204,7 @@ impl Lists {
     /// Whether the window waits in the queue.
     #[inline]
     pub(crate) fn waits(&self, slot: Slot) -> bool {
-        self.states[slot as usize].has(State::WAITS)
+        self.states[slot as usize].has(SlotFlags::WAITS)
     }
 
     /// Takes a window of list `i` whose event came out of the queue. The window stays stored and no
@@ -213,16 +213,16 @@ impl Lists {
     #[allow(clippy::inline_always)] // Called for every window, and small.
     pub(crate) fn take(&mut self, i: usize, slot: Slot) -> Dequeued<()> {
         let state = &mut self.states[slot as usize];
-        if state.has(State::GONE) {
+        if state.has(SlotFlags::GONE) {
             self.free.push(slot);
             return Dequeued::Stale;
         }
         let window = self.windows[slot as usize];
-        if state.has(State::OUTDATED) {
-            state.0 &= !State::OUTDATED;
+        if state.has(SlotFlags::OUTDATED) {
+            state.0 &= !SlotFlags::OUTDATED;
             return Dequeued::Requeue(window.min_distance());
         }
-        state.0 &= !State::WAITS;
+        state.0 &= !SlotFlags::WAITS;
         self.heads[i].waiting -= 1;
         self.waiting -= 1;
         Dequeued::Propagate(window, ())
@@ -237,12 +237,12 @@ impl Lists {
         direction: Direction,
         waits: bool,
     ) -> Slot {
-        let mut state = State::default();
+        let mut state = SlotFlags::default();
         if direction == Direction::Reverse {
-            state.0 |= State::REVERSED;
+            state.0 |= SlotFlags::REVERSED;
         }
         if waits {
-            state.0 |= State::WAITS;
+            state.0 |= SlotFlags::WAITS;
             self.heads[i].waiting += 1;
             self.waiting += 1;
         }
@@ -269,9 +269,9 @@ impl Lists {
         let nearest = window.nearest_abscissa();
         (window.b0, window.b1) = (b0, b1);
         let state = &mut self.states[slot as usize];
-        let grows = window.nearest_abscissa() != nearest && state.has(State::WAITS);
+        let grows = window.nearest_abscissa() != nearest && state.has(SlotFlags::WAITS);
         if grows {
-            state.0 |= State::OUTDATED;
+            state.0 |= SlotFlags::OUTDATED;
         }
         grows
     }
@@ -281,8 +281,8 @@ impl Lists {
     pub(crate) fn remove(&mut self, i: usize, slot: Slot) {
         self.stored -= 1;
         let state = &mut self.states[slot as usize];
-        if state.has(State::WAITS) {
-            state.0 = State::GONE;
+        if state.has(SlotFlags::WAITS) {
+            state.0 = SlotFlags::GONE;
             self.heads[i].waiting -= 1;
             self.waiting -= 1;
         } else {

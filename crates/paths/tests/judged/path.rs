@@ -1,7 +1,7 @@
 //! A traced path in the terms of the oracle's judge.
 
 use geobench_mesh::{Mesh, VertexId};
-use geobench_oracle::{DoubleDouble, PathFlaw, PathPoint, PreciseSurface, judge_path};
+use geobench_oracle::{DoubleDouble, JudgedPoint, PathFlaw, PreciseSurface, judge_path};
 use geobench_paths::{Path, PathPlace};
 
 /// The surface of `mesh` for the judge.
@@ -30,14 +30,14 @@ pub(crate) fn judge(
     d: f64,
 ) -> Result<(), PathFlaw> {
     let points = path.points.iter().map(|point| match point.place {
-        PathPlace::Vertex(v) => PathPoint::Vertex(v.raw()),
-        PathPlace::Edge { ends, t } => PathPoint::Edge {
+        PathPlace::Vertex(v) => JudgedPoint::Vertex(v.raw()),
+        PathPlace::Edge { ends, t } => JudgedPoint::Edge {
             triangle: point.face.expect("an edge has a face").raw(),
             ends: ends.map(VertexId::raw),
             t,
         },
         PathPlace::Face => panic!("{point:?} is inside a face"),
     });
-    let points: Vec<PathPoint> = points.collect();
+    let points: Vec<JudgedPoint> = points.collect();
     judge_path(surface, &points, sources, target.raw(), [d, path.length])
 }

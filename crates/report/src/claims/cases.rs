@@ -5,12 +5,14 @@ use geobench_harness::figures::Figure;
 use geobench_harness::measure::number::grouped;
 use geobench_harness::measure::statistics::{FEWEST_FOR_FIT, FEWEST_FOR_INTERVAL, range_of};
 use geobench_harness::schema::{
-    Cell, ModelRecord, Phases, PlannedAlgorithm, ResultFile, SourceLabel, Status,
+    Cell, ModelRecord, PhaseSeconds, PlannedAlgorithm, ResultFile, SourceLabel, Status,
 };
 use geobench_registry::Selection;
 
-use super::expression::{Leaves, Node, Quantity};
-use super::file::{Combine, GrowthAxis, Operand, Show, SimdFilter, Size, Test, labels, number_of};
+use super::expression::{Expression, ExpressionLeaves, Quantity};
+use super::file::{
+    Combine, GrowthAxis, ModelSize, Operand, Show, SimdFilter, Test, labels, number_of,
+};
 use super::judged::ClaimCase;
 use crate::table::group::{Estimate, distinct};
 
@@ -26,8 +28,8 @@ type Reason = String;
 
 /// An expression with the numbers that it is computed from.
 struct Built {
-    leaves: Leaves,
-    node: Node,
+    leaves: ExpressionLeaves,
+    node: Expression,
     /// For a growth, the range of its points on the axis.
     range: Option<[f64; 2]>,
 }
@@ -204,7 +206,7 @@ impl<'r> Results<'r> {
                         self.models(*group).into_iter().map(|model| {
                             let on = self.place(model, *group, &groups);
                             self.case(operand, &on, Some(model), |figure| {
-                                let mut leaves = Leaves::default();
+                                let mut leaves = ExpressionLeaves::default();
                                 let node = self.on(operand, *group, model, figure, &mut leaves)?;
                                 Ok(Built {
                                     leaves,
@@ -348,8 +350,8 @@ impl<'r> Results<'r> {
         group: Option<&str>,
         model: &ModelRecord,
         figure: &'static Figure,
-        leaves: &mut Leaves,
-    ) -> Result<Node, Reason> {
+        leaves: &mut ExpressionLeaves,
+    ) -> Result<Expression, Reason> {
         let cells = |operand: &Operand| {
             let all = operand.algorithms.iter();
             all.map(|selection| self.cells(group, selection, &model.name))
@@ -381,22 +383,22 @@ impl<'r> Results<'r> {
         }
         let node = match nodes.len() {
             1 => nodes.remove(0),
-            _ => Node::Median(nodes),
+            _ => Expression::Median(nodes),
         };
         let node = match self.test.per {
             None => node,
             Some(size) => {
                 let size = match size {
-                    Size::Vertices => model.vertices,
-                    Size::Faces => model.faces,
+                    ModelSize::Vertices => model.vertices,
+                    ModelSize::Faces => model.faces,
                 };
                 let size = size.ok_or("the size of the model is not known")?;
-                Node::Per(Box::new(node), size as f64)
+                Expression::Per(Box::new(node), size as f64)
             }
         };
         Ok(match self.test.show {
             Show::Value => node,
-            Show::Saving => Node::Saving(Box::new(node)),
+            Show::Saving => Expression::Saving(Box::new(node)),
         })
     }
 
@@ -407,19 +409,20 @@ impl<'r> Results<'r> {
         operand: &Operand,
         over: Vec<Quantity>,
         under: Vec<Quantity>,
-        leaves: &mut Leaves,
-    ) -> Node {
+        leaves: &mut ExpressionLeaves,
+    ) -> Expression {
         if let Some(best) = &self.test.best {
             let beside = operand.algorithms.iter();
             let beside = beside.map(|one| number_of(one, best.get_ref()).unwrap_or(f64::NAN));
             let all = beside.zip(over.into_iter().map(|quantity| leaves.node(quantity)));
-            return Node::Best(all.collect());
+            return Expression::Best(all.collect());
         }
-        let least = |quantities: Vec<Quantity>, leaves: &mut Leaves| {
-            let mut nodes: Vec<Node> = quantities.into_iter().map(|q| leaves.node(q)).collect();
+        let least = |quantities: Vec<Quantity>, leaves: &mut ExpressionLeaves| {
+            let mut nodes: Vec<Expression> =
+                quantities.into_iter().map(|q| leaves.node(q)).collect();
             match nodes.len() {
                 1 => nodes.remove(0),
-                _ => Node::Least(nodes),
+                _ => Expression::Least(nodes),
             }
         };
         match (
@@ -433,7 +436,7 @@ impl<'r> Results<'r> {
                 if under.is_empty() {
                     return over;
                 }
-                Node::Ratio(Box::new(over), Box::new(least(under, leaves)))
+                Expression::Ratio(Box::new(over), Box::new(least(under, leaves)))
             }
         }
     }
@@ -484,7 +487,7 @@ impl<'r> Results<'r> {
         series: &[GroupModel<'_>],
         figure: &'static Figure,
     ) -> Result<Built, Reason> {
-        let (mut leaves, mut points) = (Leaves::default(), Vec::new());
+        let (mut leaves, mut points) = (ExpressionLeaves::default(), Vec::new());
         let mut missing = None;
         for &pair @ GroupModel { group, model } in series {
             let Some(x) = self.along(pair) else {
@@ -508,7 +511,7 @@ impl<'r> Results<'r> {
         Ok(Built {
             range: range_of(points.iter().map(|(x, _)| *x)),
             leaves,
-            node: Node::Growth(points),
+            node: Expression::Growth(points),
         })
     }
 
@@ -520,7 +523,7 @@ impl<'r> Results<'r> {
         figure: &'static Figure,
         combine: Combine,
     ) -> Result<Built, Reason> {
-        let (mut leaves, mut nodes) = (Leaves::default(), Vec::new());
+        let (mut leaves, mut nodes) = (ExpressionLeaves::default(), Vec::new());
         for &group in groups {
             for model in self.models(group) {
                 nodes.push(self.on(operand, group, model, figure, &mut leaves)?);
@@ -530,10 +533,10 @@ impl<'r> Results<'r> {
             return Err("no model".to_owned());
         }
         let node = match combine {
-            Combine::Median | Combine::Each => Node::Median(nodes),
-            Combine::Mean => Node::Mean(nodes),
-            Combine::GeometricMean => Node::GeometricMean(nodes),
-            Combine::Spread => Node::Spread(nodes),
+            Combine::Median | Combine::Each => Expression::Median(nodes),
+            Combine::Mean => Expression::Mean(nodes),
+            Combine::GeometricMean => Expression::GeometricMean(nodes),
+            Combine::Spread => Expression::Spread(nodes),
         };
         Ok(Built {
             leaves,
@@ -596,7 +599,7 @@ impl<'r> Results<'r> {
 }
 
 /// The phase that a figure is about, if it is about one.
-fn phase_of(figure: &Figure) -> Option<fn(&Phases) -> Option<f64>> {
+fn phase_of(figure: &Figure) -> Option<fn(&PhaseSeconds) -> Option<f64>> {
     match figure.key {
         "phase_propagation" => Some(|phases| phases.propagation),
         "phase_pruning" => Some(|phases| phases.pruning),
@@ -608,7 +611,7 @@ fn phase_of(figure: &Figure) -> Option<fn(&Phases) -> Option<f64>> {
 /// A phase of a cell: its share of the profile samples or, for times, that share of the timed runs.
 fn phase_quantity(
     figure: &Figure,
-    phase: fn(&Phases) -> Option<f64>,
+    phase: fn(&PhaseSeconds) -> Option<f64>,
     cell: &Cell,
 ) -> Result<Quantity, Reason> {
     let phases = &cell.phases;

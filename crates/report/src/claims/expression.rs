@@ -12,8 +12,8 @@ use crate::table::group::Estimate;
 
 /// An expression.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Node {
-    /// A number, by its index in [`Leaves`].
+pub(super) enum Expression {
+    /// A number, by its index in [`ExpressionLeaves`].
     Leaf(usize),
     /// The product.
     Product(Box<Self>, Box<Self>),
@@ -40,7 +40,7 @@ pub(super) enum Node {
     Growth(Vec<(f64, Self)>),
 }
 
-impl Node {
+impl Expression {
     fn of(&self, values: &[f64]) -> f64 {
         let all = |nodes: &[Self]| -> Vec<f64> { nodes.iter().map(|n| n.of(values)).collect() };
         match self {
@@ -81,11 +81,11 @@ fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
 
 /// The leaves of an expression.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Leaves(Vec<Leaf>);
+pub(super) struct ExpressionLeaves(Vec<UncertainNumber>);
 
 /// A number with its uncertainty.
 #[derive(Clone, Debug, PartialEq)]
-enum Leaf {
+enum UncertainNumber {
     Exact(f64),
     Samples(Vec<f64>),
     /// A share, and the number of profile samples that it is estimated from.
@@ -106,7 +106,7 @@ pub(super) enum Quantity {
     TimeShare(Vec<f64>, f64, u64),
 }
 
-impl Leaf {
+impl UncertainNumber {
     fn variable(&self) -> Variable<'_> {
         match *self {
             Self::Exact(value) => Variable::Exact(value),
@@ -119,63 +119,65 @@ impl Leaf {
     }
 }
 
-impl Leaves {
-    fn push(&mut self, leaf: Leaf) -> Node {
+impl ExpressionLeaves {
+    fn push(&mut self, leaf: UncertainNumber) -> Expression {
         self.0.push(leaf);
-        Node::Leaf(self.0.len() - 1)
+        Expression::Leaf(self.0.len() - 1)
     }
 
     /// Adds the leaves of a figure. Returns its node.
-    pub(super) fn node(&mut self, quantity: Quantity) -> Node {
+    pub(super) fn node(&mut self, quantity: Quantity) -> Expression {
         match quantity {
-            Quantity::Exact(value) => self.push(Leaf::Exact(value)),
-            Quantity::Samples(samples) => self.push(Leaf::Samples(samples)),
-            Quantity::Share(share, samples) => self.push(Leaf::Share(share, samples)),
+            Quantity::Exact(value) => self.push(UncertainNumber::Exact(value)),
+            Quantity::Samples(samples) => self.push(UncertainNumber::Samples(samples)),
+            Quantity::Share(share, samples) => self.push(UncertainNumber::Share(share, samples)),
             Quantity::TimeShare(times, share, samples) => {
-                let times = self.push(Leaf::Samples(times));
-                let share = self.push(Leaf::Share(share, samples));
-                Node::Product(Box::new(times), Box::new(share))
+                let times = self.push(UncertainNumber::Samples(times));
+                let share = self.push(UncertainNumber::Share(share, samples));
+                Expression::Product(Box::new(times), Box::new(share))
             }
         }
     }
 
     /// The ratio of two figures of one model and source. The algorithms ran in turns, so their
     /// samples are divided pair by pair, as in `table::group`.
-    pub(super) fn ratio(&mut self, over: Quantity, under: Quantity) -> Node {
+    pub(super) fn ratio(&mut self, over: Quantity, under: Quantity) -> Expression {
         match (over, under) {
             (Quantity::Samples(over), Quantity::Samples(under)) if over.len() == under.len() => {
                 let pairs = over.iter().zip(&under).map(|(a, b)| a / b);
-                self.push(Leaf::Samples(pairs.collect()))
+                self.push(UncertainNumber::Samples(pairs.collect()))
             }
             (Quantity::TimeShare(over, a, m), Quantity::TimeShare(under, b, n)) => {
                 let times = self.ratio(Quantity::Samples(over), Quantity::Samples(under));
                 let shares = self.ratio(Quantity::Share(a, m), Quantity::Share(b, n));
-                Node::Product(Box::new(times), Box::new(shares))
+                Expression::Product(Box::new(times), Box::new(shares))
             }
             (over, under) => {
                 let (over, under) = (self.node(over), self.node(under));
-                Node::Ratio(Box::new(over), Box::new(under))
+                Expression::Ratio(Box::new(over), Box::new(under))
             }
         }
     }
 
     /// Whether all leaves are exact.
     pub(super) fn are_exact(&self) -> bool {
-        self.0.iter().all(|leaf| matches!(leaf, Leaf::Exact(_)))
+        self.0
+            .iter()
+            .all(|leaf| matches!(leaf, UncertainNumber::Exact(_)))
     }
 
     /// The least number of samples of a time; 0 if there are no times.
     pub(super) fn fewest_samples(&self) -> usize {
         let counts = self.0.iter().filter_map(|leaf| match leaf {
-            Leaf::Samples(samples) => Some(samples.len()),
+            UncertainNumber::Samples(samples) => Some(samples.len()),
             _ => None,
         });
         counts.min().unwrap_or(0)
     }
 
     /// The value of `node` with its interval; `None` if the value is not finite.
-    pub(super) fn value(&self, node: &Node) -> Option<Estimate> {
-        let variables: Vec<Variable<'_>> = self.0.iter().map(Leaf::variable).collect();
+    pub(super) fn value(&self, node: &Expression) -> Option<Estimate> {
+        let variables: Vec<Variable<'_>> = self.0.iter().map(UncertainNumber::variable).collect();
         let values = variables.iter().map(Variable::value);
         let value = node.of(&values.collect::<Option<Vec<f64>>>()?);
         let interval = if self.are_exact() {
@@ -191,8 +193,8 @@ impl Leaves {
 mod tests {
     use super::*;
 
-    fn exact(values: &[f64]) -> (Leaves, Vec<Node>) {
-        let mut leaves = Leaves::default();
+    fn exact(values: &[f64]) -> (ExpressionLeaves, Vec<Expression>) {
+        let mut leaves = ExpressionLeaves::default();
         let nodes = values
             .iter()
             .map(|&value| leaves.node(Quantity::Exact(value)));
@@ -203,23 +205,29 @@ mod tests {
     #[test]
     fn each_expression_is_computed() {
         let (leaves, nodes) = exact(&[4.0, 1.0, 16.0]);
-        let value = |node: Node| leaves.value(&node).unwrap().value;
+        let value = |node: Expression| leaves.value(&node).unwrap().value;
         let [a, b, c] = [0, 1, 2].map(|i: usize| Box::new(nodes[i].clone()));
-        assert_eq!(value(Node::Ratio(a.clone(), c.clone())), 0.25);
+        assert_eq!(value(Expression::Ratio(a.clone(), c.clone())), 0.25);
         assert_eq!(
-            value(Node::Saving(Box::new(Node::Ratio(b, a.clone())))),
+            value(Expression::Saving(Box::new(Expression::Ratio(
+                b,
+                a.clone()
+            )))),
             0.75
         );
-        assert_eq!(value(Node::Per(c, 8.0)), 2.0);
-        assert_eq!(value(Node::Least(nodes.clone())), 1.0);
-        assert_eq!(value(Node::Median(nodes.clone())), 4.0);
-        assert_eq!(value(Node::Mean(nodes.clone())), 7.0);
-        assert!((value(Node::GeometricMean(nodes.clone())) - 4.0).abs() < 1e-12);
-        assert_eq!(value(Node::Spread(nodes.clone())), 16.0);
+        assert_eq!(value(Expression::Per(c, 8.0)), 2.0);
+        assert_eq!(value(Expression::Least(nodes.clone())), 1.0);
+        assert_eq!(value(Expression::Median(nodes.clone())), 4.0);
+        assert_eq!(value(Expression::Mean(nodes.clone())), 7.0);
+        assert!((value(Expression::GeometricMean(nodes.clone())) - 4.0).abs() < 1e-12);
+        assert_eq!(value(Expression::Spread(nodes.clone())), 16.0);
         let beside = |places: [f64; 3]| places.into_iter().zip(nodes.clone()).collect();
-        assert_eq!(value(Node::Best(beside([100.0, 200.0, 300.0]))), 200.0);
+        assert_eq!(
+            value(Expression::Best(beside([100.0, 200.0, 300.0]))),
+            200.0
+        );
         // The values 4, 1 and 16 at x = 2, 1 and 4 are x²; the range is 1 to 4.
-        let growth = value(Node::Growth(beside([2.0, 1.0, 4.0])));
+        let growth = value(Expression::Growth(beside([2.0, 1.0, 4.0])));
         assert!((growth - 16.0).abs() < 1e-9, "{growth}");
     }
 
@@ -227,7 +235,7 @@ mod tests {
     fn the_growth_is_that_of_the_whole_range_and_not_of_its_ends() {
         let (leaves, nodes) = exact(&[1.0, 2.0, 4.0, 2.0]);
         let points = [1.0, 2.0, 4.0, 8.0].into_iter().zip(nodes).collect();
-        let growth = leaves.value(&Node::Growth(points)).unwrap().value;
+        let growth = leaves.value(&Expression::Growth(points)).unwrap().value;
         // The fitted exponent is 0.4. The end points alone would give a factor of 2.
         assert!((growth - 8_f64.powf(0.4)).abs() < 1e-9, "{growth}");
     }
@@ -237,7 +245,7 @@ mod tests {
         let drifting = [1.0, 2.0, 3.0, 4.0, 5.0];
         let double = drifting.map(|x| 2.0 * x);
         let of = |over: &[f64], under: &[f64]| {
-            let mut leaves = Leaves::default();
+            let mut leaves = ExpressionLeaves::default();
             let samples = |set: &[f64]| Quantity::Samples(set.to_vec());
             let node = leaves.ratio(samples(over), samples(under));
             (leaves.value(&node).unwrap(), leaves.fewest_samples())
@@ -258,8 +266,8 @@ mod tests {
     fn what_is_no_number_has_no_value() {
         let (leaves, nodes) = exact(&[1.0, 0.0]);
         let [one, zero] = [0, 1].map(|i: usize| Box::new(nodes[i].clone()));
-        assert_eq!(leaves.value(&Node::Ratio(one, zero)), None);
+        assert_eq!(leaves.value(&Expression::Ratio(one, zero)), None);
         let same = nodes.into_iter().map(|node| (3.0, node)).collect();
-        assert_eq!(leaves.value(&Node::Growth(same)), None);
+        assert_eq!(leaves.value(&Expression::Growth(same)), None);
     }
 }

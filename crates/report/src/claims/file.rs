@@ -21,13 +21,13 @@ pub struct ClaimsFile {
     /// Authors, year and subject.
     pub title: String,
     #[serde(default, rename = "claim")]
-    claims: Vec<Spanned<Claim>>,
+    claims: Vec<Spanned<PaperClaim>>,
 }
 
 /// A claim.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Claim {
+pub struct PaperClaim {
     id: Spanned<String>,
     /// Section, table or figure.
     pub place: String,
@@ -63,7 +63,7 @@ pub(super) struct Test {
     /// The figures that decide where `figure` cannot, in order of preference.
     #[serde(default, rename = "else")]
     pub(super) others: Vec<&'static Figure>,
-    pub(super) per: Option<Size>,
+    pub(super) per: Option<ModelSize>,
     pub(super) over: Option<GrowthAxis>,
     #[serde(default)]
     pub(super) combine: Combine,
@@ -105,7 +105,7 @@ pub(super) struct Operand {
 /// A size of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Size {
+pub(super) enum ModelSize {
     Vertices,
     Faces,
 }
@@ -300,12 +300,12 @@ impl ClaimsFile {
     }
 
     /// The claims, in the order of the file.
-    pub fn claims(&self) -> impl Iterator<Item = &Claim> {
+    pub fn claims(&self) -> impl Iterator<Item = &PaperClaim> {
         self.claims.iter().map(Spanned::get_ref)
     }
 }
 
-impl Claim {
+impl PaperClaim {
     /// The id of the claim, unique in its file.
     pub fn id(&self) -> &str {
         self.id.get_ref()
@@ -316,7 +316,10 @@ impl Claim {
     }
 }
 
-fn check_claim(document: &TomlDocument<'_>, claim: &Spanned<Claim>) -> Result<(), DocumentError> {
+fn check_claim(
+    document: &TomlDocument<'_>,
+    claim: &Spanned<PaperClaim>,
+) -> Result<(), DocumentError> {
     let (span, claim) = (claim.span(), claim.get_ref());
     let problem = match (&claim.suite, &claim.awaits, &claim.tests[..]) {
         (_, None, []) => Some("it has no [[claim.test]] and does not say what it `awaits`"),

@@ -25,7 +25,7 @@ mod tests;
 
 use self::cases::Results;
 use self::file::path;
-pub use self::file::{Claim, ClaimsFile};
+pub use self::file::{ClaimsFile, PaperClaim};
 pub use self::judged::{ClaimCase, ClaimVerdict, ClaimsReport, JudgedClaim, JudgedPaper};
 pub use self::page::ClaimsFormat;
 
@@ -133,7 +133,7 @@ fn source(result: &ResultFile) -> String {
     )
 }
 
-fn judged(paper: &str, claim: &Claim, result: Option<&ResultFile>) -> JudgedClaim {
+fn judged(paper: &str, claim: &PaperClaim, result: Option<&ResultFile>) -> JudgedClaim {
     let mut cases = Vec::new();
     let mut unjudged = None;
     match (&claim.awaits, &claim.suite, result) {

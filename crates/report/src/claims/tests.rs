@@ -769,7 +769,7 @@ fn all_files_are_known_and_can_be_read() {
     let files = known().unwrap();
     let ids: Vec<&str> = files
         .iter()
-        .flat_map(|file| file.claims().map(super::file::Claim::id))
+        .flat_map(|file| file.claims().map(super::file::PaperClaim::id))
         .collect();
     assert_eq!(
         distinct(ids.iter().copied()).len(),

@@ -17,7 +17,7 @@ pub const FEWEST: usize = 3;
 
 /// The comparison of the newest record with the records of base commits.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Gate {
+pub struct GateReport {
     /// Always [`SCHEMA`].
     pub schema: &'static str,
     /// The newest commit.
@@ -52,7 +52,7 @@ pub struct GateLine {
     pub broken: Option<String>,
 }
 
-impl Gate {
+impl GateReport {
     /// Whether a rule is broken.
     pub fn is_worse(&self) -> bool {
         self.lines.iter().any(|line| line.broken.is_some())
@@ -65,7 +65,7 @@ impl Gate {
 /// # Errors
 ///
 /// When `records` is empty or has no record of these commits apart from the last.
-pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Result<Gate> {
+pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Result<GateReport> {
     let Some(newest) = records.last() else {
         bail!("the history has no records");
     };
@@ -162,7 +162,7 @@ pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Re
             None => notes.push(format!("{}: not in the new record", cell.cell)),
         }
     }
-    Ok(Gate {
+    Ok(GateReport {
         schema: SCHEMA,
         commit: newest.commit.clone(),
         base: base.iter().map(|r| r.short().to_owned()).collect(),
@@ -251,12 +251,12 @@ mod tests {
     use super::*;
     use crate::history::trend::tests::history;
 
-    fn compared(records: &[Record], rules: &str) -> Gate {
+    fn compared(records: &[Record], rules: &str) -> GateReport {
         let all: Vec<String> = records.iter().map(|r| r.commit.clone()).collect();
         gate(records, &all, &rules.parse().unwrap()).unwrap()
     }
 
-    fn broken(gate: &Gate) -> Vec<String> {
+    fn broken(gate: &GateReport) -> Vec<String> {
         let lines = gate.lines.iter().filter(|line| line.broken.is_some());
         lines
             .map(|l| format!("{} {}", l.cell.algorithm, l.figure))

@@ -18,12 +18,12 @@ pub(crate) struct Section {
     pub(crate) heading: String,
     /// Whether it is a top-level section; else it is a subsection of the last top-level one.
     pub(crate) top: bool,
-    pub(crate) blocks: Vec<Block>,
+    pub(crate) blocks: Vec<SectionItem>,
 }
 
 /// An item of a section.
 #[derive(Clone, Debug)]
-pub(crate) enum Block {
+pub(crate) enum SectionItem {
     /// The outcome of each group, one sentence each.
     Headlines(Vec<String>),
     /// Reasons to doubt the times.
@@ -44,12 +44,12 @@ pub(crate) enum Block {
     /// Remarks, one by one.
     Notes(Vec<Note>),
     /// Downloads.
-    Links(Vec<Link>),
+    Links(Vec<Download>),
 }
 
 /// A download.
 #[derive(Clone, Debug)]
-pub(crate) struct Link {
+pub(crate) struct Download {
     pub(crate) label: String,
     /// A data URL that holds the file.
     pub(crate) address: String,
@@ -80,7 +80,7 @@ impl Document {
     /// Every table, in order.
     pub(crate) fn tables(&self) -> impl Iterator<Item = &Table> {
         self.blocks().filter_map(|block| match block {
-            Block::Table(table) | Block::Figures(table) => Some(table),
+            SectionItem::Table(table) | SectionItem::Figures(table) => Some(table),
             _ => None,
         })
     }
@@ -89,13 +89,13 @@ impl Document {
     pub(crate) fn plots(&self) -> impl Iterator<Item = &Plot> {
         self.blocks()
             .filter_map(|block| match block {
-                Block::Plots(plots) => Some(plots),
+                SectionItem::Plots(plots) => Some(plots),
                 _ => None,
             })
             .flatten()
     }
 
-    fn blocks(&self) -> impl Iterator<Item = &Block> {
+    fn blocks(&self) -> impl Iterator<Item = &SectionItem> {
         self.sections.iter().flat_map(|section| &section.blocks)
     }
 }

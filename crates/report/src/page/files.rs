@@ -8,7 +8,7 @@ use geobench_export::output::OutputFile;
 
 use super::chart::{Chart, Datum};
 use super::document::{Document, Plot};
-use super::{Report, html, tex};
+use super::{BuiltReport, html, tex};
 use crate::table::{Column, Entry, Table, csv};
 
 /// An output format of a report.
@@ -30,7 +30,11 @@ pub enum Form {
 /// # Errors
 ///
 /// When the directory cannot be created or a file cannot be written.
-pub fn write_files(report: &Report, form: Form, directory: &Path) -> anyhow::Result<Vec<PathBuf>> {
+pub fn write_files(
+    report: &BuiltReport,
+    form: Form,
+    directory: &Path,
+) -> anyhow::Result<Vec<PathBuf>> {
     fs::create_dir_all(directory)
         .with_context(|| format!("{}: cannot be made", directory.display()))?;
     let mut paths = Vec::new();
@@ -43,7 +47,7 @@ pub fn write_files(report: &Report, form: Form, directory: &Path) -> anyhow::Res
 }
 
 /// Names and contents of the files of a report.
-pub(super) fn files(report: &Report, form: Form) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
+pub(super) fn files(report: &BuiltReport, form: Form) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
     let document = &report.document;
     Ok(match form {
         Form::Html => vec![("report.html".to_owned(), html::page(report).into_bytes())],

@@ -8,9 +8,9 @@ use geobench_export::escape::xml as escape;
 use geobench_export::svg;
 use sha2::{Digest, Sha256};
 
-use super::Report;
+use super::BuiltReport;
 use super::chart::Chart;
-use super::document::{Block, Document, Plot, Section};
+use super::document::{Document, Plot, Section, SectionItem};
 use super::tables::by_algorithm;
 use crate::table;
 
@@ -48,7 +48,7 @@ pub(super) fn head(title: &str, meta: &str, styles: [&str; 2]) -> String {
 }
 
 /// The report as an HTML page.
-pub fn page(report: &Report) -> String {
+pub fn page(report: &BuiltReport) -> String {
     let document = &report.document;
     let policy = format!(
         "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n",
@@ -91,39 +91,39 @@ fn section(html: &mut String, section: &Section) {
     html.push_str("</section>\n");
 }
 
-fn write_block(html: &mut String, block: &Block) {
+fn write_block(html: &mut String, block: &SectionItem) {
     match block {
-        Block::Headlines(texts) => {
+        SectionItem::Headlines(texts) => {
             for text in texts {
                 *html += &format!("<p class=\"headline\">{}</p>\n", escape(text));
             }
         }
-        Block::Warnings(texts) => {
+        SectionItem::Warnings(texts) => {
             html.push_str("<ul class=\"warnings\" aria-label=\"Warnings\">\n");
             for text in texts {
                 *html += &format!("<li>{}</li>\n", escape(text));
             }
             html.push_str("</ul>\n");
         }
-        Block::Text(text) => *html += &format!("<p>{}</p>\n", escape(text)),
-        Block::Heading(text) => *html += &format!("<h4>{}</h4>\n", escape(text)),
-        Block::Facts(facts) => {
+        SectionItem::Text(text) => *html += &format!("<p>{}</p>\n", escape(text)),
+        SectionItem::Heading(text) => *html += &format!("<h4>{}</h4>\n", escape(text)),
+        SectionItem::Facts(facts) => {
             html.push_str("<dl>\n");
             for (name, value) in facts {
                 *html += &format!("<dt>{}</dt><dd>{}</dd>\n", escape(name), escape(value));
             }
             html.push_str("</dl>\n");
         }
-        Block::Table(table) => table::html::table(html, table),
-        Block::Figures(table) => table::html::table(html, &by_algorithm(table)),
-        Block::Plots(plots) => {
+        SectionItem::Table(table) => table::html::table(html, table),
+        SectionItem::Figures(table) => table::html::table(html, &by_algorithm(table)),
+        SectionItem::Plots(plots) => {
             html.push_str("<div class=\"plots\">\n");
             for plot in plots {
                 write_plot(html, plot);
             }
             html.push_str("</div>\n");
         }
-        Block::Notes(notes) => {
+        SectionItem::Notes(notes) => {
             html.push_str("<ul class=\"notes\">\n");
             for note in notes {
                 let class = if note.failure {
@@ -135,7 +135,7 @@ fn write_block(html: &mut String, block: &Block) {
             }
             html.push_str("</ul>\n");
         }
-        Block::Links(links) => {
+        SectionItem::Links(links) => {
             html.push_str("<p class=\"links\">\n");
             for link in links {
                 *html += &format!(

@@ -40,9 +40,9 @@ use geobench_harness::schema::{Cell, GroupRecord, ResultFile, Status};
 use geobench_registry::UsageError;
 
 use crate::table::group::{GroupCells, algorithms, is_same_problem};
-use crate::table::{Format, Note, results};
+use crate::table::{Note, ResultFormat, results};
 use chart::Chart;
-use document::{Block, Document, Link, Plot, Section, slug};
+use document::{Document, Download, Plot, Section, SectionItem, slug};
 use setting::Setting;
 
 pub use files::{Form, write_files};
@@ -107,7 +107,7 @@ pub struct Options {
 
 /// A report, ready to be written.
 #[derive(Clone, Debug)]
-pub struct Report {
+pub struct BuiltReport {
     document: Document,
 }
 
@@ -120,7 +120,7 @@ const MOST_EMBEDDED: usize = 4 << 20;
 ///
 /// When no result has the algorithm of `options.ratio_to`, or the model of `options.picture` cannot
 /// be drawn.
-pub fn build(inputs: &[Input], options: &Options) -> Result<Report, UsageError> {
+pub fn build(inputs: &[Input], options: &Options) -> Result<BuiltReport, UsageError> {
     if let Some(name) = &options.ratio_to {
         let known = algorithms(inputs.iter().flat_map(|input| &input.result.cells));
         if !known.contains(&name.as_str()) {
@@ -168,7 +168,7 @@ pub fn build(inputs: &[Input], options: &Options) -> Result<Report, UsageError> 
         [one] => format!("Exact geodesic distances: {}", one.name()),
         _ => "Exact geodesic distances".to_owned(),
     };
-    Ok(Report {
+    Ok(BuiltReport {
         document: Document { title, sections },
     })
 }
@@ -209,7 +209,7 @@ fn of_result(
         .filter_map(|group| named(group, groups.len()))
         .collect();
     if !headlines.is_empty() {
-        head.push(Block::Headlines(headlines));
+        head.push(SectionItem::Headlines(headlines));
     }
     let mut warnings = headline::warnings(result);
     if let Some(joined) = &input.joined {
@@ -217,11 +217,11 @@ fn of_result(
         warnings.extend(joined.differences.iter().map(difference));
     }
     if !warnings.is_empty() {
-        head.push(Block::Warnings(warnings));
+        head.push(SectionItem::Warnings(warnings));
     }
-    head.push(Block::Text(environment::summary(result)));
-    head.push(Block::Links(raw_numbers(input)));
-    head.extend(picture.map(|plot| Block::Plots(vec![plot])));
+    head.push(SectionItem::Text(environment::summary(result)));
+    head.push(SectionItem::Links(raw_numbers(input)));
+    head.extend(picture.map(|plot| SectionItem::Plots(vec![plot])));
     let mut all = vec![Section {
         id: format!("{prefix}result"),
         heading: name,
@@ -258,11 +258,11 @@ fn of_result(
     }
     let models = tables::models(&format!("{prefix}models-table"), result);
     let environment = vec![
-        Block::Facts(environment::facts(result)),
-        Block::Text(reading(result)),
+        SectionItem::Facts(environment::facts(result)),
+        SectionItem::Text(reading(result)),
     ];
     for (heading, blocks) in [
-        ("Models", vec![Block::Table(models)]),
+        ("Models", vec![SectionItem::Table(models)]),
         ("Environment", environment),
     ] {
         all.push(Section {
@@ -284,16 +284,16 @@ fn named(group: &GroupCells<'_>, groups: usize) -> Option<String> {
     })
 }
 
-fn of_group(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Block> {
+fn of_group(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<SectionItem> {
     let mut blocks = Vec::new();
     if let Some(shows) = &group.record.shows {
-        blocks.push(Block::Text(
+        blocks.push(SectionItem::Text(
             shows.split_whitespace().collect::<Vec<_>>().join(" "),
         ));
     }
     if group.cells.is_empty() {
         let text = "No cell of this group is in the file: the run ended before it.".to_owned();
-        blocks.push(Block::Notes(vec![Note {
+        blocks.push(SectionItem::Notes(vec![Note {
             text,
             failure: true,
         }]));
@@ -301,15 +301,15 @@ fn of_group(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Block> {
     }
     let table = tables::figures(&format!("{}-table", setting.prefix), group);
     let notes = tables::notes(&table);
-    blocks.push(Block::Figures(table));
+    blocks.push(SectionItem::Figures(table));
     if !notes.is_empty() {
-        blocks.push(Block::Notes(notes));
+        blocks.push(SectionItem::Notes(notes));
     }
     let id = format!("{}-sources-table", setting.prefix);
-    blocks.extend(tradeoff::crossings(&id, group).map(Block::Table));
+    blocks.extend(tradeoff::crossings(&id, group).map(SectionItem::Table));
     let plots = plots::plots(group, setting);
     if !plots.is_empty() {
-        blocks.push(Block::Plots(plots));
+        blocks.push(SectionItem::Plots(plots));
     }
     blocks
 }
@@ -355,18 +355,18 @@ fn is_compared(cell: &Cell, cells: &[Cell]) -> bool {
 
 /// Downloads of the result as JSON and CSV, embedded as data URLs. What is larger than
 /// [`MOST_EMBEDDED`] is left out.
-fn raw_numbers(input: &Input) -> Vec<Link> {
+fn raw_numbers(input: &Input) -> Vec<Download> {
     let name = input.name();
     let mut links = Vec::new();
     for (format, ending, kind) in [
-        (Format::Json, "json", "application/json"),
-        (Format::Csv, "csv", "text/csv"),
+        (ResultFormat::Json, "json", "application/json"),
+        (ResultFormat::Csv, "csv", "text/csv"),
     ] {
         let Ok(text) = format.render(&input.result) else {
             continue;
         };
         if text.len() <= MOST_EMBEDDED {
-            links.push(Link {
+            links.push(Download {
                 label: format!("All numbers as {}", ending.to_uppercase()),
                 address: format!("data:{kind};base64,{}", STANDARD.encode(&text)),
                 file: format!("{name}.{ending}"),

@@ -1,10 +1,11 @@
 //! The plots of a group.
 
 use geobench_harness::figures::{Figure, figures, time};
-use geobench_harness::schema::{Cell, ModelRecord, Phases, Status, WavefrontRecord};
+use geobench_harness::schema::{Cell, ModelRecord, PhaseSeconds, Status, WavefrontSample};
 
 use super::chart::{
-    Axis, Band, Bar, BarGroup, Bars, Chart, Dots, Lane, LinePoint, Lines, MOST_LANES, Point, Series,
+    Axis, Band, Bar, BarGroup, Bars, Chart, ChartPoint, Dots, Lane, LinePoint, Lines, MOST_LANES,
+    Series,
 };
 use super::document::{Plot, slug};
 use super::setting::Setting;
@@ -46,8 +47,8 @@ fn bands(group: &GroupCells<'_>, lane: impl Fn(&str, &str) -> Option<Lane>) -> V
 }
 
 /// The point of an algorithm on a model.
-fn point(setting: Setting<'_>, model: &str, algorithm: &str, value: Estimate) -> Point {
-    Point {
+fn point(setting: Setting<'_>, model: &str, algorithm: &str, value: Estimate) -> ChartPoint {
+    ChartPoint {
         style: setting.style(algorithm),
         name: algorithm.to_owned(),
         model: Some(model.to_owned()),
@@ -133,7 +134,8 @@ fn ratios(group: &GroupCells<'_>, setting: Setting<'_>, base: &str) -> Option<Pl
 
 /// The bar chart of the times of the phases.
 fn phases(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
-    let parts = |phases: &Phases| Some([phases.propagation?, phases.pruning?, phases.management?]);
+    let parts =
+        |phases: &PhaseSeconds| Some([phases.propagation?, phases.pruning?, phases.management?]);
     let mut groups = Vec::new();
     for model in &group.models {
         let of = |algorithm: &str| -> Option<[f64; 3]> {
@@ -209,7 +211,7 @@ fn spread(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
             interval: interval.map(|(ends, median)| ends.map(|end| end / median)),
         };
         (!samples.is_empty()).then(|| Lane {
-            points: vec![Point {
+            points: vec![ChartPoint {
                 hollow: true,
                 ..point(setting, model, algorithm, median)
             }],
@@ -343,7 +345,7 @@ fn wavefront(
 
 fn wavefront_points(
     cell: &Cell,
-    value: impl Fn(&WavefrontRecord) -> Option<f64>,
+    value: impl Fn(&WavefrontSample) -> Option<f64>,
 ) -> Vec<LinePoint> {
     let points = cell.wavefront.iter().filter_map(|sample| {
         let value = value(sample)?;

@@ -12,7 +12,7 @@ use geobench_harness::schema::{GroupRecord, ResultFile};
 use sha2::{Digest, Sha256};
 
 use super::files::files;
-use super::{Form, Input, Options, PictureChoice, Report, Tables, build, page};
+use super::{BuiltReport, Form, Input, Options, PictureChoice, Tables, build, page};
 use crate::table::tests::mixed_with;
 
 /// A name of a model that needs escaping.
@@ -31,13 +31,13 @@ fn options() -> Options {
     }
 }
 
-fn report_on(result: ResultFile, options: &Options) -> Report {
+fn report_on(result: ResultFile, options: &Options) -> BuiltReport {
     let path = PathBuf::from("some/run.json");
     build(&[Input::new(path, result)], options).unwrap()
 }
 
 /// The file of this name in one form, as text.
-fn file(report: &Report, form: Form, name: &str) -> String {
+fn file(report: &BuiltReport, form: Form, name: &str) -> String {
     let all = files(report, form).unwrap();
     let names: Vec<&String> = all.iter().map(|(name, _)| name).collect();
     let found = all.iter().find(|(n, _)| n == name);

@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use geobench_export::escape::printable;
 
-use super::chart::{Axis, Bars, Chart, Dots, Lines, Point, pgf_mark};
+use super::chart::{Axis, Bars, Chart, ChartPoint, Dots, Lines, pgf_mark};
 use super::document::Plot;
 use crate::table::Table;
 use crate::table::group::{Estimate, distinct};
@@ -75,7 +75,7 @@ fn label(band: &str, lane: &str, first: bool) -> String {
 
 fn dots(chart: &Dots) -> String {
     let mut labels = Vec::new();
-    let mut points: Vec<(usize, &Point)> = Vec::new();
+    let mut points: Vec<(usize, &ChartPoint)> = Vec::new();
     let mut absent = String::new();
     for band in &chart.bands {
         for (i, lane) in band.lanes.iter().enumerate() {

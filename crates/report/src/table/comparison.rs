@@ -7,8 +7,8 @@ use geobench_harness::measure::number::decimals;
 use geobench_harness::schema::Status;
 
 use crate::history::compare::{
-    BaselineComparisons, CellChange, CellKey, Comparison, FigureChange, Regression, Side,
-    TimeMethod, exact, percent,
+    BaselineComparisons, CellChange, CellKey, ComparedFile, FigureChange, FileComparison,
+    Regression, TimeMethod, exact, percent,
 };
 use crate::table::group::distinct;
 use crate::table::markdown;
@@ -41,7 +41,7 @@ impl ComparisonFormat {
     /// # Errors
     ///
     /// Only if a number cannot be represented, which does not occur in comparisons.
-    pub fn render(self, comparison: &Comparison, look: Look) -> anyhow::Result<String> {
+    pub fn render(self, comparison: &FileComparison, look: Look) -> anyhow::Result<String> {
         Ok(match self {
             Self::Table => in_terminal(comparison, look),
             Self::Markdown => in_markdown(comparison),
@@ -61,7 +61,7 @@ impl ComparisonFormat {
     ) -> anyhow::Result<String> {
         let table = ratios(several);
         let sides = several.comparisons.iter().map(|c| &c.new);
-        let sides: Vec<&Side> = several
+        let sides: Vec<&ComparedFile> = several
             .comparisons
             .first()
             .map(|c| &c.old)
@@ -118,7 +118,7 @@ fn ratios(several: &BaselineComparisons) -> Table {
     let files = several.comparisons.iter().map(|c| c.new.file.as_str());
     let names = baseline.into_iter().chain(files);
     let rows = cells.iter().map(|cell| {
-        let of = |c: &Comparison| {
+        let of = |c: &FileComparison| {
             let found = c
                 .cells
                 .iter()
@@ -159,7 +159,7 @@ fn ratios(several: &BaselineComparisons) -> Table {
 /// Figures that the table shows even without a rule on them, if a cell has them.
 const USUAL: [&str; 3] = ["propagated", "instructions", "heap_peak_bytes"];
 
-fn in_terminal(comparison: &Comparison, look: Look) -> String {
+fn in_terminal(comparison: &FileComparison, look: Look) -> String {
     let table = changes(comparison);
     let line = |text: String| terminal::line_in(look, "", &printable(&text));
     let mut text = format!(
@@ -185,7 +185,7 @@ fn in_terminal(comparison: &Comparison, look: Look) -> String {
     text + &line(summary(comparison)) + "\n"
 }
 
-fn in_markdown(comparison: &Comparison) -> String {
+fn in_markdown(comparison: &FileComparison) -> String {
     let mut lines = vec![
         format!("### geobench: {}", escape(&summary(comparison))),
         String::new(),
@@ -235,7 +235,7 @@ fn in_markdown(comparison: &Comparison) -> String {
     lines.join("\n").trim_end().to_owned() + "\n"
 }
 
-fn summary(comparison: &Comparison) -> String {
+fn summary(comparison: &FileComparison) -> String {
     let cells = comparison.cells.len();
     let compared = match comparison.regressions {
         0 => format!("none of {cells} cells is worse"),
@@ -252,7 +252,7 @@ fn summary(comparison: &Comparison) -> String {
         .join("; ")
 }
 
-fn side(side: &Side) -> String {
+fn side(side: &ComparedFile) -> String {
     let built = match &side.commit {
         // As many digits as git shows.
         Some(commit) => format!("commit {}", commit.get(..12).unwrap_or(commit)),
@@ -261,7 +261,7 @@ fn side(side: &Side) -> String {
     format!("{} ({built}, {})", side.file, side.started)
 }
 
-fn method(comparison: &Comparison) -> String {
+fn method(comparison: &FileComparison) -> String {
     let times = if comparison.paired {
         "times are compared pair by pair, of runs that took turns, with 95 % intervals"
     } else {
@@ -274,7 +274,7 @@ fn method(comparison: &Comparison) -> String {
     format!("{rules} (! is worse); {times}")
 }
 
-fn worse(comparison: &Comparison) -> Vec<String> {
+fn worse(comparison: &FileComparison) -> Vec<String> {
     let with_rule = |regression: &Regression| {
         let rule = regression.rule.as_ref();
         let rule = rule.map_or_else(String::new, |rule| format!(" [{rule}]"));
@@ -297,7 +297,7 @@ fn listed(keys: &[CellKey]) -> Vec<String> {
 }
 
 /// The names of cells in tables. Group and source are left out if all cells share them.
-fn name(comparison: &Comparison, key: &CellKey) -> String {
+fn name(comparison: &FileComparison, key: &CellKey) -> String {
     let keys = || comparison.cells.iter().map(|c| &c.cell);
     let groups = keys().any(|other| other.group != key.group);
     let sources = keys().any(|other| other.source != key.source);
@@ -305,7 +305,7 @@ fn name(comparison: &Comparison, key: &CellKey) -> String {
 }
 
 /// A row for each cell: how its time and the most important figures have changed.
-fn changes(comparison: &Comparison) -> Table {
+fn changes(comparison: &FileComparison) -> Table {
     let ruled = |name: &str| {
         let rule = |rule: &String| rule.split('=').next() == Some(name);
         comparison.rules.iter().any(rule)
@@ -386,7 +386,7 @@ fn entry(change: &CellChange, figure: &FigureChange) -> Entry {
 }
 
 /// Old and new values: the times of all cells, and all other figures that differ.
-fn figures(comparison: &Comparison) -> Table {
+fn figures(comparison: &FileComparison) -> Table {
     let mut rows = Vec::new();
     for change in &comparison.cells {
         let mut push = |figure: String, [old, new]: [String; 2], change_in_words: String| {

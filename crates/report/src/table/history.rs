@@ -3,7 +3,7 @@
 use geobench_harness::measure::number::decimals;
 
 use crate::history::compare::{exact, percent};
-use crate::history::gate::Gate;
+use crate::history::gate::GateReport;
 use crate::history::trend::ChangePoint;
 use crate::table::model::{Column, Entry, Mark, Table};
 use crate::table::terminal::{self, Look};
@@ -44,7 +44,7 @@ pub fn change_points(found: &[ChangePoint], look: Look) -> String {
 }
 
 /// The comparison of the newest commit with the base, for the terminal.
-pub fn gate(gate: &Gate, look: Look) -> String {
+pub fn gate(gate: &GateReport, look: Look) -> String {
     let rows = gate.lines.iter().map(|line| {
         let mark = match line.broken {
             Some(_) => Mark::Failed,

@@ -29,7 +29,7 @@ pub use terminal::Look;
 
 /// An output format of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Format {
+pub enum ResultFormat {
     /// A table per model for the terminal.
     Table,
     /// One table in Markdown.
@@ -51,7 +51,7 @@ pub enum Format {
     GithubAction,
 }
 
-impl FileFormat for Format {
+impl FileFormat for ResultFormat {
     const CONTENT: &'static str = "results";
     const ENDINGS: &'static [(&'static str, Self)] = &[
         ("json", Self::Json),
@@ -63,7 +63,7 @@ impl FileFormat for Format {
     ];
 }
 
-impl Format {
+impl ResultFormat {
     /// Results in this format, ending in a line break.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use geobench_harness::exec::mock::{MockBackend, crash_ich, spoil_vtp};
 use geobench_harness::run::mock::{plan, result, run_mock};
 use geobench_harness::schema::{GroupRecord, ResultFile};
 
-use crate::table::{Format, Look};
+use crate::table::{Look, ResultFormat};
 
 /// A result with three models: a good one, one named `spoilt` with a wrong answer, and a refused
 /// one.
@@ -32,7 +32,7 @@ fn mixed() -> ResultFile {
 
 #[test]
 fn table() {
-    insta::assert_snapshot!(Format::Table.render(&mixed()).unwrap(), @r#"
+    insta::assert_snapshot!(ResultFormat::Table.render(&mixed()).unwrap(), @r#"
     horse  (V: 4, F: 96,966)  source 0
     ┌─────────────────────────────────┬─────────────┬────────┬────────┐
     │                                 ┆         mmp ┆    ich ┆    vtp │
@@ -69,7 +69,7 @@ fn table() {
 
 #[test]
 fn markdown() {
-    insta::assert_snapshot!(Format::Markdown.render(&mixed()).unwrap(), @r#"
+    insta::assert_snapshot!(ResultFormat::Markdown.render(&mixed()).unwrap(), @r#"
     | Model | | mmp | ich | vtp |
     |---|---|--:|--:|--:|
     | horse (V: 4, F: 96,966) | Time (s) | 1.215 | 1.214 | **0.341** |
@@ -90,7 +90,7 @@ fn markdown() {
 
 #[test]
 fn latex() {
-    insta::assert_snapshot!(Format::Latex.render(&mixed()).unwrap(), @r#"
+    insta::assert_snapshot!(ResultFormat::Latex.render(&mixed()).unwrap(), @r#"
     % Needs \usepackage{booktabs}.
     \begin{tabular}{llrrr}
     \toprule
@@ -125,7 +125,7 @@ fn latex() {
 
 #[test]
 fn csv() {
-    insta::assert_snapshot!(Format::Csv.render(&mixed()).unwrap(), @r#"
+    insta::assert_snapshot!(ResultFormat::Csv.render(&mixed()).unwrap(), @r#"
     model,algorithm,source,goal,threads,approximate,status,message,time_samples,time_median,time_min,time_mad,time_ci95,time_note,time_setup,time_extraction,time_outliers,time_places,time_solves,time_precision,time_outside,time_claimed,time_doubted,counters_propagated,counters_parents,counters_children,counters_kept,counters_spawned,counters_reinserted,counters_trimmed,counters_filtered,counters_peak_windows,counters_peak_wavefront,counters_stored_windows,counters_window_bytes,counters_queue_pushes,counters_queue_peak,counters_iterations,counters_k_peak,counters_levels,counters_pseudo_sources,counters_prime,counters_secondary,counters_graph_bytes,counters_wavefront_deviation,memory_papers_bytes,memory_windows_peak_bytes,memory_heap_peak_bytes,memory_rss_peak_bytes,phases_propagation,phases_pruning,phases_management,phases_samples,check_reference,check_max_abs,check_max_rel,check_unreachable,check_compared,check_worst_vertex,check_mean_rel,check_rms_rel,check_edge_excess,check_doubt,check_cluster,check_wrong_labels,check_least_tolerance,check_proven,check_proof,check_replaced,group,instructions,instructions_simd,shard,simd,vertices,faces,edges,machine
     horse,mmp,0,,1,false,ok,,1.209859375;1.2118125;1.2147421875;1.2166953125;1.219625,1.2147421875,1.209859375,0.0029296875,1.209859375;1.219625,,0.125,,0,2;1;1;0;0,,,,,false,3000009,,,,,,,,10,,1000003,64,,,,,,,,,,,80000240,640,100000300000,1073741824,0.5,0.25,0.125,1000,mmp,0,0,1,4,,0,0,,,0,,0,,,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
     horse,ich,0,,1,false,ok,,1.2088828125;1.2127890625;1.213765625;1.217671875;1.221578125,1.213765625,1.2088828125,0.00390625,1.2088828125;1.221578125,,0.125,,0,1;2;0;1;2,,,,,false,9,,,,,,,,10,,3,64,,,,,,,,,,,800,640,300000,1073741824,0.5,0.25,0.125,1000,mmp,0,0,1,4,,0,0,,,0,,0,,,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
@@ -143,7 +143,7 @@ fn csv() {
 #[allow(clippy::too_many_lines)] // A whole file is shown.
 fn json() {
     let records = run_mock(&plan(&["horse"], "vtp", "0"), &MockBackend::default());
-    insta::assert_snapshot!(Format::Json.render(&result(records)).unwrap(), @r#"
+    insta::assert_snapshot!(ResultFormat::Json.render(&result(records)).unwrap(), @r#"
     {
       "schema": "geobench/1",
       "tool": {
@@ -306,7 +306,7 @@ fn several_sources_are_shown_by_their_median() {
         &plan(&["horse"], "mmp,vtp", "0,1,2"),
         &MockBackend::default(),
     );
-    insta::assert_snapshot!(Format::Table.render(&result(records)).unwrap(), @r#"
+    insta::assert_snapshot!(ResultFormat::Table.render(&result(records)).unwrap(), @r#"
     horse  (V: 4, F: 96,966)  median of 3 sources
     ┌─────────────────────────────────┬─────────────┬────────┐
     │                                 ┆         mmp ┆    vtp │
@@ -332,7 +332,7 @@ fn a_check_against_a_file_of_some_vertices_says_so() {
     ));
     assert!(file.cells.iter().all(|c| c.check.compared == Some(4)));
     file.cells.last_mut().unwrap().check.compared = Some(3);
-    let shown = Format::Table.render(&file).unwrap();
+    let shown = ResultFormat::Table.render(&file).unwrap();
     assert!(
         shown.contains("checked against mmp at 3 of 4 vertices: largest relative difference 0\n"),
         "{shown}"
@@ -346,7 +346,7 @@ fn one_failed_source_spoils_the_column() {
         ..MockBackend::default()
     };
     let records = run_mock(&plan(&["horse"], "mmp,ich", "0,1"), &backend);
-    insta::assert_snapshot!(Format::Table.render(&result(records)).unwrap(), @r#"
+    insta::assert_snapshot!(ResultFormat::Table.render(&result(records)).unwrap(), @r#"
     horse  (V: 4, F: 96,966)  median of 2 sources
     ┌─────────────────────────────────┬───────────┬─────────┐
     │                                 ┆       mmp ┆     ich │
@@ -384,15 +384,15 @@ fn colour_marks_the_best_and_the_failed() {
 #[test]
 fn a_json_file_reads_back_as_it_was() {
     let result = mixed();
-    let text = Format::Json.render(&result).unwrap();
+    let text = ResultFormat::Json.render(&result).unwrap();
     assert_eq!(serde_json::from_str::<ResultFile>(&text).unwrap(), result);
 }
 
 #[test]
 fn endings_tell_the_form() {
-    let of = |path: &str| Format::of_path(std::path::Path::new(path));
-    assert_eq!(of("a/b.JSON"), Ok(Format::Json));
-    assert_eq!(of("b.tex"), Ok(Format::Latex));
+    let of = |path: &str| ResultFormat::of_path(std::path::Path::new(path));
+    assert_eq!(of("a/b.JSON"), Ok(ResultFormat::Json));
+    assert_eq!(of("b.tex"), Ok(ResultFormat::Latex));
     assert!(of("b").is_err() && of("b.txt").is_err());
 }
 
@@ -420,7 +420,7 @@ fn ratios_of_times_are_those_of_pairs() {
             }
         }
     }
-    insta::assert_snapshot!(Format::Table.render(&result).unwrap());
+    insta::assert_snapshot!(ResultFormat::Table.render(&result).unwrap());
 }
 
 #[test]
@@ -440,7 +440,8 @@ fn what_times_are_worth_is_said() {
     }
     outlier.cells[1].time.outliers = Some(0);
     insta::assert_snapshot!(
-        Format::Markdown.render(&few).unwrap() + &Format::Markdown.render(&outlier).unwrap()
+        ResultFormat::Markdown.render(&few).unwrap()
+            + &ResultFormat::Markdown.render(&outlier).unwrap()
     );
 }
 
@@ -455,9 +456,14 @@ fn instructions_that_are_counted_in_different_ways_are_named() {
         cell.instructions_simd = Some("avx2".to_owned());
     }
     let note = "instructions are counted with avx2: mmp; with scalar: vtp\n";
-    assert!(!Format::Table.render(&file).unwrap().contains("are counted"));
+    assert!(
+        !ResultFormat::Table
+            .render(&file)
+            .unwrap()
+            .contains("are counted")
+    );
     for cell in file.cells.iter_mut().filter(|c| c.algorithm == "vtp") {
         cell.instructions_simd = Some("scalar".to_owned());
     }
-    assert!(Format::Table.render(&file).unwrap().contains(note));
+    assert!(ResultFormat::Table.render(&file).unwrap().contains(note));
 }

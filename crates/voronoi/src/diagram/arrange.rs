@@ -99,7 +99,7 @@ pub(super) const FACE_SLACK: f64 = 1e-14;
 
 /// A change on a side of a triangle.
 #[derive(Clone, Copy, Debug)]
-struct Mark {
+struct SideChange {
     /// The position on the side, from 0 to 1.
     at: f64,
     node: usize,
@@ -109,23 +109,23 @@ struct Mark {
 
 /// A side of a triangle.
 #[derive(Clone, Debug)]
-struct Side {
+struct TriangleSide {
     first: u32,
-    marks: Vec<Mark>,
+    marks: Vec<SideChange>,
     /// The numbers of its runs: the one before the first change, and the one after each change.
     runs: Vec<u32>,
 }
 
-impl Side {
+impl TriangleSide {
     fn last(&self) -> u32 {
         self.marks.last().map_or(self.first, |mark| mark.next)
     }
 
     fn reversed(&self) -> Self {
         let mut next = self.first;
-        let mut marks: Vec<Mark> = Vec::with_capacity(self.marks.len());
+        let mut marks: Vec<SideChange> = Vec::with_capacity(self.marks.len());
         for mark in &self.marks {
-            marks.push(Mark {
+            marks.push(SideChange {
                 at: 1.0 - mark.at,
                 next,
                 ..*mark
@@ -144,8 +144,8 @@ impl Side {
     fn halves(&self) -> [Self; 2] {
         let count = self.marks.iter().take_while(|mark| mark.at <= 0.5).count();
         let (near, far) = self.marks.split_at(count);
-        let scaled = |marks: &[Mark], from: f64| {
-            let scale = |mark: &Mark| Mark {
+        let scaled = |marks: &[SideChange], from: f64| {
+            let scale = |mark: &SideChange| SideChange {
                 at: (2.0 * (mark.at - from)).clamp(0.0, 1.0),
                 ..*mark
             };
@@ -166,9 +166,9 @@ impl Side {
 }
 
 /// A triangle of a face, with the cells along its sides.
-pub(super) struct Triangle {
+pub(super) struct FaceTriangle {
     corners: [Point; 3],
-    sides: [Side; 3],
+    sides: [TriangleSide; 3],
 }
 
 /// A change on the border of a triangle, reached by a counter-clockwise walk around the triangle.
@@ -184,7 +184,7 @@ struct BoundaryChange {
     border: Vec<Span>,
 }
 
-impl Triangle {
+impl FaceTriangle {
     /// The changes around the triangle, counter-clockwise from its first corner.
     fn changes(&self, nodes: &[FaceNode]) -> Vec<BoundaryChange> {
         let mut changes: Vec<BoundaryChange> = Vec::new();
@@ -339,20 +339,20 @@ fn arrange_within(
                     change: i as u32,
                 },
             );
-            Mark {
+            SideChange {
                 at: change.at,
                 node,
                 next: change.next,
             }
         };
-        Side {
+        TriangleSide {
             first: lines[k].first,
             marks: lines[k].changes.iter().enumerate().map(place).collect(),
             runs: runs[k].clone(),
         }
     });
     let corners = sites.corners;
-    arranger.solve(Triangle { corners, sides });
+    arranger.solve(FaceTriangle { corners, sides });
     (arranger.found, arranger.doubt)
 }
 
@@ -376,7 +376,7 @@ impl Arranger<'_> {
 
     /// Divides a triangle, the largest of its parts first. So the parts are small once the greatest
     /// number of cuts is reached.
-    fn solve(&mut self, whole: Triangle) {
+    fn solve(&mut self, whole: FaceTriangle) {
         let mut largest = MinHeap::default();
         largest.push(-whole.size(), 0);
         let mut parts = vec![Some(whole)];
@@ -395,7 +395,7 @@ impl Arranger<'_> {
     }
 
     /// Divides a triangle that is simple enough; `false` if it has to be cut.
-    fn try_solve(&mut self, triangle: &Triangle) -> bool {
+    fn try_solve(&mut self, triangle: &FaceTriangle) -> bool {
         let changes = triangle.changes(&self.found.nodes);
         if changes.is_empty() {
             self.found.regions.push(Region {
@@ -429,8 +429,8 @@ impl Arranger<'_> {
     }
 
     /// Cuts a triangle in two at the middle of its longest side, so that needles become shorter.
-    fn halves(&mut self, triangle: &Triangle) -> [Triangle; 2] {
-        let Triangle { corners, sides } = triangle;
+    fn halves(&mut self, triangle: &FaceTriangle) -> [FaceTriangle; 2] {
+        let FaceTriangle { corners, sides } = triangle;
         let lengths = [0, 1, 2].map(|k| norm(sub(corners[(k + 1) % 3], corners[k])));
         let mut k = 0;
         for other in [1, 2] {
@@ -443,11 +443,11 @@ impl Arranger<'_> {
         let middle = between(corners[a], corners[b], 0.5);
         let cut = self.cut(middle, corners[c], [far.first, sides[c].first]);
         [
-            Triangle {
+            FaceTriangle {
                 corners: [corners[a], middle, corners[c]],
                 sides: [near, cut.clone(), sides[c].clone()],
             },
-            Triangle {
+            FaceTriangle {
                 corners: [middle, corners[b], corners[c]],
                 sides: [far, sides[b].clone(), cut.reversed()],
             },
@@ -455,19 +455,19 @@ impl Arranger<'_> {
     }
 
     /// Cuts along a segment: adds its nodes and runs, and returns the cells along it.
-    fn cut(&mut self, from: Point, to: Point, ends: [u32; 2]) -> Side {
+    fn cut(&mut self, from: Point, to: Point, ends: [u32; 2]) -> TriangleSide {
         let line = self.sites.line(from, to, ends);
         let runs = line.cells().map(|source| {
             self.found.cuts.push(source);
             self.next_run + self.found.cuts.len() as u32 - 1
         });
         let runs = runs.collect();
-        let marks = line.changes.iter().map(|change| Mark {
+        let marks = line.changes.iter().map(|change| SideChange {
             at: change.at,
             node: self.node(between(from, to, change.at), FaceNodeKind::Inside),
             next: change.next,
         });
-        Side {
+        TriangleSide {
             first: line.first,
             marks: marks.collect(),
             runs,
@@ -479,7 +479,7 @@ impl Arranger<'_> {
     /// the changes.
     fn solve_simple(
         &mut self,
-        triangle: &Triangle,
+        triangle: &FaceTriangle,
         changes: &[BoundaryChange],
         is_last: bool,
     ) -> Option<()> {
@@ -534,7 +534,11 @@ impl Arranger<'_> {
     /// Looks for two consecutive changes, from one cell to another and back, in a triangle that has
     /// more. If the border between them is beyond doubt, adds the border and the region that it
     /// cuts off, and removes both changes from `changes`. Returns whether it did.
-    fn join_neighbours(&mut self, triangle: &Triangle, changes: &mut Vec<BoundaryChange>) -> bool {
+    fn join_neighbours(
+        &mut self,
+        triangle: &FaceTriangle,
+        changes: &mut Vec<BoundaryChange>,
+    ) -> bool {
         let count = changes.len();
         if count < 3 {
             return false;
@@ -567,7 +571,7 @@ impl Arranger<'_> {
 
     /// The point at which all cells around a triangle meet, if these are all different and the
     /// point is beyond doubt.
-    fn meeting(&self, triangle: &Triangle, changes: &[BoundaryChange]) -> Option<Point> {
+    fn meeting(&self, triangle: &FaceTriangle, changes: &[BoundaryChange]) -> Option<Point> {
         let cells: Vec<u32> = changes.iter().map(|change| change.next).collect();
         let mut sorted = cells.clone();
         sorted.sort_unstable();
@@ -606,7 +610,7 @@ impl Arranger<'_> {
     }
 
     /// How far outside a triangle rounding may place a point of it.
-    fn slack(&self, triangle: &Triangle) -> f64 {
+    fn slack(&self, triangle: &FaceTriangle) -> f64 {
         SLACK * triangle.width() + FACE_SLACK * self.sites.size
     }
 
@@ -615,7 +619,7 @@ impl Arranger<'_> {
     /// border is a straight line.
     fn join(
         &mut self,
-        triangle: &Triangle,
+        triangle: &FaceTriangle,
         [from, to]: [usize; 2],
         sources: [u32; 2],
         is_last: bool,

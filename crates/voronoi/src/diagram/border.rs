@@ -2,9 +2,9 @@
 
 use std::cell::RefCell;
 
-use super::arrange::{FACE_SLACK, Triangle};
+use super::arrange::{FACE_SLACK, FaceTriangle};
 use super::curve::{Bisector, newton_across};
-use super::sites::{FaceSites, Nearest};
+use super::sites::{FaceSites, NearestSite};
 use super::table::{MeasuredSites, SiteTable};
 use geobench_mesh::vector::{Point, between, cross_2d, dot, norm, sub};
 
@@ -23,7 +23,7 @@ pub(super) struct BorderPart {
 pub(super) struct BorderTracer<'a> {
     pub(super) sites: &'a FaceSites,
     pub(super) measured: &'a MeasuredSites<'a>,
-    pub(super) triangle: &'a Triangle,
+    pub(super) triangle: &'a FaceTriangle,
     pub(super) slack: f64,
     pub(super) sources: [u32; 2],
     /// Scratch: the sites near a part of the border.
@@ -157,8 +157,9 @@ impl BorderTracer<'_> {
                 return None;
             }
             let [first, second] = nearest.each;
-            let lead =
-                |k: usize, site: &Nearest| self.sites.sites[pair[k]].straight(end) - site.length;
+            let lead = |k: usize, site: &NearestSite| {
+                self.sites.sites[pair[k]].straight(end) - site.length
+            };
             let rival = if lead(0, &first) > lead(1, &second) {
                 first.site
             } else {

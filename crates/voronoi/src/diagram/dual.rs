@@ -41,7 +41,7 @@ pub enum Obstacle {
     NoDisc {
         /// The cell.
         cell: u32,
-        /// The [Euler characteristic](super::Cell::euler) of its interior.
+        /// The [Euler characteristic](super::VoronoiCell::euler) of its interior.
         euler: i64,
     },
     /// A Voronoi vertex around which one cell occurs twice.

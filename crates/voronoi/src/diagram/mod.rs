@@ -44,7 +44,7 @@ pub struct Diagram {
     nodes: Vec<Node>,
     vertices: Vec<Vertex>,
     arcs: Vec<BorderArc>,
-    cells: Vec<Cell>,
+    cells: Vec<VoronoiCell>,
     faces: Vec<BorderFace>,
     /// For each face its only cell; [`NO_SOURCE`] for border faces and faces that no source
     /// reaches.
@@ -206,7 +206,7 @@ impl BorderArc {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Cell {
+pub struct VoronoiCell {
     /// Area, in square units of the mesh.
     pub area: f64,
     /// Length of its border, including the boundary of the surface.
@@ -220,7 +220,7 @@ pub struct Cell {
     pub is_connected: bool,
 }
 
-impl Cell {
+impl VoronoiCell {
     /// Whether it is a disc.
     pub fn is_disc(&self) -> bool {
         self.euler == 1 && self.is_connected
@@ -243,7 +243,7 @@ impl Cell {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct CellPart {
     /// The cell.
     pub source: u32,
     /// The face.
@@ -253,7 +253,7 @@ pub struct Part {
     pub outline: Vec<[f64; 2]>,
 }
 
-impl Part {
+impl CellPart {
     /// Triangles that make up the outline, as indices of its corners; O(n³) for n corners.
     pub fn triangles(&self) -> Vec<[usize; 3]> {
         let mut left: Vec<usize> = (0..self.outline.len()).collect();
@@ -325,7 +325,7 @@ impl Diagram {
     }
 
     /// The cells, in the order of the sources.
-    pub fn cells(&self) -> &[Cell] {
+    pub fn cells(&self) -> &[VoronoiCell] {
         &self.cells
     }
 
@@ -347,7 +347,7 @@ impl Diagram {
 
     /// The parts into which cells divide the faces that several of them share. A curved arc is
     /// approximated by its ends and `points_per_arc` points between them.
-    pub fn parts(&self, points_per_arc: usize) -> impl Iterator<Item = Part> {
+    pub fn parts(&self, points_per_arc: usize) -> impl Iterator<Item = CellPart> {
         self.faces.iter().flat_map(move |border| {
             border.arrangement.regions.iter().map(move |region| {
                 let mut outline = Vec::new();
@@ -372,7 +372,7 @@ impl Diagram {
                     outline.pop();
                 }
                 outline.dedup();
-                Part {
+                CellPart {
                     source: region.source,
                     face: border.face,
                     outline,
@@ -445,7 +445,7 @@ struct Builder<'a> {
     first_union: Vec<u32>,
     nodes: Vec<Node>,
     arcs: Vec<BorderArc>,
-    cells: Vec<Cell>,
+    cells: Vec<VoronoiCell>,
     neighbours: Vec<BTreeSet<u32>>,
     faces: Vec<BorderFace>,
     inner: Vec<u32>,
@@ -472,7 +472,7 @@ impl<'a> Builder<'a> {
             first_union: Vec::new(),
             nodes: Vec::new(),
             arcs: Vec::new(),
-            cells: vec![Cell::default(); sources],
+            cells: vec![VoronoiCell::default(); sources],
             neighbours: vec![BTreeSet::new(); sources],
             faces: Vec::new(),
             inner: Vec::new(),

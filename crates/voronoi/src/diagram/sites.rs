@@ -276,13 +276,13 @@ const RANK: f64 = 1e-12;
 
 /// A site and its shortest path to a point; see [`nearest`](super::table::MeasuredSites::nearest).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Nearest {
+pub(crate) struct NearestSite {
     pub(crate) site: usize,
     pub(crate) length: f64,
     turn: Point,
 }
 
-impl Nearest {
+impl NearestSite {
     pub(super) fn of(site: usize, path: SitePath) -> Self {
         Self {
             site,
@@ -309,7 +309,7 @@ pub(crate) struct NearestSites<const N: usize> {
     /// The length of the shortest path.
     pub(crate) least: f64,
     /// The shortest path of each source, infinitely long if it has no site.
-    pub(crate) each: [Nearest; N],
+    pub(crate) each: [NearestSite; N],
 }
 
 /// The corners of `face` in the frame of its first half-edge.

@@ -4,9 +4,9 @@
 // Generic code must be inlined into the functions that are compiled for an instruction set.
 #![allow(clippy::inline_always)]
 
-use geobench_window::simd::{Block, Columns, Instructions, Lanes, Line, Simd, SimdProgram};
+use geobench_window::simd::{Block, CacheLine, Columns, Instructions, Lanes, Simd, SimdProgram};
 
-use super::sites::{BENT, FROM_VERTEX, FaceSites, Nearest, NearestSites, Site};
+use super::sites::{BENT, FROM_VERTEX, FaceSites, NearestSite, NearestSites, Site};
 use geobench_mesh::vector::{Point, between, sub};
 
 /// Number of columns of a table: image (0, 1), σ (2), left end of the gate (3, 4) and length of the
@@ -17,7 +17,7 @@ const WIDTH: usize = 11;
 /// Sites as rows of a table that is stored by columns.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SiteTable {
-    lines: Vec<Line>,
+    lines: Vec<CacheLine>,
     /// Number of lines of each column.
     column: u32,
     len: usize,
@@ -26,9 +26,9 @@ pub(crate) struct SiteTable {
 impl SiteTable {
     /// An empty table with room for `len` rows.
     fn with_room(len: usize) -> Self {
-        let column = len.div_ceil(Line::LANES);
+        let column = len.div_ceil(CacheLine::LANES);
         Self {
-            lines: vec![Line::default(); WIDTH * column],
+            lines: vec![CacheLine::default(); WIDTH * column],
             column: column as u32,
             len: 0,
         }
@@ -41,7 +41,7 @@ impl SiteTable {
         for (i, site) in sites.iter().enumerate() {
             let row = row_of(site);
             for (k, x) in row.into_iter().enumerate() {
-                table.lines[k * column + i / Line::LANES].0[i % Line::LANES] = x;
+                table.lines[k * column + i / CacheLine::LANES].0[i % CacheLine::LANES] = x;
             }
         }
         table.len = sites.len();
@@ -112,7 +112,7 @@ impl<'a> MeasuredSites<'a> {
 
     /// The length of the shortest path to `x` from the sites of `table`.
     pub(crate) fn least(&self, table: &SiteTable, x: Point) -> f64 {
-        self.simd.run(Least {
+        self.simd.run(LeastSite {
             columns: table.columns(),
             x,
         })
@@ -132,8 +132,8 @@ impl<'a> MeasuredSites<'a> {
             x,
         });
         let each = numbers.map(|site| match self.sites.get(site) {
-            Some(found) => Nearest::of(site, found.path(x)),
-            None => Nearest::NONE,
+            Some(found) => NearestSite::of(site, found.path(x)),
+            None => NearestSite::NONE,
         });
         NearestSites { least, each }
     }
@@ -205,12 +205,12 @@ fn paths<L: Lanes>(simd: L::Token, row: &[L; WIDTH], x: [L; 2]) -> PathLanes<L> 
 }
 
 /// See [`MeasuredSites::least`].
-struct Least<'a> {
+struct LeastSite<'a> {
     columns: Columns<'a, WIDTH>,
     x: Point,
 }
 
-impl SimdProgram for Least<'_> {
+impl SimdProgram for LeastSite<'_> {
     type Output = f64;
 
     #[inline(always)]

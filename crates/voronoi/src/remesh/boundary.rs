@@ -52,7 +52,7 @@ pub(super) fn points(
 }
 
 /// The chains of all loops, each with the number of its pieces.
-fn divisions(mesh: &Mesh, loops: &[Vec<HalfEdgeId>], spacing: f64) -> Vec<(Chain, usize)> {
+fn divisions(mesh: &Mesh, loops: &[Vec<HalfEdgeId>], spacing: f64) -> Vec<(BoundaryChain, usize)> {
     let of_loop = |around: &Vec<HalfEdgeId>| {
         let chains = chains(mesh, around.clone(), spacing);
         let count = chains.len();
@@ -89,19 +89,19 @@ fn loops(mesh: &Mesh) -> Vec<Vec<HalfEdgeId>> {
 }
 
 /// A part of the boundary from one corner to the next, or a whole loop without corners.
-struct Chain {
+struct BoundaryChain {
     edges: Vec<HalfEdgeId>,
     length: f64,
 }
 
 /// The chains of a loop, between its corners.
-fn chains(mesh: &Mesh, mut around: Vec<HalfEdgeId>, spacing: f64) -> Vec<Chain> {
+fn chains(mesh: &Mesh, mut around: Vec<HalfEdgeId>, spacing: f64) -> Vec<BoundaryChain> {
     let mut is_corner = corners(mesh, &around, spacing);
     if let Some(first) = is_corner.iter().position(|&is_corner| is_corner) {
         around.rotate_left(first);
         is_corner.rotate_left(first);
     }
-    let mut chains: Vec<Chain> = Vec::new();
+    let mut chains: Vec<BoundaryChain> = Vec::new();
     for (h, is_corner) in around.into_iter().zip(is_corner) {
         let length = mesh.length(h);
         match chains.last_mut().filter(|_| !is_corner) {
@@ -109,7 +109,7 @@ fn chains(mesh: &Mesh, mut around: Vec<HalfEdgeId>, spacing: f64) -> Vec<Chain> 
                 chain.edges.push(h);
                 chain.length += length;
             }
-            None => chains.push(Chain {
+            None => chains.push(BoundaryChain {
                 edges: vec![h],
                 length,
             }),
@@ -172,7 +172,7 @@ fn distance_to_segment(p: [f64; 3], [a, b]: [[f64; 3]; 2]) -> f64 {
     dot(off, off).sqrt()
 }
 
-impl Chain {
+impl BoundaryChain {
     /// The number of equal pieces into which the chain is divided. None is longer than `spacing`,
     /// and a loop of `chains` chains has at least [`FEWEST`] pieces.
     fn pieces(&self, spacing: f64, chains: usize) -> usize {

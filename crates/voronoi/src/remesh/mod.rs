@@ -18,7 +18,7 @@ use crate::diagram::Diagram;
 use crate::field::{FieldSolver, LabelledField};
 use crate::window_vtp::WindowVtp;
 use flaws::Flaws;
-pub use quality::{Deviation, Quality};
+pub use quality::{Quality, SurfaceDeviation};
 use sampling::Sampler;
 
 /// Greatest number of rounds that add sites where the dual is not a triangulation.

@@ -74,14 +74,14 @@ const FLAT: f64 = 1e14;
 /// Distances of the points of one surface from another, estimated by samples, in the units of the
 /// meshes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Deviation {
+pub struct SurfaceDeviation {
     /// The greatest distance of a sample: a lower bound of the greatest distance.
     pub greatest: f64,
     /// The mean distance over the area.
     pub mean: f64,
 }
 
-impl Deviation {
+impl SurfaceDeviation {
     /// The distances in space from points of `from` to the nearest points of `to`. The points are
     /// `samples` points spread over the faces by area and, for the greatest distance only, all
     /// vertices in faces.
@@ -153,9 +153,9 @@ mod tests {
             Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3]]).unwrap()
         };
         let (small, large) = (square(0.0, 1.0), square(0.5, 2.0));
-        let there = Deviation::between(&small, &large, 100).unwrap();
+        let there = SurfaceDeviation::between(&small, &large, 100).unwrap();
         assert_eq!((there.greatest, there.mean), (0.5, 0.5));
-        let back = Deviation::between(&large, &small, 1000).unwrap();
+        let back = SurfaceDeviation::between(&large, &small, 1000).unwrap();
         // The far corner, which is a vertex.
         assert!((back.greatest - 2.25_f64.sqrt()).abs() < 1e-12);
         assert!(back.mean > 0.5 && back.mean < back.greatest);

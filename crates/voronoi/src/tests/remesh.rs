@@ -4,7 +4,7 @@ use geobench_mesh::{Mesh, MeshMeasures, TriangleSoup, VertexId};
 use geobench_vtp::VtpFast;
 use geobench_window::Solver;
 
-use crate::{Deviation, Quality, RemeshError, RemeshOptions, Remeshed, remesh};
+use crate::{Quality, RemeshError, RemeshOptions, Remeshed, SurfaceDeviation, remesh};
 
 fn remeshed(spec: &str, sites: usize, lloyd: usize) -> (Mesh, Remeshed) {
     let mesh = Mesh::generate(spec).unwrap();
@@ -91,9 +91,14 @@ fn sites_on_the_boundary_reach_all_of_it_and_stay() {
         let off = off.map(|p| (p[0] - corner[0]).hypot(p[1] - corner[1]));
         assert!(off.fold(f64::INFINITY, f64::min) < 1e-12, "{corner:?}");
     }
-    let deviation = Deviation::between(&mesh, &new.mesh, 5000).unwrap();
+    let deviation = SurfaceDeviation::between(&mesh, &new.mesh, 5000).unwrap();
     assert!(deviation.greatest < 0.5 * spacing, "{deviation:?}");
-    assert!(Deviation::between(&new.mesh, &mesh, 5000).unwrap().greatest < 1e-12);
+    assert!(
+        SurfaceDeviation::between(&new.mesh, &mesh, 5000)
+            .unwrap()
+            .greatest
+            < 1e-12
+    );
     assert!((MeshMeasures::of(&new.mesh).area - 576.0).abs() < 6.0);
 }
 

@@ -1,7 +1,7 @@
 //! The list that crosses its face next.
 
 use geobench_window::Window;
-use geobench_window::simd::{Lanes, Line};
+use geobench_window::simd::{CacheLine, Lanes};
 
 use super::kernels::{Cuts, Gate, Measured, gather, measure};
 use super::store::{Block, COLUMNS, Columns, PaddedBlock};
@@ -11,7 +11,7 @@ use super::store::{Block, COLUMNS, Columns, PaddedBlock};
 #[derive(Clone, Debug)]
 pub(crate) struct ActiveList {
     /// A block and one more line behind it.
-    lines: Vec<Line>,
+    lines: Vec<CacheLine>,
     /// Lines of each column.
     column: u32,
     pub(crate) len: usize,
@@ -27,7 +27,7 @@ pub(crate) struct ActiveList {
 impl ActiveList {
     pub(crate) fn new() -> Self {
         Self {
-            lines: vec![Line::default(); COLUMNS * 17 + 1],
+            lines: vec![CacheLine::default(); COLUMNS * 17 + 1],
             column: 17,
             len: 0,
             cuts: Cuts::default(),
@@ -56,11 +56,11 @@ impl ActiveList {
     /// would compete for the same cache sets.
     #[inline]
     fn make_room(&mut self, windows: usize) {
-        let lines = windows.div_ceil(Line::LANES) + 1;
+        let lines = windows.div_ceil(CacheLine::LANES) + 1;
         if lines > self.column as usize {
             self.column = 2 * lines as u32 + 1;
             let all = COLUMNS * self.column as usize + 1;
-            self.lines.resize(all, Line::default());
+            self.lines.resize(all, CacheLine::default());
         }
     }
 
@@ -101,7 +101,8 @@ impl ActiveList {
         self.len = windows.len();
         for (i, w) in windows.iter().enumerate() {
             for (c, x) in [w.b0, w.b1, w.px, w.py, w.sigma].into_iter().enumerate() {
-                self.lines[c * self.column as usize + i / Line::LANES].0[i % Line::LANES] = x;
+                self.lines[c * self.column as usize + i / CacheLine::LANES].0
+                    [i % CacheLine::LANES] = x;
             }
         }
     }

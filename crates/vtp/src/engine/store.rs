@@ -9,7 +9,7 @@ use std::slice;
 
 use geobench_window::Window;
 use geobench_window::blocks::number;
-use geobench_window::simd::{self, Line};
+use geobench_window::simd::{self, CacheLine};
 use geobench_window::trimming::KeptWindows;
 
 /// Columns of a block.
@@ -63,7 +63,7 @@ const fn lines_of(class: u8) -> u32 {
 /// The least class with room for `windows`.
 #[inline]
 fn class_for(windows: usize) -> u8 {
-    let lines = windows.div_ceil(Line::LANES);
+    let lines = windows.div_ceil(CacheLine::LANES);
     match CLASS_OF.get(lines) {
         Some(&class) => class,
         None => SMALL.len() as u8 + (lines.div_ceil(64).next_power_of_two().trailing_zeros()) as u8,
@@ -85,14 +85,14 @@ impl ListHeader {
     /// Number of windows that fit into the block.
     #[inline]
     fn room(self) -> usize {
-        self.column as usize * Line::LANES
+        self.column as usize * CacheLine::LANES
     }
 }
 
 /// The lists of waiting windows, addressed by handles.
 #[derive(Clone, Debug)]
 pub(crate) struct WindowStore {
-    lines: Vec<Line>,
+    lines: Vec<CacheLine>,
     /// Number of lines that belong to blocks.
     used: usize,
     lists: Vec<ListHeader>,
@@ -123,7 +123,7 @@ impl WindowStore {
     pub(crate) fn new() -> Self {
         Self {
             // Kernels may load one number behind a block, without using it.
-            lines: vec![Line::default(); 1],
+            lines: vec![CacheLine::default(); 1],
             used: 0,
             // The header of `NO_LIST`.
             lists: vec![ListHeader::default()],
@@ -168,7 +168,7 @@ impl WindowStore {
         }
         let new = self.allocate(class_for(old.len as usize + more));
         let (from, to) = (old.start as usize, self.lists[new as usize]);
-        let filled = (old.len as usize).div_ceil(Line::LANES);
+        let filled = (old.len as usize).div_ceil(CacheLine::LANES);
         for column in 0..COLUMNS {
             let source = from + column * old.column as usize;
             let target = to.start as usize + column * to.column as usize;
@@ -193,7 +193,7 @@ impl WindowStore {
         let start = self.used as u32;
         let column = lines_of(class);
         self.used = number(self.used + COLUMNS * column as usize) as usize;
-        self.lines.resize(self.used + 1, Line::default());
+        self.lines.resize(self.used + 1, CacheLine::default());
         self.lists.push(ListHeader {
             start,
             len: 0,
@@ -220,9 +220,9 @@ impl WindowStore {
     #[inline]
     pub(crate) fn put(&mut self, list: u32, i: usize, window: [f64; COLUMNS]) {
         let ListHeader { start, column, .. } = self.lists[list as usize];
-        let mut line = start as usize + i / Line::LANES;
+        let mut line = start as usize + i / CacheLine::LANES;
         for value in window {
-            self.lines[line].0[i % Line::LANES] = value;
+            self.lines[line].0[i % CacheLine::LANES] = value;
             line += column as usize;
         }
     }
@@ -253,7 +253,7 @@ impl WindowStore {
         let mut first = start as usize;
         for numbers in columns.chunks_exact(more) {
             for (i, &number) in (len..).zip(numbers) {
-                self.lines[first + i / Line::LANES].0[i % Line::LANES] = number;
+                self.lines[first + i / CacheLine::LANES].0[i % CacheLine::LANES] = number;
             }
             first += column as usize;
         }
@@ -284,8 +284,8 @@ impl WindowStore {
     #[inline]
     pub(crate) fn get(&self, list: u32, i: usize) -> [f64; COLUMNS] {
         let ListHeader { start, column, .. } = self.lists[list as usize];
-        let first = start as usize + i / Line::LANES;
-        std::array::from_fn(|c| self.lines[first + c * column as usize].0[i % Line::LANES])
+        let first = start as usize + i / CacheLine::LANES;
+        std::array::from_fn(|c| self.lines[first + c * column as usize].0[i % CacheLine::LANES])
     }
 
     /// The blocks of different lists; empty for [`NO_LIST`].
@@ -369,7 +369,7 @@ mod tests {
     fn every_length_has_the_least_class_that_holds_it() {
         for windows in (1..5000).chain([1 << 20, (1 << 20) + 1, u32::MAX as usize]) {
             let class = class_for(windows);
-            let room = |class| lines_of(class) as usize * Line::LANES;
+            let room = |class| lines_of(class) as usize * CacheLine::LANES;
             assert!(room(class) >= windows, "{windows}");
             assert!(class == 0 || room(class - 1) < windows, "{windows}");
             assert!(usize::from(class) < CLASSES);

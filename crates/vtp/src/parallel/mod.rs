@@ -122,14 +122,14 @@ fn pool_of(threads: usize) -> Option<ThreadPool> {
 
 /// The data that all threads of a run share.
 #[derive(Clone, Copy)]
-struct RunContext<'a> {
+struct ParallelRun<'a> {
     shared: &'a Shared,
     numbering: &'a Numbering,
     sources: &'a [u32],
     simd: Simd,
 }
 
-impl RunContext<'_> {
+impl ParallelRun<'_> {
     /// Runs the task of `worker`, and then fills its share of `distances`, in the mesh's order.
     fn task<P: Probe>(self, worker: &mut Worker, distances: &mut [f64], probe: &mut P) {
         if self.shared.coalesces {
@@ -154,7 +154,7 @@ impl RunContext<'_> {
 
 /// The task of one thread in a run.
 struct ThreadTask<'a, P, const COALESCE: bool> {
-    run: RunContext<'a>,
+    run: ParallelRun<'a>,
     worker: &'a mut Worker,
     distances: &'a mut [f64],
     probe: &'a mut P,
@@ -165,7 +165,7 @@ impl<P: Probe, const COALESCE: bool> SimdProgram for ThreadTask<'_, P, COALESCE>
 
     #[inline(always)]
     fn run<L: Lanes>(self, simd: L::Token) {
-        let RunContext {
+        let ParallelRun {
             shared,
             numbering,
             sources,
@@ -272,7 +272,7 @@ impl Pvtp {
             .collect();
         let vertices = self.mesh.vertex_count();
         let mut distances = vec![0.0; vertices];
-        let run = RunContext {
+        let run = ParallelRun {
             shared: &self.shared,
             numbering: &self.numbering,
             sources: &sources,

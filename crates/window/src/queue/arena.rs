@@ -9,7 +9,7 @@ const NONE: u32 = u32::MAX;
 
 /// An event and its successor in its chain or in the free list.
 #[derive(Clone, Copy, Debug)]
-struct Link {
+struct ArenaSlot {
     label: f64,
     event: Event,
     next: u32,
@@ -59,7 +59,7 @@ impl Chain {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Arena {
-    links: Vec<Link>,
+    links: Vec<ArenaSlot>,
     free: u32,
     len: usize,
 }
@@ -111,7 +111,7 @@ impl Arena {
     #[cold]
     #[inline(never)]
     fn lengthen(&mut self, label: f64, event: Event) -> u32 {
-        self.links.push(Link {
+        self.links.push(ArenaSlot {
             label,
             event,
             next: NONE,
@@ -314,6 +314,6 @@ mod tests {
             while arena.take(&mut chain).is_some() {}
         }
         assert_eq!(arena.links.len(), 21);
-        assert_eq!(size_of::<Link>(), 24);
+        assert_eq!(size_of::<ArenaSlot>(), 24);
     }
 }

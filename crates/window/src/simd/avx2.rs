@@ -47,13 +47,13 @@ pub(super) struct Mask4(__m256d);
 
 /// A table of registers, one for each of the 16 masks.
 #[repr(align(32))]
-struct Table([[u32; 8]; 16]);
+struct RegisterTable([[u32; 8]; 16]);
 
 /// For each mask, the permutation of 32-bit halves that moves the chosen lanes to the front.
-static CHOSEN: Table = Table(chosen());
+static CHOSEN: RegisterTable = RegisterTable(chosen());
 
 /// For each mask, the lanes with all bits set or none.
-static LANES: Table = Table(lanes());
+static LANES: RegisterTable = RegisterTable(lanes());
 
 const fn chosen() -> [[u32; 8]; 16] {
     let mut table = [[0; 8]; 16];
@@ -91,7 +91,7 @@ const fn lanes() -> [[u32; 8]; 16] {
 
 /// The entry of `table` for a mask.
 #[inline(always)]
-fn entry(_: Avx2Token, table: &Table, bits: u8) -> __m256i {
+fn entry(_: Avx2Token, table: &RegisterTable, bits: u8) -> __m256i {
     let row: *const [u32; 8] = &raw const table.0[usize::from(bits & 15)];
     // SAFETY: the token proves AVX2; the row has 32 bytes, and the table is aligned to that.
     unsafe { _mm256_load_si256(row.cast()) }

@@ -13,9 +13,9 @@ use super::lanes::{LaneMask, Lanes};
 /// A cache line of a column.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-pub struct Line(pub [f64; Line::LANES]);
+pub struct CacheLine(pub [f64; CacheLine::LANES]);
 
-impl Line {
+impl CacheLine {
     /// Numbers in a line; the length of a register divides it.
     pub const LANES: usize = 8;
 }
@@ -23,7 +23,7 @@ impl Line {
 /// Number of registers that hold the first `len` numbers of a column.
 #[inline(always)]
 fn registers<L: Lanes>(len: usize) -> usize {
-    const { assert!(Line::LANES.is_multiple_of(L::COUNT)) };
+    const { assert!(CacheLine::LANES.is_multiple_of(L::COUNT)) };
     len.div_ceil(L::COUNT)
 }
 
@@ -34,7 +34,7 @@ fn stride_of<const N: usize>(lines: usize, column: u32, more: u64) -> usize {
     // Computed in 64 bits, which cannot overflow here.
     let needed = N as u64 * u64::from(column) + more;
     assert!(needed <= lines as u64, "the columns do not fit");
-    column as usize * Line::LANES
+    column as usize * CacheLine::LANES
 }
 
 /// Loads one register from each of `N` columns that are `stride` numbers apart. The first one is at
@@ -91,7 +91,7 @@ pub struct Columns<'a, const N: usize> {
     /// Numbers from one column to the next. `len` of them are rows. There are `N` columns.
     stride: usize,
     len: usize,
-    lines: PhantomData<&'a [Line]>,
+    lines: PhantomData<&'a [CacheLine]>,
 }
 
 impl<'a, const N: usize> Columns<'a, N> {
@@ -101,7 +101,7 @@ impl<'a, const N: usize> Columns<'a, N> {
     ///
     /// If there are fewer lines, or columns are shorter than `len`.
     #[inline(always)]
-    pub fn new(lines: &'a [Line], column: u32, len: usize) -> Self {
+    pub fn new(lines: &'a [CacheLine], column: u32, len: usize) -> Self {
         let stride = stride_of::<N>(lines.len(), column, 0);
         assert!(len <= stride, "columns are shorter than the list");
         Self {
@@ -167,7 +167,7 @@ pub struct Block<'a, const N: usize> {
     start: *mut f64,
     /// As in [`Columns`].
     stride: usize,
-    lines: PhantomData<&'a mut [Line]>,
+    lines: PhantomData<&'a mut [CacheLine]>,
 }
 
 impl<'a, const N: usize> Block<'a, N> {
@@ -177,7 +177,7 @@ impl<'a, const N: usize> Block<'a, N> {
     ///
     /// If there are fewer lines.
     #[inline(always)]
-    pub fn new(lines: &'a mut [Line], column: u32) -> Self {
+    pub fn new(lines: &'a mut [CacheLine], column: u32) -> Self {
         Self {
             stride: stride_of::<N>(lines.len(), column, 0),
             start: lines.as_mut_ptr().cast(),
@@ -225,7 +225,7 @@ pub struct Sink<'a, const N: usize> {
     /// As in [`Columns`].
     stride: usize,
     len: usize,
-    block: PhantomData<&'a mut [Line]>,
+    block: PhantomData<&'a mut [CacheLine]>,
 }
 
 impl<const N: usize> Sink<'_, N> {
@@ -262,7 +262,7 @@ pub struct PaddedBlock<'a, const N: usize> {
     start: *mut f64,
     /// As in [`Columns`]; a line follows behind the last column.
     stride: usize,
-    lines: PhantomData<&'a mut [Line]>,
+    lines: PhantomData<&'a mut [CacheLine]>,
 }
 
 impl<'a, const N: usize> PaddedBlock<'a, N> {
@@ -272,7 +272,7 @@ impl<'a, const N: usize> PaddedBlock<'a, N> {
     ///
     /// If there are fewer lines.
     #[inline(always)]
-    pub fn new(lines: &'a mut [Line], column: u32) -> Self {
+    pub fn new(lines: &'a mut [CacheLine], column: u32) -> Self {
         Self {
             stride: stride_of::<N>(lines.len(), column, 1),
             start: lines.as_mut_ptr().cast(),
@@ -307,7 +307,7 @@ pub struct InPlace<'a, const N: usize> {
     stride: usize,
     len: usize,
     kept: usize,
-    block: PhantomData<&'a mut [Line]>,
+    block: PhantomData<&'a mut [CacheLine]>,
 }
 
 impl<const N: usize> InPlace<'_, N> {
@@ -382,7 +382,7 @@ pub struct Scratch<'a, const N: usize> {
     /// As in [`Columns`]; columns have at least one line more than `len` rows take.
     stride: usize,
     len: usize,
-    lines: PhantomData<&'a mut [Line]>,
+    lines: PhantomData<&'a mut [CacheLine]>,
 }
 
 impl<'a, const N: usize> Scratch<'a, N> {
@@ -392,10 +392,10 @@ impl<'a, const N: usize> Scratch<'a, N> {
     ///
     /// If columns do not have one line more than `len` rows take.
     #[inline(always)]
-    pub fn new(lines: &'a mut [Line], len: usize) -> Self {
-        let stride = lines.len() / N * Line::LANES;
+    pub fn new(lines: &'a mut [CacheLine], len: usize) -> Self {
+        let stride = lines.len() / N * CacheLine::LANES;
         assert!(
-            len < stride && stride - len >= Line::LANES,
+            len < stride && stride - len >= CacheLine::LANES,
             "columns are shorter than the list and a line"
         );
         Self {
@@ -470,7 +470,7 @@ mod tests {
 
     /// Keeps the rows whose first number is less than that of their successor, in place, and
     /// appends them to a sink, which they fill.
-    struct KeepRising<'a>(&'a mut [Line], usize, &'a mut [Line]);
+    struct KeepRising<'a>(&'a mut [CacheLine], usize, &'a mut [CacheLine]);
 
     impl SimdProgram for KeepRising<'_> {
         type Output = [usize; 2];
@@ -481,7 +481,7 @@ mod tests {
             let column = (lines.len() / 2) as u32;
             let mut block = PaddedBlock::<2>::new(lines, column);
             let mut list = block.in_place(len);
-            let mut cuts = vec![Line::default(); 2 * (len / Line::LANES + 2)];
+            let mut cuts = vec![CacheLine::default(); 2 * (len / CacheLine::LANES + 2)];
             let mut cuts = Scratch::<2>::new(&mut cuts, len);
             let mut out = Block::<2>::new(out, column);
             let mut sink = out.append(0);
@@ -504,7 +504,7 @@ mod tests {
         for len in [1, 2, 7, 8, 9, 15, 16, 29, 32] {
             let column = 4;
             let first = |i: usize| (i * 7 % 5) as f64;
-            let mut lines = vec![Line([f64::INFINITY; 8]); 2 * column + 1];
+            let mut lines = vec![CacheLine([f64::INFINITY; 8]); 2 * column + 1];
             for i in 0..len {
                 lines[i / 8].0[i % 8] = first(i);
                 lines[column + i / 8].0[i % 8] = i as f64;
@@ -514,7 +514,7 @@ mod tests {
                 .map(|i| [first(i), i as f64])
                 .collect();
             for instructions in Instructions::ALL {
-                let (mut list, mut out) = (lines.clone(), vec![Line::default(); 2 * column]);
+                let (mut list, mut out) = (lines.clone(), vec![CacheLine::default(); 2 * column]);
                 let kept = Simd::new(instructions).run(KeepRising(&mut list, len, &mut out));
                 assert_eq!(kept, [expected.len(); 2], "{instructions}, {len}");
                 for lines in [&list, &out] {
@@ -529,7 +529,7 @@ mod tests {
     #[test]
     #[should_panic(expected = "no room")]
     fn a_full_block_takes_no_row() {
-        let mut lines = [Line::default(); 2];
+        let mut lines = [CacheLine::default(); 2];
         let mut block = Block::<2>::new(&mut lines, 1);
         block
             .append(8)
@@ -539,18 +539,18 @@ mod tests {
     #[test]
     #[should_panic(expected = "shorter than the list")]
     fn no_rows_are_read_behind_a_column() {
-        Columns::<2>::new(&[Line::default(); 2], 1, 9);
+        Columns::<2>::new(&[CacheLine::default(); 2], 1, 9);
     }
 
     #[test]
     #[should_panic(expected = "do not fit")]
     fn a_block_has_all_its_lines() {
-        PaddedBlock::<2>::new(&mut [Line::default(); 2], 1);
+        PaddedBlock::<2>::new(&mut [CacheLine::default(); 2], 1);
     }
 
     #[test]
     #[should_panic(expected = "register < ")]
     fn no_register_is_read_behind_the_last_row() {
-        Columns::<2>::new(&[Line::default(); 2], 1, 4).load::<Scalar>((), 4);
+        Columns::<2>::new(&[CacheLine::default(); 2], 1, 4).load::<Scalar>((), 4);
     }
 }

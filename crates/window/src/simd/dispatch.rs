@@ -25,10 +25,10 @@ pub trait SimdProgram {
 
 /// The proof that this processor has an instruction set. Made by detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Simd(Kind);
+pub struct Simd(DispatchKind);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum DispatchKind {
     Scalar,
     #[cfg(target_arch = "x86_64")]
     Avx2(Avx2Token),
@@ -43,26 +43,26 @@ impl Simd {
         if instructions >= Instructions::Avx512
             && let Some(token) = Avx512Token::detect()
         {
-            return Self(Kind::Avx512(token));
+            return Self(DispatchKind::Avx512(token));
         }
         #[cfg(target_arch = "x86_64")]
         if instructions >= Instructions::Avx2
             && let Some(token) = Avx2Token::detect()
         {
-            return Self(Kind::Avx2(token));
+            return Self(DispatchKind::Avx2(token));
         }
         let _ = instructions;
-        Self(Kind::Scalar)
+        Self(DispatchKind::Scalar)
     }
 
     /// The instructions in use.
     pub fn instructions(self) -> Instructions {
         match self.0 {
-            Kind::Scalar => Instructions::Scalar,
+            DispatchKind::Scalar => Instructions::Scalar,
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx2(_) => Instructions::Avx2,
+            DispatchKind::Avx2(_) => Instructions::Avx2,
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx512(_) => Instructions::Avx512,
+            DispatchKind::Avx512(_) => Instructions::Avx512,
         }
     }
 
@@ -70,13 +70,13 @@ impl Simd {
     #[inline]
     pub fn run<T: SimdProgram>(self, program: T) -> T::Output {
         match self.0 {
-            Kind::Scalar => program.run::<Scalar>(()),
+            DispatchKind::Scalar => program.run::<Scalar>(()),
             // SAFETY: the token proves that the processor has the features.
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx2(token) => unsafe { run_avx2(program, token) },
+            DispatchKind::Avx2(token) => unsafe { run_avx2(program, token) },
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx512(token) => unsafe { run_avx512(program, token) },
+            DispatchKind::Avx512(token) => unsafe { run_avx512(program, token) },
         }
     }
 }

@@ -9,7 +9,7 @@
 //! All operations round as IEEE 754 prescribes, and none is fused. Every set gives the same bits.
 //!
 //! ```
-//! use geobench_window::simd::{Columns, Instructions, Lanes, Line, Simd, SimdProgram};
+//! use geobench_window::simd::{Columns, Instructions, Lanes, CacheLine, Simd, SimdProgram};
 //!
 //! /// The least of x + y.
 //! struct LeastSum<'a>(Columns<'a, 2>);
@@ -30,7 +30,7 @@
 //!     }
 //! }
 //!
-//! let (x, y) = (Line([5.0, 3.0, 4.0, 0.0, 0.0, 0.0, 0.0, 0.0]), Line([0.5; 8]));
+//! let (x, y) = (CacheLine([5.0, 3.0, 4.0, 0.0, 0.0, 0.0, 0.0, 0.0]), CacheLine([0.5; 8]));
 //! for instructions in Instructions::ALL {
 //!     let lines = [x, y];
 //!     let least = LeastSum(Columns::new(&lines, 1, 3));
@@ -51,7 +51,7 @@ mod instructions;
 mod lanes;
 mod scalar;
 
-pub use columns::{Block, Columns, InPlace, Line, PaddedBlock, Scratch, Sink};
+pub use columns::{Block, CacheLine, Columns, InPlace, PaddedBlock, Scratch, Sink};
 pub use dispatch::{Simd, SimdProgram};
 pub use instructions::{Instructions, UnknownInstructions};
 pub use lanes::{LaneMask, Lanes};

@@ -44,7 +44,7 @@ const STRAIGHT: f64 = 4e-7;
 
 /// The part of a common range on which a new window is shorter than an old one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Comparison {
+pub enum ShorterPart {
     /// The new window is shorter on this range.
     Won(f64, f64),
     /// The new window is nowhere shorter.
@@ -74,12 +74,12 @@ pub fn matters(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool
     start < end && !(is_sliver(old, start, end, l) && is_sliver(new, start, end, l))
 }
 
-impl Comparison {
+impl ShorterPart {
     /// Compares the windows on `lo..hi`, on an edge of length `l`. A range that is a sliver of both
     /// stays with the old one.
     ///
     /// The distances at both ends decide, unless there may be two tie points or the windows are
-    /// equal at the ends: these cases are [open](Comparison::Open).
+    /// equal at the ends: these cases are [open](ShorterPart::Open).
     #[inline(always)]
     #[allow(clippy::inline_always)] // Keeps the window in registers.
     pub fn between(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
@@ -352,10 +352,10 @@ mod tests {
         ) {
             let hi = lo + width;
             let x = lo + at * width;
-            let new_wins = match Comparison::between(&old, &new, lo, hi, 1.0) {
-                Comparison::Open => return Ok(()),
-                Comparison::Lost => false,
-                Comparison::Won(start, end) => start <= x && x <= end,
+            let new_wins = match ShorterPart::between(&old, &new, lo, hi, 1.0) {
+                ShorterPart::Open => return Ok(()),
+                ShorterPart::Lost => false,
+                ShorterPart::Won(start, end) => start <= x && x <= end,
             };
             let (held, offered) = (old.distance(x), new.distance(x));
             let least = held.min(offered);
@@ -379,13 +379,13 @@ mod tests {
                 sigma: old.sigma + (1.0 - t) * x.hypot(y),
                 ..old
             };
-            let outcome = Comparison::between(&old, &new, lo, lo + width * t, 1.0);
-            prop_assert_ne!(outcome, Comparison::Open);
+            let outcome = ShorterPart::between(&old, &new, lo, lo + width * t, 1.0);
+            prop_assert_ne!(outcome, ShorterPart::Open);
             let x = lo + at * width * t;
             let (held, offered) = (old.distance(x), new.distance(x));
             match outcome {
-                Comparison::Lost => prop_assert!(held <= offered * (1.0 + 2e-12)),
-                Comparison::Won(start, end) if start <= x && x <= end => {
+                ShorterPart::Lost => prop_assert!(held <= offered * (1.0 + 2e-12)),
+                ShorterPart::Won(start, end) if start <= x && x <= end => {
                     prop_assert!(offered <= held * (1.0 + 2e-12));
                 }
                 _ => {}
@@ -397,7 +397,7 @@ mod tests {
         #[test]
         fn comparisons_of_one_direction_are_seldom_open(old in windows(), new in windows()) {
             let below = |w: Window| Window { py: -w.py.abs(), ..w };
-            let open = Comparison::between(&below(old), &below(new), 0.0, 1.0, 1.0) == Comparison::Open;
+            let open = ShorterPart::between(&below(old), &below(new), 0.0, 1.0, 1.0) == ShorterPart::Open;
             let ties = tie_points(&below(old), &below(new));
             let inside = ties.as_slice().iter().filter(|&&t| (0.0..=1.0).contains(&t)).count();
             prop_assert!(!open || inside != 1);

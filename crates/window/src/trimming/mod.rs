@@ -12,7 +12,7 @@ mod overlap;
 mod overlap_range;
 mod thin;
 
-pub use compare::{Comparison, is_sliver, matters, ties_between};
+pub use compare::{ShorterPart, is_sliver, matters, ties_between};
 pub use foot::{foot, pieces};
 pub use kept::KeptWindows;
 pub use overlap::{Overlap, Owner, Segment};

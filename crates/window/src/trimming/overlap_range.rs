@@ -1,6 +1,6 @@
 //! The range on which a new window is shorter than the windows of its list.
 
-use super::compare::{Comparison, is_sliver};
+use super::compare::{ShorterPart, is_sliver};
 use crate::window::Window;
 
 /// The part of a new window that is shorter than the windows it overlaps. Nearly always it is at
@@ -55,8 +55,8 @@ impl OverlapRange {
             }
             // The first ones may end before `new` begins, by the rounding of the search.
             decided = if hi > decided { hi } else { decided };
-            match Comparison::between(w, new, lo, hi, l) {
-                Comparison::Won(from, to) => {
+            match ShorterPart::between(w, new, lo, hi, l) {
+                ShorterPart::Won(from, to) => {
                     if start >= end {
                         start = from;
                     } else if end != from {
@@ -64,8 +64,8 @@ impl OverlapRange {
                     }
                     end = to;
                 }
-                Comparison::Lost => {}
-                Comparison::Open => return Self::Undecided,
+                ShorterPart::Lost => {}
+                ShorterPart::Open => return Self::Undecided,
             }
             if w.b1 >= new.b1 {
                 // The next one begins behind `new`.

@@ -137,9 +137,9 @@ struct ChildPool<'b> {
     here: Option<InProcess>,
     /// The source of the current runs.
     source: Option<SourceLabel>,
-    children: Vec<Child>,
+    children: Vec<ModelChild>,
     /// The first child, until it is assigned to a cell.
-    spare: Option<Child>,
+    spare: Option<ModelChild>,
     /// Cells whose child was ended because all children together held too much memory.
     evicted: Vec<String>,
     /// The files that external programs read and write.
@@ -149,7 +149,7 @@ struct ChildPool<'b> {
 }
 
 /// A child that has loaded the model, or loads it in its only run.
-struct Child {
+struct ModelChild {
     process: ChildProcess,
     /// Label of the algorithm; empty if the child serves all algorithms.
     cell: String,
@@ -271,7 +271,7 @@ impl<'b> ChildPool<'b> {
     }
 
     /// Starts a child that runs this program and loads the model; returns it with the record.
-    fn load(&self) -> Result<(Child, ModelRecord), Failure> {
+    fn load(&self) -> Result<(ModelChild, ModelRecord), Failure> {
         let settings = serde_json::json!(ChildSettings {
             name: self.model.name.clone(),
             parent: std::process::id(),
@@ -298,11 +298,11 @@ impl<'b> ChildPool<'b> {
         &self,
         command: Command,
         outside: Option<Outside>,
-    ) -> Result<(Child, Option<Box<ModelRecord>>), Failure> {
+    ) -> Result<(ModelChild, Option<Box<ModelRecord>>), Failure> {
         const DOING: &str = "loading the model";
         let started = Instant::now();
         let process = self.options.process(command);
-        let mut child = Child {
+        let mut child = ModelChild {
             process: process.map_err(|error| error.failure(DOING))?,
             cell: String::new(),
             distances: Vec::new(),
@@ -321,7 +321,7 @@ impl<'b> ChildPool<'b> {
     }
 
     /// A new child for an algorithm of the registry; the spare one if there is one.
-    fn own_child(&mut self) -> Result<Child, Failure> {
+    fn own_child(&mut self) -> Result<ModelChild, Failure> {
         if let Some(spare) = self.spare.take() {
             return Ok(spare);
         }
@@ -351,7 +351,11 @@ impl<'b> ChildPool<'b> {
     }
 
     /// A new child for an external program.
-    fn outside_child(&mut self, program: &Arc<Program>, step: &Step<'_>) -> Result<Child, Failure> {
+    fn outside_child(
+        &mut self,
+        program: &Arc<Program>,
+        step: &Step<'_>,
+    ) -> Result<ModelChild, Failure> {
         let handover = self.handover(step)?;
         let call = handover.call(program, step);
         let command = program.command(&program.command, &call);
@@ -435,7 +439,7 @@ impl<'b> ChildPool<'b> {
 
     /// Keeps `child` for its next run, unless it solves only once or all children hold too much
     /// memory.
-    fn keep(&mut self, child: Child) {
+    fn keep(&mut self, child: ModelChild) {
         if child.solves_once() {
             return;
         }
@@ -517,7 +521,7 @@ impl Session for ChildPool<'_> {
     }
 }
 
-impl Child {
+impl ModelChild {
     /// Whether it is an external program that exits after one solve.
     fn solves_once(&self) -> bool {
         let outside = self.outside.as_ref();

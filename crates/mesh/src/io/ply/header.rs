@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use crate::io::error::Flaw;
-use crate::io::text::{Lines, integer, shown, words};
+use crate::io::text::{NumberedLines, integer, shown, words};
 
 /// A valid header, with vertices and faces.
 pub(super) struct Header {
@@ -22,14 +22,14 @@ pub(super) enum Encoding {
 /// A kind of element with its count and properties.
 pub(super) struct Element {
     pub(super) name: String,
-    pub(super) kind: Kind,
+    pub(super) kind: ElementUse,
     pub(super) count: u64,
     pub(super) properties: Vec<Property>,
 }
 
 /// How an element is used.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ElementUse {
     Vertex,
     Face,
     /// Triangle strips.
@@ -42,9 +42,9 @@ pub(super) struct Property {
     pub(super) name: String,
     pub(super) role: Role,
     /// Type of the length, for a list.
-    pub(super) length: Option<Scalar>,
+    pub(super) length: Option<NumberType>,
     /// Type of the number, or of each number in the list.
-    pub(super) value: Scalar,
+    pub(super) value: NumberType,
 }
 
 /// How a property is used.
@@ -59,7 +59,7 @@ pub(super) enum Role {
 
 /// Type of a number.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Scalar {
+pub(super) enum NumberType {
     I8,
     U8,
     I16,
@@ -72,7 +72,7 @@ pub(super) enum Scalar {
     F64,
 }
 
-impl Scalar {
+impl NumberType {
     fn from_name(name: &[u8]) -> Option<Self> {
         Some(match name {
             b"char" | b"int8" => Self::I8,
@@ -105,26 +105,28 @@ impl Element {
         Self {
             name: plain(name),
             kind: match name {
-                b"vertex" => Kind::Vertex,
-                b"face" => Kind::Face,
-                b"tristrips" => Kind::Strip,
-                _ => Kind::Skipped,
+                b"vertex" => ElementUse::Vertex,
+                b"face" => ElementUse::Face,
+                b"tristrips" => ElementUse::Strip,
+                _ => ElementUse::Skipped,
             },
             count,
             properties: Vec::new(),
         }
     }
 
-    fn property(&self, name: &[u8], length: Option<Scalar>, value: Scalar) -> Property {
+    fn property(&self, name: &[u8], length: Option<NumberType>, value: NumberType) -> Property {
         Property {
             name: plain(name),
             role: match (self.kind, name, length) {
-                (Kind::Vertex, b"x", None) => Role::Axis(0),
-                (Kind::Vertex, b"y", None) => Role::Axis(1),
-                (Kind::Vertex, b"z", None) => Role::Axis(2),
-                (Kind::Face | Kind::Strip, b"vertex_indices" | b"vertex_index", Some(_)) => {
-                    Role::Corners
-                }
+                (ElementUse::Vertex, b"x", None) => Role::Axis(0),
+                (ElementUse::Vertex, b"y", None) => Role::Axis(1),
+                (ElementUse::Vertex, b"z", None) => Role::Axis(2),
+                (
+                    ElementUse::Face | ElementUse::Strip,
+                    b"vertex_indices" | b"vertex_index",
+                    Some(_),
+                ) => Role::Corners,
                 _ => Role::Skipped,
             },
             length,
@@ -145,7 +147,7 @@ fn plain(name: &[u8]) -> String {
 }
 
 /// Reads `lines` to the end of the header.
-pub(super) fn read(lines: &mut Lines<'_>) -> Result<Header, Flaw> {
+pub(super) fn read(lines: &mut NumberedLines<'_>) -> Result<Header, Flaw> {
     if lines
         .next()
         .is_none_or(|(_, line)| line.trim_ascii() != b"ply")
@@ -190,7 +192,7 @@ impl<'a> Declarations<'a> {
     /// Adds the declaration in `words`, or returns what is wrong with it.
     fn add(&mut self, words: &[&'a [u8]]) -> Result<(), &'static str> {
         let invalid = "is no valid line of a PLY header";
-        let scalar = |name| Scalar::from_name(name).ok_or(invalid);
+        let scalar = |name| NumberType::from_name(name).ok_or(invalid);
         let name = match *words {
             [b"format", name, _version] if self.encoding.is_none() => {
                 self.encoding = Some(match name {
@@ -232,7 +234,7 @@ impl<'a> Declarations<'a> {
 /// are integers.
 fn check(elements: &[Element]) -> Result<(), Flaw> {
     for property in elements.iter().flat_map(|e| &e.properties) {
-        if let Some(Scalar::F32 | Scalar::F64) = property.length {
+        if let Some(NumberType::F32 | NumberType::F64) = property.length {
             return Err(Flaw::file(format!(
                 "the header counts the list {} with a type that is not an integer",
                 property.name
@@ -255,7 +257,7 @@ fn check(elements: &[Element]) -> Result<(), Flaw> {
     }
     let surfaces = elements
         .iter()
-        .filter(|e| matches!(e.kind, Kind::Face | Kind::Strip));
+        .filter(|e| matches!(e.kind, ElementUse::Face | ElementUse::Strip));
     if surfaces.clone().next().is_none() {
         return Err(Flaw::file(if find("range_grid").is_some() {
             "its points form a range_grid, which is not read; convert the grid to faces"

@@ -11,15 +11,15 @@ mod payload;
 
 use super::error::Flaw;
 use super::faces::FaceList;
-use super::text::Lines;
+use super::text::NumberedLines;
 use crate::defect::FileForm;
 use crate::soup::TriangleSoup;
-use header::{Element, Encoding, Kind, Role};
+use header::{Element, ElementUse, Encoding, Role};
 use payload::{Binary, Layout, Payload, Text};
 
 /// Reads a PLY file.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
-    let mut lines = Lines::before_data(bytes);
+    let mut lines = NumberedLines::before_data(bytes);
     let header = header::read(&mut lines)?;
     let (elements, rest) = (&header.elements, lines.rest());
     match header.encoding {
@@ -43,30 +43,30 @@ fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<Tri
         let element = elements.iter().find(|e| e.kind == kind);
         element.map_or(0, |e| payload.most(e).min(e.count) as usize)
     };
-    let mut positions = Vec::with_capacity(room(Kind::Vertex));
-    let mut faces = FaceList::with_capacity(room(Kind::Face));
+    let mut positions = Vec::with_capacity(room(ElementUse::Vertex));
+    let mut faces = FaceList::with_capacity(room(ElementUse::Face));
     let (mut position, mut corners) = ([0.0; 3], Vec::new());
     // An element without properties takes no bytes and no line, whatever its count.
     for element in elements.iter().filter(|e| !e.properties.is_empty()) {
         payload.begin(element)?;
         match element.kind {
-            Kind::Vertex => {
+            ElementUse::Vertex => {
                 if let Some(all) = payload.positions(element) {
                     positions = all;
                     continue;
                 }
             }
-            Kind::Face if faces.is_empty() => {
+            ElementUse::Face if faces.is_empty() => {
                 if let Some(all) = payload.triangles(element) {
                     faces = FaceList::of(all);
                     continue;
                 }
             }
-            Kind::Face | Kind::Strip | Kind::Skipped => {}
+            ElementUse::Face | ElementUse::Strip | ElementUse::Skipped => {}
         }
         for number in 0..element.count {
             payload.next(element, number)?;
-            if element.kind == Kind::Skipped && payload.is_in_lines() {
+            if element.kind == ElementUse::Skipped && payload.is_in_lines() {
                 continue;
             }
             for property in &element.properties {
@@ -80,7 +80,7 @@ fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<Tri
                         corners.clear();
                         // Ends with the line or the file, however large `length` is.
                         for _ in 0..length {
-                            match payload.corner(property, element.kind == Kind::Strip)? {
+                            match payload.corner(property, element.kind == ElementUse::Strip)? {
                                 Some(corner) => corners.push(corner),
                                 None => push_strip(&mut corners, &mut faces),
                             }
@@ -91,10 +91,10 @@ fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<Tri
             }
             payload.end(element)?;
             match element.kind {
-                Kind::Vertex => positions.push(position),
-                Kind::Face => faces.push(&corners),
-                Kind::Strip => push_strip(&mut corners, &mut faces),
-                Kind::Skipped => {}
+                ElementUse::Vertex => positions.push(position),
+                ElementUse::Face => faces.push(&corners),
+                ElementUse::Strip => push_strip(&mut corners, &mut faces),
+                ElementUse::Skipped => {}
             }
         }
     }

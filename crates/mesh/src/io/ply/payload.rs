@@ -1,8 +1,8 @@
 //! The payload of a PLY file, after the header.
 
-use super::header::{Element, Kind, Property, Role, Scalar};
+use super::header::{Element, ElementUse, NumberType, Property, Role};
 use crate::io::error::{FilePosition, Flaw};
-use crate::io::text::{self, Lines, Tokens, integer, shown};
+use crate::io::text::{self, NumberedLines, Tokens, integer, shown};
 
 /// Reads the numbers of a payload in order.
 pub(super) trait Payload {
@@ -47,7 +47,7 @@ pub(super) trait Payload {
 pub(super) enum Layout {
     /// One line for each element. Blank lines are skipped.
     Lines,
-    /// As `Lines`, with numbers at the ends of lines that no property has.
+    /// As `NumberedLines`, with numbers at the ends of lines that no property has.
     LinesWithMore,
     /// Whatever lines the numbers are in.
     Free,
@@ -62,7 +62,7 @@ pub(super) struct Text<'a> {
 }
 
 impl<'a> Text<'a> {
-    pub(super) fn new(lines: Lines<'a>, layout: Layout) -> Self {
+    pub(super) fn new(lines: NumberedLines<'a>, layout: Layout) -> Self {
         Self {
             words: Tokens::new(lines, false),
             layout,
@@ -89,7 +89,11 @@ impl Payload for Text<'_> {
 
     fn most(&self, element: &Element) -> u64 {
         // The shortest lines are "0 0 0" and "3 0 1 2".
-        let line = if element.kind == Kind::Vertex { 6 } else { 8 };
+        let line = if element.kind == ElementUse::Vertex {
+            6
+        } else {
+            8
+        };
         self.words.bytes_left() as u64 / line + 1
     }
 
@@ -213,7 +217,7 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
     /// The next number, or an error if the file ends within it. An `f64` holds all values of all
     /// types.
     #[allow(clippy::cast_lossless, reason = "not all types have a lossless cast")]
-    fn number(&mut self, scalar: Scalar) -> Result<f64, Flaw> {
+    fn number(&mut self, scalar: NumberType) -> Result<f64, Flaw> {
         macro_rules! read {
             ($type:ty) => {{
                 let Some((&bytes, rest)) = self.rest.split_first_chunk() else {
@@ -230,21 +234,21 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
             }};
         }
         Ok(match scalar {
-            Scalar::I8 => read!(i8),
-            Scalar::U8 => read!(u8),
-            Scalar::I16 => read!(i16),
-            Scalar::U16 => read!(u16),
-            Scalar::I32 => read!(i32),
-            Scalar::U32 => read!(u32),
-            Scalar::I64 => read!(i64),
-            Scalar::U64 => read!(u64),
-            Scalar::F32 => read!(f32),
-            Scalar::F64 => read!(f64),
+            NumberType::I8 => read!(i8),
+            NumberType::U8 => read!(u8),
+            NumberType::I16 => read!(i16),
+            NumberType::U16 => read!(u16),
+            NumberType::I32 => read!(i32),
+            NumberType::U32 => read!(u32),
+            NumberType::I64 => read!(i64),
+            NumberType::U64 => read!(u64),
+            NumberType::F32 => read!(f32),
+            NumberType::F64 => read!(f64),
         })
     }
 
     /// The next number, which must be an unsigned integer of 32 bits.
-    fn whole(&mut self, scalar: Scalar, wanted: &str) -> Result<u32, Flaw> {
+    fn whole(&mut self, scalar: NumberType, wanted: &str) -> Result<u32, Flaw> {
         let number = self.number(scalar)?;
         // The cast saturates, so a number out of range becomes a different one.
         #[expect(clippy::cast_sign_loss, reason = "a negative number becomes 0")]
@@ -264,7 +268,11 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
 
     fn most(&self, element: &Element) -> u64 {
         // A triangle has three corners of at least one byte each. Polygons enlarge the list later.
-        let more = if element.kind == Kind::Face { 3 } else { 0 };
+        let more = if element.kind == ElementUse::Face {
+            3
+        } else {
+            0
+        };
         self.rest.len() as u64 / (element.smallest_size() + more) + 1
     }
 
@@ -305,7 +313,7 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
             .rest
             .split_at_checked(size.checked_mul(vertices.count.try_into().ok()?)?)?;
         let at = |vertex: &[u8]| match scalar {
-            Scalar::F32 => {
+            NumberType::F32 => {
                 [x, y, z].map(|offset| f64::from(f32::from_bits(Self::word(&vertex[offset..]))))
             }
             _ => [x, y, z].map(|offset| {
@@ -314,7 +322,7 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
                 f64::from_bits(u64::from(high) << 32 | u64::from(low))
             }),
         };
-        if !matches!(scalar, Scalar::F32 | Scalar::F64) {
+        if !matches!(scalar, NumberType::F32 | NumberType::F64) {
             return None;
         }
         self.rest = rest;
@@ -325,8 +333,8 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
         let [
             Property {
                 role: Role::Corners,
-                length: Some(Scalar::U8 | Scalar::I8),
-                value: scalar @ (Scalar::I32 | Scalar::U32),
+                length: Some(NumberType::U8 | NumberType::I8),
+                value: scalar @ (NumberType::I32 | NumberType::U32),
                 ..
             },
         ] = faces.properties[..]
@@ -335,7 +343,7 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
         };
         let size = faces.count.checked_mul(13)?.try_into().ok()?;
         let (own, rest) = self.rest.split_at_checked(size)?;
-        let is_signed = scalar == Scalar::I32;
+        let is_signed = scalar == NumberType::I32;
         let mut odd = false;
         let triangle = |face: &[u8]| {
             let corners = [1, 5, 9].map(|offset| Self::word(&face[offset..]));
@@ -353,10 +361,10 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
     fn next(&mut self, element: &Element, number: u64) -> Result<(), Flaw> {
         self.place = FilePosition::Element {
             kind: match element.kind {
-                Kind::Vertex => "vertex",
-                Kind::Face => "face",
-                Kind::Strip => "strip",
-                Kind::Skipped => "skipped element",
+                ElementUse::Vertex => "vertex",
+                ElementUse::Face => "face",
+                ElementUse::Strip => "strip",
+                ElementUse::Skipped => "skipped element",
             },
             number,
             byte: (self.file_size - self.rest.len()) as u64,

@@ -29,20 +29,20 @@ mod rules;
 #[cfg(test)]
 mod tests;
 
-pub use rules::{Rule, Rules, Subject};
+pub use rules::{ComparisonRule, Rules, Subject};
 
 /// The schema of a comparison in JSON.
 pub const SCHEMA: &str = "geobench-comparison/1";
 
 /// The comparison of two result files.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Comparison {
+pub struct FileComparison {
     /// Always [`SCHEMA`].
     pub schema: &'static str,
     /// The older file.
-    pub old: Side,
+    pub old: ComparedFile,
     /// The newer file.
-    pub new: Side,
+    pub new: ComparedFile,
     /// The rules, as they are written.
     pub rules: Vec<String>,
     /// Whether the runs of both files took turns, so that samples are compared pair by pair.
@@ -61,7 +61,7 @@ pub struct Comparison {
     pub notes: Vec<String>,
 }
 
-impl Comparison {
+impl FileComparison {
     /// Whether there is a regression.
     pub fn is_worse(&self) -> bool {
         self.regressions > 0 || !self.overall.is_empty()
@@ -70,7 +70,7 @@ impl Comparison {
 
 /// One of the two files.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Side {
+pub struct ComparedFile {
     /// The name of the file.
     pub file: String,
     /// Version of the program.
@@ -137,8 +137,8 @@ pub struct Regression {
 }
 
 impl Regression {
-    fn new(rule: Option<&Rule>, what: String) -> Self {
-        let rule = rule.map(Rule::to_string);
+    fn new(rule: Option<&ComparisonRule>, what: String) -> Self {
+        let rule = rule.map(ComparisonRule::to_string);
         Self { rule, what }
     }
 }
@@ -152,7 +152,7 @@ pub fn compare(
     (old_name, old): (&str, &ResultFile),
     (new_name, new): (&str, &ResultFile),
     rules: &Rules,
-) -> Result<Comparison, UsageError> {
+) -> Result<FileComparison, UsageError> {
     let matched = matched(old, new);
     if matched.common.is_empty() {
         return Err(UsageError(format!(
@@ -174,11 +174,11 @@ pub fn compare(
     notes.extend(notes_on_machines(old, new));
     notes.extend(notes_on_rules(&cells, rules));
     notes.extend(notes_on_simd.into_iter().flatten());
-    Ok(Comparison {
+    Ok(FileComparison {
         schema: SCHEMA,
         old: side(old_name, old),
         new: side(new_name, new),
-        rules: rules.iter().map(Rule::to_string).collect(),
+        rules: rules.iter().map(ComparisonRule::to_string).collect(),
         paired,
         regressions: cells.iter().filter(|c| !c.regressions.is_empty()).count(),
         cells,
@@ -200,7 +200,7 @@ pub struct BaselineComparisons {
     /// Always [`SEVERAL`].
     pub schema: &'static str,
     /// The comparison of each file with the baseline, which is the old file of all.
-    pub comparisons: Vec<Comparison>,
+    pub comparisons: Vec<FileComparison>,
 }
 
 impl BaselineComparisons {
@@ -225,7 +225,7 @@ impl BaselineComparisons {
 
     /// Whether one of the files has a regression.
     pub fn is_worse(&self) -> bool {
-        self.comparisons.iter().any(Comparison::is_worse)
+        self.comparisons.iter().any(FileComparison::is_worse)
     }
 }
 
@@ -240,8 +240,8 @@ fn too_many_missing(missing: usize, all: usize, rules: &Rules) -> Option<Regress
     })
 }
 
-fn side(name: &str, file: &ResultFile) -> Side {
-    Side {
+fn side(name: &str, file: &ResultFile) -> ComparedFile {
+    ComparedFile {
         file: name.to_owned(),
         version: file.tool.version.clone(),
         commit: file.tool.commit.clone(),
@@ -316,7 +316,12 @@ fn missing(name: &str, old: Option<String>, new: Option<String>) -> String {
 }
 
 /// The description of the regression if the time of an ok cell breaks the rule on times.
-fn worse_time(time: Option<&TimeChange>, old: &Cell, new: &Cell, rule: &Rule) -> Option<String> {
+fn worse_time(
+    time: Option<&TimeChange>,
+    old: &Cell,
+    new: &Cell,
+    rule: &ComparisonRule,
+) -> Option<String> {
     if let Some(time) = time {
         let is_worse = time.is_above(rule.limit);
         return is_worse.then(|| format!("time {}", time.in_words()));
@@ -451,7 +456,7 @@ fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
         .filter(|c| c.status == [Status::Ok; 2])
         .collect();
     let mut notes = Vec::new();
-    let rule_on_time = rules.on(Subject::Time).map(Rule::to_string);
+    let rule_on_time = rules.on(Subject::Time).map(ComparisonRule::to_string);
     let without_effect = rule_on_time.as_ref().map_or_else(String::new, |rule| {
         format!(", so that the rule {rule} cannot be broken there")
     });

@@ -46,7 +46,7 @@ impl Subject {
 
 /// A limit on the change of a subject.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rule {
+pub struct ComparisonRule {
     /// The subject.
     pub subject: Subject,
     /// The largest change that passes, as a share of the old value. For missing cells, their
@@ -58,9 +58,9 @@ pub struct Rule {
 
 /// A set of rules, at most one for each subject.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Rules(Vec<Rule>);
+pub struct Rules(Vec<ComparisonRule>);
 
-impl Rule {
+impl ComparisonRule {
     /// Whether the change of an exactly compared figure from `old` to `new` breaks the rule.
     pub fn is_broken(&self, old: f64, new: f64) -> bool {
         // A change from 0 is infinite and breaks every limit.
@@ -71,12 +71,12 @@ impl Rule {
 
 impl Rules {
     /// The rule on `subject`.
-    pub fn on(&self, subject: Subject) -> Option<&Rule> {
+    pub fn on(&self, subject: Subject) -> Option<&ComparisonRule> {
         self.0.iter().find(|rule| rule.subject == subject)
     }
 
     /// All rules.
-    pub fn iter(&self) -> impl Iterator<Item = &Rule> {
+    pub fn iter(&self) -> impl Iterator<Item = &ComparisonRule> {
         self.0.iter()
     }
 }
@@ -85,9 +85,9 @@ impl FromStr for Rules {
     type Err = UsageError;
 
     fn from_str(text: &str) -> Result<Self, UsageError> {
-        let mut rules: Vec<Rule> = Vec::new();
+        let mut rules: Vec<ComparisonRule> = Vec::new();
         for item in text.split(',') {
-            let rule: Rule = item.parse()?;
+            let rule: ComparisonRule = item.parse()?;
             if rules.iter().any(|other| other.subject == rule.subject) {
                 let name = rule.subject.name();
                 return Err(UsageError(format!("there are two rules for `{name}`")));
@@ -98,7 +98,7 @@ impl FromStr for Rules {
     }
 }
 
-impl FromStr for Rule {
+impl FromStr for ComparisonRule {
     type Err = UsageError;
 
     fn from_str(item: &str) -> Result<Self, UsageError> {
@@ -143,7 +143,7 @@ fn unknown(name: &str) -> UsageError {
     ))
 }
 
-impl fmt::Display for Rule {
+impl fmt::Display for ComparisonRule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sign = if self.only_more && !self.subject.is_cost() {
             "+"
@@ -176,7 +176,7 @@ mod tests {
     fn rules_are_read_and_shown_as_they_were_written() {
         let text =
             "time=10%,missing=0,propagated=0,heap_peak_bytes=5%,kept=+2.5%,instructions=0.1%";
-        let shown: Vec<String> = rules(text).iter().map(Rule::to_string).collect();
+        let shown: Vec<String> = rules(text).iter().map(ComparisonRule::to_string).collect();
         assert_eq!(shown.join(","), text);
         assert_eq!(rules(" Time = 10 % "), rules("time=10%"));
         for subject in Subject::all() {
@@ -219,7 +219,7 @@ mod tests {
     #[test]
     fn counts_may_not_change_and_costs_may_not_rise() {
         let broken = |text: &str, old: f64, new: f64| {
-            let rule: Rule = text.parse().unwrap();
+            let rule: ComparisonRule = text.parse().unwrap();
             rule.is_broken(old, new)
         };
         assert!(!broken("propagated=0", 100.0, 100.0));

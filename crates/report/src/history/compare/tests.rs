@@ -32,7 +32,7 @@ fn scale(cell: &mut Cell, factor: f64) {
     cell.time = geobench_harness::measure::statistics::time(samples, cell.time.setup);
 }
 
-fn compared(old: &ResultFile, new: &ResultFile, rules: &str) -> Comparison {
+fn compared(old: &ResultFile, new: &ResultFile, rules: &str) -> FileComparison {
     let rules = if rules.is_empty() {
         Rules::default()
     } else {
@@ -42,7 +42,7 @@ fn compared(old: &ResultFile, new: &ResultFile, rules: &str) -> Comparison {
 }
 
 /// The regressions, one per line.
-fn worse(comparison: &Comparison) -> Vec<String> {
+fn worse(comparison: &FileComparison) -> Vec<String> {
     let cells = comparison.cells.iter();
     cells
         .flat_map(|c| {

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::axis::{Axis, Scale};
 use super::{
-    Datum, LINE, Point, WIDTH, axis_below, draw_marker, draw_whisker, legend, marker_class,
+    ChartPoint, Datum, LINE, WIDTH, axis_below, draw_marker, draw_whisker, legend, marker_class,
 };
 use crate::table::group::distinct;
 
@@ -40,7 +40,7 @@ pub(crate) struct Lane {
     pub(crate) label: String,
     /// The algorithm, by which the page filters.
     pub(crate) algorithm: Option<String>,
-    pub(crate) points: Vec<Point>,
+    pub(crate) points: Vec<ChartPoint>,
     /// Samples, drawn as a strip of small dots behind the points.
     pub(crate) samples: Vec<f64>,
     /// The text that explains missing points.
@@ -158,7 +158,7 @@ impl Dots {
         }
     }
 
-    fn points(&self) -> impl Iterator<Item = &Point> {
+    fn points(&self) -> impl Iterator<Item = &ChartPoint> {
         let lanes = self.bands.iter().flat_map(|band| &band.lanes);
         lanes.flat_map(|lane| &lane.points)
     }
@@ -248,7 +248,7 @@ fn draw_samples(svg: &mut Svg, samples: &[f64], style: usize, scale: &Scale, y: 
 }
 
 /// The tooltip of a marker.
-fn spoken(point: &Point) -> String {
+fn spoken(point: &ChartPoint) -> String {
     let text = format!("{}: {}", point.name, significant(point.value.value));
     match point.value.interval {
         Some([low, high]) => format!("{text} ({} to {})", significant(low), significant(high)),

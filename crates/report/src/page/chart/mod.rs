@@ -41,7 +41,7 @@ pub(crate) enum Chart {
 
 /// A value that is drawn with the marker of an algorithm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Point {
+pub(crate) struct ChartPoint {
     /// The style of the algorithm.
     pub(crate) style: usize,
     /// The name of the value.

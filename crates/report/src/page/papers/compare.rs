@@ -6,8 +6,8 @@ use geobench_harness::measure::number::ratio as plain;
 use geobench_harness::measure::statistics::range_of;
 
 use super::{PaperTable, Printed};
-use crate::page::chart::{Axis, Band, Chart, Dots, Lane, Point};
-use crate::page::document::{Block, Plot, slug};
+use crate::page::chart::{Axis, Band, Chart, ChartPoint, Dots, Lane};
+use crate::page::document::{Plot, SectionItem, slug};
 use crate::page::setting::Setting;
 use crate::table::group::{Estimate, GroupCells, distinct};
 use crate::table::results::mean_and_deviation;
@@ -33,7 +33,7 @@ pub(in crate::page) fn compare(
     table: &PaperTable,
     setting: Setting<'_>,
     prefix: &str,
-) -> Vec<Block> {
+) -> Vec<SectionItem> {
     let pairs = pairs(group, table, setting.base);
     if pairs.is_empty() {
         return Vec::new();
@@ -53,10 +53,10 @@ pub(in crate::page) fn compare(
         }
     };
     vec![
-        Block::Heading(format!("Beside {source}")),
-        Block::Text(text),
-        Block::Table(side_by_side(&pairs, &same, &source, prefix)),
-        Block::Plots(plots(&pairs, setting, &source, prefix)),
+        SectionItem::Heading(format!("Beside {source}")),
+        SectionItem::Text(text),
+        SectionItem::Table(side_by_side(&pairs, &same, &source, prefix)),
+        SectionItem::Plots(plots(&pairs, setting, &source, prefix)),
     ]
 }
 
@@ -266,7 +266,7 @@ fn plot(pairs: &[Pair], setting: Setting<'_>, source: &str, prefix: &str) -> Plo
 /// The lane of a pair, with a point for each of the paper's models and of ours.
 fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
     let style = setting.style(&pair.algorithm);
-    let paper = pair.paper.iter().map(|known| Point {
+    let paper = pair.paper.iter().map(|known| ChartPoint {
         style,
         name: format!("paper, {}", known.model),
         model: None,
@@ -281,7 +281,7 @@ fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
         hollow: true,
     });
     // Our intervals are left out, because they would overlap.
-    let ours = pair.ours.iter().map(|(model, ratio)| Point {
+    let ours = pair.ours.iter().map(|(model, ratio)| ChartPoint {
         style,
         name: format!("here, {model}"),
         model: Some(model.clone()),

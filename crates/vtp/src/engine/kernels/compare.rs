@@ -1,6 +1,6 @@
 //! Rules 2 and 3 on a whole list at once.
 
-use geobench_window::simd::{LaneMask, Lanes, Line, Scratch};
+use geobench_window::simd::{CacheLine, LaneMask, Lanes, Scratch};
 
 use super::columns::Windows;
 use crate::engine::store::PaddedBlock;
@@ -11,19 +11,19 @@ use crate::precision::{CLEARANCE, WINS};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cuts {
     /// After the comparison with the right neighbour.
-    by_right: Vec<Line>,
+    by_right: Vec<CacheLine>,
     /// After the comparison with the left neighbour.
-    by_left: Vec<Line>,
+    by_left: Vec<CacheLine>,
 }
 
 impl Cuts {
     /// The scratch for a list of `len` windows.
     #[inline(always)]
     pub(super) fn of(&mut self, len: usize) -> ListCuts<'_> {
-        let lines = 2 * (len / Line::LANES + 2);
+        let lines = 2 * (len / CacheLine::LANES + 2);
         if self.by_left.len() < lines {
-            self.by_right.resize(2 * lines, Line::default());
-            self.by_left.resize(2 * lines, Line::default());
+            self.by_right.resize(2 * lines, CacheLine::default());
+            self.by_left.resize(2 * lines, CacheLine::default());
         }
         ListCuts {
             by_right: Scratch::new(&mut self.by_right, len),

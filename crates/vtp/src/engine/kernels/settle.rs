@@ -207,11 +207,11 @@ fn dearer<L: Lanes>(
 #[cfg(test)]
 mod tests {
     use geobench_window::Window;
-    use geobench_window::simd::{Line, Scalar};
+    use geobench_window::simd::{CacheLine, Scalar};
     use proptest::prelude::*;
 
     use super::*;
-    use crate::pairs::{SharedEdge, Verdict, check_pair};
+    use crate::pairs::{PairOutcome, SharedEdge, check_pair};
 
     const EDGE: SharedEdge = SharedEdge::new(1.0, [0.4, -0.8]);
 
@@ -229,11 +229,11 @@ mod tests {
     }
 
     fn try_settled<const TRIM: bool>(list: &[Window]) -> Option<Vec<Window>> {
-        let mut lines = vec![Line::default(); 5 * list.len().div_ceil(Line::LANES) + 1];
+        let mut lines = vec![CacheLine::default(); 5 * list.len().div_ceil(CacheLine::LANES) + 1];
         let column = lines.len() / 5;
         for (i, w) in list.iter().enumerate() {
             for (c, x) in [w.b0, w.b1, w.px, w.py, w.sigma].into_iter().enumerate() {
-                lines[c * column + i / Line::LANES].0[i % Line::LANES] = x;
+                lines[c * column + i / CacheLine::LANES].0[i % CacheLine::LANES] = x;
             }
         }
         let (mut cuts, mut again) = (Cuts::default(), Vec::new());
@@ -247,7 +247,8 @@ mod tests {
             &mut cuts,
             &mut again,
         );
-        let at = |c: usize, i: usize| lines[c * column + i / Line::LANES].0[i % Line::LANES];
+        let at =
+            |c: usize, i: usize| lines[c * column + i / CacheLine::LANES].0[i % CacheLine::LANES];
         let window = |i| Window {
             b0: at(0, i),
             b1: at(1, i),
@@ -267,9 +268,9 @@ mod tests {
         fn two_windows_fare_as_in_the_plain_form(a in windows(), b in windows()) {
             let (mut first, mut second) = (a, b);
             let plain = match check_pair(&mut first, &mut second, &EDGE) {
-                Verdict::BothStay => vec![first, second],
-                Verdict::FirstDies => vec![b],
-                Verdict::SecondDies => vec![a],
+                PairOutcome::BothStay => vec![first, second],
+                PairOutcome::FirstDies => vec![b],
+                PairOutcome::SecondDies => vec![a],
             };
             let found = settled::<false>(&[a, b]);
             if plain.len() == 1 {

@@ -23,6 +23,11 @@ const LITTLE_WORK: u64 = 200;
 /// usual.
 const MOST_BEAMS: u64 = 100_000;
 
+/// Relative error of distances along which paths are judged, and their rounding, as a fraction of the
+/// scale.
+const EXACT: f64 = 1e-12;
+const ROUNDING: f64 = 1e-15;
+
 /// Most paths to trace for one case.
 const MOST_PATHS: usize = 400;
 
@@ -163,7 +168,7 @@ pub(crate) fn judge(
         return Verdict::Right;
     }
     let more = || {
-        paths(selection, case, mesh)?;
+        paths(selection, case, mesh, expected, &rule)?;
         transformed(selection, case, mesh, expected, &rule)
     };
     match catch_unwind(AssertUnwindSafe(more)) {
@@ -178,7 +183,16 @@ fn failed(kind: FailureKind, text: String) -> Verdict {
 }
 
 /// Traces a path to each vertex, or to some vertices of a large mesh.
-fn paths(selection: &Selection, case: &Case, mesh: &Mesh) -> Result<(), Failure> {
+///
+/// A path is at most 1e-12 longer than its distance, and straight. It can be both only where the
+/// distance is as exact, but 1e-9 are [right](Tolerance): then paths are not judged.
+fn paths(
+    selection: &Selection,
+    case: &Case,
+    mesh: &Mesh,
+    expected: &Expected,
+    rule: &Tolerance,
+) -> Result<(), Failure> {
     let failed = |text| Failure {
         kind: FailureKind::Path,
         text,
@@ -189,7 +203,12 @@ fn paths(selection: &Selection, case: &Case, mesh: &Mesh) -> Result<(), Failure>
         Err(SolveError::NoPaths) => return Ok(()),
         found => found.map_err(|error| failed(error.to_string()))?,
     };
-    if precision::doubt(mesh, paths.distances()).is_some() {
+    let exact = rule.clone().with_relative(EXACT).with_rounding(ROUNDING);
+    let is_inexact = |(v, d): (usize, &f64)| {
+        expected[v].is_some_and(|expected| !exact.is_right(v, *d, expected))
+    };
+    let mut distances = paths.distances().iter().enumerate();
+    if distances.any(is_inexact) || precision::doubt(mesh, paths.distances()).is_some() {
         return Ok(());
     }
     let surface = judged::surface(mesh);

@@ -11,7 +11,7 @@ fn solve(criterion: &mut Criterion) {
     whole_solves(criterion, |mesh| {
         vec![
             named("dijkstra", Dijkstra::new(mesh)),
-            named("fmm", Fmm::new(mesh)),
+            named("fmm", Fmm::new(mesh, true)),
             named("mmp-approx", mmp_approx(mesh, ERROR)),
             named("avtp", avtp(mesh, ERROR)),
         ]

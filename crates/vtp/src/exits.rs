@@ -9,6 +9,7 @@ use crate::engine::kernels::Gate;
 use crate::engine::kernels::exits::{BestPath, EveryBetterPath, Free, Reach, Rule};
 use crate::engine::layout::{MeshLayout, half_edge, next, parts, prev};
 use crate::front::Front;
+use crate::precision::blur;
 use geobench_window::simd::Simd;
 
 /// A list that is about to cross a face.
@@ -112,8 +113,9 @@ impl Exits for AcrossTheFace {
 
     fn enter(&mut self, crossing: &ListCrossing<'_>) -> (BestPath, Reach) {
         self.records.note(crossing);
-        let [tail, head] = crossing.others().map(|h| self.records.least(h));
-        let l = crossing.gate.l;
+        let Gate { l, longest, .. } = crossing.gate;
+        let others = crossing.others();
+        let [tail, head] = others.map(|h| self.records.least(h) + blur(longest));
         (crossing.best, Reach { l, tail, head })
     }
 }
@@ -146,19 +148,21 @@ impl Exits for EveryPath {
 
     fn enter(&mut self, crossing: &ListCrossing<'_>) -> Self::Rule<'_> {
         self.records.note(crossing);
+        let Gate {
+            l, apex, longest, ..
+        } = crossing.gate;
         let [tail, head] = crossing.others().map(|h| {
             let waiting = least_waiting(crossing, h, &mut self.keep);
-            waiting.min(self.records.least(h))
+            waiting.min(self.records.least(h)) + blur(longest)
         });
-        let Gate { l, apex, .. } = crossing.gate;
         self.paths.clear();
         let list = crossing.active.columns();
         let path = |i| {
-            let path = BestPath::of(list, i, apex, l + crossing.distance);
+            let path = BestPath::of(list, i, apex, longest + crossing.distance);
             let w = crossing.active.window(i);
             let [x, y] = [apex[0] - path.entry, apex[1]];
             let bent = w.distance(path.entry) + (x * x + y * y).sqrt();
-            (path, bent)
+            (path, bent + blur(longest))
         };
         self.paths.extend((0..crossing.active.len).map(path));
         let every = EveryBetterPath {

@@ -7,8 +7,9 @@
 
 use geobench_window::Window;
 
+use crate::engine::layout::MeshLayout;
 use crate::orient::{is_clearly_left, is_clearly_right};
-use crate::precision::{CLEARANCE, MARGIN, WINS, extent};
+use crate::precision::{MARGIN, WINS, blur};
 
 /// Least distance of a crossing from the border of the triangle, as a fraction of its size, for
 /// rays that cross at a right angle in a triangle as high as it is long. The limit grows as the
@@ -34,23 +35,27 @@ pub(crate) struct SharedEdge {
     pub(crate) l: f64,
     /// The third vertex of the triangle that the windows have just crossed, below the edge.
     pub(crate) behind: [f64; 2],
-    /// The rounding error of the sources of windows on the edge, in addition to that of their
-    /// distances.
-    blur: f64,
-    /// Length of the triangle divided by its height, which is the scale of positions inside.
-    slenderness: f64,
+    /// The [rounding error](blur) of the sources of windows on the edge.
+    pub(crate) blur: f64,
+    /// The longest edge of the mesh, to which errors of positions are relative, divided by the
+    /// height of the triangle, to which depths inside are.
+    pub(crate) slenderness: f64,
 }
 
 impl SharedEdge {
-    /// An edge of length `l` with the vertex `behind` below it.
-    pub(crate) const fn new(l: f64, behind: [f64; 2]) -> Self {
-        let extent = extent(l, behind);
+    /// An edge of length `l` with the vertex `behind` below it, on a mesh with edges up to `longest`.
+    pub(crate) const fn new(l: f64, behind: [f64; 2], longest: f64) -> Self {
         Self {
             l,
             behind,
-            blur: CLEARANCE * extent,
-            slenderness: extent / -behind[1],
+            blur: blur(longest),
+            slenderness: longest / -behind[1],
         }
+    }
+
+    /// Half-edge `h` of `layout`.
+    pub(crate) fn of(layout: &MeshLayout, h: u32) -> Self {
+        Self::new(layout.length(h), layout.behind(h), layout.longest_edge)
     }
 
     /// Whether `point` lies inside the triangle behind the edge, at a distance of more than
@@ -197,7 +202,7 @@ fn meet((v, x): ([f64; 2], f64), (u, y): ([f64; 2], f64), slenderness: f64) -> O
 mod tests {
     use super::*;
 
-    const EDGE: SharedEdge = SharedEdge::new(1.0, [0.5, -1.0]);
+    const EDGE: SharedEdge = SharedEdge::new(1.0, [0.5, -1.0], 2.0);
 
     fn window(b0: f64, b1: f64, px: f64, py: f64, sigma: f64) -> Window {
         Window {
@@ -278,7 +283,7 @@ mod tests {
         assert_eq!(check(left, right).0, PairOutcome::SecondDies);
         assert_eq!(check(right, left).0, PairOutcome::FirstDies);
         // With a flatter triangle behind the edge they crossed before it, possibly on other faces.
-        let flat = SharedEdge::new(1.0, [0.5, -0.2]);
+        let flat = SharedEdge::new(1.0, [0.5, -0.2], 2.0);
         let verdict = check_pair(&mut left.clone(), &mut right.clone(), &flat);
         assert_eq!(verdict, PairOutcome::BothStay);
     }
@@ -291,6 +296,7 @@ mod tests {
         let edge = SharedEdge::new(
             0.001_242_778_450_191_567_6,
             [0.000_946_561_819_209_68, -0.000_857_571_584_925_322_3],
+            0.003,
         );
         let cheap = window(
             0.000_522_468_547_622_407_4,

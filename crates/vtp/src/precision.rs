@@ -10,12 +10,13 @@ pub(crate) const CLEARANCE: f64 = MARGIN;
 /// shorter.
 pub(crate) const WINS: f64 = 1.0 - MARGIN;
 
-/// The size of the face that the windows on an edge of length `l` have just crossed. `behind` is
-/// its third vertex.
+/// Bound of the rounding error of sources, in addition to that of their own coordinates, on a mesh
+/// with edges up to `longest`.
 ///
-/// The rounding error of the sources of these windows is relative to their coordinates and to this
-/// size, which exceeds the coordinates where a source is nearer than the face is long.
+/// The error is relative to the longest side that the window has crossed. That may exceed both the
+/// coordinates and the face that the window has crossed last: between short edges, windows come
+/// past the tips of long triangles.
 #[inline]
-pub(crate) const fn extent(l: f64, [x, y]: [f64; 2]) -> f64 {
-    l + x.abs() + y.abs()
+pub(crate) const fn blur(longest: f64) -> f64 {
+    CLEARANCE * longest
 }

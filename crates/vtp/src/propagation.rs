@@ -242,6 +242,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             l: face.length[corner],
             apex: face.apex(corner),
             ends: [tail, head].map(|v| self.distances[v as usize]),
+            longest: self.layout.longest_edge,
         };
         probe.enter(Phase::Pruning);
         let lists = self.front.lists(h);

@@ -46,9 +46,9 @@ fn settle_neighbours<L: Lanes, const TRIM: bool>(
     if len < 2 {
         return true;
     }
-    let l = layout.length(h);
+    let edge = || SharedEdge::of(layout, h);
     let (block, cuts, again) = active.parts();
-    let (len, settled) = settle::<L, TRIM>(simd, block, len, l, || layout.behind(h), cuts, again);
+    let (len, settled) = settle::<L, TRIM>(simd, block, len, edge, cuts, again);
     active.len = len;
     settled
 }
@@ -73,7 +73,7 @@ fn one_by_one(
     if active.len < 2 {
         return;
     }
-    let edge = SharedEdge::new(layout.length(h), layout.behind(h));
+    let edge = SharedEdge::of(layout, h);
     let mut checked = std::mem::take(&mut active.windows);
     checked.clear();
     for w in active.iter() {

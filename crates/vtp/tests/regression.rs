@@ -65,6 +65,13 @@ regression_tests! {
     a_path_past_a_tip_was_shorter_than_the_distance_of_the_tip
 }
 
+/// Two windows tied on an edge of 1.2e-6, because one of them passed through the source of the other.
+/// Both had just crossed sides of 1.69. The margin of rules 2 and 3 was relative to the short edge.
+#[test]
+fn a_tie_below_a_far_vertex_was_decided_by_rounding() {
+    meshes::data::BELOW_A_FAR_VERTEX.check_relative(solvers);
+}
+
 /// Rule 1 cut rays of a source at a distance of 3e-12 of the edge.
 #[test]
 fn rule_1_cut_rays_beside_a_source_near_the_edge() {

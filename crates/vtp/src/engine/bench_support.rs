@@ -4,6 +4,7 @@ use geobench_window::simd::{Instructions, Lanes, Simd, SimdProgram};
 
 use super::kernels::{self, BestPath, Cuts, Gate, Measured, Target, Triangle};
 use super::store::{COLUMNS, NO_LIST, WindowStore};
+use crate::precision::blur;
 
 /// A list in front of an equilateral triangle, with room for the children.
 #[derive(Debug)]
@@ -62,6 +63,7 @@ impl KernelBench {
                 l: 1.0,
                 apex: [0.5, height],
                 ends: [30.0, 30.0],
+                longest: 1.0,
             },
             triangle: Triangle {
                 l: 1.0,
@@ -105,7 +107,7 @@ impl SimdProgram for RunKernel<'_> {
                     bench.store.put(copy, i, window);
                 }
                 let block = bench.store.padded_block(copy);
-                kernels::compare::<L>(simd, block, len, bench.gate.l, &mut bench.cuts)
+                kernels::compare::<L>(simd, block, len, blur(bench.gate.l), &mut bench.cuts)
             }
             Kernel::Measure => {
                 let list = bench.store.first(list, len);
@@ -119,7 +121,7 @@ impl SimdProgram for RunKernel<'_> {
                     return 0;
                 };
                 let [block, left, right] = bench.store.blocks([list, left, right]);
-                let size = bench.gate.l + found.distance;
+                let size = bench.gate.longest + found.distance;
                 let list = block.columns(len);
                 let best = BestPath::of(list, found.best, bench.gate.apex, size);
                 let [mut left, mut right] = [left, right].map(|block| Target {

@@ -247,6 +247,8 @@ pub(crate) struct MeshLayout {
     pub(crate) rings: Vec<u32>,
     /// The angle between each half-edge and the next one, in radians.
     pub(crate) angles: Vec<f32>,
+    /// The length of the longest edge.
+    pub(crate) longest_edge: f64,
     /// The mean length of an edge, or twice the median where few edges are far longer than others.
     pub(crate) typical_length: f64,
     /// Whether the list on each half-edge crosses when its nearest window is due: beside thin faces
@@ -329,6 +331,7 @@ impl MeshLayout {
             ring_starts,
             rings,
             angles,
+            longest_edge: mesh.longest_edge(),
             typical_length,
             by_distance,
             kept,
@@ -401,6 +404,7 @@ impl MeshLayout {
             l: face.length[corner],
             apex: face.apex(corner),
             ends,
+            longest: self.longest_edge,
         }
     }
 

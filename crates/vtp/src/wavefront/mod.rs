@@ -27,7 +27,7 @@ use crate::engine::sent::Sent;
 use crate::engine::spawn_wedge::{PathOrigin, SpawnWedge};
 use crate::engine::store::{NO_LIST, WindowStore, admit};
 use crate::fast::FastOptions;
-use crate::precision::extent;
+use crate::precision::blur;
 
 /// The largest number of deferred improvements.
 const IMPROVEMENTS: usize = 4096;
@@ -477,7 +477,8 @@ impl Wavefront {
         let [at_a, at_b] = [a, b].map(|v| state.distance(v));
         probe.add(Counter::Spawned, 1);
         // The vertex filter: a path along the edge from one of its ends beats the farthest ray.
-        if (at_b + l) * LOSES < to_a || (at_a + l) * LOSES < to_b {
+        let blur = blur(state.layout().longest_edge);
+        if at_b * LOSES + (l + blur) < to_a || at_a * LOSES + (l + blur) < to_b {
             probe.add(Counter::Filtered, 1);
             return;
         }
@@ -599,13 +600,14 @@ impl Wavefront {
         probe.enter(Phase::Pruning);
         if self.compared.takes(h, len) {
             let block = self.store.padded_block(list);
-            let extent = extent(triangle.l, state.layout().behind(h));
-            len = kernels::compare::<L>(simd, block, len, extent, &mut self.cuts);
+            let blur = blur(state.layout().longest_edge);
+            len = kernels::compare::<L>(simd, block, len, blur, &mut self.cuts);
         }
         let gate = Gate {
             l: triangle.l,
             apex: triangle.apex,
             ends: [tail, head].map(|v| state.distance(v)),
+            longest: state.layout().longest_edge,
         };
         let waiting = self.store.first(list, len);
         let found = kernels::measure::<L, true>(simd, waiting, 0, &gate, &mut self.keep);

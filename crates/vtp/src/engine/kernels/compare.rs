@@ -62,8 +62,8 @@ impl ListCuts<'_> {
     }
 }
 
-/// Compares neighbours among the first `len` windows of `block`, on an edge with this
-/// [`extent`](crate::precision::extent). Cuts each by its losses, drops windows that have lost
+/// Compares neighbours among the first `len` windows of `block`, whose sources err by this
+/// [`blur`](crate::precision::blur). Cuts each by its losses, drops windows that have lost
 /// everything, and returns the number of windows left.
 ///
 /// As [`check_pair`](crate::pairs::check_pair) for windows that overlap, but all comparisons use
@@ -76,7 +76,7 @@ pub(crate) fn compare<L: Lanes>(
     simd: L::Token,
     mut block: PaddedBlock<'_>,
     len: usize,
-    extent: f64,
+    blur: f64,
     cuts: &mut Cuts,
 ) -> usize {
     let mut list = block.in_place(len);
@@ -86,7 +86,7 @@ pub(crate) fn compare<L: Lanes>(
         let a = Windows::new(list.load::<L>(simd, register));
         let b = Windows::new(list.load_next::<L>(simd, register));
         let pairs = list.with_next::<L>(simd, register);
-        let (left, _) = losses::<L>(simd, &a, &b, pairs, extent);
+        let (left, _) = losses::<L>(simd, &a, &b, pairs, blur);
         cuts.note::<L>(register, left);
     }
     cuts.open();
@@ -108,13 +108,10 @@ pub(super) fn losses<L: Lanes>(
     a: &Windows<L>,
     b: &Windows<L>,
     pairs: L::Mask,
-    extent: f64,
+    blur: f64,
 ) -> ([[L; 2]; 2], L::Mask) {
     let (zero, wins) = (L::splat(simd, 0.0), L::splat(simd, WINS));
-    let (clearance, blur) = (
-        L::splat(simd, CLEARANCE),
-        L::splat(simd, CLEARANCE * extent),
-    );
+    let (clearance, blur) = (L::splat(simd, CLEARANCE), L::splat(simd, blur));
     let (mut of_a, mut of_b) = ([a.b0, a.b1], [b.b0, b.b1]);
     let (lo, hi) = (a.b0.max(b.b0), a.b1.min(b.b1));
     let overlap = pairs & lo.le(hi);

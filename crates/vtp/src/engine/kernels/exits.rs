@@ -7,8 +7,8 @@ use crate::precision::{CLEARANCE, MARGIN, RESOLUTION, WINS};
 use geobench_window::length_past_end;
 use geobench_window::simd::{LaneMask, Lanes};
 
-/// How far beyond the best path, as a fraction of the half-edge and of the path, rays of a source
-/// close to the edge must be before rule 1 cuts them.
+/// How far beyond the best path, as a fraction of the longest edge and of the path, rays of a source
+/// close to the half-edge must be before rule 1 cuts them.
 ///
 /// The rays of all directions of such a source pass through a width smaller than the rounding of
 /// the path. Of two paths with equal lengths one may turn at the source, and the other as far from
@@ -115,8 +115,8 @@ pub struct BestPath {
 }
 
 impl BestPath {
-    /// The path that crosses a half-edge at `entry`. `size` is the length of the half-edge plus
-    /// that of the path.
+    /// The path that crosses a half-edge at `entry`. `size` is the length of the longest edge of the
+    /// mesh plus that of the path.
     #[inline(always)]
     pub(crate) fn new(entry: f64, source: [f64; 2], size: f64) -> Self {
         Self {
@@ -157,7 +157,7 @@ impl BestPath {
         gate: &Gate,
         sides: impl Fn() -> [f64; 2],
     ) -> (Self, f64) {
-        let path = Self::of(list, best, gate.apex, gate.l + distance);
+        let path = Self::of(list, best, gate.apex, gate.longest + distance);
         // Only beside needles is a path through an end shorter than the distance there.
         let past_tail = path.entry <= 0.0 && gate.ends[0] > distance;
         if past_tail || path.entry >= gate.l && gate.ends[1] > distance {
@@ -176,7 +176,7 @@ impl BestPath {
         let [cx, cy] = gate.apex;
         let lengths = (0..list.len()).map(|i| {
             let [.., px, py, sigma] = list.row(i);
-            let path = Self::of(list, i, gate.apex, gate.l);
+            let path = Self::of(list, i, gate.apex, gate.longest);
             let is_straight = path.entry == (cy * px - cx * py) / (cy - py);
             let d = if is_straight {
                 sigma + (cx - px).hypot(cy - py)
@@ -187,7 +187,7 @@ impl BestPath {
         });
         let shortest = lengths.enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b));
         let (best, distance) = shortest.unwrap_or((0, f64::INFINITY));
-        let path = Self::of(list, best, gate.apex, gate.l + distance);
+        let path = Self::of(list, best, gate.apex, gate.longest + distance);
         (path, distance)
     }
 }
@@ -233,7 +233,8 @@ fn crossed<L: Lanes>(simd: L::Token, w: &Windows<L>, best: &BestPath) -> [L::Mas
         L::splat(simd, 0.0),
     );
     let (dx, dy) = (qx - px, qy - py);
-    let size = clearance * (px.abs() + py.abs() + qx.abs() + qy.abs());
+    let slack = L::splat(simd, best.slack);
+    let size = clearance * (px.abs() + py.abs() + qx.abs() + qy.abs()) + slack;
     // Twice the area of the window's source, its end on the edge, and the best source. The sign is
     // the side of the best source.
     let left = (b0 - px) * dy + py * dx;
@@ -260,9 +261,9 @@ fn crossed<L: Lanes>(simd: L::Token, w: &Windows<L>, best: &BestPath) -> [L::Mas
 pub struct Reach {
     /// Length of the half-edge.
     pub(crate) l: f64,
-    /// The length of a path to the tail A that enters through the edge BC.
+    /// The length of a path to the tail A that enters through the edge BC, plus the blur.
     pub(crate) tail: f64,
-    /// The length of a path to the head B that enters through the edge CA.
+    /// The length of a path to the head B that enters through the edge CA, plus the blur.
     pub(crate) head: f64,
 }
 
@@ -307,7 +308,7 @@ impl<A: Rule, B: Rule> Rule for (A, B) {
 #[derive(Clone, Copy, Debug)]
 pub struct EveryBetterPath<'a> {
     pub(crate) apex: [f64; 2],
-    /// The paths and their lengths.
+    /// The paths, and their lengths plus the blur.
     pub(crate) paths: &'a [(BestPath, f64)],
 }
 

@@ -4,11 +4,9 @@ use geobench_window::simd::{LaneMask, Lanes};
 
 use super::columns::Windows;
 use crate::engine::store::{Block, Columns};
-use crate::precision::MARGIN;
+use crate::precision::{MARGIN, blur};
 
-/// The factor of a path through a vertex, and of the edge, before the comparison with a window. The
-/// edge counts because rounding may be relative to it, where the vertex is much nearer than its
-/// length.
+/// The factor of a path through a vertex before the comparison with a window.
 pub(crate) const LOSES: f64 = 1.0 + MARGIN;
 
 /// The half-edge of a list, with the values that the passes over the list need.
@@ -20,6 +18,8 @@ pub(crate) struct Gate {
     pub(crate) apex: [f64; 2],
     /// Known distances of the tail and the head.
     pub(crate) ends: [f64; 2],
+    /// The longest edge of the mesh, to which rounding may be relative.
+    pub(crate) longest: f64,
 }
 
 /// The vertex filter on one half-edge.
@@ -32,9 +32,10 @@ pub(super) struct Filter<L> {
 impl<L: Lanes> Filter<L> {
     #[inline(always)]
     pub(super) fn new(simd: L::Token, gate: &Gate) -> Self {
+        let [tail, head] = gate.ends.map(|d| d * LOSES + blur(gate.longest));
         Self {
-            tail: L::splat(simd, (gate.ends[0] + gate.l) * LOSES - gate.l),
-            head: L::splat(simd, (gate.ends[1] + gate.l) * LOSES),
+            tail: L::splat(simd, tail),
+            head: L::splat(simd, head + gate.l),
         }
     }
 

@@ -141,6 +141,7 @@ mod tests {
             l: 1.0,
             apex: [0.5, 0.5],
             ends: [2.5; 2],
+            longest: 1.0,
         };
         let mut store = WindowStore::new();
         let list = store.reserve(NO_LIST, lengths.len());

@@ -6,8 +6,8 @@ use super::columns::Windows;
 use super::compare::{Cuts, losses, side};
 use super::trim::trim;
 use crate::engine::store::PaddedBlock;
-use crate::pairs::{BLURRED, INSIDE};
-use crate::precision::{CLEARANCE, WINS, extent};
+use crate::pairs::{BLURRED, INSIDE, SharedEdge};
+use crate::precision::{CLEARANCE, WINS};
 
 /// Compares neighbours among the first `len` windows of `block`, cuts each by its losses, drops
 /// windows that have lost everything, compares new neighbours, and so on. Returns the number of
@@ -17,8 +17,7 @@ use crate::precision::{CLEARANCE, WINS, extent};
 /// If that would leave one of them in several pieces, or the list out of order, the list has not
 /// settled and must be processed window by window.
 ///
-/// `l` is the length of the edge. `behind` returns the third vertex of the triangle below it.
-/// `again` is scratch.
+/// `edge` returns the edge and the triangle below it. `again` is scratch.
 ///
 /// The paper traverses the list from one end, and a window meets its second neighbour after the
 /// first one has cut it. Here all pairs of a round are compared as they were before the round,
@@ -30,16 +29,14 @@ pub(crate) fn settle<L: Lanes, const TRIM: bool>(
     simd: L::Token,
     mut block: PaddedBlock<'_>,
     mut len: usize,
-    l: f64,
-    behind: impl Fn() -> [f64; 2],
+    edge: impl Fn() -> SharedEdge,
     cuts: &mut Cuts,
     again: &mut Vec<u8>,
 ) -> (usize, bool) {
     if len < 2 {
         return (len, true);
     }
-    let behind = behind();
-    let extent = extent(l, behind);
+    let edge = edge();
     // A bit for each window that must be compared with the next one, in one byte for each register.
     again.clear();
     again.resize(len.div_ceil(L::COUNT), u8::MAX);
@@ -54,10 +51,10 @@ pub(crate) fn settle<L: Lanes, const TRIM: bool>(
             let pairs = list.with_next::<L>(simd, register);
             let pairs = pairs & L::mask(simd, again[register]);
             let left = if pairs.any() {
-                let (left, apart) = losses::<L>(simd, &a, &b, pairs, extent);
-                let left = crossings::<L>(simd, &a, &b, apart, l, behind, left);
+                let (left, apart) = losses::<L>(simd, &a, &b, pairs, edge.blur);
+                let left = crossings::<L>(simd, &a, &b, apart, &edge, left);
                 if TRIM {
-                    let (left, anew) = trim::<L>(simd, &a, &b, pairs, l, left);
+                    let (left, anew) = trim::<L>(simd, &a, &b, pairs, edge.l, left);
                     if anew.any() {
                         return (len, false);
                     }
@@ -118,15 +115,14 @@ fn crossings<L: Lanes>(
     a: &Windows<L>,
     b: &Windows<L>,
     apart: L::Mask,
-    l: f64,
-    behind: [f64; 2],
+    edge: &SharedEdge,
     mut left: [[L; 2]; 2],
 ) -> [[L; 2]; 2] {
     if !apart.any() {
         return left;
     }
     let (zero, clearance) = (L::splat(simd, 0.0), L::splat(simd, CLEARANCE));
-    let blur = L::splat(simd, CLEARANCE * extent(l, behind));
+    let blur = L::splat(simd, edge.blur);
     let in_order = a.b1.lt(b.b0);
     let (v, u) = (select(in_order, a, b), select(in_order, b, a));
     // The rays to the nearest ends cross below the edge if each source is beyond the ray of the
@@ -137,7 +133,7 @@ fn crossings<L: Lanes>(
     let beyond_right = side(&u, u.b0, [zero - dx, zero - dy], size, zero)[1];
     let crossing = apart & beyond_left & beyond_right;
     if crossing.any() {
-        let dead = dearer::<L>(simd, &v, &u, crossing, l, behind);
+        let dead = dearer::<L>(simd, &v, &u, crossing, edge);
         let none = L::splat(simd, f64::NEG_INFINITY);
         let a_dies = (in_order & dead[0]) | (!in_order & dead[1]);
         let b_dies = (in_order & dead[1]) | (!in_order & dead[0]);
@@ -166,13 +162,15 @@ fn dearer<L: Lanes>(
     v: &Windows<L>,
     u: &Windows<L>,
     pairs: L::Mask,
-    length_of_edge: f64,
-    behind: [f64; 2],
+    edge: &SharedEdge,
 ) -> [L::Mask; 2] {
     let (zero, one) = (L::splat(simd, 0.0), L::splat(simd, 1.0));
-    let rounding = L::splat(simd, CLEARANCE * extent(length_of_edge, behind));
-    let (l, wins) = (L::splat(simd, length_of_edge), L::splat(simd, WINS));
-    let (tx, ty) = (L::splat(simd, behind[0]), L::splat(simd, behind[1]));
+    let rounding = L::splat(simd, edge.blur);
+    let (l, wins) = (L::splat(simd, edge.l), L::splat(simd, WINS));
+    let (tx, ty) = (
+        L::splat(simd, edge.behind[0]),
+        L::splat(simd, edge.behind[1]),
+    );
     let (rx, ry) = (v.b1 - v.px, zero - v.py);
     let (qx, qy) = (u.b0 - u.px, zero - u.py);
     let (dx, dy) = (u.px - v.px, u.py - v.py);
@@ -180,8 +178,7 @@ fn dearer<L: Lanes>(
     let s = (dx * qy - dy * qx) / denominator;
     let t = (dx * ry - dy * rx) / denominator;
     let (r2, q2) = (rx * rx + ry * ry, qx * qx + qy * qy);
-    let slenderness = extent(length_of_edge, behind) / -behind[1];
-    let blur = L::splat(simd, INSIDE * slenderness) * (r2 * q2).sqrt() / denominator.abs();
+    let blur = L::splat(simd, INSIDE * edge.slenderness) * (r2 * q2).sqrt() / denominator.abs();
     // The crossing, and whether it is clearly inside the triangle.
     let (x, y) = (v.px + s * rx, v.py + s * ry);
     let depth = y / ty;
@@ -211,9 +208,9 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::pairs::{PairOutcome, SharedEdge, check_pair};
+    use crate::pairs::{PairOutcome, check_pair};
 
-    const EDGE: SharedEdge = SharedEdge::new(1.0, [0.4, -0.8]);
+    const EDGE: SharedEdge = SharedEdge::new(1.0, [0.4, -0.8], 2.0);
 
     prop_compose! {
         fn windows()(
@@ -237,13 +234,11 @@ mod tests {
             }
         }
         let (mut cuts, mut again) = (Cuts::default(), Vec::new());
-        let behind = || EDGE.behind;
         let (len, settled) = settle::<Scalar, TRIM>(
             (),
             PaddedBlock::new(&mut lines, column as u32),
             list.len(),
-            EDGE.l,
-            behind,
+            || EDGE,
             &mut cuts,
             &mut again,
         );

@@ -98,15 +98,15 @@ struct Room {
 /// angles are measured with all digits of `S`.
 ///
 /// ```
-/// use geobench_oracle::{DoubleDouble, Model, PathFlaw, PathPoint, judge_path};
+/// use geobench_oracle::{DoubleDouble, Model, PathFlaw, JudgedPoint, judge_path};
 ///
 /// // A square cut along the diagonal from 1 to 2.
 /// let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
 /// let model = Model::new("square", positions.to_vec(), vec![[0, 1, 2], [1, 3, 2]]);
 /// let surface = model.surface::<DoubleDouble>();
 /// let across = |t| {
-///     let crossing = PathPoint::Edge { triangle: 0, ends: [1, 2], t };
-///     [PathPoint::Vertex(0), crossing, PathPoint::Vertex(3)]
+///     let crossing = JudgedPoint::Edge { triangle: 0, ends: [1, 2], t };
+///     [JudgedPoint::Vertex(0), crossing, JudgedPoint::Vertex(3)]
 /// };
 /// let d = 2.0_f64.sqrt();
 /// assert_eq!(judge_path(&surface, &across(0.5), &[0], 3, [d, d]), Ok(()));

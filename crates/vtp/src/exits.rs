@@ -158,7 +158,7 @@ impl Exits for EveryPath {
         self.paths.clear();
         let list = crossing.active.columns();
         let path = |i| {
-            let path = BestPath::of(list, i, apex, longest + crossing.distance);
+            let path = BestPath::of(list, i, &crossing.gate, crossing.distance);
             let w = crossing.active.window(i);
             let [x, y] = [apex[0] - path.entry, apex[1]];
             let bent = w.distance(path.entry) + (x * x + y * y).sqrt();

@@ -45,12 +45,15 @@
 //! # Comparisons that delete longer paths
 //!
 //! The vertex filter, rules 1, 2 and 3 and the eviction of lists delete a window only if another
-//! path is shorter by [`MARGIN`] of its length and of the extent of the face: ten thousand ε. A
-//! window that is shorter by less is kept, beside the one that beats it. A margin that is too wide
-//! only keeps more windows.
+//! path is shorter by [`MARGIN`] of its length and of the longest side that the window has crossed:
+//! ten thousand ε. A window that is shorter by less is kept, beside the one that beats it. A margin
+//! that is too wide only keeps more windows.
 //!
+//! * A window does not record the sides that it has crossed. VTP takes the longest edge of the mesh.
+//!   The extent of the last face is no bound: past the tip of a far vertex, windows come from long
+//!   faces to edges that are 1e-6 times as long.
 //! * Where sides are compared instead of lengths, a point counts as beside a ray only if its
-//!   distance from the ray exceeds [`MARGIN`] of the coordinates and of the extent.
+//!   distance from the ray exceeds [`MARGIN`] of the coordinates and of the same side.
 //! * Rule 1 takes the shortest path to the apex, without a margin, but cuts nothing that does not
 //!   cross it beyond doubt. Beside a source on the edge, a width of [`MARGIN`] of the edge holds
 //!   rays of all directions, and is spared.

@@ -121,9 +121,8 @@ impl SimdProgram for RunKernel<'_> {
                     return 0;
                 };
                 let [block, left, right] = bench.store.blocks([list, left, right]);
-                let size = bench.gate.longest + found.distance;
                 let list = block.columns(len);
-                let best = BestPath::of(list, found.best, bench.gate.apex, size);
+                let best = BestPath::of(list, found.best, &bench.gate, found.distance);
                 let [mut left, mut right] = [left, right].map(|block| Target {
                     block,
                     len: 0,

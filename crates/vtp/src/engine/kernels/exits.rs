@@ -3,12 +3,12 @@
 use super::columns::Windows;
 use super::filter::Gate;
 use crate::engine::store::Columns;
-use crate::precision::{CLEARANCE, MARGIN, RESOLUTION, WINS};
+use crate::precision::{CLEARANCE, MARGIN, RESOLUTION, WINS, blur};
 use geobench_window::length_past_end;
 use geobench_window::simd::{LaneMask, Lanes};
 
-/// How far beyond the best path, as a fraction of the longest edge and of the path, rays of a source
-/// close to the half-edge must be before rule 1 cuts them.
+/// How far beyond the best path, as a fraction of the half-edge and of the path, rays of a source
+/// close to the edge must be before rule 1 cuts them. The rounding of the source is added.
 ///
 /// The rays of all directions of such a source pass through a width smaller than the rounding of
 /// the path. Of two paths with equal lengths one may turn at the source, and the other as far from
@@ -16,7 +16,7 @@ use geobench_window::simd::{LaneMask, Lanes};
 const SLACK: f64 = MARGIN;
 
 /// How close such a source is, as a fraction of both. A nearer source sees the slack under an angle
-/// above [`RESOLUTION`].
+/// above [`RESOLUTION`]. A source no farther than its own rounding counts as close as well.
 const CLOSE: f64 = RESOLUTION;
 
 /// Windows that enter a face, and the sides on which their rays leave.
@@ -106,7 +106,9 @@ pub struct BestPath {
     pub(crate) entry: f64,
     /// Its source.
     pub(crate) source: [f64; 2],
-    /// The bound of its rounding error.
+    /// The bound of the rounding error of sources, in addition to that of their own coordinates.
+    blur: f64,
+    /// The bound of the rounding error of the entry.
     slack: f64,
     /// The part of `slack` that applies to windows whose sources are below `close`: 0, unless the
     /// source of the path itself is close to the half-edge.
@@ -115,27 +117,26 @@ pub struct BestPath {
 }
 
 impl BestPath {
-    /// The path that crosses a half-edge at `entry`. `size` is the length of the longest edge of the
-    /// mesh plus that of the path.
+    /// The path that crosses a half-edge at `entry`. `size` is the length of the half-edge plus
+    /// that of the path. `blur` is the [rounding error](crate::precision::blur) of sources.
     #[inline(always)]
-    pub(crate) fn new(entry: f64, source: [f64; 2], size: f64) -> Self {
+    pub(crate) fn new(entry: f64, source: [f64; 2], size: f64, blur: f64) -> Self {
+        let (slack, close) = (SLACK * size + blur, -(CLOSE * size + blur));
         Self {
             entry,
             source,
-            slack: SLACK * size,
-            least_slack: if source[1] < -CLOSE * size {
-                0.0
-            } else {
-                SLACK * size
-            },
-            close: -CLOSE * size,
+            blur,
+            slack,
+            least_slack: if source[1] < close { 0.0 } else { slack },
+            close,
         }
     }
 
-    /// The path of window `i` of `list` to `apex`; `size` as in [`new`](Self::new).
+    /// The path of window `i` of `list` to the apex behind `gate`, of length `distance`.
     #[inline(always)]
-    pub(crate) fn of(list: Columns<'_>, i: usize, apex: [f64; 2], size: f64) -> Self {
+    pub(crate) fn of(list: Columns<'_>, i: usize, gate: &Gate, distance: f64) -> Self {
         let [b0, b1, px, py, _] = list.row(i);
+        let apex = gate.apex;
         let sp = (apex[1] * px - apex[0] * py) / (apex[1] - py);
         let entry = if sp < b0 {
             b0
@@ -144,7 +145,7 @@ impl BestPath {
         } else {
             sp
         };
-        Self::new(entry, [px, py], size)
+        Self::new(entry, [px, py], gate.l + distance, blur(gate.longest))
     }
 
     /// The shortest path of `list` to the apex behind `gate`, and its length. By the windows alone it
@@ -157,7 +158,7 @@ impl BestPath {
         gate: &Gate,
         sides: impl Fn() -> [f64; 2],
     ) -> (Self, f64) {
-        let path = Self::of(list, best, gate.apex, gate.longest + distance);
+        let path = Self::of(list, best, gate, distance);
         // Only beside needles is a path through an end shorter than the distance there.
         let past_tail = path.entry <= 0.0 && gate.ends[0] > distance;
         if past_tail || path.entry >= gate.l && gate.ends[1] > distance {
@@ -176,7 +177,7 @@ impl BestPath {
         let [cx, cy] = gate.apex;
         let lengths = (0..list.len()).map(|i| {
             let [.., px, py, sigma] = list.row(i);
-            let path = Self::of(list, i, gate.apex, gate.longest);
+            let path = Self::of(list, i, gate, 0.0);
             let is_straight = path.entry == (cy * px - cx * py) / (cy - py);
             let d = if is_straight {
                 sigma + (cx - px).hypot(cy - py)
@@ -187,7 +188,7 @@ impl BestPath {
         });
         let shortest = lengths.enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b));
         let (best, distance) = shortest.unwrap_or((0, f64::INFINITY));
-        let path = Self::of(list, best, gate.apex, gate.longest + distance);
+        let path = Self::of(list, best, gate, distance);
         (path, distance)
     }
 }
@@ -233,8 +234,8 @@ fn crossed<L: Lanes>(simd: L::Token, w: &Windows<L>, best: &BestPath) -> [L::Mas
         L::splat(simd, 0.0),
     );
     let (dx, dy) = (qx - px, qy - py);
-    let slack = L::splat(simd, best.slack);
-    let size = clearance * (px.abs() + py.abs() + qx.abs() + qy.abs()) + slack;
+    let blur = L::splat(simd, best.blur);
+    let size = clearance * (px.abs() + py.abs() + qx.abs() + qy.abs()) + blur;
     // Twice the area of the window's source, its end on the edge, and the best source. The sign is
     // the side of the best source.
     let left = (b0 - px) * dy + py * dx;
@@ -374,7 +375,7 @@ mod tests {
     }
 
     fn best(entry: f64, source: [f64; 2]) -> BestPath {
-        BestPath::new(entry, source, 1.0)
+        BestPath::new(entry, source, 1.0, blur(1.0))
     }
 
     /// What `rule` leaves of a window whose ray to the apex enters at `sp`.

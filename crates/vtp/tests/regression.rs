@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use geobench_mesh::Mesh;
+use geobench_mesh::{Mesh, SplitMix64};
 use geobench_vtp::{
     EdgeBased, FastOptions, Ftp, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpNoRule1,
     VtpNoRules23, VtpTrimming,
@@ -232,5 +232,50 @@ fn windows_of_late_vertices_came_before_those_of_nearer_ones() {
             fast.max(alone) <= 2 * vtp,
             "{cells:?} cells of {size:?}: {fast} and {alone} windows, vtp {vtp}"
         );
+    }
+}
+
+/// A funnel of rings of five vertices, each a tenth of the one before, with rough heights.
+fn funnel(rings: u32, seed: u64) -> Mesh {
+    let mut random = SplitMix64::new(seed);
+    let mut positions = Vec::new();
+    for ring in 0..rings {
+        let radius = 0.1_f64.powi(ring as i32);
+        for i in 0..5 {
+            let turn = (f64::from(i) + 0.5 * f64::from(ring % 2)) / 5.0;
+            let (sin, cos) = (TAU * turn).sin_cos();
+            positions.push([cos, sin, random.unit() - 0.5].map(|x| radius * x));
+        }
+    }
+    positions.push([0.0; 3]);
+    let mut faces = Vec::new();
+    for ring in 0..rings {
+        for i in 0..5 {
+            let [a, b] = [i, (i + 1) % 5].map(|i| 5 * ring + i);
+            let (c, d) = (a + 5, b + 5);
+            match ring {
+                _ if ring + 1 == rings => faces.push([a, b, 5 * rings]),
+                _ if ring % 2 == 0 => faces.extend([[a, b, c], [b, d, c]]),
+                _ => faces.extend([[a, d, c], [a, b, d]]),
+            }
+        }
+    }
+    Mesh::new(positions, faces).unwrap()
+}
+
+/// The direction of a path at a vertex was taken from a place that errs by more than the edges
+/// there are long, so that no window was sent the right way, and vertices were lost.
+#[test]
+fn spawn_wedges_beside_edges_below_rounding_were_anywhere() {
+    for seed in 0..40 {
+        let mesh = funnel(22, seed);
+        let solve = |mut solver: Box<dyn Solver>| solver.solve(&[0.into()]).unwrap().distances;
+        let right = solve(Box::new(Vtp::new(&mesh)));
+        for (name, solver) in solvers(&mesh) {
+            for (v, (found, right)) in solve(solver).iter().zip(&right).enumerate() {
+                let is_right = (found - right).abs() <= 1e-9 * right;
+                assert!(is_right, "{name}, seed {seed}, vertex {v}: {found}");
+            }
+        }
     }
 }

@@ -11,7 +11,9 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterato
 
 use super::face_state::FaceState;
 use super::kernels::{Gate, Triangle};
+use super::spawn_wedge::WIDENING;
 use super::store::COLUMNS;
+use crate::precision::blur;
 
 /// The twin of a half-edge on the boundary.
 pub(crate) const NO_TWIN: u32 = u32::MAX;
@@ -214,8 +216,8 @@ fn concatenated<T: Copy>(mut parts: Vec<Vec<T>>) -> Vec<T> {
 pub(crate) struct VertexFacts {
     /// Whether the vertex sends windows when a path reaches it.
     pub(crate) pseudo_source: bool,
-    /// Whether it must send them in all directions: where fans meet or end, or angles are small,
-    /// the spawn wedge is not known.
+    /// Whether it must send them in all directions: where fans meet or end, angles are small, or
+    /// edges are hardly longer than the rounding of a path's place, the spawn wedge is not known.
     pub(crate) all_around: bool,
     /// Whether the last half-edge of its ring has no face on its other side.
     pub(crate) boundary: bool,
@@ -227,9 +229,14 @@ pub(crate) struct VertexFacts {
 
 impl VertexFacts {
     fn new(mesh: &Mesh, v: VertexId) -> Self {
+        let error = blur(mesh.longest_edge());
+        let is_known = |(_, length): (VertexId, f64)| error < f64::from(WIDENING) * length;
         Self {
             pseudo_source: mesh.is_pseudo_source(v),
-            all_around: mesh.is_boundary(v) || mesh.is_pinched(v) || mesh.is_beside_sliver(v),
+            all_around: mesh.is_boundary(v)
+                || mesh.is_pinched(v)
+                || mesh.is_beside_sliver(v)
+                || !mesh.neighbours(v).all(is_known),
             boundary: mesh.is_boundary(v),
             flat: is_flat(mesh, v),
             total_angle: mesh.total_angle(v) as f32,

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use crate::errors::solve_error;
 use crate::interrupt;
 use crate::path::triples;
-use crate::points::{Finder, several};
+use crate::points::{Finder, together};
 use crate::solver::warn;
 
 /// Default deviation of chords from arcs, as a fraction of the distance of the isoline.
@@ -150,7 +150,7 @@ pub(crate) fn isolines(
     let asked = levels(every, given)?;
     let mut finder = Finder::new(mesh);
     let mut points: Vec<SurfacePoint> = Vec::new();
-    for spec in several(source, "source")? {
+    for spec in together(source, "source")? {
         points.push(finder.find(spec, "source")?);
     }
     let surface = mesh.clone();

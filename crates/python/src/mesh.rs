@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use geobench_harness::exec::expected::stem;
-use geodesics::mesh::tolerance::RELATIVE;
 use geodesics::mesh::{MeshMeasures, Report, Severity, Tolerance};
 use geodesics::{Mesh, Place, RemeshOptions, Stop, TriangleSoup, VertexId, generate, io};
 use numpy::{PyArray1, PyArray2};
@@ -198,7 +197,7 @@ impl PyMesh {
     /// ------
     /// ValueError
     ///     An array has another shape, or holds NaN or a negative number.
-    #[pyo3(signature = (found, reference, *, tolerance = RELATIVE))]
+    #[pyo3(signature = (found, reference, *, tolerance = 1e-9))]
     fn wrong_distances<'py>(
         &self,
         py: Python<'py>,

@@ -109,7 +109,6 @@ def test_other_calls(square, tmp_path):
     fails(ValueError, "every: 0", square.isolines, 0, every=0)
     fails(ValueError, "every: a step of 0.00001 asks for", square.isolines, 0, every=1e-5)
     fails(ValueError, "levels: -1", square.isolines, 0, levels=[1, -1])
-    fails(ValueError, "vertex 1 occurs twice", square.voronoi, [1, 1])
     fails(TypeError, "mesh: a geobench.Mesh is needed, not str", gb.Solver, "mesh.obj")
     fails(ValueError, "simd", gb.Solver, square, simd="sse9")
     fails(ValueError, r"distances: the shape is \(4,\), but \(5,\)", gb.certify, square, 0, V[:, 0])

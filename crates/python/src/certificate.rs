@@ -123,7 +123,11 @@ pub(crate) fn certify(
     }
     failures.sort_by(|a, b| b.2.total_cmp(&a.2));
     if proof.relative() > tolerance {
-        let places = proof.too_long.failures.iter().chain(&proof.too_short.failures);
+        let places = proof
+            .too_long
+            .failures
+            .iter()
+            .chain(&proof.too_short.failures);
         failures.extend(places.map(|failure| {
             let failure = OriginalFailure::new(failure, &refined, &mesh);
             let (kind, number) = match failure.place {

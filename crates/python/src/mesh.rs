@@ -69,7 +69,10 @@ impl PyMesh {
     }
 
     fn algorithm(&self, name: &str) -> PyResult<MeshAlgorithm> {
-        Ok(MeshAlgorithm::new(&self.mesh, &selection(name, None, "auto")?))
+        Ok(MeshAlgorithm::new(
+            &self.mesh,
+            &selection(name, None, "auto")?,
+        ))
     }
 }
 

@@ -85,6 +85,6 @@ fn distances_that_rounding_may_spoil_are_not_given_in_silence() {
          face 0): each may be off by up to 1.0e-12; split the long edges to be sure\n"
     );
     sandbox.write("wide.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 1e-2 0\n3 0 1 2\n");
-    let sure = sandbox.call("distance wide.off --source 0,1 --quiet -o d.csv");
+    let sure = sandbox.call("distance wide.off --source 0 --quiet -o d.csv");
     assert_eq!((sure.code, sure.stderr.as_str()), (0, ""));
 }

@@ -240,7 +240,7 @@ fn funnel(rings: u32, seed: u64) -> Mesh {
     let mut random = SplitMix64::new(seed);
     let mut positions = Vec::new();
     for ring in 0..rings {
-        let radius = 0.1_f64.powi(ring as i32);
+        let radius = 0.1_f64.powf(f64::from(ring));
         for i in 0..5 {
             let turn = (f64::from(i) + 0.5 * f64::from(ring % 2)) / 5.0;
             let (sin, cos) = (TAU * turn).sin_cos();

@@ -1,8 +1,8 @@
 //! Ball arithmetic on double-doubles: a number of some 31 digits with a bound of its error.
 //!
 //! Interval arithmetic on doubles loses a few units in the last place in each operation, and these
-//! add up over the faces that a path crosses. Here inputs are exact, and what is left of a proof are
-//! the errors of the distances. The relative errors of sums, products, quotients and roots of
+//! add up over the faces that a path crosses. Inputs are exact here, so only the errors of the
+//! distances are left in a proof. The relative errors of sums, products, quotients and roots of
 //! double-doubles are at most 2^-100 (M. Joldes, J.-M. Muller, V. Popescu, Tight and rigorous error
 //! bounds for basic building blocks of double-word arithmetic, 2017; V. Lefèvre, N. Louvet, J.-M.
 //! Muller, J. Picot, L. Rideau, Accurate calculation of Euclidean norms using double-word

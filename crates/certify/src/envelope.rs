@@ -59,8 +59,8 @@ impl EnvelopePiece {
         [self.sigma + length, x / length]
     }
 
-    /// How much it is above another one at most where both are, in rounded arithmetic; minus infinity if
-    /// they do not overlap.
+    /// How much it is above another one at most where both are, in rounded arithmetic; minus
+    /// infinity if they do not overlap.
     pub(crate) fn height_above(&self, other: &Self) -> f64 {
         let piece = SidePiece::new(self.distance(), self.from, self.to, 0);
         piece.height_above(&other.distance(), [other.from, other.to])
@@ -119,8 +119,8 @@ pub(crate) struct EnvelopeBuilder {
 }
 
 impl EnvelopeBuilder {
-    /// Appends the lower envelope of `pieces` on an edge of this length. Together they must cover the
-    /// edge. A piece also covers gaps next to it up to `gap` times the edge length plus distance.
+    /// Appends the lower envelope of `pieces` on an edge of this length. Together they must cover
+    /// the edge. A piece also covers gaps next to it up to `gap` times the edge length plus distance.
     /// The appended pieces are sorted and cover the edge without gaps,
     /// from 0 to `length`.
     ///

@@ -558,7 +558,7 @@ impl LoadedModelCheck<'_> {
     }
 }
 
-/// What is known of the distances from a source.
+/// The stored distances, checks and doubt of the answers for one source.
 struct SourceState {
     spec: SourceSpec,
     /// Number of distances of an answer.

@@ -97,7 +97,8 @@ struct Options {
     #[arg(long)]
     no_minimise: bool,
 
-    /// Seconds of processor time after which a solve is taken to hang; for each thousand faces of large meshes
+    /// Seconds of processor time after which a solve is taken to hang; for each thousand faces of
+    /// large meshes
     #[arg(long, value_name = "S", default_value_t = 2.0)]
     limit: f64,
 

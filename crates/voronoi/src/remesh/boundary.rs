@@ -234,8 +234,8 @@ mod tests {
         assert_eq!(points(&closed, 0.1, 1000).unwrap(), []);
     }
 
-    /// Regression test: a spacing far below the boundary, as the area of a narrow strip asks for, took
-    /// memory for every point.
+    /// Regression test: a spacing far below the boundary, as the area of a narrow strip asks for,
+    /// took memory for every point.
     #[test]
     fn a_narrow_strip_gets_no_more_points_than_asked_for() {
         for width in [1e-3, 1e-30, 1e-57] {

@@ -53,14 +53,14 @@ const RELATIONS: &[Relation] = &[
         band: 0.34..=0.50,
     },
     Relation {
-        what: "FWP-CH and ICH propagate alike (report of 2014, Table 5.2)",
+        what: "FWP-CH and ICH propagate alike (report of February 2016, Table 5.2)",
         count: propagated("fwp-ch"),
         of: propagated("ich"),
         paper: 7_963_743.0 / 7_944_632.0,
         band: 0.95..=1.05,
     },
     Relation {
-        what: "FWP-MMP and MMP propagate alike (report of 2014, Table 5.2)",
+        what: "FWP-MMP and MMP propagate alike (report of February 2016, Table 5.2)",
         count: propagated("fwp-mmp"),
         of: propagated("mmp"),
         paper: 4_384_441.0 / 4_404_114.0,

@@ -390,7 +390,7 @@ mod tests {
         assert_eq!(of("valid", &cell), Some(7.0));
         assert_eq!(of("prime_share", &cell), Some(0.75));
         assert_eq!(of("iterations", &cell), None);
-        // Table 5.1 of the transfer report (2014): 374 levels on the horse give b = 1.0293.
+        // Table 5.1 of the transfer report (2016): 374 levels on the horse give b = 1.0293.
         assert_eq!(of("b", &cell), None);
         cell.counters.set(Counter::Levels, 374);
         assert!((of("b", &cell).unwrap() - 1.0293).abs() < 1e-4);

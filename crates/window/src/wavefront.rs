@@ -15,7 +15,7 @@ pub struct WavefrontRecord {
     /// Mean of their distances.
     pub distance: f64,
     /// Standard deviation of their distances. The smaller it is, the closer the run is to the order
-    /// of distances (Xu et al. 2015, section 6; transfer report of 2014, section 5.5.2).
+    /// of distances (Xu et al. 2015, section 6; transfer report of February 2016, section 5.5.2).
     pub deviation: f64,
     /// The number of windows that the current round was to take, for a queue that works in rounds.
     pub k: Option<u64>,

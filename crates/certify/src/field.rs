@@ -161,36 +161,28 @@ impl EdgeField<'_> {
     }
 
     /// The piece `node` of the edge of `h`, of this length, in the direction of `h`.
+    ///
+    /// The length in the mesh is rounded. So the last piece ends where the edge does, and a piece of
+    /// which a part lies beyond that end is cut there. Straight lines through points beyond a corner
+    /// would reach points of the face that they do not. An end that is in doubt becomes the corner:
+    /// the proof then covers more points.
     pub(crate) fn exact(&self, h: HalfEdgeId, length: Ball, node: usize) -> ExactPiece {
         let piece = &self.pieces[node - self.mesh.vertex_count()];
-        let [x, y] = piece.image.map(Ball::exact);
-        let sigma = Ball::exact(piece.sigma);
-        // The length in the mesh is rounded; the last piece ends where the edge does.
-        let is_last = |t: f64| t == self.mesh.length(h);
-        if canonical(self.mesh, h) == h {
-            let end = |t| {
-                if is_last(t) { length } else { Ball::exact(t) }
-            };
-            return ExactPiece {
-                from: end(piece.from),
-                to: end(piece.to),
-                distance: Distance {
-                    image: [x, y],
-                    sigma,
-                },
-            };
+        let [mut x, y] = piece.image.map(Ball::exact);
+        let is_at_end =
+            |t: f64| t == self.mesh.length(h) || (length - Ball::exact(t)).lower() <= 0.0;
+        let end = |t| if is_at_end(t) { length } else { Ball::exact(t) };
+        let mut ends = [piece.from, piece.to].map(end);
+        if canonical(self.mesh, h) != h {
+            x = length - x;
+            ends = [ends[1], ends[0]].map(|t| if t == length { Ball::ZERO } else { length - t });
         }
-        let end = |t: f64| match t {
-            0.0 => length,
-            t if is_last(t) => Ball::ZERO,
-            t => length - Ball::exact(t),
-        };
         ExactPiece {
-            from: end(piece.to),
-            to: end(piece.from),
+            from: ends[0],
+            to: ends[1],
             distance: Distance {
-                image: [length - x, y],
-                sigma,
+                image: [x, y],
+                sigma: Ball::exact(piece.sigma),
             },
         }
     }

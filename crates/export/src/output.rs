@@ -1,9 +1,10 @@
 //! Output files. They are checked before the work starts and replaced atomically.
 
+use std::collections::HashSet;
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
-#[cfg(unix)]
-use std::os::unix::fs::FileTypeExt;
+use std::os::fd::AsFd;
+use std::os::unix::fs::{FileTypeExt, MetadataExt, chown};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
@@ -46,7 +47,6 @@ impl OutputFile {
         let replace = match fs::metadata(&path) {
             Ok(found) if found.is_dir() => bail!("{shown}: cannot be written: it is a directory"),
             // The reader of a pipe would take a trial for the whole.
-            #[cfg(unix)]
             Ok(found) if found.file_type().is_fifo() => false,
             Ok(found) => {
                 OpenOptions::new()
@@ -92,11 +92,6 @@ impl OutputFile {
         Ok(file)
     }
 
-    /// The canonical path, which is equal for equal files.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// Whether it is standard output.
     pub fn is_standard_output(&self) -> bool {
         self.path == Path::new(STANDARD)
@@ -124,7 +119,8 @@ impl OutputFile {
     }
 
     /// Replaces the file by one that `write` creates under a temporary name that ends with
-    /// `ending`.
+    /// `ending`. The new file is on disk before it takes the place of the old one, whose mode it
+    /// gets, and whose owner and group if the system allows.
     ///
     /// # Errors
     ///
@@ -144,9 +140,17 @@ impl OutputFile {
             .map_err(|error| plain(&error))
             .with_context(|| self.failure())?;
         write(file.path()).with_context(|| self.failure())?;
-        file.persist(&self.path)
-            .map_err(|error| error.error)
-            .with_context(|| self.failure())?;
+        self.replace_by(file).with_context(|| self.failure())
+    }
+
+    fn replace_by(&self, file: tempfile::NamedTempFile) -> io::Result<()> {
+        if let Ok(old) = fs::metadata(&self.path) {
+            // Only root may give files away.
+            let _ = chown(file.path(), Some(old.uid()), Some(old.gid()));
+            file.as_file().set_permissions(old.permissions())?;
+        }
+        file.as_file().sync_all()?;
+        file.persist(&self.path).map_err(|error| error.error)?;
         Ok(())
     }
 
@@ -187,13 +191,29 @@ pub fn write_standard_output(contents: &[u8]) -> io::Result<()> {
 pub fn temporary_file(directory: &Path, ending: &str) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".geobench-").suffix(ending);
-    #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(directory)
 }
 
+/// Opens the file at `path` and locks it until the result is dropped, so that of several processes
+/// that each read it and [replace](OutputFile::write) it, one does so at a time.
+///
+/// # Errors
+///
+/// When the file cannot be opened or locked.
+pub fn lock(path: &Path) -> io::Result<fs::File> {
+    loop {
+        let file = fs::File::open(path)?;
+        file.lock()?;
+        // Whoever had the lock may have replaced the file, so that this lock is one of the old file.
+        if FileIdentity::of_open(&file)? == FileIdentity::of(path) {
+            return Ok(file);
+        }
+    }
+}
+
 /// The canonical path of a file, which need not exist.
-pub fn canonical(path: &Path) -> PathBuf {
+fn canonical(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| in_canonical_directory(path))
 }
 
@@ -217,32 +237,28 @@ fn plain(error: &io::Error) -> anyhow::Error {
     }
 }
 
-/// Checks that no two outputs are the same file.
+/// Checks that no two outputs are the same file, and that none is among the files that the command
+/// reads: `inputs`, and the file from which standard input comes.
 ///
 /// # Errors
 ///
-/// Names the file that is given twice.
-pub fn check_distinct(outputs: &[&OutputFile]) -> anyhow::Result<()> {
-    for (i, output) in outputs.iter().enumerate() {
-        if outputs[..i]
-            .iter()
-            .any(|other| other.path() == output.path())
-        {
+/// Names the output.
+pub fn check_files<'a>(
+    outputs: impl IntoIterator<Item = &'a OutputFile>,
+    inputs: impl IntoIterator<Item = impl AsRef<Path>>,
+) -> anyhow::Result<()> {
+    let mut written = HashSet::new();
+    let outputs: Vec<&OutputFile> = outputs.into_iter().collect();
+    for output in &outputs {
+        if !written.insert(FileIdentity::of(&output.path)) {
             bail!("{}: given twice as output", output.shown);
         }
     }
-    Ok(())
-}
-
-/// Checks that no output would replace a file that the command reads.
-///
-/// # Errors
-///
-/// Names the file.
-pub fn check_not_read(outputs: &[&OutputFile], inputs: &[impl AsRef<Path>]) -> anyhow::Result<()> {
-    for output in outputs.iter().filter(|output| output.replace) {
-        let mut inputs = inputs.iter();
-        if inputs.any(|input| canonical(input.as_ref()) == output.path) {
+    let read = inputs.into_iter();
+    let mut read: HashSet<FileIdentity> = read.map(|p| FileIdentity::of(p.as_ref())).collect();
+    read.extend(FileIdentity::of_standard_input());
+    for output in outputs.into_iter().filter(|output| output.replace) {
+        if read.contains(&FileIdentity::of(&output.path)) {
             bail!(
                 "{}: would replace a file that is read; name another output",
                 output.shown
@@ -250,6 +266,36 @@ pub fn check_not_read(outputs: &[&OutputFile], inputs: &[impl AsRef<Path>]) -> a
         }
     }
     Ok(())
+}
+
+/// What two names of one file share, whether one is a symbolic or a hard link to the other.
+#[derive(PartialEq, Eq, Hash)]
+enum FileIdentity {
+    /// Device and inode of a file.
+    Inode(u64, u64),
+    /// The canonical path of a file that does not exist yet.
+    Path(PathBuf),
+}
+
+impl FileIdentity {
+    fn of(path: &Path) -> Self {
+        if let Ok(found) = fs::metadata(path) {
+            return Self::Inode(found.dev(), found.ino());
+        }
+        Self::Path(canonical(path))
+    }
+
+    fn of_open(file: &fs::File) -> io::Result<Self> {
+        let found = file.metadata()?;
+        Ok(Self::Inode(found.dev(), found.ino()))
+    }
+
+    /// The regular file from which standard input comes, if it does.
+    fn of_standard_input() -> Option<Self> {
+        let file = fs::File::from(io::stdin().as_fd().try_clone_to_owned().ok()?);
+        let is_file = file.metadata().ok()?.is_file();
+        is_file.then(|| Self::of_open(&file).ok()).flatten()
+    }
 }
 
 /// The file at `path` with its format.
@@ -269,7 +315,7 @@ pub fn prepare_one<F: FileFormat>(path: &Path) -> anyhow::Result<(F, OutputFile)
 pub fn prepare<F: FileFormat>(paths: &[PathBuf]) -> anyhow::Result<Vec<(F, OutputFile)>> {
     let outputs = paths.iter().map(|path| prepare_one(path));
     let outputs = outputs.collect::<anyhow::Result<Vec<(F, OutputFile)>>>()?;
-    check_distinct(&outputs.iter().map(|(_, file)| file).collect::<Vec<_>>())?;
+    check_files(outputs.iter().map(|(_, file)| file), [""; 0])?;
     Ok(outputs)
 }
 
@@ -301,7 +347,21 @@ mod tests {
         );
     }
 
-    #[cfg(unix)]
+    #[test]
+    fn a_file_keeps_its_mode() {
+        use std::os::unix::fs::PermissionsExt;
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("x.csv");
+        fs::write(&path, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        OutputFile::prepare(&path).unwrap().write(b"new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(
+            fs::metadata(&path).unwrap().permissions().mode() & 0o777,
+            0o640
+        );
+    }
+
     #[test]
     fn a_link_stays_a_link() {
         let directory = tempfile::tempdir().unwrap();

@@ -165,7 +165,7 @@ fn use_all(file: &ResultFile, other: &ResultFile, thoroughly: bool) {
         let _ = report::page(&report);
         let folder = tempfile::tempdir().unwrap();
         for form in [Form::Svg, Form::Csv, Form::Tex] {
-            report::write_files(&report, form, folder.path()).unwrap();
+            report::write_files(&report, form, folder.path(), &[]).unwrap();
         }
     }
 }

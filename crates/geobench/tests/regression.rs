@@ -542,7 +542,8 @@ fn parts_with_a_source_in_two_forms_could_not_be_merged() {
 fn recording_a_file_again_doubled_its_samples() {
     let sandbox = Sandbox::with_square();
     sandbox.succeed("run square.off --algo ich --repeat 3 --quiet -o r.json");
-    let record = "record r.json --commit 0123456789abcdef0123456789abcdef01234567 --into history";
+    let record = "record r.json --commit 0123456789abcdef0123456789abcdef01234567 \
+                  --date 2025-03-04 --into history";
     for _ in 0..2 {
         sandbox.succeed(record);
     }

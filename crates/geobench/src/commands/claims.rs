@@ -43,21 +43,24 @@ pub(crate) struct ClaimsOptions {
 
 pub(crate) fn claims(options: &ClaimsOptions, look: Look) -> anyhow::Result<Verdict> {
     let outputs = output::prepare::<ClaimsFormat>(&options.output)?;
-    let wanted = match &options.claims {
+    let of_claims = options.claims.as_ref().map(|given| files(given, "toml"));
+    let of_claims = of_claims.transpose()?;
+    let results = options.results.iter().map(|given| files(given, "json"));
+    let results = results.collect::<anyhow::Result<Vec<_>>>()?.concat();
+    let read = of_claims.iter().flatten().chain(&results);
+    output::check_files(outputs.iter().map(|(_, file)| file), read)?;
+    let wanted = match of_claims {
         None => claims::known()?,
-        Some(given) => {
-            let paths = files(given, "toml")?;
+        Some(paths) => {
             let files = paths.iter().map(|path| ClaimsFile::read(path));
             files.collect::<Result<_, _>>()?
         }
     };
-    let mut results = Vec::new();
-    for given in &options.results {
-        for path in files(given, "json")? {
-            let result = result_file::read(&path)?;
-            results.push(Input::new(path, result));
-        }
-    }
+    let results = results.into_iter().map(|path| {
+        let result = result_file::read(&path)?;
+        Ok(Input::new(path, result))
+    });
+    let results = results.collect::<anyhow::Result<Vec<_>>>()?;
     let report = claims::judge(&wanted, &results)?;
     if !options.quiet {
         terminal::warnings(&report.notes);

@@ -1,15 +1,13 @@
 //! `geobench cluster`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, Command, FromArgMatches};
 use geobench_export::escape::shell;
-use geobench_harness::exec::expected::{Expected, stored_files};
-use geobench_harness::exec::model::ModelRef;
+use geobench_harness::plan::Plan;
 use geobench_harness::plan::suite::Plans;
-use geobench_harness::plan::{Plan, Reference};
 use geobench_harness::run::cluster::{
     ClusterDirectory, ClusterFiles, ClusterRecord, EXCLUSIVE, PartState, Resources, parts_in_words,
 };
@@ -108,7 +106,9 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     }
     words.extend(options.run.iter().cloned());
     let run = run_options(&words)?;
-    let Plans { plans, notes } = possible_plans(&run)?;
+    let all = possible_plans(&run)?;
+    let files = run.input_files(&all);
+    let Plans { plans, notes, .. } = all;
     let open = plans.iter().any(|plan| plan.sources.has_all());
     let units: u128 = plans.iter().map(Plan::units).sum();
     if !open && units < u128::from(parts) {
@@ -121,7 +121,6 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     let program = std::env::current_exe().context("cannot tell the path of this program")?;
     let here = std::env::current_dir().context("cannot tell the current directory")?;
     let fixed = fixed(&run, &plans);
-    let files = files(&run, &plans);
     let placement = ClusterFiles::find(directory, &program, &here, &files, fixed.as_deref())?;
     let mut resources = Resources::of(&plans, parts);
     // `Resources::of` assumes one cell at a time; `--jobs` cells run concurrently.
@@ -203,31 +202,7 @@ fn run_options(words: &[String]) -> anyhow::Result<RunOptions> {
     Ok(options)
 }
 
-/// The files that the parts read: the suite, the models, and those that options name.
-fn files(run: &RunOptions, plans: &[Plan]) -> Vec<PathBuf> {
-    let models = plans.iter().flat_map(|plan| &plan.models);
-    let mut files: Vec<PathBuf> = models
-        .filter_map(|model| model.source_file().map(Path::to_owned))
-        .chain(run.config.clone())
-        .chain(run.isolation.ext.clone())
-        .chain(run.goal.targets.clone())
-        .collect();
-    for plan in plans {
-        match &plan.reference {
-            Reference::Files(Expected::File(path)) => files.push(path.clone()),
-            Reference::Files(Expected::BesideModels) => {
-                let models = plan.models.iter().filter_map(ModelRef::file_path);
-                files.extend(models.flat_map(stored_files));
-            }
-            Reference::None | Reference::Algorithm(_) => {}
-        }
-    }
-    files.sort();
-    files.dedup();
-    files
-}
-
-/// What the parts need besides [`files`], and no copy of these would find.
+/// What the parts need besides the files that they read, and no copy of these would find.
 fn fixed(run: &RunOptions, plans: &[Plan]) -> Option<String> {
     let mut algorithms = plans.iter().flat_map(|plan| &plan.algorithms);
     if let Some(outside) = algorithms.find(|algorithm| algorithm.program().is_some()) {

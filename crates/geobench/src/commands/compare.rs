@@ -67,8 +67,7 @@ pub(crate) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Ve
     if paths.len() < 2 {
         bail!("{}: give two or more files to compare", paths[0].display());
     }
-    let written: Vec<_> = outputs.iter().map(|(_, output)| output).collect();
-    output::check_not_read(&written, &paths)?;
+    output::check_files(outputs.iter().map(|(_, file)| file), &paths)?;
     let files = result_file::read_all(&paths)?;
     let rules = options.fail_on.clone().unwrap_or_default();
     let (name, first) = &files[0];

@@ -7,7 +7,7 @@ use anyhow::bail;
 use clap::Args;
 use geobench_export::FileFormat;
 use geobench_export::distances::{DistanceFile, DistanceMatrix, FieldFormat, MatrixFormat};
-use geobench_export::output::{OutputFile, check_not_read};
+use geobench_export::output::{OutputFile, check_files};
 use geobench_harness::exec::expected::file_word;
 use geobench_harness::exec::model;
 use geobench_harness::schema::SourceLabel;
@@ -89,9 +89,14 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     }
     let output = OutputFile::prepare(&options.output)?;
     let model = model::only(&options.model)?;
+    let read: Vec<&Path> = model
+        .source_file()
+        .into_iter()
+        .chain(options.goal.targets.as_deref())
+        .collect();
     // With `--each` the output only names the files of the sources.
     if options.matrix || !options.each {
-        check_not_read(&[&output], &[&model.path])?;
+        check_files([&output], &read)?;
     }
     let wanted = options.goal.wanted()?;
     if let (DistanceOutput::Field(format), Some(_)) = (&form, &wanted)
@@ -116,6 +121,7 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     }
     let request = DistanceCommand {
         options,
+        read: &read,
         model: &model.name,
         mesh: &mesh,
         points: &points,
@@ -174,6 +180,8 @@ fn path_of_source(path: &Path, source: &SourceLabel) -> PathBuf {
 /// Data shared by all tasks.
 struct DistanceCommand<'a> {
     options: &'a DistanceOptions,
+    /// The files that the command reads.
+    read: &'a [&'a Path],
     model: &'a str,
     /// The mesh of the model.
     mesh: &'a Mesh,
@@ -186,7 +194,9 @@ impl DistanceCommand<'_> {
     /// Returns a summary of each file.
     fn fields(&self, format: FieldFormat, output: OutputFile) -> anyhow::Result<Vec<String>> {
         let tasks = if self.options.each {
-            one_by_one(&self.points.sources, &self.options.output)?
+            let tasks = one_by_one(&self.points.sources, &self.options.output)?;
+            check_files(tasks.iter().map(|task| &task.output), self.read)?;
+            tasks
         } else {
             vec![Task {
                 sources: self.points.sources.clone(),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use clap::Args;
-use geobench_export::output::OutputFile;
+use geobench_export::output::{OutputFile, check_files};
 use geobench_export::{STANDARD, ending_of};
 use geobench_harness::exec::model::ModelRef;
 use geobench_mesh::io as mesh_io;
@@ -35,7 +35,9 @@ const ENDINGS: [&str; 8] = [
 pub(crate) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
     let ending = ending(&options.output)?;
     let output = OutputFile::prepare(&options.output)?;
-    let soup = ModelRef::generated(&options.spec)?.read(options.decompression.limit())?;
+    let model = ModelRef::generated(&options.spec)?;
+    check_files([&output], model.source_file())?;
+    let soup = model.read(options.decompression.limit())?;
     output.write_with(ending, |path| Ok(mesh_io::write(path, &soup)?))?;
     Ok(Verdict::Passed)
 }

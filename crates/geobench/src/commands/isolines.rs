@@ -7,7 +7,7 @@ use anyhow::Context;
 use clap::Args;
 use geobench_export::FileFormat;
 use geobench_export::isolines::{IsolineFormat, IsolineSet};
-use geobench_export::output::{check_not_read, prepare_one};
+use geobench_export::output::{check_files, prepare_one};
 use geobench_export::picture::Scene;
 use geobench_harness::exec::model;
 use geobench_harness::measure::number::counted;
@@ -85,7 +85,7 @@ const TOLERANCE: f64 = 1e-4;
 pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let (format, output) = prepare_one::<IsolineFormat>(&options.output)?;
     let model = model::only(&options.model)?;
-    check_not_read(&[&output], &[&model.path])?;
+    check_files([&output], model.source_file())?;
     let mesh = &model.mesh_within(options.reading)?;
     let points = LocatedPoints::new(mesh, &options.sources.all(), None, &model.path)?;
     let is_quiet = options.quiet || options.output == Path::new("-");

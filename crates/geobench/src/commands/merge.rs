@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use geobench_export::output::check_files;
 use geobench_harness::run::merge as parts;
 use geobench_harness::schema::{ResultFile, result_file};
 use geobench_report::history::join;
@@ -32,6 +33,7 @@ pub(crate) struct MergeOptions {
 
 pub(crate) fn merge(options: &MergeOptions) -> anyhow::Result<Verdict> {
     let outputs = options.csv_rows.outputs(&options.output)?;
+    check_files(outputs.iter().map(|(_, file)| file), &options.parts)?;
     let files = result_file::read_all(&options.parts)?;
     // Files of shards are merged as one benchmark; other files are joined as different runs.
     let is_part = |(_, file): &(String, ResultFile)| {

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use geobench_export::FileFormat;
-use geobench_export::output::{check_not_read, prepare_one};
+use geobench_export::output::{check_files, prepare_one};
 use geobench_export::paths::{FoundPath, PathFormat, PathSet};
 use geobench_export::picture::Scene;
 use geobench_harness::exec::model;
@@ -78,9 +78,7 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     let output = options.output.as_deref();
     let output = output.map(prepare_one::<PathFormat>).transpose()?;
     let model = model::only(&options.model)?;
-    if let Some((_, output)) = &output {
-        check_not_read(&[output], &[&model.path])?;
-    }
+    check_files(output.iter().map(|(_, file)| file), model.source_file())?;
     let mesh = &model.mesh_within(options.reading)?;
     let wanted: Option<Vec<WantedTarget>> =
         (!options.all_targets).then(|| options.target.iter().map(|t| (t.clone(), None)).collect());

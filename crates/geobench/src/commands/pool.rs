@@ -29,6 +29,7 @@ pub(crate) struct PoolOptions {
 
 pub(crate) fn pool(options: &PoolOptions) -> anyhow::Result<Verdict> {
     let outputs = output::prepare::<ResultFormat>(&options.output)?;
+    output::check_files(outputs.iter().map(|(_, file)| file), &options.rounds)?;
     for (i, round) in options.rounds.iter().enumerate() {
         if options.rounds[..i].contains(round) {
             bail!("{}: given twice; each round counts once", round.display());

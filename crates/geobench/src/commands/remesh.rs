@@ -8,7 +8,7 @@ use anyhow::{Context, bail};
 use clap::{Args, value_parser};
 use geobench_export::diagrams;
 use geobench_export::ending_of;
-use geobench_export::output::{OutputFile, check_distinct, check_not_read};
+use geobench_export::output::{OutputFile, check_files};
 use geobench_export::picture::{Paint, Scene};
 use geobench_harness::exec::model;
 use geobench_mesh::io as mesh_io;
@@ -72,9 +72,8 @@ pub(crate) fn remesh(options: &RemeshingOptions) -> anyhow::Result<Verdict> {
     };
     let mut outputs = vec![&output];
     outputs.extend(picture.as_ref().map(|(_, output)| output));
-    check_distinct(&outputs)?;
     let model = model::only(&options.model)?;
-    check_not_read(&outputs, &[&model.path])?;
+    check_files(outputs, model.source_file())?;
     let mesh = &model.mesh_within(options.reading)?;
     let sites = Sites {
         sites: options.sites as usize,

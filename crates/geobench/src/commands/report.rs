@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use clap::{Args, ValueEnum};
-use geobench_export::output::OutputFile;
+use geobench_export::output::{OutputFile, check_files};
 use geobench_harness::schema::result_file;
 use geobench_report::history::join;
 use geobench_report::page::{
@@ -73,6 +73,7 @@ pub(crate) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
         .as_deref()
         .map(OutputFile::page)
         .transpose()?;
+    check_files(&page, &options.results)?;
     let mut inputs = Vec::new();
     for path in &options.results {
         let result = result_file::read(path)?;
@@ -121,7 +122,7 @@ pub(crate) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
         written.push(path.display().to_string());
     }
     for (form, directory) in files {
-        let paths = report::write_files(&report, form, directory)?;
+        let paths = report::write_files(&report, form, directory, &options.results)?;
         written.push(match paths.len() {
             1 => paths[0].display().to_string(),
             n => format!("{n} files in {}", directory.display()),

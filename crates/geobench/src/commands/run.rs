@@ -5,12 +5,13 @@ use geobench_harness::exec::source::SourceSpec;
 use geobench_harness::plan::sampling::{Seconds, Share};
 use geobench_registry as registry;
 use geobench_registry::{Selection, SimdChoice};
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use anyhow::{Context, bail};
-use geobench_export::output::{self, OutputFile, check_distinct};
+use geobench_export::output::{self, OutputFile, check_files};
 use geobench_harness::exec::goal::GoalSpec;
 use geobench_harness::exec::limits::{DecompressionLimit, Limits, Timeout};
 use geobench_harness::exec::{InstructionCounter, Listener, Step, interrupt};
@@ -166,6 +167,20 @@ pub(crate) struct RunOptions {
     pub(crate) no_progress: bool,
 }
 
+impl RunOptions {
+    /// The files that are read for `plans`, those of these options: the suite, the models, and what
+    /// options and suite name.
+    pub(crate) fn input_files(&self, plans: &Plans) -> Vec<PathBuf> {
+        let mut files = plans.input_files();
+        files.extend(self.config.clone());
+        files.extend(self.isolation.ext.iter().cloned());
+        files.extend(self.goal.targets.clone());
+        files.sort();
+        files.dedup();
+        files
+    }
+}
+
 /// Where runs start.
 #[derive(Args, Debug)]
 pub(crate) struct RunSourceOptions {
@@ -220,8 +235,15 @@ pub(crate) struct ExtraOptions {
 
 pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     options.isolation.check(options.jobs)?;
-    let Plans { plans, notes } = possible_plans(options)?;
+    let all = possible_plans(options)?;
     let (format, outputs) = self::outputs(options)?;
+    // A file that is no journal is refused as one, so that `--resume` replaces nothing.
+    let read = options
+        .input_files(&all)
+        .into_iter()
+        .chain(options.resume.clone());
+    check_files(outputs.iter().map(|(_, file)| file), read)?;
+    let Plans { plans, notes, .. } = all;
     if options.extras.instructions {
         instructions::check_valgrind()?;
     }
@@ -242,16 +264,16 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
         if path == Path::new("-") {
             bail!("--resume -: a journal is a file; name one");
         }
-        let opened = open_journal(path, &outputs, &plan, &session, options.quiet)?;
+        let opened = open_journal(path, &plan, &session, options.quiet)?;
         sessions = opened.sessions().to_vec();
         journal = Some(opened);
     }
     let runs = plans.iter().map(Plan::runs).fold(0, usize::saturating_add);
     let add_to = options.add_to.as_deref();
     let earlier = add_to.map(|path| earlier(path, &plans)).transpose()?;
-    let past = earlier.as_ref().map(|(_, file)| Earlier::new(file));
+    let past = earlier.as_ref().map(Earlier::new);
     let mut listener = Reporter {
-        earlier,
+        add_to: options.add_to.clone(),
         progress: Progress::new(runs, !options.quiet && !options.no_progress),
         format,
         look,
@@ -437,6 +459,7 @@ pub(crate) fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let Plans {
         mut plans,
         mut notes,
+        targets_files,
     } = plans(options)?;
     if plans.is_empty() {
         bail!("there is nothing to run: {}", notes.join("; "));
@@ -466,7 +489,11 @@ pub(crate) fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
             ));
         }
     }
-    Ok(Plans { plans, notes })
+    Ok(Plans {
+        plans,
+        notes,
+        targets_files,
+    })
 }
 
 /// Removes limits of time and memory, which need process isolation. Adds a note for each group with
@@ -510,7 +537,6 @@ fn outputs(
             bail!("--add-to -: a result file grows; name one");
         }
         outputs.push((ResultFormat::Json, file));
-        check_distinct(&outputs.iter().map(|(_, file)| file).collect::<Vec<_>>())?;
     }
     Ok((format, outputs))
 }
@@ -550,14 +576,14 @@ fn session(options: &RunOptions) -> SessionRecord {
     }
 }
 
-/// Reads the file of `--add-to`. Returns its name and contents.
+/// Reads the file of `--add-to`.
 ///
 /// # Errors
 ///
 /// If the file cannot be read, or if results of `plans` cannot be combined with it: it is from
 /// another machine and times would be added, it is a part of a benchmark, or it has other goals or
 /// vector instructions.
-fn earlier(path: &Path, plans: &[Plan]) -> anyhow::Result<(String, ResultFile)> {
+fn earlier(path: &Path, plans: &[Plan]) -> anyhow::Result<ResultFile> {
     let name = path.display().to_string();
     let file = result_file::read(path)?;
     let here = host::host();
@@ -608,23 +634,16 @@ fn earlier(path: &Path, plans: &[Plan]) -> anyhow::Result<(String, ResultFile)> 
             }
         }
     }
-    Ok((name, file))
+    Ok(file)
 }
 
 /// Opens the journal. Warns, unless `quiet`, if some of its sessions ran on another machine.
 fn open_journal(
     path: &Path,
-    outputs: &[(ResultFormat, OutputFile)],
     plan: &PlanRecord,
     session: &SessionRecord,
     quiet: bool,
 ) -> anyhow::Result<Journal> {
-    if outputs
-        .iter()
-        .any(|(_, file)| file.path() == output::canonical(path))
-    {
-        bail!("{}: cannot be both journal and result file", path.display());
-    }
     let header = JournalHeader::new(host::tool(), plan.clone());
     let journal = Journal::open(path, &header, session)?;
     let elsewhere = |earlier: &SessionRecord| !session.host.is_same_machine(&earlier.host);
@@ -653,8 +672,8 @@ pub(crate) struct Reporter {
     pub(crate) quiet: bool,
     pub(crate) outputs: Vec<(ResultFormat, OutputFile)>,
     pub(crate) result: ResultFile,
-    /// Name and contents of the file of `--add-to`.
-    pub(crate) earlier: Option<(String, ResultFile)>,
+    /// The file of `--add-to`. Other processes may add to it meanwhile.
+    pub(crate) add_to: Option<PathBuf>,
 }
 
 impl Reporter {
@@ -698,11 +717,20 @@ impl Reporter {
     /// because `store_all` writes again.
     fn store(&mut self) -> anyhow::Result<()> {
         self.note_time();
-        let whole = self.whole()?.file;
+        let warn = |progress: &mut Progress, error: &anyhow::Error| {
+            let text = format!("{error:#}; it will be tried again");
+            progress.suspend(|| terminal::warning(&text));
+        };
+        let (whole, _lock) = match self.whole() {
+            Ok((joined, lock)) => (joined.file, lock),
+            Err(error) => {
+                warn(&mut self.progress, &error);
+                return Ok(());
+            }
+        };
         for (format, file) in self.outputs.iter().filter(|(_, file)| file.is_replaced()) {
             if let Err(error) = file.write(format.render(&whole)?.as_bytes()) {
-                let text = format!("{error:#}; it will be tried again");
-                self.progress.suspend(|| terminal::warning(&text));
+                warn(&mut self.progress, &error);
             }
         }
         Ok(())
@@ -713,12 +741,18 @@ impl Reporter {
     ///
     /// # Errors
     ///
-    /// If one of them cannot be written. The results are then saved in a temporary file, which the
-    /// error names.
+    /// If one of them cannot be written, or that of `--add-to` not read. The results are then saved
+    /// in a temporary file, which the error names.
     pub(crate) fn store_all(&mut self) -> anyhow::Result<ResultFile> {
         self.note_time();
         let mut failed = Vec::new();
-        let Joined { file: whole, notes } = self.whole()?;
+        let (Joined { file: whole, notes }, _lock) = match self.whole() {
+            Ok(whole) => whole,
+            Err(error) => {
+                let rescued = rescue(&ResultFormat::Json.render(&self.result)?);
+                bail!("{error:#}; {rescued}");
+            }
+        };
         if !self.quiet {
             self.progress.suspend(|| terminal::warnings(&notes));
         }
@@ -734,16 +768,25 @@ impl Reporter {
         bail!("{}; {rescued}", failed.join("; "));
     }
 
-    /// The results so far, together with those of the file of `--add-to`.
-    fn whole(&self) -> anyhow::Result<Joined> {
+    /// The results so far, together with those that the file of `--add-to` has now. While the lock
+    /// is kept, no other process adds to that file.
+    fn whole(&self) -> anyhow::Result<(Joined, Option<File>)> {
         let new = self.result.clone();
-        match &self.earlier {
-            Some((name, file)) => join::extend((name, file.clone()), ("this run", new)),
-            None => Ok(Joined {
-                file: new,
-                notes: Vec::new(),
-            }),
-        }
+        let Some(path) = &self.add_to else {
+            let notes = Vec::new();
+            return Ok((Joined { file: new, notes }, None));
+        };
+        let name = path.display().to_string();
+        let lock = output::lock(path).with_context(|| format!("{name}: cannot be locked"))?;
+        let mut file = result_file::read(path)?;
+        // Each write after the first finds what this run has written before.
+        let is_own = |session: &SessionRecord| {
+            let mut of_new = new.sessions.iter();
+            of_new.any(|own| (&own.started, &own.command) == (&session.started, &session.command))
+        };
+        file.sessions.retain(|session| !is_own(session));
+        let joined = join::extend((&name, file), ("this run", new))?;
+        Ok((joined, Some(lock)))
     }
 
     /// Sets the end time of the results and of this session to now.

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use geobench_export::json_lines;
-use geobench_export::output::OutputFile;
+use geobench_export::output::{OutputFile, check_files};
+use geobench_harness::usage::files_in;
 use geobench_report::history::{records, trend};
 use geobench_report::page::trend_page;
 use geobench_report::table::{self, Look};
@@ -34,6 +35,7 @@ pub(crate) fn trend(options: &TrendOptions, look: Look) -> anyhow::Result<Verdic
         .as_deref()
         .map(OutputFile::page)
         .transpose()?;
+    check_files(&page, files_in(&options.history, "json")?)?;
     let records = records::read_all(&options.history)?;
     let series = trend::series(&records);
     let found = trend::change_points(&series);

@@ -9,7 +9,7 @@ use std::time::Instant;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use geobench_export::diagrams::{self, BorderFormat, DiagramFile, DiagramFormat, LabelFormat};
-use geobench_export::output::{OutputFile, check_distinct, check_not_read, prepare_one};
+use geobench_export::output::{OutputFile, check_files, prepare_one};
 use geobench_export::picture::{Paint, Scene};
 use geobench_export::{FileFormat, no_coordinates};
 use geobench_harness::exec::model;
@@ -82,12 +82,11 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     outputs.extend(borders.as_ref().map(|(_, output)| output));
     outputs.extend(labels.as_ref().map(|(_, output)| output));
     outputs.extend(dual_file.as_ref().map(|(_, _, output)| output));
-    check_distinct(&outputs)?;
     if options.algo.algorithm().field.is_none() {
         return Err(no_diagram(&options.algo));
     }
     let model = model::only(&options.model)?;
-    check_not_read(&outputs, &[&model.path])?;
+    check_files(outputs, model.source_file())?;
     let mesh = &model.mesh_within(options.reading)?;
     let points = LocatedPoints::new(mesh, &options.sources.all(), Some(&[]), &model.path)?;
     let refined = &points.refined.mesh;

@@ -163,3 +163,24 @@ fn services_get_their_forms() {
     assert!(list[0]["range"].as_str().unwrap().starts_with("± "));
     assert_eq!(list[1]["unit"], "windows");
 }
+
+#[test]
+fn a_commit_that_is_unknown_here_needs_a_time() {
+    let sandbox = Sandbox::with_square();
+    sandbox.succeed("run square.off --algo mmp --repeat 1 --quiet -o r.json");
+    let record = "record r.json --into history --commit c0ffee";
+    let message = sandbox.refuse(record);
+    assert!(
+        message.contains("--commit") && message.contains("--date"),
+        "{message}"
+    );
+    let path = sandbox.succeed(&format!("{record} --date 2025-03-04"));
+    assert!(path.starts_with("history/2025-03-04-c0ffee-"), "{path}");
+    // A file whose start is a path writes nothing, and nowhere else.
+    let mut file = sandbox.json("r.json");
+    file["started"] = "../../../x".into();
+    sandbox.write("evil.json", &file.to_string());
+    let message = sandbox.refuse("record evil.json --into other --commit c0ffee --date 2025-03-04");
+    assert!(message.contains("`../../../x` is not a time"), "{message}");
+    assert!(!sandbox.path("other").exists());
+}

@@ -7,6 +7,7 @@ mod cluster;
 mod compare;
 mod distance;
 mod errors;
+mod files;
 mod gate;
 mod generate;
 mod goal;

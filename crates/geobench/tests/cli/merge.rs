@@ -373,3 +373,24 @@ fn what_was_measured_stays_if_the_model_is_refused_now() {
         (&9.into(), &"refused".into())
     );
 }
+
+#[test]
+fn processes_that_add_to_one_file_lose_nothing() {
+    let sandbox = Sandbox::with_square();
+    sandbox.succeed("run square.off --algo dijkstra --repeat 1 --quiet -o all.json");
+    std::thread::scope(|scope| {
+        for algorithm in ["mmp", "ich", "vtp", "fwp-ch"] {
+            let sandbox = &sandbox;
+            scope.spawn(move || {
+                sandbox.succeed(&format!(
+                    "run square.off --algo {algorithm} --check none --repeat 2 --quiet --add-to all.json"
+                ));
+            });
+        }
+    });
+    let all = sandbox.json("all.json");
+    let cells = all["cells"].as_array().unwrap().iter();
+    let mut names: Vec<&str> = cells.map(|c| c["algorithm"].as_str().unwrap()).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["dijkstra", "fwp-ch", "ich", "mmp", "vtp"]);
+}

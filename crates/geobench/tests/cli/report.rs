@@ -159,3 +159,31 @@ fn a_result_in_which_all_failed_can_be_read() {
         "{page}"
     );
 }
+
+#[test]
+fn pipes_and_devices_are_no_models_to_draw() {
+    let sandbox = Sandbox::with_square();
+    sandbox.succeed("run square.off --algo mmp --repeat 1 --quiet -o r.json");
+    let pipe = sandbox.path("pipe.off");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.unwrap().success());
+    for path in ["pipe.off", "gen:file,path=pipe.off", "-"] {
+        let mut file = sandbox.json("r.json");
+        file["models"][0]["path"] = path.into();
+        sandbox.write("other.json", &file.to_string());
+        sandbox.succeed("report other.json -o page.html --quiet");
+        let message = sandbox.refuse("report other.json -o page.html --picture square");
+        assert!(message.contains("no picture of square"), "{message}");
+    }
+}
+
+#[test]
+fn a_long_name_of_a_model_makes_no_long_name_of_a_file() {
+    let sandbox = Sandbox::new();
+    let name = "m".repeat(245);
+    sandbox.write(&format!("{name}.off"), crate::support::SQUARE);
+    sandbox.succeed(&format!(
+        "run {name}.off --algo mmp --repeat 1 --quiet -o r.json"
+    ));
+    sandbox.succeed("report r.json --format svg plots --quiet");
+}

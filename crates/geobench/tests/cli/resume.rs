@@ -223,7 +223,7 @@ fn what_cannot_be_a_journal_is_refused_before_the_first_cell() {
     );
     assert_eq!(
         sandbox.refuse(&format!("{run} r.json -o r.json")),
-        "r.json: cannot be both journal and result file"
+        "r.json: would replace a file that is read; name another output"
     );
 
     let file = File::create(sandbox.path("j.jsonl")).unwrap();

@@ -2,11 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
-use geobench_export::output::temporary_file;
+use geobench_export::output::OutputFile;
 use geobench_harness::schema::{Cell, Host, ResultFile, Status};
 use geobench_harness::usage::{check_schema, files_in};
 use serde::{Deserialize, Serialize};
@@ -62,7 +61,8 @@ impl Record {
     ///
     /// # Errors
     ///
-    /// When neither `commit` nor the file names a commit, or when the name is not alphanumeric.
+    /// When neither `commit` nor the file names a commit, when the name is not alphanumeric, or when
+    /// a time is not RFC 3339.
     pub fn new(
         file: &ResultFile,
         commit: Option<&str>,
@@ -74,6 +74,14 @@ impl Record {
         };
         if commit.is_empty() || !commit.chars().all(|c| c.is_ascii_alphanumeric()) {
             bail!("`{commit}` is not a commit; give its hash");
+        }
+        // Both become names of files.
+        for time in [Some(&file.started), committed.as_ref()]
+            .into_iter()
+            .flatten()
+        {
+            humantime::parse_rfc3339(time)
+                .map_err(|error| anyhow!("`{time}` is not a time: {error}"))?;
         }
         Ok(Self {
             schema: SCHEMA.to_owned(),
@@ -101,9 +109,9 @@ impl Record {
         self.commit.get(..12).unwrap_or(&self.commit)
     }
 
-    /// The name of the record's file: date, commit, the first words of the machine class and suite,
+    /// The name of the record's file: date, `commit`, the first words of the machine class and suite,
     /// and a hash of both.
-    fn file_name(&self) -> String {
+    fn file_name(&self, commit: &str) -> String {
         let date = self.time().get(..10).unwrap_or("0000-00-00");
         let class = format!(
             "{} {}",
@@ -118,11 +126,7 @@ impl Record {
         words.truncate(4);
         let digest = Sha256::digest(class.as_bytes());
         let digits = u32::from_be_bytes([0, digest[0], digest[1], digest[2]]);
-        format!(
-            "{date}-{}-{}-{digits:06x}.json",
-            self.short(),
-            words.join("-")
-        )
+        format!("{date}-{commit}-{}-{digits:06x}.json", words.join("-"))
     }
 
     /// Adds the cells of a later run of the same commit. If both runs solved a cell, its samples
@@ -181,20 +185,25 @@ pub fn add(directory: &Path, record: Record) -> anyhow::Result<PathBuf> {
     fs::create_dir_all(directory).with_context(failed)?;
     let lock = File::create(directory.join(".lock")).with_context(failed)?;
     lock.lock().with_context(failed)?;
-    let path = directory.join(record.file_name());
-    let record = if path.exists() {
-        let mut known = read(&path)?;
-        known.merge(record);
-        known
-    } else {
-        record
+    let mut path = directory.join(record.file_name(record.short()));
+    let mut known = path.exists().then(|| read(&path)).transpose()?;
+    // Another commit whose first digits agree.
+    if known
+        .as_ref()
+        .is_some_and(|known| known.commit != record.commit)
+    {
+        path = directory.join(record.file_name(&record.commit));
+        known = path.exists().then(|| read(&path)).transpose()?;
+    }
+    let record = match known {
+        Some(mut known) => {
+            known.merge(record);
+            known
+        }
+        None => record,
     };
-    // A temporary file in the same directory replaces the record atomically.
-    let mut file = temporary_file(directory, ".json").with_context(failed)?;
     let text = serde_json::to_string(&record)? + "\n";
-    file.write_all(text.as_bytes()).with_context(failed)?;
-    file.as_file().sync_all().with_context(failed)?;
-    file.persist(&path).with_context(failed)?;
+    OutputFile::prepare(&path)?.write(text.as_bytes())?;
     Ok(path)
 }
 
@@ -273,6 +282,22 @@ mod tests {
     }
 
     #[test]
+    fn commits_with_the_same_first_digits_are_not_joined() {
+        let directory = tempfile::tempdir().unwrap();
+        let [one, other] = ["c0ffee0123456789", "c0ffee01234567ff"].map(record);
+        let path = add(directory.path(), one.clone()).unwrap();
+        assert_ne!(add(directory.path(), other.clone()).unwrap(), path);
+        // Each again joins its own.
+        for record in [one, other] {
+            add(directory.path(), record).unwrap();
+        }
+        let mut found = read_all(directory.path()).unwrap();
+        found.sort_by(|a, b| a.commit.cmp(&b.commit));
+        let commits: Vec<&str> = found.iter().map(|record| &record.commit[..]).collect();
+        assert_eq!(commits, ["c0ffee0123456789", "c0ffee01234567ff"]);
+    }
+
+    #[test]
     fn writers_wait_for_each_other() {
         let directory = tempfile::tempdir().unwrap();
         std::thread::scope(|scope| {
@@ -313,5 +338,9 @@ mod tests {
         };
         assert!(refused(None).contains("give it with --commit"));
         assert!(refused(Some("../x")).contains("is not a commit"));
+        let mut file = file;
+        file.started = "../../../x".to_owned();
+        let error = Record::new(&file, Some("c0ffee"), None, None).unwrap_err();
+        assert!(error.to_string().contains("is not a time"), "{error}");
     }
 }

@@ -1,5 +1,7 @@
 //! The content of a report, independent of the output format.
 
+use sha2::{Digest, Sha256};
+
 use super::chart::Chart;
 use crate::table::{Note, Table};
 
@@ -107,8 +109,17 @@ pub(crate) fn slug(text: &str) -> String {
         .filter(|word| !word.is_empty())
         .map(str::to_ascii_lowercase)
         .collect();
-    words.join("-")
+    let whole = words.join("-");
+    if whole.len() <= LONGEST_SLUG {
+        return whole;
+    }
+    let digest = Sha256::digest(whole.as_bytes());
+    let digits = u32::from_be_bytes([digest[0], digest[1], digest[2], digest[3]]);
+    format!("{}-{digits:08x}", &whole[..LONGEST_SLUG])
 }
+
+/// The most characters of a text in an identifier. Identifiers become names of files.
+const LONGEST_SLUG: usize = 100;
 
 #[cfg(test)]
 mod tests {

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use geobench_export::output::OutputFile;
+use geobench_export::output::{OutputFile, check_files};
 
 use super::chart::{Chart, Datum};
 use super::document::{Document, Plot};
@@ -29,19 +29,23 @@ pub enum Form {
 ///
 /// # Errors
 ///
-/// When the directory cannot be created or a file cannot be written.
+/// When the directory cannot be created, a file cannot be written, or one of them is among the
+/// files `read`. No file is written then.
 pub fn write_files(
     report: &BuiltReport,
     form: Form,
     directory: &Path,
+    read: &[PathBuf],
 ) -> anyhow::Result<Vec<PathBuf>> {
     fs::create_dir_all(directory)
         .with_context(|| format!("{}: cannot be made", directory.display()))?;
-    let mut paths = Vec::new();
-    for (name, contents) in files(report, form)? {
-        let path = directory.join(name);
-        OutputFile::prepare(&path)?.write(&contents)?;
-        paths.push(path);
+    let files = files(report, form)?;
+    let paths: Vec<PathBuf> = files.iter().map(|(name, _)| directory.join(name)).collect();
+    let outputs = paths.iter().map(|path| OutputFile::prepare(path));
+    let outputs = outputs.collect::<anyhow::Result<Vec<_>>>()?;
+    check_files(&outputs, read)?;
+    for (output, (_, contents)) in outputs.iter().zip(&files) {
+        output.write(contents)?;
     }
     Ok(paths)
 }

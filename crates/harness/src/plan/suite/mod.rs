@@ -12,6 +12,7 @@ use geobench_registry::{self as registry, Selection, SimdChoice};
 use geobench_window::simd::Instructions;
 use toml::Spanned;
 
+use crate::exec::expected::{Expected, stored_files};
 use crate::exec::goal::GoalSpec;
 use crate::exec::limits::{Limits, Timeout};
 use crate::exec::model::{self, ModelError, ModelRef};
@@ -42,9 +43,29 @@ pub struct Plans {
     pub plans: Vec<Plan>,
     /// Warnings about models that are left out and sources named twice, one line each.
     pub notes: Vec<String>,
+    /// Files of targets that settings of the suite name.
+    pub targets_files: Vec<PathBuf>,
 }
 
 impl Plans {
+    /// The files that the runs read: models, stored distances, and the suite's files of targets.
+    pub fn input_files(&self) -> Vec<PathBuf> {
+        let models = self.plans.iter().flat_map(|plan| &plan.models);
+        let models = models.filter_map(|model| model.source_file().map(Path::to_owned));
+        let mut files: Vec<PathBuf> = models.chain(self.targets_files.iter().cloned()).collect();
+        for plan in &self.plans {
+            match &plan.reference {
+                Reference::Files(Expected::File(path)) => files.push(path.clone()),
+                Reference::Files(Expected::BesideModels) => {
+                    let models = plan.models.iter().filter_map(ModelRef::file_path);
+                    files.extend(models.flat_map(stored_files));
+                }
+                Reference::None | Reference::Algorithm(_) => {}
+            }
+        }
+        files
+    }
+
     fn add(
         &mut self,
         settings: &Settings,
@@ -57,6 +78,9 @@ impl Plans {
             if !self.notes.contains(&note) {
                 self.notes.push(note);
             }
+        }
+        if let Some(file) = &settings.targets_file {
+            self.targets_files.push(file.get_ref().clone());
         }
         self.plans.push(plan(settings, sources, models, group)?);
         Ok(())
@@ -86,6 +110,7 @@ pub fn plans(
     let mut done = Plans {
         plans: Vec::new(),
         notes: Vec::new(),
+        targets_files: Vec::new(),
     };
     let Some(suite) = suite else {
         let mut asked = asked.clone();

@@ -221,12 +221,13 @@ impl Settings {
             let text = fs::read_to_string(&path);
             let text = text.map_err(|error| anyhow!("{}: {error}", path.display()));
             let read = text.and_then(|text| goal::targets_in(&path, &text));
-            let read =
-                read.map_err(|error| document.error_at("targets", span, &error.to_string()))?;
+            let read = read
+                .map_err(|error| document.error_at("targets", span.clone(), &error.to_string()))?;
             let read = read.into_iter().map(|(target, _)| target);
             self.targets = Some(TargetSpec::of_all(
                 self.targets.take().into_iter().chain(read),
             ));
+            self.targets_file = span.map(|span| Spanned::new(span, path));
         }
         if let Some(check) = &mut self.reference {
             let span = Some(check.span());

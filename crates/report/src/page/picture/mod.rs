@@ -1,6 +1,8 @@
 //! The picture of a report: chooses the model, and computes distances, isolines and paths.
 
 use std::fmt::Display;
+use std::fs;
+use std::path::Path;
 
 use geobench_export::picture::{Picture, Scene, short, step};
 use geobench_harness::exec::limits::DecompressionLimit;
@@ -8,6 +10,7 @@ use geobench_harness::exec::model::{self, ModelRef};
 use geobench_harness::measure::number::grouped;
 use geobench_harness::schema::ResultFile;
 use geobench_isolines::DistanceField;
+use geobench_mesh::generate::Spec;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_paths::Paths;
 use geobench_registry::UsageError;
@@ -27,6 +30,9 @@ const MOST_FACES: u64 = 1_000_000;
 /// The most faces of a model that is drawn with exact isolines. At this size they take about a
 /// second.
 const MOST_FACES_WITH_WINDOWS: usize = 60_000;
+
+/// The largest file of a model that is drawn.
+const MOST_BYTES: u64 = 1 << 32;
 
 /// The number of shortest paths that are drawn.
 const PATHS: usize = 5;
@@ -130,11 +136,26 @@ fn of_model(
     let error = |problem: &dyn Display| UsageError(format!("no picture of {name}: {problem}"));
     let record = result.models.iter().find(|m| m.name == name);
     let record = record.ok_or_else(|| error(&"it is not in the result"))?;
+    // A result file may come from anywhere, and a pipe or a device would never end.
+    let check = |path: &Path| {
+        let found = fs::metadata(path).map_err(|e| error(&format!("{}: {e}", path.display())))?;
+        if found.is_file() && found.len() <= MOST_BYTES {
+            return Ok(());
+        }
+        Err(error(&format!(
+            "{} is not a file of a usual size",
+            path.display()
+        )))
+    };
+    if !Spec::is_spec(&record.path) {
+        check(Path::new(&record.path))?;
+    }
     let found = model::collect(std::slice::from_ref(&record.path));
     let [model]: [ModelRef; 1] = found
         .map_err(|e| error(&e))?
         .try_into()
         .map_err(|_| error(&format!("{} is a directory", record.path)))?;
+    model.source_file().map_or(Ok(()), check)?;
     let loaded = model.load(limit).map_err(|e| error(&e))?;
     if record.sha256.is_none() || loaded.record.sha256 != record.sha256 {
         let problem = format!("{} is not what was measured, its hash differs", record.path);

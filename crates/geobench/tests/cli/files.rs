@@ -1,0 +1,301 @@
+//! No output may be a file that the command reads, under whatever name.
+
+use std::fs;
+use std::process::Command;
+
+use assert_cmd::cargo::cargo_bin;
+
+use crate::support::Sandbox;
+
+/// A command with the options that name files. Options that take no part in a call are left out.
+struct Files {
+    /// The command and the arguments that it needs beside files.
+    call: &'static str,
+    /// Options that read: the option, `""` if it is positional, and the file of the sandbox.
+    read: &'static [(&'static str, &'static str)],
+    /// Options that write: the option and an ending that it takes.
+    written: &'static [(&'static str, &'static str)],
+}
+
+const MODEL: (&str, &str) = ("", "square.off");
+
+const COMMANDS: [Files; 12] = [
+    Files {
+        call: "run --algo vtp,mmp --repeat 1 --quiet",
+        read: &[
+            MODEL,
+            ("--config", "suite.toml"),
+            ("--ext", "programs.toml"),
+            ("--check", "square.s0.csv"),
+            ("--targets", "targets.csv"),
+            ("--resume", "night.jsonl"),
+        ],
+        written: &[("--output", "json"), ("--add-to", "json")],
+    },
+    Files {
+        call: "distance --source 0",
+        read: &[MODEL, ("--targets", "targets.csv")],
+        written: &[("--output", "csv")],
+    },
+    Files {
+        call: "path --source 0 --target 2",
+        read: &[MODEL],
+        written: &[("--output", "json")],
+    },
+    Files {
+        call: "isolines --source 0 --every 0.3",
+        read: &[MODEL],
+        written: &[("--output", "json")],
+    },
+    Files {
+        call: "voronoi --source 0 --source 2",
+        read: &[MODEL],
+        written: &[
+            ("--output", "json"),
+            ("--dual", "off"),
+            ("--borders", "obj"),
+            ("--labels", "csv"),
+        ],
+    },
+    Files {
+        call: "remesh --sites 8",
+        read: &[MODEL],
+        written: &[("--output", "off"), ("--picture", "svg")],
+    },
+    Files {
+        call: "gen",
+        read: &[("", "gen:file,path=square.off")],
+        written: &[("--output", "obj")],
+    },
+    Files {
+        call: "claims",
+        read: &[("", "result.json"), ("--claims", "claims.toml")],
+        written: &[("--output", "md")],
+    },
+    Files {
+        call: "compare other.json",
+        read: &[("", "result.json"), ("--baseline", "result.json")],
+        written: &[("--output", "md")],
+    },
+    Files {
+        call: "merge",
+        read: &[("", "result.json")],
+        written: &[("--output", "json")],
+    },
+    Files {
+        call: "pool other.json",
+        read: &[("", "result.json")],
+        written: &[("--output", "json")],
+    },
+    Files {
+        call: "report",
+        read: &[("", "result.json")],
+        written: &[("--output", "html")],
+    },
+];
+
+/// Commands that write no file of which the user chooses the name. `record` names its files itself,
+/// `cluster` fills a directory of its own.
+const OTHERS: [&str; 8] = [
+    "verify",
+    "certify",
+    "info",
+    "algos",
+    "record",
+    "cluster",
+    "completions",
+    "man",
+];
+
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::with_square();
+    let run = "run square.off --algo vtp,mmp --repeat 1 --isolate none --quiet -o";
+    sandbox.succeed(&format!("{run} result.json --resume night.jsonl"));
+    sandbox.succeed(&format!("{run} other.json"));
+    sandbox.write("targets.csv", "2\n");
+    sandbox.write("square.s0.csv", "0,0\n1,1\n2,1.4142135623730951\n3,1\n");
+    sandbox.write(
+        "suite.toml",
+        "[[group]]\nname = \"a\"\nmodels = [\"square.off\"]\n",
+    );
+    sandbox.write(
+        "programs.toml",
+        "[ext.own]\ncommand = [\"true\", \"{model}\", \"{source}\", \"{output}\"]\n",
+    );
+    sandbox.write("claims.toml", "claims = []\n");
+    sandbox.succeed("record result.json --into history --commit c0ffee --date 2025-03-04 --quiet");
+    sandbox
+}
+
+/// Calls `call` with the output `option` under a name that is a link to `file`.
+fn refuses(sandbox: &Sandbox, call: &str, option: &str, ending: &str, file: &str) {
+    let before = sandbox.bytes(file);
+    for is_hard in [false, true] {
+        let link = sandbox.path(&format!("link.{ending}"));
+        if is_hard {
+            fs::hard_link(sandbox.path(file), &link).unwrap();
+        } else {
+            std::os::unix::fs::symlink(sandbox.path(file), &link).unwrap();
+        }
+        let call = format!("{call} {option} link.{ending}");
+        let message = sandbox.refuse(&call);
+        assert!(
+            message.ends_with("would replace a file that is read; name another output"),
+            "{call}: {message}"
+        );
+        fs::remove_file(link).unwrap();
+        assert_eq!(sandbox.bytes(file), before, "{call}");
+    }
+}
+
+/// The further option that a call with the output `option` needs.
+fn needed(call: &str, option: &str) -> &'static str {
+    match call.split(' ').next() {
+        Some("voronoi") if option != "--output" => "--output main.json",
+        Some("remesh") if option != "--output" => "--output main.off",
+        _ => "",
+    }
+}
+
+#[test]
+fn no_output_is_a_file_that_is_read() {
+    let sandbox = sandbox();
+    for Files {
+        call,
+        read,
+        written,
+    } in &COMMANDS
+    {
+        for &(input, file) in *read {
+            // Runs need a model, whatever else they read.
+            let model = match read[0] {
+                MODEL if input != MODEL.0 && !call.starts_with("remesh") => "square.off",
+                _ if call.starts_with("claims") && !input.is_empty() => "result.json",
+                _ => "",
+            };
+            for &(option, ending) in *written {
+                let needed = needed(call, option);
+                let call = format!("{call} {model} {input} {file} {needed}");
+                let file = file.strip_prefix("gen:file,path=").unwrap_or(file);
+                refuses(&sandbox, &call, option, ending, file);
+            }
+        }
+        for &(first, ending) in *written {
+            for &(second, _) in written.iter().filter(|(second, _)| *second != first) {
+                // Both names have the ending of the first; formats decide by it.
+                let needed = needed(call, first);
+                let call = format!(
+                    "{call} {} {needed} {first} x.{ending} {second} x.{ending}",
+                    read[0].1
+                );
+                let outcome = sandbox.call(&call);
+                assert_eq!(outcome.code, 2, "{call}: {}", outcome.stderr);
+                assert!(!sandbox.path(&format!("x.{ending}")).exists(), "{call}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_command_with_an_output_is_known() {
+    let sandbox = Sandbox::new();
+    let help = sandbox.succeed("--help");
+    let commands = help.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let commands: Vec<&str> = commands
+        .take_while(|line| !line.is_empty())
+        .filter(|line| line.starts_with("  ") && !line.starts_with("   "))
+        .filter_map(|line| line.split_whitespace().next())
+        .collect();
+    assert!(commands.contains(&"run"), "{help}");
+    for command in commands {
+        let known = COMMANDS.iter().find(|files| {
+            let name = files.call.split(' ').next();
+            name == Some(command)
+        });
+        let Some(known) = known else {
+            let others = OTHERS.contains(&command) || ["trend", "help"].contains(&command);
+            assert!(others, "{command}: which files does it read and write?");
+            continue;
+        };
+        let help = sandbox.succeed(&format!("{command} --help"));
+        for option in help.lines().filter_map(|line| {
+            let (option, value) = line.trim().split_once(" <")?;
+            let names_a_file = ["FILE>", "SUITE.toml>", "REF>"];
+            let named = names_a_file.iter().any(|name| value.starts_with(name));
+            let option = option.rsplit(' ').next()?;
+            (named && option.starts_with("--")).then(|| option.to_owned())
+        }) {
+            let all = known.read.iter().chain(known.written);
+            assert!(
+                all.map(|(name, _)| *name).any(|name| name == option),
+                "{command} {option}: is it read or written?"
+            );
+        }
+    }
+}
+
+#[test]
+fn files_that_are_found_through_others_are_read_too() {
+    let sandbox = sandbox();
+    let refused = |call: &str, option: &str, ending: &str, file: &str| {
+        refuses(&sandbox, call, option, ending, file);
+    };
+    // The models and targets of a suite, and distances stored beside a model.
+    sandbox.write(
+        "whole.toml",
+        "algorithms = [\"vtp\"]\ntargets = \"targets.csv\"\n[[group]]\nname = \"a\"\nmodels = [\"square.off\"]\n",
+    );
+    for file in ["square.off", "targets.csv"] {
+        refused("run --config whole.toml", "-o", "json", file);
+    }
+    refused(
+        "run square.off --algo vtp --check file",
+        "-o",
+        "csv",
+        "square.s0.csv",
+    );
+    // A file of a directory.
+    fs::create_dir(sandbox.path("results")).unwrap();
+    fs::copy(
+        sandbox.path("result.json"),
+        sandbox.path("results/result.json"),
+    )
+    .unwrap();
+    refused("claims results", "-o", "md", "results/result.json");
+    let record = fs::read_dir(sandbox.path("history")).unwrap();
+    let record = record.map(|entry| entry.unwrap().file_name());
+    let record = record.map(|name| name.into_string().unwrap());
+    let record = record.into_iter().find(|name| !name.starts_with('.'));
+    let record = format!("history/{}", record.unwrap());
+    refused("trend history", "-o", "html", &record);
+    // A table whose name is a link.
+    sandbox.succeed("report result.json --format csv tables --quiet");
+    let tables = fs::read_dir(sandbox.path("tables")).unwrap();
+    let table = tables.into_iter().next().unwrap().unwrap().path();
+    fs::remove_file(&table).unwrap();
+    std::os::unix::fs::symlink(sandbox.path("result.json"), &table).unwrap();
+    let before = sandbox.bytes("result.json");
+    let message = sandbox.refuse("report result.json --format csv tables --quiet");
+    assert!(message.contains("a file that is read"), "{message}");
+    assert_eq!(sandbox.bytes("result.json"), before);
+}
+
+#[test]
+fn files_of_single_sources_and_of_standard_input_are_guarded() {
+    let sandbox = sandbox();
+    sandbox.succeed("gen gen:cube,n=1 -o d.s0.ply");
+    let message = sandbox.refuse("distance d.s0.ply --source 0 --each -o d.ply --quiet");
+    assert!(message.contains("d.s0.ply"), "{message}");
+    let before = sandbox.bytes("suite.toml");
+    sandbox.refuse("run square.off --algo vtp --quiet --resume suite.toml");
+    assert_eq!(sandbox.bytes("suite.toml"), before);
+    let before = sandbox.bytes("result.json");
+    let output = Command::new(cargo_bin("geobench"))
+        .current_dir(sandbox.path(""))
+        .args(["merge", "-", "-o", "result.json"])
+        .stdin(fs::File::open(sandbox.path("result.json")).unwrap())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(sandbox.bytes("result.json"), before);
+}

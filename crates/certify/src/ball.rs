@@ -59,6 +59,11 @@ impl Ball {
         }
     }
 
+    /// The exact number in its middle.
+    pub(crate) const fn without_error(self) -> Self {
+        Self { error: 0.0, ..self }
+    }
+
     /// An upper bound of all numbers.
     pub(crate) fn upper(self) -> f64 {
         let rest = self.lo + self.error;

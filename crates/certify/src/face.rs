@@ -121,6 +121,10 @@ impl<'a> Checker<'a> {
     /// An upper bound of `d(y) - d(x) - |xy|` over all points x and y of the boundary of `face`, at
     /// least 0, and the side on which d(y) is too long. Adds the links across the face.
     pub(crate) fn violation(&mut self, face: FaceId) -> (f64, HalfEdgeId) {
+        let field = self.shared.field;
+        if (0..3).all(|k| field.pieces(face.half_edge(k)).is_empty()) {
+            return (0.0, face.half_edge(0));
+        }
         let before = self.links.len();
         let mut sides = std::mem::take(&mut self.sides);
         let shape = FaceShape::of(self.shared.field.mesh, face);
@@ -313,6 +317,10 @@ fn is_concave(left: Option<&SidePiece>, right: Option<&SidePiece>, margin: f64) 
     let (Some(left), Some(right)) = (left, right) else {
         return false;
     };
+    if left.to != right.from {
+        // Parts of the edge were cut off.
+        return false;
+    }
     let t = left.to;
     let sides = [left, right].map(|p| p.distance);
     // The error of a slope is at most 1e-10 if its image is not too near.

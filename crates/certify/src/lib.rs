@@ -24,6 +24,12 @@
 //! most T. These chains follow the wavefront. The error bound of a vertex is the greatest sum of
 //! violations along such a chain.
 //!
+//! A vertex much nearer to the source than others is not proven by this: a piece or a face that
+//! leads from it to a far vertex links it to violations there. But if d(v) is too long, all points
+//! of the shortest path to v have a geodesic distance below d(v), so d is below d(v) + T on it.
+//! Beyond that, no violation matters: the proof of such vertices is repeated with the pieces cut
+//! where d exceeds this level (`level`).
+//!
 //! ```
 //! use geobench_certify::{Claim, PathPoint};
 //! use geobench_mesh::{Mesh, VertexId};
@@ -54,13 +60,14 @@ mod field;
 mod interval;
 mod jump;
 mod length;
+mod level;
 mod repair;
 mod shape;
 
 use std::collections::HashSet;
 use std::ops::Range;
 
-use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId, threads};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Tolerance, VertexId, threads};
 
 use boundary::windows_from_inside;
 use chains::greatest_sums;
@@ -68,6 +75,7 @@ use envelope::{EnvelopeBuilder, EnvelopePiece, GAP, piece};
 use face::{ChainLink, Checker, FaceChecks, REPAIR};
 use field::{EdgeField, Envelopes, canonical};
 use jump::sum_of_jumps;
+use level::below;
 use repair::repair;
 
 pub use envelope::WindowData;
@@ -164,6 +172,18 @@ pub enum FailurePlace {
     Vertex(VertexId),
 }
 
+/// The violations of all faces and vertices, added up.
+struct Sums {
+    /// That of each face, and its side on which distances are too long.
+    in_face: Vec<f64>,
+    sides: Vec<Option<HalfEdgeId>>,
+    /// The sum of all.
+    total: f64,
+    /// Bounds of how much the distances are too long: of all points of edges, and of each vertex.
+    absolute: f64,
+    errors: Vec<f64>,
+}
+
 /// The violations of faces.
 #[derive(Default)]
 struct Violations {
@@ -193,6 +213,11 @@ impl Violations {
 /// Segments with a detour above this fraction of the greatest distance are left out of the chains.
 /// The limit is raised if the sum of all violations exceeds it.
 const CLEAR: f64 = 1e-8;
+
+/// Levels for which a proof is repeated, and the least ratio between two. Each takes as long as the
+/// faces below it.
+const MOST_LEVELS: usize = 20;
+const LEVEL_RATIO: f64 = 4.0;
 
 /// Parts of the work for each thread.
 const PARTS: usize = 16;
@@ -256,7 +281,7 @@ impl<'a> Claim<'a> {
         let mut field = self.edge_field(windows);
         let finite = self.distances.iter().copied().filter(|d| d.is_finite());
         let farthest = finite.fold(0.0, f64::max);
-        let mut clear = CLEAR * farthest;
+        let clear = CLEAR * farthest;
         let all: Vec<FaceId> = self.mesh.faces().collect();
         let mut found = self.violations(&field, &all, clear);
         let leak = |f: &FaceId| found.in_face[f.index()] / self.scale(*f);
@@ -287,50 +312,125 @@ impl<'a> Claim<'a> {
                 violation
             })
             .collect();
+        let sums = self.sums(&field, found, &own, clear);
+        for face in self.mesh.faces() {
+            let violation = sums.in_face[face.index()];
+            if violation > ROUNDING * self.scale(face) {
+                failures.push(ProofFailure {
+                    place: FailurePlace::Face(face),
+                    edge: sums.sides[face.index()],
+                    violation,
+                });
+            }
+        }
+        failures.sort_by(|a, b| b.violation.total_cmp(&a.violation));
+        let mut errors = sums.errors;
+        for (error, &d) in errors.iter_mut().zip(self.distances) {
+            // A source is at 0. A vertex at infinity whose faces do not fail has no path to a source.
+            if d == 0.0 || d.is_infinite() && sums.total.is_finite() {
+                *error = 0.0;
+            }
+        }
+        if sums.absolute.is_finite() {
+            self.prove_by_level(&field, &own, sums.absolute, &mut errors);
+        }
+        Bound {
+            absolute: sums.absolute,
+            relative: self.greatest_relative(&errors),
+            errors,
+            failures,
+            pieces: field.ranges.iter().map(ExactSizeIterator::len).sum(),
+        }
+    }
+
+    /// Adds up the violations `found` of all faces, with links of a detour up to `clear`, and those
+    /// at vertices, `own`.
+    fn sums(
+        &self,
+        field: &EdgeField<'_>,
+        mut found: Violations,
+        own: &[f64],
+        mut clear: f64,
+    ) -> Sums {
         // `clear` must be at least the total of all violations. Few claims need a second round.
         let total = loop {
             // The rounding error of a sum of n non-negative numbers is at most n ulps.
-            let generous = 1.0 + (all.len() + own.len()) as f64 * f64::EPSILON;
-            let total = found.in_face.iter().chain(&own).sum::<f64>() * generous;
+            let generous = 1.0 + (found.in_face.len() + own.len()) as f64 * f64::EPSILON;
+            let total = found.in_face.iter().chain(own).sum::<f64>() * generous;
             if total <= clear || !total.is_finite() {
                 break total;
             }
             clear = 2.0 * total;
-            found = self.violations(&field, &all, clear);
+            let all: Vec<FaceId> = self.mesh.faces().collect();
+            found = self.violations(field, &all, clear);
         };
         let Violations {
             in_face,
             sides,
             links,
         } = found;
-        for face in self.mesh.faces() {
-            let violation = in_face[face.index()];
-            if violation > ROUNDING * self.scale(face) {
-                failures.push(ProofFailure {
-                    place: FailurePlace::Face(face),
-                    edge: sides[face.index()],
-                    violation,
-                });
-            }
-        }
-        failures.sort_by(|a, b| b.violation.total_cmp(&a.violation));
-        let (absolute, mut errors) = if total.is_finite() {
-            self.add_up(field.pieces.len(), own, &in_face, links, total)
+        let (absolute, errors) = if total.is_finite() {
+            self.add_up(field.pieces.len(), own.to_vec(), &in_face, links, total)
         } else {
             (f64::INFINITY, vec![f64::INFINITY; self.distances.len()])
         };
-        for (error, &d) in errors.iter_mut().zip(self.distances) {
-            // A source is at 0. A vertex at infinity whose faces do not fail has no path to a source.
-            if d == 0.0 || d.is_infinite() && total.is_finite() {
-                *error = 0.0;
-            }
-        }
-        Bound {
+        Sums {
+            in_face,
+            sides,
+            total,
             absolute,
-            relative: self.greatest_relative(&errors),
             errors,
-            failures,
-            pieces: field.ranges.iter().map(ExactSizeIterator::len).sum(),
+        }
+    }
+
+    /// Lowers the errors of vertices that the [rule](Tolerance) does not allow, by the part of the
+    /// field below a level. `absolute` bounds how much distances are too long anywhere.
+    fn prove_by_level(
+        &self,
+        field: &EdgeField<'_>,
+        own: &[f64],
+        absolute: f64,
+        errors: &mut [f64],
+    ) {
+        let rule = Tolerance::on(self.mesh, self.distances);
+        let all: Vec<FaceId> = self.mesh.faces().collect();
+        let finite = self.distances.iter().copied().filter(|d| d.is_finite());
+        let farthest = finite.fold(0.0, f64::max);
+        // Each level with a bound for the points up to it, highest first.
+        let mut proven: Vec<[f64; 2]> = Vec::new();
+        let mut next = f64::INFINITY;
+        for _ in 0..MOST_LEVELS {
+            let is_unproven =
+                |v: usize, d: f64| d < next && errors[v] > rule.allowed(v, d) && d.is_finite();
+            let unproven = self.distances.iter().copied().enumerate();
+            let unproven = unproven.filter(|&(v, d)| is_unproven(v, d));
+            let Some(level) = unproven.map(|(_, d)| d).reduce(f64::max) else {
+                return;
+            };
+            next = level / LEVEL_RATIO;
+            let too_long = proven.iter().fold(absolute, |most, &[known, bound]| {
+                if (level + most) * (1.0 + 1e-15) <= known {
+                    bound
+                } else {
+                    most
+                }
+            });
+            let cut = (level + too_long) * (1.0 + 1e-15);
+            if cut > farthest / 2.0 {
+                continue;
+            }
+            let part = below(field, cut);
+            // The distances at the ends of the edges of a vertex differ by its violation at most.
+            let is_below = |(&own, &d): (&f64, &f64)| if d - own <= cut { own } else { 0.0 };
+            let own: Vec<f64> = own.iter().zip(self.distances).map(is_below).collect();
+            let clear = CLEAR * cut;
+            let sums = self.sums(&part, self.violations(&part, &all, clear), &own, clear);
+            for (v, error) in errors.iter_mut().enumerate() {
+                if self.distances[v] <= level {
+                    *error = error.min(sums.errors[v]);
+                }
+            }
+            proven.push([level, sums.absolute]);
         }
     }
 
@@ -435,7 +535,11 @@ impl<'a> Claim<'a> {
             let length = length::greatest_length(self.mesh, &points, sources, v);
             // Nothing is known of a length that overflows.
             let length = length.filter(|l| l.is_finite()).unwrap_or(f64::INFINITY);
-            let excess = (length - d).next_up().max(0.0);
+            let excess_of = |length: f64| (length - d).next_up().max(0.0);
+            let mut excess = excess_of(length);
+            if excess > ROUNDING * 10.0 * d && excess.is_finite() {
+                excess = excess.min(excess_of(length::least_length(self.mesh, &points)));
+            }
             bound.errors.push(excess);
             if excess > ROUNDING * 10.0 * d {
                 bound.failures.push(ProofFailure {

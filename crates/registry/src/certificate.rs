@@ -16,6 +16,14 @@ const TOLERANCE: Parameter = Parameter::real(
     "the largest error that passes, as a fraction of each distance",
 );
 
+const GIVES: Parameter = Parameter::word(
+    "gives",
+    &["distances", BOUNDS[0], BOUNDS[1]],
+    "distances that are all proven, or the least or the greatest that each can be by the proof",
+);
+
+const BOUNDS: [&str; 2] = ["least", "greatest"];
+
 pub(crate) const CERTIFIED: &[Algorithm; 1] = &[Algorithm {
     name: CERTIFICATE,
     family: CERTIFICATE,
@@ -27,11 +35,14 @@ pub(crate) const CERTIFIED: &[Algorithm; 1] = &[Algorithm {
     choose: "as the reference of checks where algorithms disagree",
     memory_counter: Counter::StoredWindows,
     ends_early: false,
-    parameters: &[TOLERANCE],
+    parameters: &[TOLERANCE, GIVES],
     build: |mesh, values| {
         Box::new(Certified {
             mesh: mesh.clone(),
             tolerance: values.real(&TOLERANCE),
+            bound: BOUNDS
+                .iter()
+                .position(|&word| values.word(&GIVES) == Some(word)),
         })
     },
     ..Algorithm::EXACT
@@ -49,10 +60,22 @@ pub fn certificate(tolerance: f64) -> Selection {
     Selection::new(algorithm, values)
 }
 
-/// Solves by MMP, and fails if the distances cannot be certified.
+/// The algorithms that return the least and the greatest distance that each vertex can have by the
+/// proof, also if the distances cannot be certified.
+pub fn proven_bounds() -> [Selection; 2] {
+    let [algorithm] = CERTIFIED;
+    BOUNDS.map(|word| {
+        let values = Values::default().with(algorithm.parameters, &GIVES, Value::Word(word));
+        Selection::new(algorithm, values)
+    })
+}
+
+/// Solves by MMP, and fails if the distances cannot be certified and no bound of them is wanted.
 struct Certified {
     mesh: Mesh,
     tolerance: f64,
+    /// The bound that it returns, in place of distances.
+    bound: Option<usize>,
 }
 
 impl Solver for Certified {
@@ -69,10 +92,16 @@ impl Solver for Certified {
             CertificateError::Solve(error) => error,
             _ => SolveError::not_certified(f64::INFINITY),
         })?;
-        if proof.relative() > self.tolerance {
-            return Err(SolveError::not_certified(proof.relative()));
-        }
-        let mut solution = Solution::new(proof.distances);
+        let distances = match self.bound {
+            Some(bound) => (0..proof.distances.len())
+                .map(|v| proof.bounds(v)[bound])
+                .collect(),
+            None if proof.relative() > self.tolerance => {
+                return Err(SolveError::not_certified(proof.relative()));
+            }
+            None => proof.distances,
+        };
+        let mut solution = Solution::new(distances);
         goal.limit(&mut solution);
         Ok(solution)
     }

@@ -40,7 +40,7 @@ mod select;
 mod voronoi;
 mod vtp;
 
-pub use certificate::{CERTIFICATE, certificate};
+pub use certificate::{CERTIFICATE, certificate, proven_bounds};
 pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, SimdChoice, Value, Values};
 pub use program::{Call, PLACEHOLDERS, ProcessLifetime, Program, Programs};
 pub use select::{Selection, select, select_one};

@@ -1,5 +1,8 @@
 //! `geobench verify`.
 
+use std::collections::BTreeSet;
+use std::convert::Infallible;
+
 use anyhow::Context;
 use clap::Args;
 use geobench_harness::exec::expected::{Expected, StoredDistances, stored_sources};
@@ -17,7 +20,7 @@ use geobench_harness::run::proof;
 use geobench_harness::run::reference_check::{Answer, ReferenceCheck};
 use geobench_harness::schema::{ModelRecord, Status};
 use geobench_mesh::Tolerance;
-use geobench_registry::{self as registry, CERTIFICATE, Selection, SimdChoice};
+use geobench_registry::{self as registry, Selection, SimdChoice};
 use geobench_window::precision;
 
 use crate::args::{Algorithms, MODELS_HELP, algorithms, threads, tolerance};
@@ -394,9 +397,14 @@ impl LoadedModelCheck<'_> {
             votes.push(self.vote_of(field, &state.checks));
         }
         let summary = agreement::summary(&votes).filter(|_| !interrupt::requested());
-        let decision = summary
-            .as_ref()
-            .map(|_| self.decide(session, &state, &mut answers));
+        let decision = summary.as_ref().map(|_| {
+            self.decide(
+                session,
+                &state,
+                &mut answers,
+                votes.iter().find(|vote| vote.is_file),
+            )
+        });
         for answer in &answers {
             tally.count(&answer.verdict);
             if answer.shown != Some(answer.verdict.word) {
@@ -478,24 +486,38 @@ impl LoadedModelCheck<'_> {
         session: &mut dyn Session,
         state: &SourceState,
         answers: &mut Vec<JudgedAnswer>,
+        file: Option<&Vote>,
     ) -> String {
         let checks = &state.checks;
         if let Some(why) = proof::too_large(self.record.faces).filter(|_| !self.options.certify) {
             return proof::nothing_proven(&format!("{why}; --certify proves which are right"));
         }
         let tolerance = self.options.tolerance;
-        let certificate = registry::certificate(tolerance);
-        let step = self.step(&certificate, &state.spec);
-        let distances = match session.execute(&step) {
-            Ok(observation) => observation.distances,
-            Err(failure) => return proof::nothing_proven(&failure.message),
+        let Ok(found) = proof::prove::<Infallible>(tolerance, |algorithm| {
+            Ok(session.execute(&self.step(algorithm, &state.spec)))
+        });
+        let answer = match found {
+            Ok(answer) => answer,
+            Err(why) => return proof::nothing_proven(&why),
         };
+        let distances: Vec<f64> = answer.distances.iter().map(|&(_, d)| d).collect();
+        let bounds = answer.bounds.clone();
+        let [_, greatest] = registry::proven_bounds();
+        let certificate = match &bounds {
+            Some(_) => greatest,
+            None => registry::certificate(tolerance),
+        };
+        let step = self.step(&certificate, &state.spec);
         let mut proven = ReferenceCheck::new(checks.layout.clone());
-        proven.answer = Some(Answer::of(CERTIFICATE, &distances));
+        proven.answer = Some(answer);
+        let against = match &bounds {
+            Some(_) => proof::BOUNDS,
+            None => "proven distances",
+        };
         let mut judge = |found: &[f64], verdict: &mut AnswerVerdict| {
             proven.find_scale(found, tolerance, session, &step);
             match proven.deviation(found, tolerance, false) {
-                Ok(comparison) => verdict.decide(&comparison, &proven.layout),
+                Ok(comparison) => verdict.decide(against, &comparison, &proven.layout),
                 Err(error) => verdict.wrong(&error.to_string()),
             }
         };
@@ -532,7 +554,31 @@ impl LoadedModelCheck<'_> {
                 });
             }
         }
-        agreement::proven_right(right.iter().map(String::as_str))
+        let Some(bounds) = bounds else {
+            return agreement::proven_right(right.iter().map(String::as_str));
+        };
+        let of_file = file.filter(|vote| right.contains(&vote.name));
+        let groups = left_groups(answers, of_file.map(|vote| vote.cluster));
+        let is_wrong = |answer: &&JudgedAnswer| answer.verdict.word == Word::Wrong;
+        let wrong: Vec<String> = answers
+            .iter()
+            .filter(is_wrong)
+            .map(|a| a.name.clone())
+            .collect();
+        for answer in answers
+            .iter_mut()
+            .filter(|answer| answer.verdict.word == Word::Ok)
+        {
+            if let Some(cluster) = answer.cluster {
+                answer
+                    .verdict
+                    .not_refuted(groups.len() == 1 || cluster == agreement::REFERENCE);
+            }
+        }
+        let [wrong, left] =
+            [&wrong, &right].map(|names| names.iter().map(String::as_str).collect::<Vec<_>>());
+        let what = agreement::within_bounds(&wrong, &left, groups.len());
+        format!("{}; {what}", proof::nothing_proven(&bounds.why))
     }
 
     /// Stored distances of a file as a vote. They may lack some vertices, so they join the first
@@ -567,6 +613,16 @@ struct SourceState {
     checks: ReferenceCheck,
     /// The doubt of the reference.
     doubt: Option<f64>,
+}
+
+/// The groups of exact answers that are not wrong, with that of a file.
+fn left_groups(answers: &[JudgedAnswer], of_file: Option<u32>) -> BTreeSet<u32> {
+    let left = answers
+        .iter()
+        .filter(|answer| answer.verdict.word == Word::Ok);
+    left.filter_map(|answer| answer.cluster)
+        .chain(of_file)
+        .collect()
 }
 
 /// The rule for comparisons with stored distances from one source.
@@ -683,15 +739,24 @@ impl AnswerVerdict {
     }
 
     /// Replaces the judgement by that of a comparison with proven distances.
-    fn decide(&mut self, comparison: &Deviation, layout: &AnswerLayout) {
+    fn decide(&mut self, against: &str, comparison: &Deviation, layout: &AnswerLayout) {
         self.word = Word::Ok;
         let mut remarks = std::mem::take(&mut self.remarks);
-        if comparison.agrees() {
+        if !comparison.agrees() {
+            self.judge(against, comparison, layout, None);
+        } else if against != proof::BOUNDS {
             self.remarks.push("proven right".to_owned());
-        } else {
-            self.judge("proven distances", comparison, layout, None);
         }
         self.remarks.append(&mut remarks);
+    }
+
+    /// Judges an answer within proven bounds. `is_left` if it is in the single group within them, or
+    /// agrees with the reference.
+    fn not_refuted(&mut self, is_left: bool) {
+        if !is_left {
+            self.word = Word::InDoubt;
+        }
+        self.remarks.insert(0, "not refuted".to_owned());
     }
 
     /// The verdict with its remarks. Only an answer of the reference has no remarks.

@@ -1,5 +1,8 @@
 //! Where answers disagree, a proof decides which are right.
 
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
 use serde_json::{Value, json};
 
 use crate::support::{Outcome, Sandbox};
@@ -154,27 +157,86 @@ fn answers_are_decided_if_the_reference_failed() {
     );
 }
 
+// No proof is exact, so with `--tolerance 0` there are bounds only.
+
 #[test]
-fn where_nothing_can_be_proven_it_says_so() {
+fn where_nothing_can_be_proven_bounds_refute() {
     let sandbox = Sandbox::with_square();
-    // No proof is exact.
-    let verify = "verify square.off --algo test-wrong,ich --quiet --tolerance 0";
-    let said = sandbox.call(verify).stdout;
+    let verify = "verify square.off --algo test-wrong,ich --tolerance 0";
+    let outcome = sandbox.call(verify);
+    let said = &outcome.stdout;
+    assert_eq!(outcome.code, 1);
     assert!(said.contains("source 0: nothing is proven: "), "{said}");
     assert!(
-        said.contains("test-wrong: WRONG: differs from mmp-fast"),
+        said.contains("test-wrong: WRONG: differs from proven bounds: vertex 1 is at 1.5 "),
         "{said}"
     );
+    let left = "; proven wrong: test-wrong; not refuted, a single group: mmp-fast, ich\n";
+    assert!(said.contains(left), "{said}");
+    assert!(said.ends_with("2 of 3 answers agree\n"), "{said}");
     let (outcome, cells) = run(
         &sandbox,
         "--algo mmp-fast,test-wrong --check mmp-fast --tolerance 0",
     );
     assert_eq!(outcome.code, 1);
     assert_eq!(statuses(&cells), json!(["ok", "wrong"]));
-    assert_eq!(checks(&cells, "proven"), json!([null, null]));
+    assert_eq!(checks(&cells, "proven"), json!([null, false]));
     let proof = cells[0]["check"]["proof"].as_str().unwrap();
     assert!(proof.starts_with("nothing is proven: "), "{proof}");
     assert!(outcome.stderr.contains(proof), "{}", outcome.stderr);
+    let left = "; proven wrong: test-wrong; not refuted, a single group: mmp-fast\n";
+    assert!(outcome.stderr.contains(left), "{}", outcome.stderr);
+}
+
+#[test]
+fn bounds_refute_a_wrong_file_and_not_the_right_answers() {
+    let sandbox = Sandbox::with_square();
+    sandbox.write("square.s0.csv", "0,0\n2,1.4\n");
+    let outcome = sandbox.call("verify square.off --algo ich --tolerance 0");
+    let said = &outcome.stdout;
+    assert_eq!(outcome.code, 1);
+    assert!(said.contains("source 0: ich: ok: not refuted; "), "{said}");
+    let of_file = "square.s0.csv: WRONG: differs from proven bounds: vertex 2 is at 1.4 ";
+    assert!(said.contains(of_file), "{said}");
+    let left = "square.s0.csv; not refuted, a single group: mmp-fast, ich\n";
+    assert!(said.contains(left), "{said}");
+    for jobs in ["", "--resume j.jsonl", "--resume j.jsonl", "--jobs 2"] {
+        let (outcome, cells) = run(
+            &sandbox,
+            &format!("--algo mmp-fast,ich,test-wrong --check file --tolerance 0 {jobs}"),
+        );
+        assert_eq!(outcome.code, 1);
+        assert_eq!(statuses(&cells), json!(["ok", "ok", "wrong"]), "{jobs}");
+        assert_eq!(checks(&cells, "proven"), json!([null, null, false]));
+        let replaced = json!(["./square.s0.csv", "./square.s0.csv", "./square.s0.csv"]);
+        assert_eq!(checks(&cells, "replaced"), replaced);
+        assert_eq!(cells[0]["check"]["reference"], "proven bounds");
+        let left = "; proven wrong: test-wrong; not refuted, a single group: mmp-fast, ich\n";
+        assert!(outcome.stderr.contains(left), "{}", outcome.stderr);
+    }
+}
+
+/// A chain of thin faces, the last vertex at 4e-5. Its distances were proven to 5.7e-9 only, and
+/// right answers were called wrong beside the file.
+#[test]
+fn a_wrong_file_of_a_chain_is_refuted() {
+    let shared = env::var_os("GEOBENCH_SHARED").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
+        PathBuf::from,
+    );
+    let Ok(chain) = fs::read_to_string(shared.join("cases/exact/chain40.obj")) else {
+        println!("without chain40.obj");
+        return;
+    };
+    let sandbox = Sandbox::new();
+    sandbox.write("chain.obj", &chain);
+    sandbox.write("chain.s0.csv", "0,0\n440,4.1e-5\n");
+    let outcome = sandbox.call("verify chain.obj --algo ich,vtp");
+    let said = &outcome.stdout;
+    assert_eq!(outcome.code, 1);
+    assert!(said.contains("source 0: vtp: ok: proven right; "), "{said}");
+    let decision = "source 0: proven right: mmp-fast, ich, vtp\n3 of 4 answers agree\n";
+    assert!(said.ends_with(decision), "{said}");
 }
 
 #[test]

@@ -4,12 +4,12 @@
 //! whose first answer it agrees with. Cluster 0 is that of the reference. If most answers are in
 //! another cluster, the reference is probably wrong; a [proof](crate::run::proof) decides it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use geobench_registry::{self as registry, CERTIFICATE};
+use geobench_registry as registry;
 
 use crate::run::check::Deviation;
-use crate::run::proof::is_certificate;
+use crate::run::proof::{BOUNDS, is_certificate, is_proof};
 use crate::schema::Cell;
 
 /// The first answer of each cluster except cluster 0.
@@ -280,9 +280,10 @@ fn votes(cells: &[Cell]) -> Vec<Vote> {
         .iter()
         .filter_map(|cell| cell.check.reference.as_deref());
     let first = references.clone().next();
-    let reference = references.find(|name| *name == CERTIFICATE).or(first);
+    let reference = references.find(|name| is_proof(name)).or(first);
     let mut votes = Vec::new();
-    if let Some(name) = reference {
+    // Bounds are no answer.
+    if let Some(name) = reference.filter(|&name| name != BOUNDS) {
         votes.push(Vote::of_reference(
             name,
             registry::select_one(name).is_err(),
@@ -334,20 +335,50 @@ pub fn explain(cells: &mut [Cell]) {
 /// was sought.
 fn decision(cells: &[Cell]) -> Option<String> {
     let proof = cells.iter().find_map(|cell| cell.check.proof.as_ref())?;
-    if cells.iter().all(|cell| cell.check.proven.is_none()) {
-        return Some(proof.clone());
-    }
-    // The reference beside proven answers is right itself, or is the proof.
+    let is_left = |cell: &&Cell| cell.check.cluster.is_some() && cell.check.proven.is_none();
+    let names = |of: &dyn Fn(&&Cell) -> bool| -> Vec<&str> {
+        let cells = cells.iter().filter(of);
+        cells.map(|cell| cell.algorithm.as_str()).collect()
+    };
+    let [right, wrong] = [true, false].map(|is| names(&|cell| cell.check.proven == Some(is)));
     let reference = cells
         .iter()
         .find_map(|cell| cell.check.reference.as_deref());
+    let has_bounds = reference == Some(BOUNDS);
+    let left = names(&is_left);
+    if !has_bounds && right.is_empty() && wrong.is_empty() {
+        return Some(proof.clone());
+    }
+    // The reference beside these answers is right itself, within the bounds, or is the proof.
     let reference = reference.filter(|&name| {
-        !is_certificate(name) && cells.iter().all(|cell| cell.algorithm.as_str() != name)
+        !has_bounds
+            && !is_certificate(name)
+            && cells.iter().all(|cell| cell.algorithm.as_str() != name)
     });
-    let of_right = |cell: &&Cell| cell.check.proven == Some(true);
-    let right = cells.iter().filter(of_right);
-    let right = right.map(|cell| cell.algorithm.as_str());
-    Some(proven_right(reference.into_iter().chain(right)))
+    if !has_bounds && left.is_empty() {
+        return Some(proven_right(reference.into_iter().chain(right)));
+    }
+    let groups = cells.iter().filter(is_left);
+    let groups = groups.filter_map(|cell| cell.check.cluster);
+    let groups: BTreeSet<u32> = groups.chain(reference.map(|_| REFERENCE)).collect();
+    let left: Vec<&str> = reference.into_iter().chain(left).collect();
+    let what = within_bounds(&wrong, &left, groups.len());
+    Some(format!("{proof}; {what}"))
+}
+
+/// Names the answers outside of proven bounds, and those within, which form this many groups.
+pub fn within_bounds(wrong: &[&str], left: &[&str], groups: usize) -> String {
+    let mut parts = Vec::new();
+    if !wrong.is_empty() {
+        parts.push(format!("proven wrong: {}", wrong.join(", ")));
+    }
+    let left = left.join(", ");
+    parts.push(match groups {
+        0 => "no answer is within the proven bounds".to_owned(),
+        1 => format!("not refuted, a single group: {left}"),
+        _ => format!("not refuted, {groups} groups that disagree: {left}"),
+    });
+    parts.join("; ")
 }
 
 /// Names the answers that are proven right.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use geobench_registry::{CERTIFICATE, ProcessLifetime, Program, Selection};
+use geobench_registry::{ProcessLifetime, Program, Selection};
 use geobench_window::Counter;
 
 use crate::exec::{Failure, Pass};
@@ -12,7 +12,7 @@ use crate::plan::sampling::Sampling;
 use crate::run::agreement;
 use crate::run::earlier::NOT_CHECKED;
 use crate::run::journal::{RunId, RunOutcome};
-use crate::run::proof::RevisedGroup;
+use crate::run::proof::{RevisedGroup, is_proof};
 use crate::schema::{Cell, Check, Memory, Status, Time};
 
 /// The outcomes of the runs of a cell.
@@ -132,7 +132,7 @@ impl<'p> CellRuns<'p> {
     pub(super) fn revise(&mut self, groups: &[RevisedGroup]) {
         for outcome in self.outcomes.values_mut() {
             let known = &outcome.check;
-            let is_new = known.reference.as_deref() == Some(CERTIFICATE);
+            let is_new = known.reference.as_deref().is_some_and(is_proof);
             let group = groups
                 .iter()
                 .find(|group| known.cluster == Some(group.before));
@@ -279,7 +279,7 @@ impl<'p> CellRuns<'p> {
             None => -1.0,
         };
         // Proven distances take the place of a refuted reference.
-        let is_proven = |check: &&Check| check.reference.as_deref() == Some(CERTIFICATE);
+        let is_proven = |check: &&Check| check.reference.as_deref().is_some_and(is_proof);
         let checks = || outcomes().map(|outcome| &outcome.check);
         let with_proof = checks().any(|check| is_proven(&check));
         let worst = checks()

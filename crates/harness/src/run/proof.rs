@@ -1,10 +1,11 @@
 //! Proofs that decide which of several disagreeing answers are right.
 
-use geobench_registry::CERTIFICATE;
+use geobench_registry::{self as registry, CERTIFICATE, Selection};
 use serde::{Deserialize, Serialize};
 
-use crate::exec::Failure;
-use crate::schema::Check;
+use crate::exec::{Failure, Observation};
+use crate::run::reference_check::Answer;
+use crate::schema::{Check, Status};
 
 /// The largest model that is proven unasked. A proof takes about ten times as long as a run of
 /// `mmp`: at this size seconds, and minutes where faces are slender. The limits of runs apply.
@@ -15,6 +16,51 @@ pub(crate) fn is_certificate(reference: &str) -> bool {
     reference
         .strip_prefix(CERTIFICATE)
         .is_some_and(|rest| rest.is_empty() || rest.starts_with('{'))
+}
+
+/// The name of proven bounds in the place of a reference.
+pub const BOUNDS: &str = "proven bounds";
+
+/// Whether the reference of this name is a proof that has taken the place of another reference.
+pub(crate) fn is_proof(reference: &str) -> bool {
+    [CERTIFICATE, BOUNDS].contains(&reference)
+}
+
+/// The distances that a proof has found; bounds of them if they cannot be proven to `tolerance`; or
+/// why there are none. `execute` runs an algorithm.
+///
+/// # Errors
+///
+/// Those of `execute`.
+pub fn prove<E>(
+    tolerance: f64,
+    mut execute: impl FnMut(&Selection) -> Result<Result<Observation, Failure>, E>,
+) -> Result<Result<Answer, String>, E> {
+    let why = match execute(&registry::certificate(tolerance))? {
+        Ok(found) => return Ok(Ok(Answer::of(CERTIFICATE, &found.distances))),
+        Err(failure) if failure.status == Status::Refused => failure.message,
+        Err(failure) => return Ok(Err(failure.message)),
+    };
+    let [least, greatest] = registry::proven_bounds();
+    Ok(match (execute(&least)?, execute(&greatest)?) {
+        (Ok(least), Ok(greatest)) => Ok(Answer {
+            bounds: Some(ProvenBounds {
+                least: least.distances,
+                why,
+            }),
+            ..Answer::of(BOUNDS, &greatest.distances)
+        }),
+        (Err(failure), _) | (_, Err(failure)) => Err(failure.message),
+    })
+}
+
+/// What makes an answer of greatest possible distances one of bounds.
+#[derive(Clone, Debug)]
+pub struct ProvenBounds {
+    /// The least possible distances.
+    pub least: Vec<f64>,
+    /// Why there are no proven distances.
+    pub why: String,
 }
 
 /// Why a model with this number of faces is not proven unasked; `None` if it is.
@@ -42,7 +88,12 @@ pub(crate) enum Decision {
         reference: Option<String>,
         /// The groups of answers so far.
         groups: Vec<RevisedGroup>,
+        /// Set if proven bounds took its place: why there are no proven distances.
+        #[serde(default)]
+        why: Option<String>,
     },
+    /// No distances are proven, for this reason. The reference is within the proven bounds.
+    Unrefuted(String),
     /// There is no proof, for this reason.
     Undecided(String),
 }
@@ -70,22 +121,37 @@ impl Decision {
             Self::Replaced {
                 reference: Some(wrong),
                 groups,
+                why,
             } => {
                 let of_reference = groups.iter().find(|group| group.before == 0);
                 let how = of_reference.and_then(|group| group.failure.as_ref());
                 let how = how.map_or_else(String::new, |how| format!(": {}", how.message));
+                let by = match why {
+                    Some(why) => format!("{BOUNDS}, since {why}"),
+                    None => CERTIFICATE.to_owned(),
+                };
                 (
-                    format!("{CERTIFICATE}: the reference {wrong} is wrong{how}"),
+                    format!("{by}: the reference {wrong} is wrong{how}"),
                     Some(wrong.clone()),
                 )
             }
             Self::Replaced {
-                reference: None, ..
+                reference: None,
+                why: None,
+                ..
             } => (format!("{CERTIFICATE}, since the reference failed"), None),
-            Self::Undecided(why) => (nothing_proven(why), None),
+            Self::Replaced { why: Some(why), .. } | Self::Unrefuted(why) | Self::Undecided(why) => {
+                (nothing_proven(why), None)
+            }
         };
-        let is_decided = !matches!(self, Self::Undecided(_));
-        check.proven = check.cluster.filter(|_| is_decided).map(|group| group == 0);
+        // Where there are bounds only, the comparison with them has set it.
+        if !matches!(
+            self,
+            Self::Unrefuted(_) | Self::Replaced { why: Some(_), .. }
+        ) {
+            let is_decided = !matches!(self, Self::Undecided(_));
+            check.proven = check.cluster.filter(|_| is_decided).map(|group| group == 0);
+        }
         check.proof = Some(text);
         check.replaced = replaced;
     }

@@ -7,7 +7,7 @@ use crate::exec::{Failure, Session, Step};
 use crate::run::agreement::{self, Clusters};
 use crate::run::answer_layout::AnswerLayout;
 use crate::run::check::{self, Deviation};
-use crate::run::proof::{Decision, RevisedGroup};
+use crate::run::proof::{Decision, ProvenBounds, RevisedGroup};
 use crate::run::scale::FieldScale;
 use crate::schema::{Check, Status};
 
@@ -26,6 +26,8 @@ pub struct ReferenceCheck {
     pub(crate) scale: FieldScale,
     /// What a proof has decided, once answers differed.
     pub(crate) decision: Option<Decision>,
+    /// Proven bounds, if no distances are proven, and the reference is within the bounds.
+    pub(crate) bounds: Option<Answer>,
 }
 
 /// A reference answer and its name.
@@ -39,6 +41,8 @@ pub struct Answer {
     pub vertices: usize,
     /// Vertices and distances of a file, of all that it has. `None` for an algorithm.
     pub stored: Option<Vec<(usize, f64)>>,
+    /// Set if the distances are the greatest possible ones, by a proof.
+    pub bounds: Option<ProvenBounds>,
 }
 
 impl Answer {
@@ -49,7 +53,18 @@ impl Answer {
             vertices: distances.len(),
             distances: distances.iter().copied().enumerate().collect(),
             stored: None,
+            bounds: None,
         }
+    }
+
+    /// Places and distances that `found` is compared with: those of the answer. Within bounds, they
+    /// are the nearest to `found`.
+    fn expected<'a>(&'a self, found: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let nearest = move |&(place, distance): &(usize, f64)| match &self.bounds {
+            Some(bounds) => (place, found[place].max(bounds.least[place]).min(distance)),
+            None => (place, distance),
+        };
+        self.distances.iter().map(nearest)
     }
 
     /// All distances of the answer in their order, with those of `other` where it has none.
@@ -73,12 +88,28 @@ impl ReferenceCheck {
 
     /// Whether `distances` differ from the reference answer.
     pub fn differs(&self, distances: &[f64], tolerance: f64) -> bool {
+        let answer = self.answer.as_ref();
+        answer.is_some_and(|answer| self.differs_from(answer, distances, tolerance))
+    }
+
+    fn differs_from(&self, answer: &Answer, distances: &[f64], tolerance: f64) -> bool {
+        if distances.len() != answer.vertices {
+            return false;
+        }
         let rule = self.scale.rule(tolerance);
-        self.answer.as_ref().is_some_and(|answer| {
-            let expected = answer.distances.iter().copied();
-            distances.len() == answer.vertices
-                && !(self.layout.compare(distances, expected, &rule, false)).agrees()
-        })
+        let expected = answer.expected(distances);
+        !(self.layout.compare(distances, expected, &rule, false)).agrees()
+    }
+
+    /// Whether the reference is a proof of bounds. Answers within them need not agree.
+    fn has_bounds(&self) -> bool {
+        (self.answer.as_ref()).is_some_and(|answer| answer.bounds.is_some())
+    }
+
+    /// For an answer that differs from the reference: whether bounds prove it wrong; `None` if not.
+    fn refuted(&self, distances: &[f64], tolerance: f64) -> Option<bool> {
+        let is_outside = |bounds| self.differs_from(bounds, distances, tolerance);
+        (self.has_bounds() || self.bounds.as_ref().is_some_and(is_outside)).then_some(false)
     }
 
     /// Whether `distances`, the answer of `algorithm`, differ from the reference; or, without an
@@ -126,9 +157,12 @@ impl ReferenceCheck {
         let is_wanted = self.answer.is_some() || self.unchecked.is_some();
         if is_wanted && !algorithm.is_approximate() {
             check.cluster = Some(match (&self.answer, &failure) {
-                (Some(_), None) => agreement::REFERENCE,
+                (Some(_), None) if !self.has_bounds() => agreement::REFERENCE,
                 _ => self.cluster_of_differing(distances, tolerance),
             });
+            if failure.is_some() {
+                check.proven = self.refuted(distances, tolerance);
+            }
         }
         (check, failure)
     }
@@ -176,9 +210,12 @@ impl ReferenceCheck {
             let Some(found) = found else { continue };
             let (mut check, failure) = self.compare(&found, tolerance, false);
             check.cluster = Some(match failure {
-                None => agreement::REFERENCE,
-                Some(_) => self.cluster_of_differing(&found, tolerance),
+                None if !self.has_bounds() => agreement::REFERENCE,
+                _ => self.cluster_of_differing(&found, tolerance),
             });
+            if failure.is_some() {
+                check.proven = self.refuted(&found, tolerance);
+            }
             groups.push(RevisedGroup {
                 before: number,
                 check,
@@ -207,7 +244,7 @@ impl ReferenceCheck {
             return Ok(check::compare_some(distances, expected, &rule));
         };
         check::check_length(distances, answer.vertices)?;
-        let expected = answer.distances.iter().copied();
+        let expected = answer.expected(distances);
         let rule = self.scale.rule(tolerance);
         Ok((self.layout).compare(distances, expected, &rule, may_differ))
     }

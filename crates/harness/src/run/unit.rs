@@ -4,7 +4,7 @@ use std::path::Path;
 use std::slice;
 use std::sync::{Mutex, MutexGuard};
 
-use geobench_registry::{self as registry, CERTIFICATE, Selection};
+use geobench_registry::{self as registry, Selection};
 use geobench_window::precision;
 
 use crate::exec::model::ModelRef;
@@ -396,16 +396,22 @@ impl<'p> UnitPlan<'p> {
         cells: &mut [CellRuns<'p>],
         context: &mut RunContext<'_, '_>,
     ) -> anyhow::Result<Option<usize>> {
-        let is_refuted =
-            |check: &ReferenceCheck| matches!(check.decision, Some(Decision::Replaced { .. }));
-        if is_refuted(&context.check()) {
-            let proven = self.prove(context)?;
-            let mut check = context.check();
-            match proven {
-                Ok(proven) => check.answer = Some(Answer::of(CERTIFICATE, &proven)),
-                Err(why) => check.unchecked = Some(why),
+        let decision = context.check().decision.clone();
+        match decision {
+            Some(Decision::Replaced { .. }) => {
+                let proven = self.prove(context)?;
+                let mut check = context.check();
+                match proven {
+                    Ok(proven) => check.answer = Some(proven),
+                    Err(why) => check.unchecked = Some(why),
+                }
+                return Ok(None);
             }
-            return Ok(None);
+            Some(Decision::Unrefuted(_)) => {
+                let bounds = self.prove(context)?.ok();
+                context.check().bounds = bounds;
+            }
+            _ => {}
         }
         let reference = match &self.plan.reference {
             Reference::None => return Ok(None),
@@ -425,6 +431,7 @@ impl<'p> UnitPlan<'p> {
                                 distances,
                                 vertices,
                                 stored: Some(field.distances),
+                                bounds: None,
                             });
                         }
                     }
@@ -576,8 +583,10 @@ impl<'p> UnitPlan<'p> {
     ) -> Result<(), Interrupted> {
         let is_named = |name: &str| check.answer.as_ref().is_some_and(|a| a.name == name);
         let certificate = registry::certificate(self.plan.tolerance);
+        let [_, greatest] = registry::proven_bounds();
         let algorithm = match &self.plan.reference {
             Reference::Algorithm(reference) if is_named(reference.label()) => reference,
+            _ if is_named(proof::BOUNDS) => &greatest,
             // It takes the place of a refuted reference. A file is not run.
             _ => &certificate,
         };
@@ -589,20 +598,18 @@ impl<'p> UnitPlan<'p> {
         Ok(())
     }
 
-    /// Proven distances, or why there are none.
+    /// Proven distances or bounds, or why there are none.
     fn prove(
         &self,
         context: &mut RunContext<'_, '_>,
-    ) -> Result<Result<Vec<f64>, String>, Interrupted> {
-        let certificate = registry::certificate(self.plan.tolerance);
-        let done = context.execute(&self.as_step(&certificate, Pass::Warmup, 1))?;
-        Ok(done
-            .map(|found| found.distances)
-            .map_err(|failure| failure.message))
+    ) -> Result<Result<Answer, String>, Interrupted> {
+        proof::prove(self.plan.tolerance, |algorithm| {
+            context.execute(&self.as_step(algorithm, Pass::Warmup, 1))
+        })
     }
 
-    /// Decides by a proof whether the reference is right. If it is not, the proven distances take
-    /// its place.
+    /// Decides by a proof whether the reference is right. If it is not, the proven distances or
+    /// bounds take its place.
     fn decide(
         &self,
         check: &mut ReferenceCheck,
@@ -619,13 +626,14 @@ impl<'p> UnitPlan<'p> {
             return Ok(Decision::Undecided(why));
         }
         let proven = match self.prove(context)? {
-            Ok(proven) => Answer::of(CERTIFICATE, &proven),
+            Ok(proven) => proven,
             Err(why) => return Ok(Decision::Undecided(why)),
         };
         let found = check
             .answer
             .as_ref()
             .map(|answer| answer.completed_by(&proven));
+        let why = proven.bounds.as_ref().map(|bounds| bounds.why.clone());
         let before = (
             check.answer.replace(proven),
             std::mem::take(&mut check.scale),
@@ -634,14 +642,18 @@ impl<'p> UnitPlan<'p> {
         if let (Some(found), Some(reference)) = (&found, &reference) {
             self.find_scale(check, found, tolerance, context)?;
             if !check.differs(found, tolerance) {
-                (check.answer, check.scale) = before;
-                return Ok(Decision::Confirmed(reference.clone()));
+                check.scale = before.1;
+                let proven = std::mem::replace(&mut check.answer, before.0);
+                check.bounds = proven.filter(|_| why.is_some());
+                let confirmed = || Decision::Confirmed(reference.clone());
+                return Ok(why.map_or_else(confirmed, Decision::Unrefuted));
             }
         }
         check.unchecked = None;
         Ok(Decision::Replaced {
             reference,
             groups: check.revise(found, tolerance),
+            why,
         })
     }
 

@@ -593,13 +593,13 @@ pub struct Check {
     #[serde(default)]
     pub least_tolerance: Option<f64>,
     /// Whether a proof shows that the answer is right or wrong. Null if no exact answers for this
-    /// model and source disagreed, or nothing was proven.
+    /// model and source disagreed, or neither was proven.
     #[serde(default)]
     pub proven: Option<bool>,
     /// What was proven by what, or why nothing was; null if no exact answers disagreed.
     #[serde(default)]
     pub proof: Option<String>,
-    /// The reference that was proven wrong, if proven distances took its place.
+    /// The reference that was proven wrong, if proven distances or bounds took its place.
     #[serde(default)]
     pub replaced: Option<String>,
 }

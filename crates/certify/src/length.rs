@@ -1,7 +1,5 @@
 //! Upper bounds of the lengths of paths.
 
-use std::collections::HashSet;
-
 use geobench_mesh::{Mesh, VertexId};
 
 use crate::ball::{self, Ball, BallVector, dot};
@@ -79,17 +77,17 @@ impl PathPoint {
     }
 }
 
-/// An upper bound of the length of the path through these points. `None` if the path does not begin
-/// at one of `sources` and end at `target`, or leaves the surface.
+/// The first vertex of the path through these points, and an upper bound of its length. `None` if
+/// the path does not begin at a vertex and end at `target`, or leaves the surface.
 pub(crate) fn greatest_length(
     mesh: &Mesh,
     points: &[PathPoint],
-    sources: &HashSet<VertexId>,
     target: VertexId,
-) -> Option<f64> {
-    let starts = matches!(points.first()?, PathPoint::Vertex(v) if sources.contains(v));
-    let ends = points.last()? == &PathPoint::Vertex(target);
-    if !starts || !ends {
+) -> Option<(VertexId, f64)> {
+    let &PathPoint::Vertex(start) = points.first()? else {
+        return None;
+    };
+    if points.last()? != &PathPoint::Vertex(target) {
         return None;
     }
     let mut length = Interval::ZERO;
@@ -102,7 +100,7 @@ pub(crate) fn greatest_length(
         length = length + norm(minus(here, before));
         before = here;
     }
-    Some(length.hi)
+    Some((start, length.hi))
 }
 
 /// Sweeps that move the points of a path.
@@ -195,7 +193,8 @@ mod tests {
         let [a, b, c, d] = [0, 1, 2, 3].map(VertexId::new);
         let middle = PathPoint::Edge([a, c], 0.5);
         let points = [PathPoint::Vertex(b), middle, PathPoint::Vertex(d)];
-        let length = greatest_length(&square(), &points, &HashSet::from([b]), d).unwrap();
+        let (start, length) = greatest_length(&square(), &points, d).unwrap();
+        assert_eq!(start, b);
         assert!(length >= 2.0_f64.sqrt() && length < 2.0_f64.sqrt() + 1e-14);
     }
 
@@ -216,7 +215,7 @@ mod tests {
             PathPoint::Edge([a, b], 0.3),
             PathPoint::Vertex(d),
         ];
-        let rounded = greatest_length(&mesh, &points, &HashSet::from([c]), d).unwrap();
+        let (_, rounded) = greatest_length(&mesh, &points, d).unwrap();
         let found = least_length(&mesh, &points);
         assert!(rounded > distance * (1.0 + 1e-6), "{rounded}");
         assert!(
@@ -230,16 +229,13 @@ mod tests {
         let [a, b, c, d] = [0, 1, 2, 3].map(VertexId::new);
         let [from, to] = [b, d].map(PathPoint::Vertex);
         let none = |points: &[PathPoint]| {
-            assert_eq!(
-                greatest_length(&square(), points, &HashSet::from([b]), d),
-                None
-            );
+            assert_eq!(greatest_length(&square(), points, d), None);
         };
         none(&[from, to]); // Through the air: no face has both.
         none(&[from, PathPoint::Edge([a, c], 1.5), to]);
         none(&[from, PathPoint::Edge([b, d], 0.5), to]);
         none(&[from, PathPoint::Edge([a, VertexId::new(9)], 0.5), to]);
-        none(&[PathPoint::Vertex(a), to]); // Not from the source.
+        none(&[PathPoint::Edge([a, b], 0.5), PathPoint::Vertex(c), to]); // Not from a vertex.
         none(&[from, PathPoint::Vertex(c)]); // Not to the target.
         none(&[]);
     }

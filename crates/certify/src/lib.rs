@@ -74,6 +74,7 @@ use chains::greatest_sums;
 use envelope::{EnvelopeBuilder, EnvelopePiece, GAP, piece};
 use face::{ChainLink, Checker, FaceChecks, REPAIR};
 use field::{EdgeField, Envelopes, canonical};
+use interval::lesser;
 use jump::sum_of_jumps;
 use level::below;
 use repair::repair;
@@ -170,6 +171,16 @@ pub enum FailurePlace {
     /// A vertex at which the distances on its edges disagree, or without a path of the claimed
     /// length.
     Vertex(VertexId),
+}
+
+/// A path on the surface.
+#[derive(Clone, Copy)]
+struct Walk {
+    start: VertexId,
+    /// An upper bound.
+    length: f64,
+    /// Number of its points.
+    points: usize,
 }
 
 /// The violations of all faces and vertices, added up.
@@ -492,55 +503,92 @@ impl<'a> Claim<'a> {
 
     /// Upper bound of the amount by which the distances are too short.
     ///
-    /// `path` returns a path from a source to a vertex. It is called for each vertex with a finite
-    /// distance that is not a source. Without a path the bound is infinite.
+    /// `path` returns a path from a source to a vertex, or from a vertex with a smaller distance. It
+    /// is called for each vertex with a finite distance that is not a source. Without a path the
+    /// bound is infinite.
     ///
     /// Takes O(n) time for n points of all paths together. In a pool of `rayon`, all its threads
     /// share the work.
     pub fn not_too_short(&self, path: impl Fn(VertexId) -> Option<Vec<PathPoint>> + Sync) -> Bound {
-        let sources: HashSet<VertexId> = self.sources.iter().copied().collect();
-        let ranges = threads::ranges(self.mesh.vertex_count(), PARTS);
-        let parts = threads::each(ranges, |range| {
-            self.not_too_short_in(range, &sources, &path)
-        });
-        let mut bound = Bound::default();
-        for part in parts {
-            threads::append(&mut bound.errors, part.errors);
-            threads::append(&mut bound.failures, part.failures);
-            bound.pieces += part.pieces;
-        }
-        bound.absolute = bound.errors.iter().copied().fold(0.0, f64::max);
-        bound.relative = self.greatest_relative(&bound.errors);
-        let worst_first = |a: &ProofFailure, b: &ProofFailure| b.violation.total_cmp(&a.violation);
-        bound.failures.sort_by(worst_first);
-        bound
+        self.not_too_short_by_lines(path, |_| None)
     }
 
-    /// The errors and failures of a range of vertices, in their order.
-    fn not_too_short_in(
+    /// As [`not_too_short`](Self::not_too_short), with the last straight line of each path, which
+    /// begins at a vertex where the path bends. The path to that vertex is not traced again, so long
+    /// paths with many bends take no more time than their last lines.
+    ///
+    /// `path` is called where the lines prove less than rounding allows. It returns a path as in
+    /// `not_too_short`.
+    pub fn not_too_short_by_lines(
         &self,
-        vertices: Range<usize>,
-        sources: &HashSet<VertexId>,
+        line: impl Fn(VertexId) -> Option<Vec<PathPoint>> + Sync,
         path: impl Fn(VertexId) -> Option<Vec<PathPoint>>,
     ) -> Bound {
-        let mut bound = Bound::default();
-        for v in vertices.map(|v| VertexId::new(v as u32)) {
+        let sources: HashSet<VertexId> = self.sources.iter().copied().collect();
+        let ranges = threads::ranges(self.mesh.vertex_count(), PARTS);
+        let needs_path =
+            |v: &VertexId| self.distances[v.index()].is_finite() && !sources.contains(v);
+        let lines = threads::each(ranges, |range| {
+            let vertices = range.map(|v| VertexId::new(v as u32));
+            let of = |v| needs_path(&v).then(|| line(v).map(|points| self.walk(&points, v)));
+            vertices.map(|v| of(v).flatten()).collect::<Vec<_>>()
+        });
+        let lines: Vec<Option<Walk>> = lines.into_iter().flatten().collect();
+        let mut order: Vec<VertexId> = self.mesh.vertices().filter(needs_path).collect();
+        order.sort_by(|a, b| self.distances[a.index()].total_cmp(&self.distances[b.index()]));
+        // Upper bounds of the geodesic distances of the vertices so far.
+        let mut greatest = vec![f64::INFINITY; self.mesh.vertex_count()];
+        for source in &sources {
+            greatest[source.index()] = 0.0;
+        }
+        let mut bound = Bound {
+            errors: vec![0.0; greatest.len()],
+            ..Bound::default()
+        };
+        let rule = Tolerance::on(self.mesh, self.distances);
+        let is_right = |v: VertexId, length: f64| {
             let d = self.distances[v.index()];
-            if !d.is_finite() || sources.contains(&v) {
-                bound.errors.push(0.0);
-                continue;
+            length - d <= rule.allowed(v.index(), d) / 2.0
+        };
+        // Much less than the rule allows, because errors add up from line to line.
+        let of_line = rule
+            .clone()
+            .with_relative(10.0 * ROUNDING)
+            .with_rounding(1e-2 * ROUNDING);
+        for v in order {
+            let d = self.distances[v.index()];
+            let to = |walk: &Walk| (greatest[walk.start.index()] + walk.length).next_up();
+            // A path may be as much too long as its first part, and rounding.
+            let most = |walk: &Walk| {
+                let start = walk.start.index();
+                d + (greatest[start] - self.distances[start]).max(0.0)
+                    + of_line.allowed(v.index(), d)
+            };
+            let mut length = f64::INFINITY;
+            if let Some(walk) = lines[v.index()] {
+                bound.pieces += walk.points;
+                length = to(&walk);
+                if length > most(&walk) && length.is_finite() {
+                    length = lesser(length, to(&self.shorter(&walk, line(v))));
+                }
             }
-            let points = path(v).unwrap_or_default();
-            bound.pieces += points.len();
-            let length = length::greatest_length(self.mesh, &points, sources, v);
-            // Nothing is known of a length that overflows.
-            let length = length.filter(|l| l.is_finite()).unwrap_or(f64::INFINITY);
-            let excess_of = |length: f64| (length - d).next_up().max(0.0);
-            let mut excess = excess_of(length);
-            if excess > ROUNDING * 10.0 * d && excess.is_finite() {
-                excess = excess.min(excess_of(length::least_length(self.mesh, &points)));
+            if !is_right(v, length)
+                && let Some(points) = path(v)
+            {
+                let walk = self.walk(&points, v);
+                length = lesser(length, to(&walk));
+                if !is_right(v, length) {
+                    length = lesser(length, to(&self.shorter(&walk, Some(points))));
+                }
             }
-            bound.errors.push(excess);
+            let length = if length.is_nan() {
+                f64::INFINITY
+            } else {
+                length
+            };
+            greatest[v.index()] = length;
+            let excess = (length - d).next_up().max(0.0);
+            bound.errors[v.index()] = excess;
             if excess > ROUNDING * 10.0 * d {
                 bound.failures.push(ProofFailure {
                     place: FailurePlace::Vertex(v),
@@ -549,7 +597,32 @@ impl<'a> Claim<'a> {
                 });
             }
         }
+        bound.absolute = bound.errors.iter().copied().fold(0.0, f64::max);
+        bound.relative = self.greatest_relative(&bound.errors);
+        let worst_first = |a: &ProofFailure, b: &ProofFailure| b.violation.total_cmp(&a.violation);
+        bound.failures.sort_by(worst_first);
         bound
+    }
+
+    /// A path of which the points on edges are moved to where it is shorter.
+    fn shorter(&self, walk: &Walk, points: Option<Vec<PathPoint>>) -> Walk {
+        let points = points.filter(|_| walk.length.is_finite());
+        let length = points.map(|points| length::least_length(self.mesh, &points));
+        Walk {
+            length: length.unwrap_or(f64::INFINITY),
+            ..*walk
+        }
+    }
+
+    /// A path to `target` through these points. Its length is infinite if it is none.
+    fn walk(&self, points: &[PathPoint], target: VertexId) -> Walk {
+        let found = length::greatest_length(self.mesh, points, target);
+        let (start, length) = found.unwrap_or((target, f64::INFINITY));
+        Walk {
+            start,
+            length,
+            points: points.len(),
+        }
     }
 
     /// The lower envelopes of the windows of all edges.

@@ -66,7 +66,9 @@ impl Certificate {
         let claim = Claim::new(mesh, &sources, &distances)?;
         let too_long = claim.not_too_long(|h| window_data(&solver, h));
         drop(solver);
-        let too_short = claim.not_too_short(|v| paths.to(v).ok().flatten().map(points));
+        let last = |v| paths.last_line(v).map(points);
+        let whole = |v| paths.to(v).ok().flatten().map(points);
+        let too_short = claim.not_too_short_by_lines(last, whole);
         let rule = Tolerance::on(mesh, &distances);
         Ok(Self {
             distances,

@@ -1,5 +1,7 @@
 //! Certificates of random meshes: their bounds hold, and no wrong distance is certified.
 
+use std::path::Path;
+
 use geobench_mesh::{Mesh, Tolerance, TriangleSoup, VertexId};
 use geobench_oracle::{DoubleDouble, Model, Random, Search, nasty, rounded, search};
 use geodesics::{Certificate, Distances, Judgement};
@@ -122,7 +124,6 @@ fn no_damaged_field_is_certified() {
     assert!(all > 400 && proven > all * 2 / 3, "{proven} of {all}");
 }
 
-#[expect(dead_code, reason = "the path is that of a file that may be missing")]
 #[path = "../../oracle/examples/fuzz/slivers.rs"]
 mod slivers;
 
@@ -159,4 +160,24 @@ fn slivers_are_proven_and_no_damaged_field_is() {
         assert_eq!(field.accepted(&exchanged), NONE, "{name}: exchanged");
     }
     assert!(20 * failed.len() <= count, "{failed:?} of {count}");
+}
+
+/// Paths with up to 1,000 bends were traced from the source to each vertex, for minutes.
+#[test]
+fn chains_are_proven() {
+    for name in ["chain16", "chain40", "chain1000"] {
+        let shared = slivers::path();
+        let shared = shared.parent().and_then(Path::parent).unwrap();
+        let path = shared.join(format!("cases/exact/{name}.obj"));
+        let Ok(mesh) = Mesh::read(&path) else {
+            println!("without {}", path.display());
+            continue;
+        };
+        let proof = Certificate::of(&mesh, 0).unwrap();
+        assert!(
+            proof.relative() <= TOLERANCE,
+            "{name}: {}",
+            proof.relative()
+        );
+    }
 }

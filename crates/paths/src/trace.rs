@@ -184,19 +184,54 @@ impl Paths {
         path.map(Some).ok_or(TraceError::Lost { target })
     }
 
+    /// The last straight line of a path to `target`, from the vertex where it begins: the one that
+    /// the solver recorded, or one that a search finds if that leads nowhere. Unlike [`to`](Self::to),
+    /// it is not verified. `None` for sources and where no path leads. O(faces crossed).
+    ///
+    /// # Panics
+    ///
+    /// If `target` does not exist.
+    pub fn last_line(&self, target: VertexId) -> Option<Path> {
+        let origin = self.origins.of(&self.mesh, target);
+        let line = match (&origin, self.distances[target.index()]) {
+            (Origin::None, _) => None,
+            (_, distance) => self.recorded_line(target, target, &origin).or_else(|| {
+                let slack = TOLERANCE * distance + PLACE * self.mesh.longest_edge();
+                let lines = lines_to(&self.mesh, &self.distances, target, slack).into_iter();
+                let lines = lines.filter(|line| self.distances[line.from.index()] < distance);
+                lines.min_by(|a, b| a.excess.total_cmp(&b.excess))
+            }),
+        };
+        Some(self.path_of(target, &[line?]))
+    }
+
+    /// The line to `v` on the path to `target` that the solver recorded as `origin`.
+    fn recorded_line(
+        &self,
+        target: VertexId,
+        v: VertexId,
+        origin: &Origin,
+    ) -> Option<StraightLine> {
+        match *origin {
+            Origin::None => None,
+            Origin::Vertex(from) => {
+                StraightLine::along_edge(&self.mesh, &self.distances, [v, from])
+            }
+            Origin::Window { h, image } => self.glide(target, v, h, image),
+        }
+    }
+
     /// The lines of the path to `target` that the solver recorded, from the target on; `None` if
     /// one of them leads nowhere.
     fn by_records(&self, target: VertexId) -> Option<Vec<StraightLine>> {
         let mut lines = Vec::new();
         let mut v = target;
         for _ in 0..self.distances.len() {
-            let line = match self.origins.of(&self.mesh, v) {
-                Origin::None => return Some(lines),
-                Origin::Vertex(from) => {
-                    StraightLine::along_edge(&self.mesh, &self.distances, [v, from])?
-                }
-                Origin::Window { h, image } => self.glide(target, v, h, image)?,
-            };
+            let origin = self.origins.of(&self.mesh, v);
+            if matches!(origin, Origin::None) {
+                return Some(lines);
+            }
+            let line = self.recorded_line(target, v, &origin)?;
             v = line.from;
             lines.push(line);
         }

@@ -493,7 +493,7 @@ impl LoadedModelCheck<'_> {
             return proof::nothing_proven(&format!("{why}; --certify proves which are right"));
         }
         let tolerance = self.options.tolerance;
-        let Ok(found) = proof::prove::<Infallible>(tolerance, |algorithm| {
+        let Ok(found) = Answer::proven::<Infallible>(tolerance, |algorithm| {
             Ok(session.execute(&self.step(algorithm, &state.spec)))
         });
         let answer = match found {

@@ -1,11 +1,10 @@
 //! Proofs that decide which of several disagreeing answers are right.
 
-use geobench_registry::{self as registry, CERTIFICATE, Selection};
+use geobench_registry::CERTIFICATE;
 use serde::{Deserialize, Serialize};
 
-use crate::exec::{Failure, Observation};
-use crate::run::reference_check::Answer;
-use crate::schema::{Check, Status};
+use crate::exec::Failure;
+use crate::schema::Check;
 
 /// The largest model that is proven unasked. A proof takes about ten times as long as a run of
 /// `mmp`: at this size seconds, and minutes where faces are slender. The limits of runs apply.
@@ -24,43 +23,6 @@ pub const BOUNDS: &str = "proven bounds";
 /// Whether the reference of this name is a proof that has taken the place of another reference.
 pub(crate) fn is_proof(reference: &str) -> bool {
     [CERTIFICATE, BOUNDS].contains(&reference)
-}
-
-/// The distances that a proof has found; bounds of them if they cannot be proven to `tolerance`; or
-/// why there are none. `execute` runs an algorithm.
-///
-/// # Errors
-///
-/// Those of `execute`.
-pub fn prove<E>(
-    tolerance: f64,
-    mut execute: impl FnMut(&Selection) -> Result<Result<Observation, Failure>, E>,
-) -> Result<Result<Answer, String>, E> {
-    let why = match execute(&registry::certificate(tolerance))? {
-        Ok(found) => return Ok(Ok(Answer::of(CERTIFICATE, &found.distances))),
-        Err(failure) if failure.status == Status::Refused => failure.message,
-        Err(failure) => return Ok(Err(failure.message)),
-    };
-    let [least, greatest] = registry::proven_bounds();
-    Ok(match (execute(&least)?, execute(&greatest)?) {
-        (Ok(least), Ok(greatest)) => Ok(Answer {
-            bounds: Some(ProvenBounds {
-                least: least.distances,
-                why,
-            }),
-            ..Answer::of(BOUNDS, &greatest.distances)
-        }),
-        (Err(failure), _) | (_, Err(failure)) => Err(failure.message),
-    })
-}
-
-/// What makes an answer of greatest possible distances one of bounds.
-#[derive(Clone, Debug)]
-pub struct ProvenBounds {
-    /// The least possible distances.
-    pub least: Vec<f64>,
-    /// Why there are no proven distances.
-    pub why: String,
 }
 
 /// Why a model with this number of faces is not proven unasked; `None` if it is.

@@ -1,13 +1,13 @@
 //! The reference answer for one model and source, and the comparison of answers with it.
 
 use geobench_mesh::Tolerance;
-use geobench_registry::Selection;
+use geobench_registry::{self as registry, CERTIFICATE, Selection};
 
-use crate::exec::{Failure, Session, Step};
+use crate::exec::{Failure, Observation, Session, Step};
 use crate::run::agreement::{self, Clusters};
 use crate::run::answer_layout::AnswerLayout;
 use crate::run::check::{self, Deviation};
-use crate::run::proof::{Decision, ProvenBounds, RevisedGroup};
+use crate::run::proof::{BOUNDS, Decision, RevisedGroup};
 use crate::run::scale::FieldScale;
 use crate::schema::{Check, Status};
 
@@ -28,6 +28,15 @@ pub struct ReferenceCheck {
     pub(crate) decision: Option<Decision>,
     /// Proven bounds, if no distances are proven, and the reference is within the bounds.
     pub(crate) bounds: Option<Answer>,
+}
+
+/// What makes an answer of greatest possible distances one of bounds.
+#[derive(Clone, Debug)]
+pub struct ProvenBounds {
+    /// The least possible distances.
+    pub least: Vec<f64>,
+    /// Why there are no proven distances.
+    pub why: String,
 }
 
 /// A reference answer and its name.
@@ -55,6 +64,34 @@ impl Answer {
             stored: None,
             bounds: None,
         }
+    }
+
+    /// The distances that a proof has found; bounds of them if they cannot be proven to `tolerance`; or
+    /// why there are none. `execute` runs an algorithm.
+    ///
+    /// # Errors
+    ///
+    /// Those of `execute`.
+    pub fn proven<E>(
+        tolerance: f64,
+        mut execute: impl FnMut(&Selection) -> Result<Result<Observation, Failure>, E>,
+    ) -> Result<Result<Self, String>, E> {
+        let why = match execute(&registry::certificate(tolerance))? {
+            Ok(found) => return Ok(Ok(Self::of(CERTIFICATE, &found.distances))),
+            Err(failure) if failure.status == Status::Refused => failure.message,
+            Err(failure) => return Ok(Err(failure.message)),
+        };
+        let [least, greatest] = registry::proven_bounds();
+        Ok(match (execute(&least)?, execute(&greatest)?) {
+            (Ok(least), Ok(greatest)) => Ok(Self {
+                bounds: Some(ProvenBounds {
+                    least: least.distances,
+                    why,
+                }),
+                ..Self::of(BOUNDS, &greatest.distances)
+            }),
+            (Err(failure), _) | (_, Err(failure)) => Err(failure.message),
+        })
     }
 
     /// Places and distances that `found` is compared with: those of the answer. Within bounds, they

@@ -603,7 +603,7 @@ impl<'p> UnitPlan<'p> {
         &self,
         context: &mut RunContext<'_, '_>,
     ) -> Result<Result<Answer, String>, Interrupted> {
-        proof::prove(self.plan.tolerance, |algorithm| {
+        Answer::proven(self.plan.tolerance, |algorithm| {
             context.execute(&self.as_step(algorithm, Pass::Warmup, 1))
         })
     }

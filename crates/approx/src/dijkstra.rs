@@ -1,7 +1,7 @@
 //! Dijkstra's algorithm on the edges of a mesh.
 
 use geobench_mesh::{Mesh, VertexId};
-use geobench_window::queue::MinHeap;
+use geobench_window::queue::Heap;
 use geobench_window::{CompiledRuns, Counter, Probe, Propagate, Solution, Way};
 
 /// The algorithm of Dijkstra (1959) on the edges of a mesh; O(n log n) for n vertices.
@@ -14,7 +14,7 @@ pub struct Dijkstra {
     /// The start of the edges of each vertex in `edges`.
     starts: Vec<u32>,
     edges: Vec<(VertexId, f64)>,
-    queue: MinHeap<VertexId>,
+    queue: Heap<VertexId>,
 }
 
 impl Dijkstra {
@@ -31,7 +31,7 @@ impl Dijkstra {
             mesh: mesh.clone(),
             starts,
             edges,
-            queue: MinHeap::default(),
+            queue: Heap::default(),
         }
     }
 

@@ -35,5 +35,5 @@ pub use dijkstra::Dijkstra;
 pub use fmm::{Fmm, FmmUntidy};
 #[cfg(feature = "heat")]
 pub use heat::{Boundary, Heat, HeatOptions};
-pub use relayed::{Avtp, MmpApprox, avtp, mmp_approx};
+pub use relayed::{Avtp, MmpApprox, avtp, mmp_approx, mmp_approx_from};
 pub use svg::{SaddleVertexGraph, SvgBuilder, SvgOptions};

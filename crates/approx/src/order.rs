@@ -1,7 +1,7 @@
 //! Queues that order vertices.
 
 use geobench_mesh::VertexId;
-use geobench_window::queue::{Calendar, Event, EventKind, MinHeap};
+use geobench_window::queue::{Calendar, Event, EventKind, Heap};
 
 /// A queue of vertices by distance. A vertex is pushed anew when its distance falls.
 pub(crate) trait VertexQueue {
@@ -22,7 +22,7 @@ pub(crate) trait VertexQueue {
 }
 
 /// Least distance first.
-pub(crate) type Tidy = MinHeap<VertexId>;
+pub(crate) type Tidy = Heap<VertexId>;
 
 impl VertexQueue for Tidy {
     const IS_SORTED: bool = true;

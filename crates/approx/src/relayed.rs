@@ -6,10 +6,11 @@ use geobench_mesh::Mesh;
 use geobench_mmp::{Carrier, Retention, Trimming};
 use geobench_window::VertexFilter;
 use geobench_window::continuous::{Continuous, Relaying};
-use geobench_window::queue::Priority;
+use geobench_window::queue::{Discipline, HeapQueue};
 
-/// [`mmp_approx`] on one mesh: MMP with windows replaced by vertices.
-pub type MmpApprox = Continuous<Relaying<Trimming>, Priority>;
+/// [`mmp_approx`] on one mesh: MMP with windows replaced by vertices, taken from a heap unless `Q`
+/// is another queue.
+pub type MmpApprox<Q = HeapQueue> = Continuous<Relaying<Trimming>, Q>;
 
 /// [`avtp`] on one mesh: ICH in the order of VTP, with windows replaced by vertices.
 pub type Avtp = Continuous<Relaying<Splitting>, VertexOrder>;
@@ -35,8 +36,13 @@ pub type Avtp = Continuous<Relaying<Splitting>, VertexOrder>;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn mmp_approx(mesh: &Mesh, epsilon: f64) -> MmpApprox {
+    mmp_approx_from(mesh, epsilon, HeapQueue::default())
+}
+
+/// [`mmp_approx`] with windows taken from `queue`; O(faces).
+pub fn mmp_approx_from<Q: Discipline>(mesh: &Mesh, epsilon: f64, queue: Q) -> MmpApprox<Q> {
     let policy = Trimming::new(mesh, Carrier::HalfEdge).retaining(Retention::Wavefront);
-    Continuous::new(mesh, Relaying(policy), Priority::new(mesh)).with_error(epsilon)
+    Continuous::new(mesh, Relaying(policy), queue).with_error(epsilon)
 }
 
 /// Sets up an approximate form of VTP-CH for `mesh`, with the bound of [`mmp_approx`]; O(faces).

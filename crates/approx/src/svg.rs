@@ -8,7 +8,7 @@ use geobench_fwp::{BucketOptions, fwp_mmp};
 use geobench_ich::Splitting;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::continuous::{Continuous, Explorer, Neighbour, Policy};
-use geobench_window::queue::{Calendar, Discipline, Priority, mean_edge_length};
+use geobench_window::queue::{Calendar, CalendarQueue, Discipline, mean_edge_length};
 use geobench_window::{
     CompiledRuns, Counter, Phase, Probe, Propagate, Solution, VertexFilter, prefetch,
 };
@@ -96,8 +96,8 @@ impl SaddleVertexGraph {
         let width = (vertices / options.k.map_or(vertices, |k| (k as f64).max(1.0))).sqrt();
         let found = match options.builder {
             SvgBuilder::Ich => explore(mesh, options, || {
-                let queue = Priority::with_width(width * Calendar::usual_width(mesh));
-                let policy = Splitting::new(mesh, VertexFilter::On);
+                let queue = CalendarQueue::with_width(width * Calendar::usual_width(mesh));
+                let policy = Splitting::new(mesh, VertexFilter::On).jointly();
                 Explorer::new(Continuous::new(mesh, policy, queue))
             }),
             SvgBuilder::FwpMmp => explore(mesh, options, || {

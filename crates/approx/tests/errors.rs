@@ -167,6 +167,7 @@ fn dijkstra_traces_its_edges() {
 #[cfg(feature = "heat")]
 mod heat {
     use geobench_approx::{Boundary, Heat, HeatOptions};
+    use geobench_window::Counter;
 
     use super::*;
 
@@ -213,6 +214,45 @@ mod heat {
             error(true),
             error(false)
         );
+    }
+
+    /// On a sheared grid without Delaunay edges, the solution is negative at a quarter of the
+    /// vertices. Distances there are 0, and counted.
+    #[test]
+    fn negative_values_are_counted_and_there_are_none_by_default() {
+        let n = 30;
+        let places =
+            (0..=n).flat_map(|j| (0..=n).map(move |i| [f64::from(i + 6 * j), f64::from(j), 0.0]));
+        let corner = |i, j| (j * (n + 1) + i) as u32;
+        let faces = (0..n)
+            .flat_map(|j| (0..n).map(move |i| (i, j)))
+            .flat_map(|(i, j)| {
+                let [a, b, c, d] = [
+                    corner(i, j),
+                    corner(i + 1, j),
+                    corner(i, j + 1),
+                    corner(i + 1, j + 1),
+                ];
+                [[a, b, d], [a, d, c]]
+            });
+        let mesh = Mesh::new(places.collect(), faces.collect()).unwrap();
+        let negative = |delaunay| {
+            let options = HeatOptions {
+                delaunay,
+                ..HeatOptions::default()
+            };
+            let (solution, counters) = Heat::new(&mesh, options).count(&[0.into()]).unwrap();
+            let zeros = solution.distances.iter().filter(|d| **d == 0.0).count();
+            assert_eq!(
+                counters.get(Counter::Negative),
+                Some(solution.negative as u64)
+            );
+            assert_eq!(zeros, solution.negative + 1);
+            solution.negative
+        };
+        assert!(HeatOptions::default().delaunay);
+        assert!(negative(false) > 0);
+        assert_eq!(negative(true), 0);
     }
 
     #[test]

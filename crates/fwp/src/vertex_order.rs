@@ -2,7 +2,7 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
 use geobench_window::continuous::Surface;
-use geobench_window::queue::{Arena, Chain, Discipline, Event, EventKind, MinHeap};
+use geobench_window::queue::{Arena, Chain, Discipline, Event, EventKind, Heap, MinHeap};
 use geobench_window::trimming::ThinFaces;
 use geobench_window::{Counter, Probe};
 
@@ -45,7 +45,7 @@ pub struct VertexOrder {
     numbering: Numbering,
     /// All vertices whose distances have improved. An outdated entry comes after the turn of its
     /// vertex and has no effect.
-    vertices: MinHeap<VertexId>,
+    vertices: Heap<VertexId>,
     arena: Arena,
     /// For each half-edge, the windows that wait on it for its face.
     waiting: Vec<Chain>,
@@ -72,7 +72,7 @@ impl VertexOrder {
             thin,
             nearest: MinHeap::default(),
             numbering,
-            vertices: MinHeap::default(),
+            vertices: Heap::default(),
             arena: Arena::default(),
             waiting: vec![Chain::EMPTY; mesh.half_edge_count()],
             released: Chain::EMPTY,
@@ -179,7 +179,7 @@ impl Discipline for VertexOrder {
 
     fn events(&self) -> impl Iterator<Item = (f64, Event)> {
         let vertices = self.vertices.iter();
-        let vertices = vertices.map(|&(label, v)| (label, Event::vertex(v)));
+        let vertices = vertices.map(|(label, v)| (label, Event::vertex(v)));
         let nearest = self.nearest.iter().copied();
         self.arena.events().chain(vertices).chain(nearest)
     }

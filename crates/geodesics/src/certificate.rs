@@ -5,8 +5,9 @@ use geobench_certify::{
 };
 use geobench_mesh::tolerance::RELATIVE;
 use geobench_mesh::{HalfEdgeId, Mesh, Refined, Tolerance, VertexId};
-use geobench_mmp::{Mmp, mmp, windows_of};
+use geobench_mmp::{Carrier, Mmp, mmp_from, windows_of};
 use geobench_paths::{Path, PathPlace, Paths};
+use geobench_window::queue::CalendarQueue;
 use geobench_window::{Goal, SolveError, Sources};
 
 /// Distances with a bound of their error, proven in interval arithmetic. The proof assumes nothing
@@ -60,7 +61,7 @@ impl Certificate {
     /// If there is no source, or one that is not on the mesh.
     pub fn of(mesh: &Mesh, sources: impl Sources) -> Result<Self, CertificateError> {
         let sources = sources.into_vertices();
-        let mut solver: Mmp = mmp(mesh);
+        let mut solver = mmp_from(mesh, Carrier::HalfEdge, CalendarQueue::new(mesh));
         let paths = Paths::find(&mut solver, mesh, &sources, &Goal::everything())?;
         let distances = paths.distances().to_vec();
         let claim = Claim::new(mesh, &sources, &distances)?;
@@ -258,7 +259,7 @@ impl OriginalFailure {
     }
 }
 
-fn window_data(solver: &Mmp, h: HalfEdgeId) -> impl Iterator<Item = WindowData> {
+fn window_data(solver: &Mmp<CalendarQueue>, h: HalfEdgeId) -> impl Iterator<Item = WindowData> {
     windows_of(solver, h).map(|w| WindowData {
         interval: [w.b0, w.b1],
         image: w.source(),

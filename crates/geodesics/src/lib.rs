@@ -191,7 +191,7 @@ pub mod solvers {
         BatchSize, BucketOptions, LabelCorrectingOptions, fwp_ch, fwp_mmp, fwp_mmp_batched, lc_ch,
         lc_mmp, lc_mmp_batched, vtp_ch, vtp_mmp, vtp_mmp_batched,
     };
-    pub use geobench_ich::{Pch, ch, ich, ich1};
+    pub use geobench_ich::{Pch, ch, ich, ich_fast, ich1};
     pub use geobench_mmp::{Retention, mmp, mmp_batched, mmp_edge, mmp_fast};
     pub use geobench_vtp::{
         EdgeBased, FastOptions, Ftp, Opftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpNoRule1,

@@ -18,7 +18,7 @@ mod tree;
 use geobench_mesh::Mesh;
 use geobench_window::VertexFilter;
 use geobench_window::continuous::Continuous;
-use geobench_window::queue::{Fifo, Priority};
+use geobench_window::queue::{CalendarQueue, Discipline, Fifo, HeapQueue};
 
 pub use parallel::Pch;
 pub use splitting::Splitting;
@@ -26,8 +26,11 @@ pub use splitting::Splitting;
 /// CH or ICH1: windows are taken breadth first.
 pub type Ch = Continuous<Splitting, Fifo>;
 
-/// ICH: windows are taken by least distance.
-pub type Ich = Continuous<Splitting, Priority>;
+/// ICH: windows are taken by least distance, from a heap unless `Q` is another queue.
+pub type Ich<Q = HeapQueue> = Continuous<Splitting, Q>;
+
+/// ICH with every improvement of time.
+pub type IchFast = Continuous<Splitting<true>, CalendarQueue>;
 
 /// Sets up the algorithm of Chen and Han for `mesh`; O(faces).
 ///
@@ -92,9 +95,34 @@ pub fn ich1(mesh: &Mesh) -> Ch {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn ich(mesh: &Mesh) -> Ich {
+    ich_from(mesh, HeapQueue::default())
+}
+
+/// [`ich`] with windows taken from `queue`; O(faces).
+pub fn ich_from<Q: Discipline>(mesh: &Mesh, queue: Q) -> Ich<Q> {
+    Continuous::new(mesh, Splitting::new(mesh, VertexFilter::On), queue)
+}
+
+/// Sets up [`ich`] for `mesh` with a calendar queue, and with windows that cross their triangles
+/// eight at a time; O(faces).
+///
+/// The windows are those of [`ich`], in less than half the time.
+///
+/// ```
+/// use geobench_ich::{ich, ich_fast};
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
+/// let (_, paper) = ich(&mesh).count(&[5.into()])?;
+/// let (_, fast) = ich_fast(&mesh).count(&[5.into()])?;
+/// assert!(fast.iter().eq(paper.iter()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn ich_fast(mesh: &Mesh) -> IchFast {
     Continuous::new(
         mesh,
-        Splitting::new(mesh, VertexFilter::On),
-        Priority::new(mesh),
+        Splitting::new(mesh, VertexFilter::On).jointly(),
+        CalendarQueue::new(mesh),
     )
 }

@@ -13,6 +13,9 @@ use crate::tree::{Guard, Leaf, Leaves, Level, Lineage};
 
 /// The policy of the CH family: one angle, one split, with or without the vertex filter.
 ///
+/// With `JOINT`, windows cross their triangles eight at a time, before they leave the queue. The
+/// papers cross them one by one. Results do not depend on it.
+///
 /// ```
 /// use geobench_ich::Splitting;
 /// use geobench_mesh::Mesh;
@@ -28,7 +31,7 @@ use crate::tree::{Guard, Leaf, Leaves, Level, Lineage};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Splitting {
+pub struct Splitting<const JOINT: bool = false> {
     filter: VertexFilter,
     level_limit: u32,
     leaves: Leaves,
@@ -48,6 +51,25 @@ impl Splitting {
             kept: KeptWindows::new(mesh, mesh.half_edge_count(), |h| {
                 order.new_half_edge(h).index()
             }),
+        }
+    }
+
+    /// The same policy with [joint crossing](Self).
+    #[must_use]
+    pub fn jointly(self) -> Splitting<true> {
+        let Self {
+            filter,
+            level_limit,
+            leaves,
+            angles,
+            kept,
+        } = self;
+        Splitting {
+            filter,
+            level_limit,
+            leaves,
+            angles,
+            kept,
         }
     }
 }
@@ -84,7 +106,7 @@ pub(crate) fn is_beaten_beside_thin_faces(
     is_beaten_from_ends(&w, edge.length, tail, head)
 }
 
-impl Policy for Splitting {
+impl<const JOINT: bool> Policy for Splitting<JOINT> {
     type Lineage = Lineage;
 
     const COUNTERS: &'static [Counter] = &[
@@ -147,7 +169,7 @@ impl Policy for Splitting {
         waits.is_some()
     }
 
-    const FORESEES: bool = true;
+    const FORESEES: bool = JOINT;
 
     #[inline]
     fn foresee(&self, id: u32) -> Option<&Window> {

@@ -35,7 +35,8 @@ mod face;
 use std::collections::HashMap;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, PointError, Refined, SurfacePoint};
-use geobench_mmp::{Mmp, mmp, windows_of};
+use geobench_mmp::{Carrier, Mmp, mmp_from, windows_of};
+use geobench_window::queue::CalendarQueue;
 use geobench_window::{SolveError, Solver, Window};
 
 pub use arc::CircleArc;
@@ -93,7 +94,7 @@ pub struct DistanceField {
     mesh: Mesh,
     /// The mesh with a vertex inserted at each source.
     refined: Refined,
-    solver: Mmp,
+    solver: Mmp<CalendarQueue>,
     /// The distances of all vertices of `refined`.
     distances: Vec<f64>,
     /// The finite distances, in ascending order.
@@ -205,14 +206,15 @@ fn multiple(k: f64, step: f64) -> f64 {
 }
 
 impl DistanceField {
-    /// Computes the distances from the nearest of `sources`. Time and memory are those of [`mmp`].
+    /// Computes the distances from the nearest of `sources`. Time and memory are those of MMP.
     ///
     /// # Errors
     ///
     /// If there is no source, or one that is not on the mesh.
     pub fn new(mesh: &Mesh, sources: &[SurfacePoint]) -> Result<Self, FieldError> {
         let refined = mesh.with_points(sources)?;
-        let mut solver = mmp(&refined.mesh);
+        let queue = CalendarQueue::new(&refined.mesh);
+        let mut solver = mmp_from(&refined.mesh, Carrier::HalfEdge, queue);
         let distances = solver.solve(&refined.vertices)?.distances;
         let mut sorted: Vec<f64> = distances
             .iter()

@@ -41,14 +41,14 @@ mod single;
 use geobench_mesh::Mesh;
 use geobench_window::VertexFilter;
 use geobench_window::continuous::Continuous;
-use geobench_window::queue::Priority;
+use geobench_window::queue::{Discipline, HeapQueue};
 
 pub use batched::{Batched, NearestLists};
 pub use eviction::Retention;
 pub use single::{Carrier, Trimming, windows_of};
 
-/// MMP one window at a time, nearest first.
-pub type Mmp = Continuous<Trimming, Priority>;
+/// MMP one window at a time, nearest first, from a heap unless `Q` is another queue.
+pub type Mmp<Q = HeapQueue> = Continuous<Trimming, Q>;
 
 /// Sets up MMP for `mesh` as in its papers: windows are taken one at a time, nearest first, trimmed
 /// against those of their half-edge, and all stored; O(faces).
@@ -67,7 +67,7 @@ pub type Mmp = Continuous<Trimming, Priority>;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn mmp(mesh: &Mesh) -> Mmp {
-    single(mesh, Carrier::HalfEdge)
+    mmp_from(mesh, Carrier::HalfEdge, HeapQueue::default())
 }
 
 /// Sets up the edge-based variant of [`mmp`] for `mesh`; O(faces).
@@ -85,11 +85,24 @@ pub fn mmp(mesh: &Mesh) -> Mmp {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn mmp_edge(mesh: &Mesh) -> Mmp {
-    single(mesh, Carrier::Edge)
+    mmp_from(mesh, Carrier::Edge, HeapQueue::default())
 }
 
-fn single(mesh: &Mesh, carrier: Carrier) -> Mmp {
-    Continuous::new(mesh, Trimming::new(mesh, carrier), Priority::new(mesh))
+/// [`mmp`] or [`mmp_edge`] with windows taken from `queue`; O(faces).
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_mmp::{Carrier, mmp_from};
+/// use geobench_window::Solver;
+/// use geobench_window::queue::CalendarQueue;
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let mut solver = mmp_from(&mesh, Carrier::HalfEdge, CalendarQueue::new(&mesh));
+/// assert_eq!(solver.distances_from(0)?[1], 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn mmp_from<Q: Discipline>(mesh: &Mesh, carrier: Carrier, queue: Q) -> Mmp<Q> {
+    Continuous::new(mesh, Trimming::new(mesh, carrier), queue)
 }
 
 /// Sets up MMP for `mesh` with batches, the filter and eviction; O(faces).

@@ -32,8 +32,8 @@ const BOUNDARY: Parameter = Parameter::word(
 
 const DELAUNAY: Parameter = Parameter::word(
     "delaunay",
-    &["off", "on"],
-    "flips edges inside the surface first, until they are Delaunay",
+    &["on", "off"],
+    "flips edges inside the surface first, until they are Delaunay; without, distances on thin triangles may be negative or far off",
 );
 
 const SHIFT: Parameter = Parameter::real(
@@ -69,6 +69,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     },
     Algorithm {
         name: "fmm-untidy",
+        queue: "buckets",
         paper: "Yatziv, Bartesaghi, Sapiro 2006",
         summary: "fmm with a queue of buckets",
         departs: "as fmm; the paper is on grids",
@@ -85,6 +86,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     },
     Algorithm {
         name: "heat",
+        queue: "none",
         paper: "Crane, Weischedel, Wardetzky 2013",
         summary: "directions of heat, integrated",
         departs: "edges are made a little longer where faces have no area",

@@ -3,7 +3,8 @@
 
 use geobench_mesh::tolerance::RELATIVE;
 use geobench_mesh::{Mesh, VertexId};
-use geobench_mmp::mmp;
+use geobench_mmp::{Carrier, mmp_from};
+use geobench_window::queue::CalendarQueue;
 use geobench_window::{Counter, Goal, Observer, Solution, SolveError, Solver};
 use geodesics::{Certificate, CertificateError};
 
@@ -27,6 +28,7 @@ const BOUNDS: [&str; 2] = ["least", "greatest"];
 pub(crate) const CERTIFIED: &[Algorithm; 1] = &[Algorithm {
     name: CERTIFICATE,
     family: CERTIFICATE,
+    queue: "calendar",
     paper: "Mitchell, Mount, Papadimitriou 1987, with proofs of our own",
     summary: "mmp, and a proof in interval arithmetic that its distances are right",
     departs: "as mmp",
@@ -86,7 +88,9 @@ impl Solver for Certified {
         observer: Observer<'_>,
     ) -> Result<Solution, SolveError> {
         if !matches!(observer, Observer::Nothing) {
-            mmp(&self.mesh).run(sources, &Goal::everything(), observer)?;
+            let queue = CalendarQueue::new(&self.mesh);
+            let mut mmp = mmp_from(&self.mesh, Carrier::HalfEdge, queue);
+            mmp.run(sources, &Goal::everything(), observer)?;
         }
         let proof = Certificate::of(&self.mesh, sources).map_err(|error| match error {
             CertificateError::Solve(error) => error,

@@ -1,8 +1,8 @@
 //! Algorithms that split and filter windows and store none.
 
-use geobench_ich::{Pch, ch, ich, ich1};
+use geobench_ich::{Pch, ch, ich_fast, ich_from, ich1};
 
-use super::parameter::THREADS;
+use super::parameter::{QUEUE, SIMD, THREADS, THRESHOLD, with_queue};
 use super::{Algorithm, Parameter, single};
 
 const BUCKET: Parameter = Parameter::real(
@@ -16,6 +16,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "ch",
         family: "ch-family",
+        queue: "fifo",
         paper: "Chen, Han 1990; Xin, Wang 2009, sections 2 and 3.1",
         summary: "sequence tree, level by level, one angle one split, no filter",
         departs: "keeps and trims windows beside thin faces; drops no narrow ones",
@@ -29,6 +30,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "ich1",
         family: "ch-family",
+        queue: "fifo",
         paper: "Xin, Wang 2009, section 3.2",
         summary: "ch with windows filtered by vertex distances",
         departs: "as ich",
@@ -47,12 +49,18 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with published figures of ICH; when memory is short and simplicity counts",
-        build: |mesh, values| single(ich(mesh), mesh, values),
+        parameters: &[QUEUE, THRESHOLD],
+        build: |mesh, values| {
+            with_queue!(&QUEUE, mesh, values, |queue| {
+                single(ich_from(mesh, queue), mesh, values)
+            })
+        },
         ..Algorithm::EXACT
     },
     Algorithm {
         name: "pch",
         family: "ch-family",
+        queue: "buckets",
         paper: "Ying, Xin, He 2014; Xu et al. 2015, section 7.3",
         summary: "ich in rounds of windows that cross at once, on several threads",
         departs: "runs on the threads of the processor; takes all windows of a bucket where the paper selects the k nearest; as ich",
@@ -67,3 +75,20 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         ..Algorithm::EXACT
     },
 ];
+
+pub(crate) const FAST: &[Algorithm] = &[Algorithm {
+    name: "ich-fast",
+    fast: true,
+    family: "ch-family",
+    paper: "Xin, Wang 2009, with improvements of our own",
+    summary: "ich with every improvement of time",
+    departs: "a calendar queue in place of a heap; windows cross eight at a time, by vector instructions; the same windows in the same order as ich",
+    complexity: "time O(n^2 log n), space O(n^2)",
+    queue: "calendar",
+    crossing: "joint",
+    keeps: "the windows in the queue and one record for each angle",
+    choose: "measures what queue and vector code save without any change of the windows",
+    parameters: &[SIMD, THRESHOLD],
+    build: |mesh, values| single(ich_fast(mesh), mesh, values),
+    ..Algorithm::EXACT
+}];

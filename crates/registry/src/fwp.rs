@@ -72,6 +72,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "fwp-mmp",
         family: "fwp-family",
+        queue: "buckets",
         paper: "Xu et al. 2015, section 4",
         summary: "mmp in buckets, some thousands of windows a round",
         departs: "as mmp; K counts the children of one round (algorithm 1 never resets the counts)",
@@ -92,6 +93,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "fwp-ch",
         family: "fwp-family",
+        queue: "buckets",
         paper: "Xu et al. 2015, section 4; Xin, Wang 2009, section 3.2",
         summary: "ich in buckets, some thousands of windows a round",
         departs: "as ich; K counts the children of one round (algorithm 1 never resets the counts)",
@@ -104,6 +106,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "lc-mmp",
         family: "lc-family",
+        queue: "label-correcting",
         paper: "Bertsekas 1993; Xu et al. 2015, section 7.4",
         summary: "mmp in a label correcting queue",
         departs: "as mmp; the papers print neither beta nor how the threshold follows the distances, so that both are ours; large label last rotates at most once",
@@ -124,6 +127,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "lc-ch",
         family: "lc-family",
+        queue: "label-correcting",
         paper: "Bertsekas 1993; Xu et al. 2015, section 7.4; Xin, Wang 2009, section 3.2",
         summary: "ich in a label correcting queue",
         departs: "as ich; beta, threshold and rotation as in lc-mmp",

@@ -1,9 +1,9 @@
 //! Approximate algorithms based on windows: graphs of direct geodesics, and windows replaced by
 //! vertices within an error bound.
 
-use geobench_approx::{SaddleVertexGraph, SvgBuilder, SvgOptions, avtp, mmp_approx};
+use geobench_approx::{SaddleVertexGraph, SvgBuilder, SvgOptions, avtp, mmp_approx_from};
 
-use super::parameter::THREADS;
+use super::parameter::{QUEUE, THREADS, with_queue};
 use super::{Algorithm, Parameter, Value, Values, single};
 
 const K: Parameter = Parameter::integer(
@@ -41,6 +41,7 @@ fn svg_options(values: &Values) -> SvgOptions {
 pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "svg",
+        queue: "buckets",
         paper: "Ying, Wang, He 2013; Xu et al. 2015, section 5",
         summary: "Dijkstra's algorithm on a graph of direct geodesics that set-up has found",
         departs: "each edge stands at both of its ends, and the edges of the mesh are in the graph; all vertices relay unless k is inf",
@@ -60,9 +61,14 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         complexity: "time without a proven bound, space O(n^2)",
         keeps: "the windows around the wavefront",
         choose: "measures how many windows an error of eps saves",
-        parameters: &[EPS],
+        crossing: "single",
+        parameters: &[EPS, QUEUE],
         error_bound: |values| Some(values.real(&EPS)),
-        build: |mesh, values| Box::new(mmp_approx(mesh, values.real(&EPS))),
+        build: |mesh, values| {
+            with_queue!(&QUEUE, mesh, values, |queue| {
+                Box::new(mmp_approx_from(mesh, values.real(&EPS), queue))
+            })
+        },
         ..Algorithm::APPROXIMATE
     },
     Algorithm {
@@ -73,6 +79,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         complexity: "time without a proven bound, space O(n^2)",
         keeps: "the windows of the wavefront and one record for each angle",
         choose: "as mmp-approx, with less memory",
+        crossing: "single",
         parameters: &[EPS],
         error_bound: |values| Some(values.real(&EPS)),
         build: |mesh, values| single(avtp(mesh, values.real(&EPS)), mesh, values),

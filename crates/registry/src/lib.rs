@@ -61,6 +61,7 @@ pub fn algorithms() -> &'static [Algorithm] {
             vtp::FAMILY,
             voronoi::FAMILY,
             mmp::FAST,
+            ch::FAST,
             vtp::FAST,
             approx::FAMILY,
             graphs::FAMILY,
@@ -78,6 +79,12 @@ fn by_name_only() -> impl Iterator<Item = &'static Algorithm> {
     #[cfg(not(feature = "failing-algorithms"))]
     let failing = &[];
     certificate::CERTIFIED.iter().chain(failing)
+}
+
+/// The algorithm of this name, be it one that is selected by name only.
+pub fn find(name: &str) -> Option<&'static Algorithm> {
+    let mut all = algorithms().iter().chain(by_name_only());
+    all.find(|algorithm| algorithm.name == name)
 }
 
 /// A solver that takes one window at a time, with its threshold and vector instructions.
@@ -103,6 +110,8 @@ pub struct Algorithm {
     pub name: &'static str,
     /// The family, such as `vtp-family`, which `--algo` can select as a whole.
     pub family: &'static str,
+    /// Whether it is a form of our own, made for speed, and not the algorithm of a paper.
+    pub fast: bool,
     /// Whether its distances are exact up to rounding, at the default parameters. Approximate
     /// algorithms are compared with the reference, but the tolerance does not apply.
     pub exact: bool,
@@ -112,6 +121,12 @@ pub struct Algorithm {
     pub summary: &'static str,
     /// Worst-case time and space; n is the number of faces.
     pub complexity: &'static str,
+    /// Its queue: `heap`, `calendar`, `buckets`, `fifo`, `label-correcting` or `none`. A parameter of
+    /// this name takes its place.
+    pub queue: &'static str,
+    /// How windows cross triangles: one by one (`single`), several at a time before they leave the
+    /// queue (`joint`), or all that wait on an edge (`list`); `none` without windows.
+    pub crossing: &'static str,
     /// Data that it keeps in memory during the run and at its end.
     pub keeps: &'static str,
     /// When to choose it.
@@ -147,16 +162,28 @@ pub struct Algorithm {
 }
 
 impl Algorithm {
+    /// [`queue`](Self::queue) and [`crossing`](Self::crossing), unless they are parameters.
+    pub fn facts(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let parameters = self.parameters;
+        let facts = [("queue", self.queue), ("crossing", self.crossing)];
+        facts
+            .into_iter()
+            .filter(move |(name, _)| parameters.iter().all(|parameter| parameter.name != *name))
+    }
+
     /// Defaults of an exact algorithm that keeps only the windows of the wavefront. For the tables
     /// of this module.
     const EXACT: Self = Self {
         name: "",
         family: "",
         paper: "",
+        fast: false,
         exact: true,
         summary: "",
         departs: "",
         complexity: "time O(n^2), space O(n^2)",
+        queue: "heap",
+        crossing: "single",
         keeps: "the windows of the wavefront",
         choose: "",
         memory_counter: Counter::PeakWindows,
@@ -172,6 +199,7 @@ impl Algorithm {
     const APPROXIMATE: Self = Self {
         family: "approximate",
         exact: false,
+        crossing: "none",
         parameters: &[],
         ..Self::EXACT
     };

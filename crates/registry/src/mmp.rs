@@ -3,13 +3,13 @@
 use geobench_fwp::{vtp_mmp, vtp_mmp_batched};
 use geobench_mesh::Mesh;
 use geobench_mmp::{
-    Batched, Carrier, NearestLists, Retention, Trimming, mmp, mmp_batched, mmp_edge, mmp_fast,
+    Batched, Carrier, NearestLists, Retention, Trimming, mmp_batched, mmp_fast, mmp_from,
 };
 use geobench_window::continuous::Continuous;
 use geobench_window::queue::{Discipline, Fifo};
 use geobench_window::{Counter, Solver, VertexFilter};
 
-use super::parameter::{THRESHOLD, threshold_width};
+use super::parameter::{self, THRESHOLD, threshold_width, with_queue};
 use super::{Algorithm, Parameter, Values, single};
 
 /// The unit of propagation.
@@ -25,7 +25,7 @@ const SLACK: Parameter = Parameter::real(
     0.0..=1e6,
     "how much further than the nearest window of its half-edge a window may be to be taken with it, in mean edge lengths",
 )
-.only_with(TURN.name, "list");
+.only_with(TURN.name, &["list"]);
 
 /// Filter before windows are compared. Single windows are never filtered.
 pub(crate) const FILTER: Parameter = Parameter::word(
@@ -33,7 +33,7 @@ pub(crate) const FILTER: Parameter = Parameter::word(
     &["none", "vertices"],
     "`none` compares all windows with those of their edge, as in the paper; `vertices` first drops those that a path through an end of their edge beats, by two of the three tests of ich",
 )
-.only_with(TURN.name, "list");
+.only_with(TURN.name, &["list"]);
 
 /// Which windows are stored.
 pub(crate) const LISTS: Parameter = Parameter::word(
@@ -42,17 +42,19 @@ pub(crate) const LISTS: Parameter = Parameter::word(
     "`keep` stores all windows that trimming leaves until the end, as in the paper; `evict` evicts those of an edge once the wavefront has passed it",
 );
 
+/// [`parameter::QUEUE`], or first in, first out.
 const QUEUE: Parameter = Parameter::word(
     "queue",
-    &["priority", "fifo"],
-    "`priority` takes the nearest window first, as in the paper; `fifo` takes windows first in, first out",
+    &["heap", "heap4", "calendar", "fifo"],
+    "`heap` takes the nearest window first, from a binary heap as in the paper, `heap4` from one of four children a node, `calendar` from buckets that are sorted when due; `fifo` takes windows first in, first out",
 )
-.only_with(TURN.name, "window");
+.formerly("priority", "calendar")
+.only_with(TURN.name, &["window"]);
 
 /// [`LISTS`] of `mmp`. In first-in, first-out order no distance tells that the wavefront has passed
 /// an edge. Evicted lists would be reopened again and again, which makes windows wind around
 /// needles.
-const LISTS_BY_DISTANCE: Parameter = LISTS.only_with(QUEUE.name, "priority");
+const LISTS_BY_DISTANCE: Parameter = LISTS.only_with(QUEUE.name, &["heap", "heap4", "calendar"]);
 
 /// Whether windows are taken in lists.
 pub(crate) fn is_batched(values: &Values) -> bool {
@@ -114,7 +116,10 @@ pub(crate) const FAMILY: &[Algorithm] = &[
                 let policy = Trimming::new(mesh, Carrier::HalfEdge);
                 stored(Continuous::new(mesh, policy, Fifo::default()), mesh, values)
             } else {
-                stored(mmp(mesh), mesh, values)
+                let half_edge = Carrier::HalfEdge;
+                with_queue!(&QUEUE, mesh, values, |queue| {
+                    stored(mmp_from(mesh, half_edge, queue), mesh, values)
+                })
             }
         },
         ..Algorithm::EXACT
@@ -129,15 +134,22 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         keeps: "as mmp, a tenth to a half fewer windows",
         choose: "instead of mmp where few windows matter more than time",
         memory_counter: Counter::StoredWindows,
-        parameters: &[LISTS, THRESHOLD],
-        build: |mesh, values| stored(mmp_edge(mesh), mesh, values),
+        parameters: &[parameter::QUEUE, LISTS, THRESHOLD],
+        build: |mesh, values| {
+            with_queue!(&parameter::QUEUE, mesh, values, |queue| {
+                stored(mmp_from(mesh, Carrier::Edge, queue), mesh, values)
+            })
+        },
         ..Algorithm::EXACT
     },
 ];
 
 pub(crate) const FAST: &[Algorithm] = &[Algorithm {
     name: "mmp-fast",
+    fast: true,
     family: "mmp-family",
+    queue: "calendar",
+    crossing: "list",
     paper: "Surazhsky et al. 2005, with improvements of our own",
     summary: "mmp with every improvement that keeps it exact",
     departs: "mmp{turn=list,filter=vertices,lists=evict}: takes lists with a slack, filters windows and evicts those behind the wavefront",

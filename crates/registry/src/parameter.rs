@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use geobench_mesh::Mesh;
+use geobench_window::queue::{HeapQueue, HeapShape};
 use geobench_window::simd::Instructions;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
@@ -47,9 +48,12 @@ pub struct Parameter {
     pub allowed: Allowed,
     /// Its meaning, in one line.
     pub meaning: &'static str,
-    /// The parameter on which this one depends, and the value which that one must have.
+    /// The parameter on which this one depends, and the values which that one may have.
     #[serde(skip)]
-    pub only_with: Option<(&'static str, &'static str)>,
+    pub only_with: Option<(&'static str, &'static [&'static str])>,
+    /// A word of earlier versions, and the word of today.
+    #[serde(skip)]
+    pub formerly: Option<(&'static str, &'static str)>,
 }
 
 /// A value of a parameter.
@@ -115,6 +119,7 @@ impl Parameter {
             allowed: Allowed { numbers, words },
             meaning,
             only_with: None,
+            formerly: None,
         }
     }
 
@@ -163,15 +168,27 @@ impl Parameter {
         self
     }
 
-    /// The parameter, which now has an effect only if the parameter `name` is set to `word`.
+    /// The parameter, which now has an effect only if the parameter `name` is set to one of
+    /// `words`.
     #[must_use]
-    pub const fn only_with(mut self, name: &'static str, word: &'static str) -> Self {
-        self.only_with = Some((name, word));
+    pub const fn only_with(mut self, name: &'static str, words: &'static [&'static str]) -> Self {
+        self.only_with = Some((name, words));
+        self
+    }
+
+    /// The parameter, for which earlier versions had the word `former` in place of `word`.
+    #[must_use]
+    pub(crate) const fn formerly(mut self, former: &'static str, word: &'static str) -> Self {
+        self.formerly = Some((former, word));
         self
     }
 
     /// Parses a value; `None` if it is not allowed.
     pub fn parse(&self, text: &str) -> Option<Value> {
+        let text = match self.formerly {
+            Some((former, word)) if former.eq_ignore_ascii_case(text) => word,
+            _ => text,
+        };
         let word = |w: &&&str| w.eq_ignore_ascii_case(text);
         if let Some(word) = self.allowed.words.iter().find(word) {
             return Some(Value::Word(word));
@@ -289,10 +306,11 @@ impl Values {
         parameters: &[Parameter],
         parameter: &Parameter,
     ) -> Option<String> {
-        let (name, word) = parameter.only_with?;
+        let (name, words) = parameter.only_with?;
         let other = parameters.iter().find(|p| p.name == name);
-        let fits = other.is_some_and(|other| self.word(other) == Some(word));
-        (!fits).then(|| format!("{name}={word}"))
+        let fits = other.and_then(|other| self.word(other));
+        let fits = fits.is_some_and(|word| words.contains(&word));
+        (!fits).then(|| format!("{name}={}", words[0]))
     }
 
     /// The value of [`THREADS`]; 1 if it is unset.
@@ -354,6 +372,37 @@ impl fmt::Display for Values {
         f.write_str(if self.given.is_empty() { "" } else { "}" })
     }
 }
+
+/// The priority queue of algorithms that take one window at a time. The order is the same in all
+/// of them, so that only times differ.
+pub(crate) const QUEUE: Parameter = Parameter::word(
+    "queue",
+    &["heap", "heap4", "calendar"],
+    "the priority queue: `heap` is a binary heap, as in the paper, `heap4` one of four children a node, `calendar` sorts windows in buckets when they are due; all take windows in one order",
+)
+.formerly("priority", "calendar");
+
+/// The heap that [`QUEUE`] or a parameter like it asks for.
+pub(crate) fn heap_queue(values: &Values, queue: &Parameter) -> HeapQueue {
+    HeapQueue::new(match values.word(queue) {
+        Some("heap4") => HeapShape::Quaternary,
+        _ => HeapShape::Binary,
+    })
+}
+
+/// `$body` with `$queue` set up as the parameter `$parameter` says: a heap or a calendar queue.
+macro_rules! with_queue {
+    ($parameter:expr, $mesh:expr, $values:expr, |$queue:ident| $body:expr) => {
+        if $values.word($parameter) == Some("calendar") {
+            let $queue = geobench_window::queue::CalendarQueue::new($mesh);
+            $body
+        } else {
+            let $queue = crate::parameter::heap_queue($values, $parameter);
+            $body
+        }
+    };
+}
+pub(crate) use with_queue;
 
 /// Drops narrow windows; off by default.
 pub(crate) const THRESHOLD: Parameter = Parameter::real(

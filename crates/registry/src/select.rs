@@ -158,6 +158,16 @@ impl Selection {
         }
     }
 
+    /// [`with_simd`](Self::with_simd) for a table: `auto` means scalar instructions, so that
+    /// algorithms of papers are compared and not their code, but the widest for fast forms.
+    #[must_use]
+    pub fn with_simd_in_table(self, simd: SimdChoice) -> Self {
+        match simd {
+            SimdChoice::Auto if !self.algorithm.fast => self.at_most(Instructions::Scalar),
+            _ => self.with_simd(simd),
+        }
+    }
+
     /// Limits the vector instructions to `widest`. The label does not change.
     #[must_use]
     pub fn at_most(mut self, widest: Instructions) -> Self {
@@ -199,6 +209,20 @@ impl Selection {
             return self.label.clone();
         }
         format!("{}{}", self.algorithm.name, self.values)
+    }
+
+    /// All parameters with their values, and the [facts](Algorithm::facts). Results of selections
+    /// with equal settings can be compared. None of an external program, which has its description.
+    pub fn settings(&self) -> impl Iterator<Item = (&'static str, Value)> {
+        let parameters = self.algorithm.parameters.iter();
+        let facts = self
+            .outside_name()
+            .is_none()
+            .then(|| self.algorithm.facts());
+        let facts = facts.into_iter().flatten();
+        parameters
+            .map(|parameter| (parameter.name, self.values.get(parameter)))
+            .chain(facts.map(|(name, word)| (name, Value::Word(word))))
     }
 
     /// The value of one of its parameters.

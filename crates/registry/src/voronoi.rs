@@ -3,9 +3,9 @@
 use geobench_fwp::{BucketOptions, Buckets};
 use geobench_mesh::Mesh;
 use geobench_voronoi::{Lct11, Removal, WindowVtp, WindowVtpOptions};
-use geobench_window::queue::Priority;
 use geobench_window::{Counter, VertexFilter};
 
+use super::parameter::with_queue;
 use super::{Algorithm, Parameter, Values};
 
 const REMOVAL: Parameter = Parameter::word(
@@ -22,8 +22,8 @@ const FILTER: Parameter = Parameter::word(
 
 const QUEUE: Parameter = Parameter::word(
     "queue",
-    &["heap", "buckets"],
-    "`heap` takes the nearest window, as in the paper; `buckets` those of a round of fwp-mmp",
+    &["heap", "heap4", "calendar", "buckets"],
+    "`heap` takes the nearest window, from a binary heap as in the paper, `heap4` from one of four children a node, `calendar` from buckets that are sorted when due; `buckets` takes those of a round of fwp-mmp",
 );
 
 const PERIOD: Parameter = Parameter::real(
@@ -56,17 +56,19 @@ fn xls14(mesh: &Mesh, values: &Values) -> WindowVtp {
     WindowVtp::with_options(mesh, WindowVtpOptions { removal, filter })
 }
 
-fn lct11(mesh: &Mesh, values: &Values) -> Lct11<Priority> {
-    Lct11::in_order(mesh, Priority::new(mesh), filter(values))
-}
-
-fn lct11_in_buckets(mesh: &Mesh, values: &Values) -> Lct11<Buckets> {
-    let buckets = Buckets::new(mesh, BucketOptions::default());
-    Lct11::in_order(mesh, buckets, filter(values))
-}
-
-fn takes_buckets(values: &Values) -> bool {
-    values.word(&QUEUE) == Some("buckets")
+/// The constructor of `lct11` with its queue.
+macro_rules! lct11 {
+    () => {
+        |mesh, values| {
+            if values.word(&QUEUE) == Some("buckets") {
+                let buckets = Buckets::new(mesh, BucketOptions::default());
+                return Box::new(Lct11::in_order(mesh, buckets, filter(values)));
+            }
+            with_queue!(&QUEUE, mesh, values, |queue| {
+                Box::new(Lct11::in_order(mesh, queue, filter(values)))
+            })
+        }
+    };
 }
 
 /// Defaults of the algorithms of this file.
@@ -80,6 +82,7 @@ const ALGORITHM: Algorithm = Algorithm {
 pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "window-vtp",
+        crossing: "list",
         paper: "Qin, Yu, Zhang 2017, sections 3 and 4",
         summary: "vtp's order, windows stored on edges and trimmed, redundant ones given up",
         departs: "gives an edge up only if both its faces are beyond the wave, counts their vertices, and closes it: the printed procedure loses windows of cell borders; filters windows beside thin faces and takes them nearest first",
@@ -100,24 +103,13 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         choose: "to compare with window-vtp",
         memory_counter: Counter::StoredWindows,
         parameters: &[QUEUE, FILTER],
-        build: |mesh, values| {
-            if takes_buckets(values) {
-                Box::new(lct11_in_buckets(mesh, values))
-            } else {
-                Box::new(lct11(mesh, values))
-            }
-        },
-        field: Some(|mesh, values| {
-            if takes_buckets(values) {
-                Box::new(lct11_in_buckets(mesh, values))
-            } else {
-                Box::new(lct11(mesh, values))
-            }
-        }),
+        build: lct11!(),
+        field: Some(lct11!()),
         ..ALGORITHM
     },
     Algorithm {
         name: "xls14",
+        crossing: "list",
         paper: "Xu et al. 2014, with the propagation of Qin, Yu, Zhang 2017, section 6.2",
         summary: "window-vtp that looks for redundant windows at times, among all faces",
         departs: "as window-vtp",

@@ -25,6 +25,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "ftp",
         family: "vtp-family",
+        crossing: "list",
         paper: "Qin et al. 2016, section 5.1",
         summary: "whole lists cross one face at a time; rules 1, 2 and 3",
         departs: "as vtp",
@@ -35,6 +36,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "opftp",
         family: "vtp-family",
+        crossing: "list",
         paper: "Qin et al. 2016, section 5.1",
         summary: "ftp with late windows merged in order",
         departs: "as vtp; the place of a late window is found by a linear scan, not by binary search",
@@ -45,6 +47,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "vtp",
         family: "vtp-family",
+        crossing: "list",
         paper: "Qin et al. 2016, sections 4 and 5.2",
         summary: "whole lists cross around the nearest vertex; rules 1, 2 and 3",
         departs: "rule 1 has a safe form, because the printed one loses distances; case 12 has two of its three tests; rules are applied when a list crosses, so that lists of interior edges merge while they wait, and to all neighbours at once; lists beside thin faces cross nearest first",
@@ -56,6 +59,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "opvtp",
         family: "vtp-family",
+        crossing: "list",
         paper: "Qin et al. 2016, sections 5.1 and 5.2",
         summary: "vtp with late windows merged in order",
         departs: "as opftp",
@@ -66,6 +70,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "vtp-exhaustive",
         family: "vtp-family",
+        crossing: "list",
         paper: "Qin et al. 2016, sections 3 and 6.2",
         summary: "vtp with every pair of windows of a face checked",
         departs: "as vtp; cases 8 and 10 have the safe form of rule 1",
@@ -78,6 +83,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "vtp-trimming",
         family: "vtp-family",
+        crossing: "list",
         paper: "Qin et al. 2016, section 6.2",
         summary: "vtp with neighbours cut at their tie points",
         departs: "as vtp",
@@ -88,6 +94,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "vtp-no-rule1",
         family: "vtp-family",
+        crossing: "list",
         paper: "Qin et al. 2016, section 6.2",
         summary: "vtp with every window tried on both exits",
         departs: "as vtp",
@@ -98,6 +105,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "vtp-no-rules23",
         family: "vtp-family",
+        crossing: "list",
         paper: "Qin et al. 2016, section 6.2",
         summary: "vtp without comparing windows with each other",
         departs: "as vtp",
@@ -109,6 +117,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "edge-based",
         family: "vtp-family",
+        crossing: "list",
         paper: "Qin et al. 2016, the report that came before it, chapter 5",
         summary: "the earlier form of vtp",
         departs: "strategy II has the safe form of rule 1 of vtp; windows are filtered by vertices, without which they need not end",
@@ -154,7 +163,10 @@ const RENUMBER: Parameter = Parameter::word(
 pub(crate) const FAST: &[Algorithm] = &[
     Algorithm {
         name: "vtp-fast",
+        fast: true,
         family: "vtp-family",
+        queue: "buckets",
+        crossing: "list",
         paper: "Qin et al. 2016, with improvements of our own",
         summary: "vtp with every improvement that keeps it exact",
         departs: "vertices come in buckets, both sides of a face share a list and fewer pairs are compared, so that counts are not those of the paper",
@@ -166,7 +178,10 @@ pub(crate) const FAST: &[Algorithm] = &[
     },
     Algorithm {
         name: "pvtp",
+        fast: true,
         family: "vtp-family",
+        queue: "buckets",
+        crossing: "list",
         paper: "Qin et al. 2016, made parallel by us",
         summary: "vtp-fast on several threads",
         departs: "as vtp-fast; the paper has one thread",

@@ -1,7 +1,7 @@
 //! The algorithm of Liu, Chen and Tang: MMP from all sources at once, with all windows kept.
 
 use geobench_mesh::{Mesh, VertexId};
-use geobench_window::queue::{Discipline, Event, EventKind, Priority};
+use geobench_window::queue::{Discipline, Event, EventKind, HeapQueue};
 use geobench_window::{
     CompiledRuns, Counter, Probe, Propagate, Solution, SolveError, VertexFilter, check_sources,
 };
@@ -17,16 +17,16 @@ use crate::wave::{ArrivalMode, COUNTERS, WaveState};
 /// [`WindowVtp`](crate::WindowVtp). So both algorithms leave the same windows at the borders of
 /// cells.
 #[derive(Clone, Debug)]
-pub struct Lct11<Q = Priority> {
+pub struct Lct11<Q = HeapQueue> {
     runs: CompiledRuns<Self>,
     wave: WaveState,
     queue: Q,
 }
 
-impl Lct11<Priority> {
+impl Lct11 {
     /// Sets up for `mesh`, with the nearest window first and without the vertex filter; O(faces).
     pub fn new(mesh: &Mesh) -> Self {
-        Self::in_order(mesh, Priority::new(mesh), VertexFilter::Off)
+        Self::in_order(mesh, HeapQueue::default(), VertexFilter::Off)
     }
 }
 

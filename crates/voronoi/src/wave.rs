@@ -180,6 +180,7 @@ impl WaveState {
         }
         self.spawned[v.index()] = sigma;
         let source = self.labels[v.index()];
+        probe.enter(Phase::Propagation);
         probe.add(Counter::PseudoSources, 1);
         let mesh = self.mesh.clone();
         for &h in mesh.outgoing(v) {
@@ -191,6 +192,7 @@ impl WaveState {
             }
             if let Some((target, window)) = spawn_window(&self.faces, h, sigma) {
                 probe.add(Counter::Spawned, 1);
+                probe.enter(Phase::Pruning);
                 match arrival {
                     ArrivalMode::OneByOne => {
                         self.arrive(target, &window, source, probe);
@@ -199,8 +201,10 @@ impl WaveState {
                         self.arrive_with_filter(target, h.next(), window, source, probe);
                     }
                 }
+                probe.enter(Phase::Propagation);
             }
         }
+        probe.enter(Phase::Management);
     }
 
     /// Stores `window` of `source`, in the frame of `h`, at which it arrives. Returns whether a

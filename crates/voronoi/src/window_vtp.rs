@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
-use geobench_window::queue::MinHeap;
+use geobench_window::queue::{Heap, MinHeap};
 use geobench_window::{
     CompiledRuns, Counter, Probe, Propagate, Solution, SolveError, VertexFilter, check_sources,
     prefetch,
@@ -35,7 +35,7 @@ impl Default for WindowVtpOptions {
 }
 
 /// An event of the queue.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum VertexEvent {
     /// The faces around this vertex join the traversed area.
     Join(VertexId),
@@ -66,7 +66,7 @@ enum VertexEvent {
 pub struct WindowVtp {
     wave: WaveState,
     pub(crate) remover: Remover,
-    queue: MinHeap<VertexEvent>,
+    queue: Heap<VertexEvent>,
     /// For each vertex, the least distance of the windows that wait for it; infinite without any.
     keys: Vec<f64>,
     /// Whether each face belongs to the traversed area.
@@ -93,7 +93,7 @@ impl WindowVtp {
         Self {
             wave: WaveState::new(mesh, options.filter),
             remover: Remover::new(options.removal),
-            queue: MinHeap::default(),
+            queue: Heap::default(),
             keys: Vec::new(),
             joined: Vec::new(),
             ready: VecDeque::new(),
@@ -218,7 +218,7 @@ impl WindowVtp {
     /// lists of the vertex that probably comes next.
     #[inline]
     fn prefetch_turns(&self) {
-        let vertex = |&(_, turn): &(f64, VertexEvent)| match turn {
+        let vertex = |(_, turn): (f64, VertexEvent)| match turn {
             VertexEvent::Join(v) | VertexEvent::Spawn(v) => v,
         };
         let mut coming = self.queue.iter().map(vertex);

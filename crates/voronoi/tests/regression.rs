@@ -5,7 +5,7 @@ use geobench_fwp::{BucketOptions, Buckets};
 use geobench_mesh::Mesh;
 use geobench_voronoi::{Lct11, Removal, WindowVtp, WindowVtpOptions};
 use geobench_window::VertexFilter;
-use geobench_window::queue::Priority;
+use geobench_window::queue::CalendarQueue;
 
 #[macro_use]
 #[path = "../../window/tests/meshes/mod.rs"]
@@ -21,7 +21,7 @@ fn solvers(mesh: &Mesh) -> Solvers {
         let options = WindowVtpOptions { removal, filter };
         Box::new(WindowVtp::with_options(mesh, options))
     };
-    let lct11 = |filter| Box::new(Lct11::in_order(mesh, Priority::new(mesh), filter));
+    let lct11 = |filter| Box::new(Lct11::in_order(mesh, CalendarQueue::new(mesh), filter));
     let buckets = Buckets::new(mesh, BucketOptions::default());
     vec![
         ("window-vtp", window_vtp(Removal::Continuous, off)),

@@ -149,7 +149,9 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             }
             self.distances[i] = d;
             if (S::BY_VERTEX && !self.passed[i]) || self.layout.vertices[i].pseudo_source {
+                probe.enter(Phase::Management);
                 self.schedule.push_vertex(v, d, probe);
+                probe.enter(Phase::Propagation);
             }
         }
     }
@@ -165,7 +167,9 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             }
         }
         if is_source || self.layout.vertices[v as usize].pseudo_source {
+            probe.enter(Phase::Propagation);
             self.spawn(v, probe);
+            probe.enter(Phase::Management);
         }
     }
 

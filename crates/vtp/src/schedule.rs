@@ -1,10 +1,10 @@
 //! Schedules: the order in which faces join the traversed area.
 
-use geobench_window::queue::MinHeap;
+use geobench_window::queue::Heap;
 use geobench_window::{Counter, Probe};
 
 /// An element of a schedule.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Scheduled {
     /// A vertex.
     Vertex(u32),
@@ -42,7 +42,7 @@ pub trait Schedule: Send {
 /// Nearest vertex first (Qin et al. 2016, section 5.2).
 #[derive(Clone, Debug)]
 pub struct NearestVertex {
-    front: MinHeap<u32>,
+    front: Heap<u32>,
 }
 
 impl Schedule for NearestVertex {
@@ -50,7 +50,7 @@ impl Schedule for NearestVertex {
 
     fn new(_: usize) -> Self {
         Self {
-            front: MinHeap::default(),
+            front: Heap::default(),
         }
     }
 
@@ -80,7 +80,7 @@ impl Schedule for NearestVertex {
 /// section 5.1). Pseudo-sources have turns in the same queue, by their distances.
 #[derive(Clone, Debug)]
 pub struct NearestFace {
-    front: MinHeap<Scheduled>,
+    front: Heap<Scheduled>,
     /// For each face, the least offer so far, which is its label in the queue.
     offers: Vec<f64>,
 }
@@ -90,7 +90,7 @@ impl Schedule for NearestFace {
 
     fn new(faces: usize) -> Self {
         Self {
-            front: MinHeap::default(),
+            front: Heap::default(),
             offers: vec![f64::INFINITY; faces],
         }
     }
@@ -122,7 +122,7 @@ impl Schedule for NearestFace {
 }
 
 #[inline]
-fn push<T: Copy, P: Probe>(front: &mut MinHeap<T>, label: f64, turn: T, probe: &mut P) {
+fn push<T: Copy + Ord, P: Probe>(front: &mut Heap<T>, label: f64, turn: T, probe: &mut P) {
     front.push(label, turn);
     probe.add(Counter::QueuePushes, 1);
     probe.raise(Counter::QueuePeak, front.len() as u64);

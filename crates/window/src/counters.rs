@@ -86,6 +86,9 @@ counters! {
     Secondary = "secondary",
     /// Bytes of the graph that set-up builds and the run searches.
     GraphBytes = "graph_bytes",
+    /// Vertices, sources aside, whose distance an approximate algorithm found negative, and set to
+    /// 0.
+    Negative = "negative",
 }
 
 /// The counts of one run; a counter that the algorithm does not have is `None`, never 0.

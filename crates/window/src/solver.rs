@@ -19,12 +19,18 @@ pub struct Solution {
     /// Geodesic distance of every vertex from the nearest source, in the units of the mesh and
     /// the order of its vertices; infinite where no path leads. Never NaN.
     pub distances: Vec<f64>,
+    /// Number of vertices, sources aside, whose distance an approximate algorithm found negative,
+    /// and set to 0.
+    pub negative: usize,
 }
 
 impl Solution {
-    /// A solution with these distances.
+    /// A solution with these distances, none of which was negative.
     pub const fn new(distances: Vec<f64>) -> Self {
-        Self { distances }
+        Self {
+            distances,
+            negative: 0,
+        }
     }
 }
 

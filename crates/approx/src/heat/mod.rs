@@ -43,7 +43,7 @@ impl Default for HeatOptions {
         Self {
             time: 1.0,
             boundary: Boundary::Average,
-            delaunay: false,
+            delaunay: true,
             shift: 0.0,
         }
     }
@@ -224,29 +224,37 @@ impl Heat {
         sinks
     }
 
-    /// Shifts the distances of each component so that they are 0 at the sources on average.
-    fn place(&self, found: &[f64], sources: &[VertexId]) -> Vec<f64> {
+    /// Shifts the distances of each component so that they are 0 at the sources on average, and
+    /// counts those that are negative then and become 0.
+    fn place(&self, found: &[f64], sources: &[VertexId]) -> Solution {
         let mut sums = vec![(0.0, 0.0); self.component_count];
         for &source in sources {
             let (sum, count) = &mut sums[self.components[source.index()] as usize];
             *sum += found[source.index()];
             *count += 1.0;
         }
+        let mut negative = 0;
         let placed = found.iter().zip(&self.components);
         let placed = placed.map(|(&d, &component)| {
             let (sum, count) = sums[component as usize];
             if count == 0.0 {
                 f64::INFINITY
             } else {
+                let d = d - sum / count;
+                negative += usize::from(d < 0.0);
                 // Never NaN.
-                (d - sum / count).max(0.0) * self.unit
+                d.max(0.0) * self.unit
             }
         });
         let mut distances: Vec<f64> = placed.collect();
         for &source in sources {
+            let mean = sums[self.components[source.index()] as usize];
+            negative -= usize::from(found[source.index()] - mean.0 / mean.1 < 0.0);
             distances[source.index()] = 0.0;
         }
-        distances
+        let mut solution = Solution::new(distances);
+        solution.negative = negative;
+        solution
     }
 }
 
@@ -254,7 +262,7 @@ impl Propagate for Heat {
     const TRACES: bool = false;
 
     fn counters() -> Vec<Counter> {
-        Vec::new()
+        vec![Counter::Negative]
     }
 
     fn vertex_count(&self) -> usize {
@@ -282,7 +290,9 @@ impl Propagate for Heat {
         let heat = self.heat(factors, &sources);
         let mut found = self.sinks(&heat);
         factors.poisson.solve(&mut found);
-        Solution::new(self.place(&found, &sources))
+        let solution = self.place(&found, &sources);
+        probe.add(Counter::Negative, solution.negative as u64);
+        solution
     }
 }
 

@@ -1,15 +1,15 @@
 //! A queue of lists, the one with the nearest window first.
 
 use geobench_mesh::Mesh;
-use geobench_window::queue::{Discipline, Event, Priority, mean_edge_length};
+use geobench_window::queue::{CalendarQueue, Discipline, Event, mean_edge_length};
 use geobench_window::{Counter, Probe};
 
-/// A [`Priority`] queue of lists. The list with the nearest window is taken; its windows that are
+/// A [`CalendarQueue`] queue of lists. The list with the nearest window is taken; its windows that are
 /// at most a slack further are due with it.
 ///
 /// # Cost
 ///
-/// That of [`Priority`], for each time a list is queued.
+/// That of [`CalendarQueue`], for each time a list is queued.
 ///
 /// ```
 /// use geobench_mesh::Mesh;
@@ -23,7 +23,7 @@ use geobench_window::{Counter, Probe};
 /// ```
 #[derive(Clone, Debug)]
 pub struct NearestLists {
-    queue: Priority,
+    queue: CalendarQueue,
     /// How much further a due window may be, as a length.
     slack: f64,
     /// The label of the list that is being taken.
@@ -41,7 +41,7 @@ impl NearestLists {
     /// negative slack and NaN count as 0.
     pub fn new(mesh: &Mesh, slack: f64) -> Self {
         Self {
-            queue: Priority::new(mesh),
+            queue: CalendarQueue::new(mesh),
             slack: (slack * mean_edge_length(mesh)).max(0.0),
             label: 0.0,
         }
@@ -49,7 +49,7 @@ impl NearestLists {
 }
 
 impl Discipline for NearestLists {
-    const COUNTERS: &'static [Counter] = Priority::COUNTERS;
+    const COUNTERS: &'static [Counter] = CalendarQueue::COUNTERS;
 
     #[inline]
     fn push<P: Probe>(&mut self, label: f64, event: Event, probe: &mut P) {

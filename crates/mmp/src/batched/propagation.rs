@@ -48,11 +48,11 @@ const AHEAD: [usize; 2] = [6, 2];
 /// ```
 /// use geobench_mesh::Mesh;
 /// use geobench_mmp::Batched;
-/// use geobench_window::queue::Priority;
+/// use geobench_window::queue::CalendarQueue;
 /// use geobench_window::{Counter, Solver};
 ///
 /// let mesh = Mesh::generate("terrain,n=8,seed=1")?;
-/// let mut solver = Batched::new(&mesh, Priority::new(&mesh));
+/// let mut solver = Batched::new(&mesh, CalendarQueue::new(&mesh));
 /// let (solution, counters) = solver.count(&[5.into()])?;
 /// assert_eq!(solution.distances[5], 0.0);
 /// assert!(counters.get(Counter::StoredWindows) > Some(0));
@@ -179,7 +179,9 @@ impl<Q: Discipline> Batched<Q> {
             state.store.prepare(target.index());
         }
         if state.retention == Retention::Wavefront {
+            probe.enter(Phase::Management);
             state.evict_passed(h, &face, self.taken.windows.len(), label);
+            probe.enter(Phase::Propagation);
         }
         let known = face.corners.map(|v| state.surface.distance(v));
         let exits = [Side::Left, Side::Right].map(|side| face.exit(side));
@@ -265,7 +267,9 @@ impl<Q: Discipline> RunState<Q> {
     fn offer<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) -> bool {
         let improves = self.surface.offer(v, d);
         if improves && (Q::EVERY_VERTEX || self.mesh.is_pseudo_source(v)) {
+            probe.enter(Phase::Management);
             self.queue.push(d, Event::vertex(v), probe);
+            probe.enter(Phase::Propagation);
         }
         improves
     }
@@ -273,6 +277,7 @@ impl<Q: Discipline> RunState<Q> {
     /// Offers paths along the edges of `v` and spawns windows across its faces; `batch` is scratch
     /// space.
     fn spawn<P: Probe>(&mut self, v: VertexId, batch: &mut Batch, probe: &mut P) {
+        probe.enter(Phase::Propagation);
         probe.add(Counter::PseudoSources, 1);
         let sigma = self.surface.distance(v);
         // By index, since `self` changes meanwhile.
@@ -305,6 +310,7 @@ impl<Q: Discipline> RunState<Q> {
                 self.arrive(target, batch, probe);
             }
         }
+        probe.enter(Phase::Management);
     }
 
     /// Merges `batch` into the list of `h`. Returns how many of its windows survive, in counted
@@ -317,7 +323,7 @@ impl<Q: Discipline> RunState<Q> {
         } else {
             self.merge(h, batch, probe)
         };
-        probe.enter(Phase::Management);
+        probe.enter(Phase::Propagation);
         kept
     }
 
@@ -362,6 +368,7 @@ impl<Q: Discipline> RunState<Q> {
             &mut |label| queue.weigh(label),
             probe,
         );
+        probe.enter(Phase::Management);
         if merged.least < queued {
             self.store.set_queued(i, merged.least);
             self.queue

@@ -159,7 +159,7 @@ fn variants(algorithm: &Algorithm) -> Vec<Selection> {
 fn with_needed(parameter: &Parameter, value: &str) -> Settings {
     let needed = parameter
         .only_with
-        .map(|(name, word)| (name, word.to_owned()));
+        .map(|(name, words)| (name, words[0].to_owned()));
     let own = (parameter.name, value.to_owned());
     needed.into_iter().chain([own]).collect()
 }

@@ -7,7 +7,7 @@ use crate::Numbers;
 const PROMISED: &str = "ch ich1 ich mmp mmp-edge fwp-mmp fwp-ch lc-mmp lc-ch ftp opftp vtp opvtp \
     vtp-exhaustive vtp-trimming vtp-mmp vtp-ch edge-based vtp-no-rule1 vtp-no-rules23 vtp-fast \
     mmp-fast pvtp window-vtp lct11 xls14 dijkstra fmm fmm-untidy heat svg avtp \
-    mmp-approx pch";
+    mmp-approx pch ich-fast";
 
 fn names(list: &str) -> Vec<String> {
     let selected = select(list).unwrap();
@@ -81,7 +81,7 @@ fn every_algorithm_solves_with_every_extreme_of_its_parameters() {
             for value in extremes(parameter) {
                 let needed = parameter
                     .only_with
-                    .map(|(other, word)| format!("{other}={word},"));
+                    .map(|(other, words)| format!("{other}={},", words[0]));
                 let needed = needed.unwrap_or_default();
                 check(&format!("{}{{{needed}{name}={value}}}", algorithm.name));
             }
@@ -105,13 +105,43 @@ fn names_families_and_groups_in_any_case() {
     assert_eq!(names("ich,all")[0], "ich");
     assert_eq!(names("mmp,MMP,mmp{}"), ["mmp"]);
     assert_eq!(
-        names("mmp{turn=window,queue=priority},fwp-mmp{lists=keep},lc-mmp{turn=window}"),
+        names("mmp{turn=window,queue=heap},fwp-mmp{lists=keep},lc-mmp{turn=window}"),
         ["mmp", "fwp-mmp", "lc-mmp"]
     );
     assert_eq!(
         select_one("mmp,vtp").unwrap_err().to_string(),
         "`mmp,vtp` asks for 2 algorithms; name one algorithm"
     );
+}
+
+#[test]
+fn the_queue_has_the_word_of_earlier_versions() {
+    assert_eq!(names("mmp{queue=priority}"), ["mmp{queue=calendar}"]);
+    assert_eq!(names("ich{queue=Priority}"), ["ich{queue=calendar}"]);
+    assert!(select("mmp-fast{queue=priority}").is_err());
+}
+
+#[test]
+fn in_a_table_auto_is_scalar_except_for_fast_forms() {
+    let widest = Instructions::detect();
+    for algorithm in algorithms() {
+        let one = || select_one(algorithm.name).unwrap();
+        assert_eq!(one().with_simd(SimdChoice::Auto).instructions(), widest);
+        let in_table = one().with_simd_in_table(SimdChoice::Auto).instructions();
+        let is_fast = algorithm.name == "pvtp" || algorithm.name.ends_with("-fast");
+        assert_eq!(algorithm.fast, is_fast);
+        assert_eq!(
+            in_table,
+            if is_fast {
+                widest
+            } else {
+                Instructions::Scalar
+            }
+        );
+        let asked = SimdChoice::AtMost(Instructions::Avx2);
+        let both = [one().with_simd(asked), one().with_simd_in_table(asked)];
+        assert_eq!(both[0].instructions(), both[1].instructions());
+    }
 }
 
 #[test]
@@ -151,7 +181,7 @@ const NO_ONE: Algorithm = Algorithm {
     name: "no-one",
     parameters: &[
         Parameter::integer("kmax", 20_000, 1..=1_000_000, ""),
-        Parameter::real("bucket", 1.0, 0.01..=100.0, "").only_with("order", "fifo"),
+        Parameter::real("bucket", 1.0, 0.01..=100.0, "").only_with("order", &["fifo"]),
         Parameter::word("order", &["fifo", "nearest"], ""),
     ],
     ..Algorithm::EXACT

@@ -5,6 +5,7 @@ use geobench_mesh::HalfEdgeId;
 use super::policy::Policy;
 use super::surface::Surface;
 use crate::crossings::{Crossings, LANES};
+use crate::probe::{Phase, Probe};
 use crate::queue::{Discipline, EventKind};
 use crate::simd::Instructions;
 
@@ -41,16 +42,19 @@ impl Lookahead {
 
     /// The lane of window `id` on `h`, which has left `queue`; `None` if it was not crossed early.
     #[inline]
-    pub(super) fn lane<W: Policy, Q: Discipline>(
+    pub(super) fn lane<W: Policy, Q: Discipline, P: Probe>(
         &mut self,
         h: HalfEdgeId,
         id: u32,
         queue: &Q,
         policy: &W,
         surface: &Surface,
+        probe: &mut P,
     ) -> Option<usize> {
         if self.next == self.crossings.len() {
+            probe.enter(Phase::Propagation);
             self.refill(h, id, queue, policy, surface);
+            probe.enter(Phase::Management);
         }
         let next = self.next;
         if self.ids[next % LANES] == id {

@@ -45,13 +45,13 @@ const AHEAD: usize = 5;
 /// use geobench_ich::Splitting;
 /// use geobench_mesh::Mesh;
 /// use geobench_window::continuous::Continuous;
-/// use geobench_window::queue::Priority;
+/// use geobench_window::queue::HeapQueue;
 /// use geobench_window::{Solver, VertexFilter};
 ///
 /// let mesh = Mesh::generate("grid,n=4")?;
 /// // ICH: windows are filtered and split, and taken by least distance.
 /// let policy = Splitting::new(&mesh, VertexFilter::On);
-/// let mut solver = Continuous::new(&mesh, policy, Priority::new(&mesh));
+/// let mut solver = Continuous::new(&mesh, policy, HeapQueue::default());
 /// let distances = solver.distances_from(0)?;
 /// assert!((distances[24] - 32.0_f64.sqrt()).abs() < 1e-12); // Across the whole grid.
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -204,7 +204,9 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     fn offer<P: Probe>(&mut self, v: VertexId, d: f64, probe: &mut P) -> bool {
         let improves = self.surface.offer(v, d);
         if improves && (Q::EVERY_VERTEX || self.turns_at(v)) {
+            probe.enter(Phase::Management);
             self.queue.push(d, Event::vertex(v), probe);
+            probe.enter(Phase::Propagation);
         }
         improves
     }
@@ -247,6 +249,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
 
     /// Offers distances along the edges of `v` and sends windows across its faces.
     fn spawn<P: Probe>(&mut self, v: VertexId, probe: &mut P) {
+        probe.enter(Phase::Propagation);
         probe.add(Counter::PseudoSources, 1);
         let sigma = self.surface.distance(v);
         // By index, since `self` changes meanwhile.
@@ -283,6 +286,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
                 );
             }
         }
+        probe.enter(Phase::Management);
     }
 
     /// Passes a window that has reached a half-edge to the policy; returns whether any part of it
@@ -291,10 +295,12 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     fn arrive<P: Probe>(&mut self, arrival: &Arrival<W::Lineage>, probe: &mut P) -> bool {
         probe.enter(Phase::Pruning);
         let mut push = |h: HalfEdgeId, label: f64, id: u32, probe: &mut P| {
+            probe.enter(Phase::Management);
             self.queue.push(label, Event::window(h, id), probe);
+            probe.enter(Phase::Pruning);
         };
         let kept = self.policy.arrive(arrival, &self.surface, &mut push, probe);
-        probe.enter(Phase::Management);
+        probe.enter(Phase::Propagation);
         kept
     }
 
@@ -324,14 +330,13 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         };
         let kept = self.arrive(&arrival, probe);
         probe.add(Counter::Kept, u64::from(kept));
-        probe.enter(Phase::Propagation);
     }
 
     /// The lane of window `id` on `h`, which has left the queue, if it was crossed early.
     #[inline(always)]
-    fn foresee(&mut self, h: HalfEdgeId, id: u32) -> Option<usize> {
+    fn foresee<P: Probe>(&mut self, h: HalfEdgeId, id: u32, probe: &mut P) -> Option<usize> {
         if W::FORESEES {
-            (self.lookahead).lane(h, id, &self.queue, &self.policy, &self.surface)
+            (self.lookahead).lane(h, id, &self.queue, &self.policy, &self.surface, probe)
         } else {
             None
         }
@@ -566,7 +571,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
                 }
             }
             EventKind::Window(h, id) => {
-                if let Some(lane) = self.foresee(h, id) {
+                if let Some(lane) = self.foresee(h, id, probe) {
                     if let Some(lineage) = self.policy.release(id, &self.surface, probe) {
                         self.cross_ahead(h, lane, lineage, probe);
                     }

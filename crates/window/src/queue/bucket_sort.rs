@@ -6,7 +6,13 @@ use super::calendar::INTEGERS;
 /// The most events that are sorted by bins.
 const MOST: usize = 255;
 
-/// Appends `events` to `sorted` in the order of their labels. The sort is stable.
+/// Whether `a` comes before `b`: by its label, and of equal labels by its event.
+#[inline]
+pub(super) fn is_before(a: (f64, Event), b: (f64, Event)) -> bool {
+    a.0 < b.0 || a.0 == b.0 && a.1 < b.1
+}
+
+/// Appends `events` to `sorted` in the order of [`is_before`].
 ///
 /// `place` gives the position of a label within the range, from 0 to 1 up to rounding, and must not
 /// decrease. As many bins as events bring them nearly in order. Insertion does the rest, and nearly
@@ -23,7 +29,7 @@ pub(super) fn append_in_order(
 ) {
     if events.len() > MOST {
         // Labels are not negative, so their bits have the same order.
-        events.sort_by_key(|&(label, _)| label.to_bits());
+        events.sort_unstable_by_key(|&(label, event)| (label.to_bits(), event));
         sorted.extend_from_slice(events);
         return;
     }
@@ -54,7 +60,7 @@ fn insert_one_by_one(events: &mut [(f64, Event)]) {
     for i in 1..events.len() {
         let event = events[i];
         let mut place = i;
-        while place > 0 && events[place - 1].0 > event.0 {
+        while place > 0 && is_before(event, events[place - 1]) {
             events[place] = events[place - 1];
             place -= 1;
         }
@@ -77,13 +83,14 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_is_a_stable_sort(
+        fn equal_labels_are_sorted_by_their_events(
             labels in prop::collection::vec(prop_oneof![0.0..1.0f64, Just(0.5), 0.0..1e-9f64], 0..300),
             first in 0.0..0.5f64, scale in prop_oneof![Just(1.0), Just(0.0), Just(1e-9), Just(1e30), Just(f64::NAN)],
         ) {
             let mut given = events(&labels);
             let mut expected = given.clone();
-            expected.sort_by(|a, b| a.0.total_cmp(&b.0));
+            expected.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            given.rotate_left(labels.len() / 2);
             let mut sorted = events(&[7.0]);
             append_in_order(&mut sorted, &mut given, |label| (label - first) * scale);
             prop_assert_eq!(&sorted[1..], &expected[..]);

@@ -5,8 +5,9 @@
 const ARITY: usize = 4;
 
 /// A 4-ary min-heap of labelled items. The order of items with equal labels depends on the
-/// insertions alone, so it is the same in every run. Entries cannot be removed or changed: push a
-/// new entry, and skip outdated ones when they are popped.
+/// insertions alone, so it is the same in every run. With `TIES`, equal labels are ordered by their
+/// items. Entries cannot be removed or changed: push a new entry, and skip outdated ones when they
+/// are popped.
 ///
 /// ```
 /// use geobench_window::queue::MinHeap;
@@ -17,17 +18,20 @@ const ARITY: usize = 4;
 /// assert_eq!(heap.pop(), Some((1.0, "near")));
 /// ```
 #[derive(Clone, Debug)]
-pub struct MinHeap<T> {
+pub struct QuaternaryHeap<T, const TIES: bool> {
     nodes: Vec<(f64, T)>,
 }
 
-impl<T> Default for MinHeap<T> {
+/// A [`QuaternaryHeap`] without an order of equal labels.
+pub type MinHeap<T> = QuaternaryHeap<T, false>;
+
+impl<T, const TIES: bool> Default for QuaternaryHeap<T, TIES> {
     fn default() -> Self {
         Self { nodes: Vec::new() }
     }
 }
 
-impl<T: Copy> MinHeap<T> {
+impl<T: Copy + PartialOrd, const TIES: bool> QuaternaryHeap<T, TIES> {
     /// Adds `item` with its label, which must not be NaN.
     #[inline]
     pub fn push(&mut self, label: f64, item: T) {
@@ -86,7 +90,7 @@ impl<T: Copy> MinHeap<T> {
     fn rise(&mut self, mut hole: usize, node: (f64, T)) {
         while hole > 0 {
             let parent = (hole - 1) / ARITY;
-            if self.nodes[parent].0 <= node.0 {
+            if !Self::is_before(node, self.nodes[parent]) {
                 break;
             }
             self.nodes[hole] = self.nodes[parent];
@@ -101,21 +105,29 @@ impl<T: Copy> MinHeap<T> {
     fn least_child(&self, hole: usize) -> Option<usize> {
         let first = ARITY * hole + 1;
         let end = (first + ARITY).min(self.nodes.len());
-        if let Some([a, b, c, d]) = self.nodes.get(first..first + ARITY) {
-            let low = usize::from(b.0 < a.0);
-            let high = 2 + usize::from(d.0 < c.0);
-            let (low_label, high_label) = (a.0.min(b.0), c.0.min(d.0));
-            return Some(
-                first + std::hint::select_unpredictable(high_label < low_label, high, low),
-            );
+        if let Some(&[a, b, c, d]) = self.nodes.get(first..first + ARITY) {
+            let low = usize::from(Self::is_before(b, a));
+            let high = 2 + usize::from(Self::is_before(d, c));
+            let is_high = if TIES {
+                Self::is_before(self.nodes[first + high], self.nodes[first + low])
+            } else {
+                c.0.min(d.0) < a.0.min(b.0)
+            };
+            return Some(first + std::hint::select_unpredictable(is_high, high, low));
         }
         (first..end).reduce(|x, y| {
-            if self.nodes[y].0 < self.nodes[x].0 {
+            if Self::is_before(self.nodes[y], self.nodes[x]) {
                 y
             } else {
                 x
             }
         })
+    }
+
+    /// Whether `a` comes before `b`.
+    #[inline]
+    fn is_before(a: (f64, T), b: (f64, T)) -> bool {
+        a.0 < b.0 || TIES && a.0 == b.0 && a.1 < b.1
     }
 }
 

@@ -3,18 +3,20 @@
 mod arena;
 mod bucket_sort;
 mod calendar;
+mod calendar_queue;
 mod event;
 mod fifo;
 mod heap;
-mod priority;
+mod heap_queue;
 mod ring;
 
 pub use arena::{Arena, Chain};
 pub use calendar::{Calendar, mean_edge_length};
+pub use calendar_queue::CalendarQueue;
 pub use event::{Event, EventKind};
 pub use fifo::Fifo;
-pub use heap::MinHeap;
-pub use priority::Priority;
+pub use heap::{MinHeap, QuaternaryHeap};
+pub use heap_queue::{Heap, HeapQueue, HeapShape};
 
 use geobench_mesh::{HalfEdgeId, VertexId};
 

@@ -54,6 +54,63 @@ fn every_suite_has_a_plan() {
     }
 }
 
+/// Parameters that papers vary, by the number of the paper.
+const OF_PAPERS: [(&str, &[&str]); 3] = [
+    ("000", &["threshold=1e-6"]),
+    (
+        "002",
+        &[
+            "threshold=",
+            "queue=fifo",
+            "k=",
+            "bucket=",
+            "t=",
+            "build=fwp-mmp",
+        ],
+    ),
+    ("004", &["queue=buckets", "rwr=off"]),
+];
+
+/// In the suite of a paper, algorithms have their defaults, and scalar instructions, unless the
+/// paper varies a parameter. Fast forms are in a group of their own.
+#[test]
+fn no_suite_of_a_paper_uses_a_parameter_that_its_paper_lacks() {
+    let mut papers = 0;
+    for path in suites() {
+        let file = path.file_name().unwrap().to_str().unwrap();
+        let Some(paper) = file.get(..3).filter(|paper| paper.parse::<u32>().is_ok()) else {
+            continue;
+        };
+        papers += 1;
+        let varied = OF_PAPERS.iter().find(|(of, _)| *of == paper);
+        let varied = varied.map_or(&[][..], |(_, varied)| varied);
+        let suite = Suite::read(&path).unwrap();
+        let planned = plans(Some(&suite), &Settings::default(), &ModelChoice::default()).unwrap();
+        for plan in planned.plans {
+            let group = plan.group.name.unwrap_or_default();
+            for one in &plan.algorithms {
+                let label = one.label();
+                let inner = label.split_once('{').map_or("", |(_, rest)| rest);
+                let inner = inner.trim_end_matches('}').split(',');
+                for setting in inner.filter(|setting| !setting.is_empty()) {
+                    let is_of_paper = varied.iter().any(|known| setting.starts_with(known));
+                    assert!(is_of_paper, "{file}, {group}: {label}");
+                }
+                assert!(
+                    group == "fast forms" || !one.algorithm().fast,
+                    "{file}, {group}: {label}"
+                );
+                let is_scalar = one.simd().as_deref() == Some("scalar");
+                assert!(
+                    is_scalar || one.algorithm().fast,
+                    "{file}, {group}: {label}"
+                );
+            }
+        }
+    }
+    assert!(papers >= 30, "{papers}");
+}
+
 /// Calls the program with `--config` and a suite file of this text.
 fn run(suite: &str, arguments: &str) -> (tempfile::TempDir, Output) {
     let directory = tempfile::tempdir().unwrap();

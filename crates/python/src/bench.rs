@@ -116,7 +116,7 @@ pub(crate) fn run_to_json(
     }
     let selected = selected.into_iter();
     let selected: Vec<_> = selected
-        .map(|a| a.with_threads(threads).with_simd(simd))
+        .map(|a| a.with_threads(threads).with_simd_in_table(simd))
         .collect();
     let reference = match check {
         None => Reference::usual(&selected),
@@ -178,6 +178,7 @@ fn result(plan: &Plan, command: Vec<String>, mut listener: UntilStopped) -> anyh
             &Snapshot::take(Path::new("/")),
         )),
         plan: Some(record),
+        algorithms: Vec::new(),
         sessions: vec![SessionRecord {
             shard: None,
             host,

@@ -296,7 +296,16 @@ impl DistanceCommand<'_> {
     /// mesh has further vertices, which are left out.
     fn solve(&self, solver: &mut dyn Solver, sources: &[VertexId]) -> anyhow::Result<Vec<f64>> {
         let goal = self.points.goal(self.options.goal.radius);
-        let mut distances = solver.solve_until(sources, &goal)?.distances;
+        let solution = solver.solve_until(sources, &goal)?;
+        if solution.negative > 0 {
+            terminal::warning(&format!(
+                "{}: {} found {} negative distances, which are written as 0",
+                self.model,
+                self.options.algo.label(),
+                solution.negative
+            ));
+        }
+        let mut distances = solution.distances;
         if let Some(doubt) = precision::doubt(&self.points.refined.mesh, &distances) {
             // Printed even with `--quiet`: a warning accompanies all distances that may be wrong.
             terminal::warning(&format!("{}: {doubt}", self.model));

@@ -54,7 +54,7 @@ pub(crate) struct RunOptions {
 
     /// Algorithms by name, by family, or exact, or all; separated by commas; with parameters as
     /// name{key=value,...} [default: mmp,ich,fwp-mmp,fwp-ch,vtp with --simd scalar, and mmp-fast,
-    /// vtp,vtp-fast with the widest instructions]
+    /// ich-fast,vtp,vtp-fast with the widest instructions for the fast forms]
     #[arg(long, value_name = "LIST", value_parser = algorithms)]
     pub(crate) algo: Option<Algorithms>,
 
@@ -106,9 +106,9 @@ pub(crate) struct RunOptions {
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = threads())]
     pub(crate) threads: Option<u32>,
 
-    /// Instructions of every algorithm: auto (the widest of the processor), scalar, avx2 or avx512;
-    /// narrower ones where the processor lacks them. Distances and counts do not depend on it
-    /// [default: auto; scalar for the papers' algorithms without --algo and --config]
+    /// Instructions of every algorithm: auto (scalar for the algorithms of papers, the widest of the
+    /// processor for the fast forms), scalar, avx2 or avx512; narrower ones where the processor lacks
+    /// them. Distances and counts do not depend on it [default: auto]
     #[arg(long, value_name = "SIMD")]
     pub(crate) simd: Option<SimdChoice>,
 
@@ -558,6 +558,7 @@ fn empty(plan: PlanRecord, session: SessionRecord, sessions: Vec<SessionRecord>)
         pairing: None,
         conditions: None,
         plan: Some(plan),
+        algorithms: Vec::new(),
         sessions,
     }
 }

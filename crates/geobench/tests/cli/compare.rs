@@ -74,6 +74,56 @@ fn missing_cells_are_status_1_if_a_rule_says_so() {
     );
 }
 
+/// A label may hide a parameter at its default. Cells are joined by name and all parameters.
+#[test]
+fn cells_with_another_queue_in_the_plan_are_other_cells() {
+    let sandbox = Sandbox::with_square();
+    stored(&sandbox, "a.json");
+    let mut changed = sandbox.json("a.json");
+    let parameters = &mut changed["plan"]["groups"][0]["algorithms"][0]["parameters"];
+    assert_eq!(parameters["queue"], "heap");
+    assert_eq!(parameters["crossing"], "single");
+    parameters["queue"] = "calendar".into();
+    sandbox.write("b.json", &changed.to_string());
+    let listed = sandbox.succeed("compare a.json b.json");
+    for line in [
+        "only in the old file:\n  square, mmp,",
+        "only in the new file:\n  square, mmp{queue=calendar},",
+        "\nnone of 2 cells is worse\n",
+    ] {
+        assert!(listed.contains(line), "{line}: {listed}");
+    }
+    // A record of a version without these keys had calendar queues.
+    let parameters = &mut changed["plan"]["groups"][0]["algorithms"][0]["parameters"];
+    let parameters = parameters.as_object_mut().unwrap();
+    parameters.remove("queue");
+    parameters.remove("crossing");
+    sandbox.write("old.json", &changed.to_string());
+    let outcome = sandbox.call("compare b.json old.json --fail-on missing=0");
+    assert_eq!(outcome.code, 0, "{}", outcome.stdout);
+    assert!(
+        outcome.stdout.contains("none of 4 cells is worse"),
+        "{}",
+        outcome.stdout
+    );
+
+    // Nor is a cell of one queue taken for that of another.
+    sandbox.succeed("run square.off gen:cube,n=3 --algo mmp --add-to b.json --quiet");
+    let cells = sandbox.json("b.json")["cells"].as_array().unwrap().clone();
+    let mut labels: Vec<&str> = cells
+        .iter()
+        .map(|c| c["algorithm"].as_str().unwrap())
+        .collect();
+    labels.sort_unstable();
+    labels.dedup();
+    assert_eq!(labels, ["mmp", "mmp{queue=calendar}", "vtp"]);
+    let recorded = sandbox.json("b.json")["algorithms"]
+        .as_array()
+        .unwrap()
+        .len();
+    assert_eq!(recorded, 3);
+}
+
 #[test]
 fn what_cannot_be_compared_is_status_2_and_names_file_and_field() {
     let sandbox = Sandbox::with_square();

@@ -23,6 +23,11 @@ fn the_instructions_of_a_run_are_recorded() {
         ("Scalar", Instructions::Scalar),
     ] {
         for cell in cells("mmp,vtp,vtp-fast", simd, "") {
+            // In a table `auto` compares algorithms of papers, and not their vector code.
+            let wanted = match (simd, &cell["algorithm"]) {
+                ("auto", name) if name != "vtp-fast" => Instructions::Scalar,
+                _ => wanted,
+            };
             assert_eq!(cell["simd"], wanted.to_string(), "{cell}");
         }
     }
@@ -37,7 +42,7 @@ fn a_suite_names_instructions_for_its_groups() {
     let sandbox = Sandbox::with_square();
     sandbox.write(
         "s.toml",
-        "simd = \"scalar\"\nrepeat = 1\nmodels = [\"square.off\"]\nalgorithms = [\"vtp\"]\n\
+        "simd = \"scalar\"\nrepeat = 1\nmodels = [\"square.off\"]\nalgorithms = [\"vtp-fast\"]\n\
          [[group]]\nname = \"a\"\n[[group]]\nname = \"b\"\nsimd = \"auto\"\n",
     );
     let simd_of = |options: &str| {
@@ -98,7 +103,7 @@ fn instructions_reach_the_kernels() {
     if Instructions::Avx2.or_narrower() != Instructions::Avx2 {
         return;
     }
-    let algorithms = "vtp,edge-based,ich,fwp-ch,vtp-fast";
+    let algorithms = "vtp,edge-based,ich-fast,vtp-fast";
     let counts = |simd| {
         let cells = cells(algorithms, simd, "--instructions");
         let count = |cell: Value| {
@@ -110,6 +115,6 @@ fn instructions_reach_the_kernels() {
     };
     for ((name, scalar), (_, vector)) in counts("scalar").into_iter().zip(counts("avx2")) {
         let ratio = scalar as f64 / vector as f64;
-        assert!((ratio - 1.0).abs() > 0.03, "{name}: {scalar} {vector}");
+        assert!((ratio - 1.0).abs() > 0.01, "{name}: {scalar} {vector}");
     }
 }

@@ -94,7 +94,7 @@ fn a_near_target_needs_few_windows_of_what_is_said_to_end_early() {
         let mut few = Counters::default();
         let observer = Observer::Counters(&mut few);
         let found = run.solver().run(&source, &near, observer).unwrap();
-        // Dijkstra's algorithm and fast marching have no windows, and heat has no counters.
+        // Dijkstra's algorithm and fast marching have no windows, and heat has no queue.
         let effort = |counters: &Counters| {
             let parents = counters.get(Counter::Parents);
             parents.or(counters.get(Counter::QueuePushes))

@@ -345,7 +345,7 @@ fn model(model: &ModelRef) -> PlannedModel {
 
 /// The record of an algorithm with its parameters or, of an external program, its commands.
 pub fn planned(selection: &Selection) -> PlannedAlgorithm {
-    let parameters = selection.algorithm().parameters.iter();
+    let settings = selection.settings();
     let program = selection.program().into_iter().flat_map(|program| {
         [
             ("command", program.command.clone().into()),
@@ -359,11 +359,8 @@ pub fn planned(selection: &Selection) -> PlannedAlgorithm {
     });
     PlannedAlgorithm {
         label: selection.label().to_owned(),
-        parameters: parameters
-            .map(|parameter| {
-                let value = serde_json::json!(selection.value(parameter));
-                (parameter.name.to_owned(), value)
-            })
+        parameters: settings
+            .map(|(name, value)| (name.to_owned(), serde_json::json!(value)))
             .chain(program.map(|(name, value)| (name.to_owned(), value)))
             .collect(),
     }

@@ -257,6 +257,7 @@ impl<'p> CellRuns<'p> {
             precision: self.sampling.precision().map(|wanted| wanted.relative),
             ..crate::measure::statistics::time(samples, setup)
         };
+        cell.phases = cell.phases.of_time(cell.time.median);
         let count = |counter| cell.counters.get(counter);
         cell.memory = Memory {
             papers_bytes: count(self.algorithm.algorithm().memory_counter)

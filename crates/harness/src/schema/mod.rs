@@ -4,6 +4,7 @@
 //! unrounded. A missing figure is `null`, never 0.
 
 pub mod difference;
+pub mod labels;
 mod plan_record;
 pub mod result_file;
 
@@ -59,6 +60,10 @@ pub struct ResultFile {
     /// The plan, with all parameters; null in files of older versions.
     #[serde(default)]
     pub plan: Option<PlanRecord>,
+    /// The parameters of the algorithms, in files joined from several plans. Absent if the file has
+    /// a plan.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub algorithms: Vec<PlannedAlgorithm>,
     /// The processes that measured, in order. Several if a run was resumed or shards were merged.
     #[serde(default)]
     pub sessions: Vec<SessionRecord>,
@@ -68,6 +73,19 @@ impl ResultFile {
     /// Number of cells that ran concurrently; `None` for one.
     pub fn jobs(&self) -> Option<usize> {
         self.isolation.as_ref()?.jobs
+    }
+
+    /// The algorithms of the plan or of the joined plans, without repetition.
+    pub fn planned_algorithms(&self) -> Vec<&PlannedAlgorithm> {
+        let groups = self.plan.iter().flat_map(|plan| &plan.groups);
+        let planned = groups.flat_map(|group| &group.algorithms);
+        let mut all: Vec<&PlannedAlgorithm> = Vec::new();
+        for one in planned.chain(&self.algorithms) {
+            if !all.contains(&one) {
+                all.push(one);
+            }
+        }
+        all
     }
 
     /// Name of the suite: the file name after `--config` in the command, without its extension.
@@ -530,7 +548,8 @@ pub struct Memory {
     pub rss_peak_bytes: Option<u64>,
 }
 
-/// Seconds of one run in each phase: the time of the run, divided in proportion to the samples.
+/// Seconds of a run in each phase: the median time, divided in proportion to the samples of the
+/// profiled run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PhaseSeconds {
     /// Computing child windows and distances.
@@ -543,6 +562,28 @@ pub struct PhaseSeconds {
     /// That overstates short phases several times.
     #[serde(default)]
     pub samples: Option<u64>,
+}
+
+impl PhaseSeconds {
+    /// The same shares of `time`; unchanged if one of them is unknown.
+    #[must_use]
+    pub fn of_time(self, time: Option<f64>) -> Self {
+        let all = [self.propagation, self.pruning, self.management];
+        let all = all
+            .into_iter()
+            .sum::<Option<f64>>()
+            .filter(|all| *all > 0.0);
+        let (Some(time), Some(all)) = (time, all) else {
+            return self;
+        };
+        let share = |phase: Option<f64>| phase.map(|phase| phase / all * time);
+        Self {
+            propagation: share(self.propagation),
+            pruning: share(self.pruning),
+            management: share(self.management),
+            samples: self.samples,
+        }
+    }
 }
 
 /// Comparison of the answers with the reference. Figures are the largest over all runs of the cell.
@@ -658,6 +699,25 @@ pub(crate) mod counters_as_map {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn phases_are_shares_of_a_time() {
+        let sampled = PhaseSeconds {
+            propagation: Some(3.0),
+            pruning: Some(0.0),
+            management: Some(1.0),
+            samples: Some(40),
+        };
+        let scaled = sampled.of_time(Some(2.0));
+        assert_eq!(
+            (scaled.propagation, scaled.management),
+            (Some(1.5), Some(0.5))
+        );
+        assert_eq!(scaled.samples, Some(40));
+        assert_eq!(sampled.of_time(None), sampled);
+        let unknown = PhaseSeconds::default();
+        assert_eq!(unknown.of_time(Some(2.0)), unknown);
+    }
 
     #[test]
     fn counters_are_read_as_they_were_written() {

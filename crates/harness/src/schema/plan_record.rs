@@ -92,32 +92,80 @@ pub struct PlannedModel {
 }
 
 /// An algorithm of a plan.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlannedAlgorithm {
     /// Name of the algorithm in cells.
     pub label: String,
-    /// All parameters, defaults included. For an external program, its description.
-    #[serde(deserialize_with = "parameters")]
+    /// All parameters, defaults included, and `queue` and `crossing` of algorithms without such a
+    /// parameter. For an external program, its description.
     pub parameters: BTreeMap<String, serde_json::Value>,
 }
 
-/// Parameters of a record. Those of older versions get the names of today.
-fn parameters<'de, D: Deserializer<'de>>(
-    deserializer: D,
-) -> Result<BTreeMap<String, serde_json::Value>, D::Error> {
-    let mut parameters = BTreeMap::<String, serde_json::Value>::deserialize(deserializer)?;
-    for (former, name) in [("shadow", "spawn_wedge"), ("reunite", "merge_split")] {
-        if let Some(value) = parameters.remove(former) {
-            parameters.insert(name.to_owned(), value);
+impl<'de> Deserialize<'de> for PlannedAlgorithm {
+    /// Parameters of older versions get the names of today.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        struct AsWritten {
+            label: String,
+            parameters: BTreeMap<String, serde_json::Value>,
+        }
+
+        let AsWritten { label, parameters } = AsWritten::deserialize(deserializer)?;
+        let mut one = Self { label, parameters };
+        one.complete();
+        Ok(one)
+    }
+}
+
+impl PlannedAlgorithm {
+    /// Gives parameters of older versions the names of today. Without a `crossing`, the record is
+    /// of a version whose priority queues of windows were calendar queues, and whose CH kinds
+    /// crossed eight windows at once.
+    pub(super) fn complete(&mut self) {
+        let parameters = &mut self.parameters;
+        for (former, name) in [("shadow", "spawn_wedge"), ("reunite", "merge_split")] {
+            if let Some(value) = parameters.remove(former) {
+                parameters.insert(name.to_owned(), value);
+            }
+        }
+        let words = [
+            ("lists", "forget", "evict"),
+            ("queue", "priority", "calendar"),
+        ];
+        for (name, former, word) in words {
+            if let Some(value) = parameters.get_mut(name).filter(|value| *value == former) {
+                *value = word.into();
+            }
+        }
+        let name = self.label.split('{').next().unwrap_or_default();
+        let Some(algorithm) = geobench_registry::find(name) else {
+            return;
+        };
+        if !parameters.contains_key("crossing") {
+            let joint = ["ch", "ich1", "ich", "fwp-ch", "lc-ch", "vtp-ch", "avtp"];
+            let word = if joint.contains(&name) {
+                "joint"
+            } else {
+                algorithm.crossing
+            };
+            parameters.insert("crossing".to_owned(), word.into());
+            let in_label = self.label.contains("queue=");
+            match (name, parameters.get("queue")) {
+                ("mmp" | "mmp-edge" | "ich" | "mmp-approx" | "lct11", None) if !in_label => {
+                    parameters.insert("queue".to_owned(), "calendar".into());
+                }
+                ("lct11", Some(queue)) if *queue == "heap" => {
+                    parameters.insert("queue".to_owned(), "calendar".into());
+                }
+                _ => {}
+            }
+        }
+        let has_queue = (algorithm.parameters.iter()).any(|parameter| parameter.name == "queue");
+        if !has_queue {
+            let queue = parameters.entry("queue".to_owned());
+            queue.or_insert_with(|| algorithm.queue.into());
         }
     }
-    if let Some(lists) = parameters
-        .get_mut("lists")
-        .filter(|value| *value == "forget")
-    {
-        *lists = "evict".into();
-    }
-    Ok(parameters)
 }
 
 /// Shard `index` of `count`. Shards take the units of a plan in turn.

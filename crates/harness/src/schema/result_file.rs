@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, anyhow, bail};
 use serde::Deserialize;
 
-use crate::schema::{ResultFile, SCHEMA};
+use crate::schema::{ResultFile, SCHEMA, labels};
 use crate::usage::{check_schema, read_text};
 
 /// Reads a result file in JSON; `-` is standard input.
@@ -31,7 +31,8 @@ pub fn read_all(paths: &[PathBuf]) -> anyhow::Result<Vec<(String, ResultFile)>> 
         .collect()
 }
 
-/// Parses `text`, the content of the result file `path`.
+/// Parses `text`, the content of the result file `path`. Algorithms get the labels that this version
+/// has for their parameters.
 ///
 /// # Errors
 ///
@@ -55,11 +56,14 @@ pub fn parse(path: &Path, text: &str) -> anyhow::Result<ResultFile> {
         .ok_or_else(|| foreign("it has no field `schema`"))?;
     check_schema(path, found.as_str().unwrap_or(&found.to_string()), SCHEMA)?;
     let mut json = serde_json::Deserializer::from_str(text);
-    let file: ResultFile = serde_path_to_error::deserialize(&mut json)
+    let mut file: ResultFile = serde_path_to_error::deserialize(&mut json)
         .map_err(|error| anyhow!("{shown}: field `{}`: {}", error.path(), error.inner()))?;
     match negative_time(&file) {
         Some((field, problem)) => bail!("{shown}: field `{field}`: {problem}"),
-        None => Ok(file),
+        None => {
+            labels::renew(&mut file);
+            Ok(file)
+        }
     }
 }
 

@@ -222,7 +222,8 @@ def run(
     threads : int
         Threads of parallel algorithms.
     simd : {"auto", "scalar", "avx2", "avx512"}
-        Vector instructions of all algorithms.
+        Vector instructions of all algorithms. ``"auto"``: scalar for the algorithms of papers, the
+        widest of the processor for the fast forms.
 
     Returns
     -------

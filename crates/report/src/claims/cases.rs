@@ -650,12 +650,9 @@ fn is_timed(figure: &Figure) -> bool {
 
 /// Whether a planned algorithm has exactly the parameters of `selection`.
 pub(super) fn is_same(selection: &Selection, planned: &PlannedAlgorithm) -> bool {
-    let parameters = selection.algorithm().parameters;
-    let equal = |parameter: &geobench_registry::Parameter| {
-        let value = serde_json::json!(selection.value(parameter));
-        planned.parameters.get(parameter.name) == Some(&value)
-    };
-    planned.parameters.len() == parameters.len() && parameters.iter().all(equal)
+    let mut settings = selection.settings();
+    let equal = |(name, value)| planned.parameters.get(name) == Some(&serde_json::json!(value));
+    planned.parameters.len() == selection.settings().count() && settings.all(equal)
 }
 
 const fn words(combine: Combine) -> &'static str {

@@ -187,6 +187,16 @@ fn add(
     check_goals(whole, first, name, &file)?;
     rename_models(whole, first, name, &mut file)?;
     joined.notes.extend(differences(whole, first, name, &file));
+    if whole.plan != file.plan {
+        let both = [&*whole, &file].into_iter();
+        let mut algorithms: Vec<_> = both
+            .flat_map(|file| file.planned_algorithms().into_iter().cloned())
+            .collect();
+        algorithms.sort_by(|a, b| a.label.cmp(&b.label));
+        algorithms.dedup();
+        whole.algorithms = algorithms;
+        whole.plan = None;
+    }
     if whole.tool != file.tool {
         for (sessions, tool) in [
             (&mut whole.sessions, &whole.tool),
@@ -234,9 +244,6 @@ fn add(
                 None => whole.cells.push(cell),
             },
         }
-    }
-    if whole.plan != file.plan {
-        whole.plan = None;
     }
     // Times of concurrent cells stay marked as such.
     match (&mut whole.isolation, &file.isolation) {

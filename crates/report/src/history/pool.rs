@@ -113,6 +113,7 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
     cell.phases.propagation = over(|c| c.phases.propagation);
     cell.phases.pruning = over(|c| c.phases.pruning);
     cell.phases.management = over(|c| c.phases.management);
+    cell.phases = cell.phases.of_time(cell.time.median);
     // `None` if the phases of one round were measured by a clock instead of by sampling.
     cell.phases.samples = rounds.iter().map(|c| c.phases.samples).sum();
     cell.memory.heap_peak_bytes = most(|c| c.memory.heap_peak_bytes);

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
 use geobench_export::output::OutputFile;
-use geobench_harness::schema::{Cell, Host, ResultFile, Status};
+use geobench_harness::schema::{Cell, Host, ResultFile, Status, labels};
 use geobench_harness::usage::{check_schema, files_in};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -40,6 +40,10 @@ pub struct Record {
 pub struct CellRecord {
     /// The identity of the cell.
     pub cell: CellKey,
+    /// All parameters of the algorithm, as in the plan. Null in older records; empty if the result
+    /// file had no plan.
+    #[serde(default)]
+    pub parameters: Option<BTreeMap<String, serde_json::Value>>,
     /// Its outcome.
     pub status: Status,
     /// The vector instructions of its solves; null for an outside program, and in older records.
@@ -162,8 +166,12 @@ fn record(file: &ResultFile, cell: &Cell) -> CellRecord {
         let value = measure.of(cell)?;
         Some((measure.name().to_owned(), value))
     });
+    let mut planned = file.planned_algorithms().into_iter();
+    let planned = planned.find(|one| one.label == cell.algorithm);
+    let parameters = planned.map_or_else(BTreeMap::new, |one| one.parameters.clone());
     CellRecord {
         cell: CellKey::of(file, cell),
+        parameters: Some(parameters),
         status: cell.status,
         simd: cell.simd.clone(),
         instructions_simd: cell.instructions_simd.clone(),
@@ -211,9 +219,19 @@ pub fn add(directory: &Path, record: Record) -> anyhow::Result<PathBuf> {
 fn read(path: &Path) -> anyhow::Result<Record> {
     let shown = path.display();
     let text = fs::read_to_string(path).with_context(|| format!("{shown}: cannot be read"))?;
-    let record: Record = serde_json::from_str(&text)
+    let mut record: Record = serde_json::from_str(&text)
         .map_err(|error| anyhow!("{shown}: not a record of `geobench record`: {error}"))?;
     check_schema(path, &record.schema, SCHEMA)?;
+    for CellRecord {
+        cell, parameters, ..
+    } in &mut record.cells
+    {
+        // Empty ones are of a file without a plan, whose labels have all that is known.
+        if parameters.as_ref().is_none_or(|all| !all.is_empty()) {
+            let known = parameters.clone().unwrap_or_default();
+            cell.algorithm = labels::renewed(&cell.algorithm, known);
+        }
+    }
     Ok(record)
 }
 
@@ -253,6 +271,33 @@ mod tests {
             Some("quick".into()),
         )
         .unwrap()
+    }
+
+    /// Records of earlier versions do not hold parameters: their queues were calendars.
+    #[test]
+    fn a_record_of_an_earlier_version_is_of_a_calendar_queue() {
+        let directory = tempfile::tempdir().unwrap();
+        let mut old = record("c0ffee0123456789");
+        for cell in &mut old.cells {
+            cell.parameters = None;
+        }
+        add(directory.path(), old).unwrap();
+        let mut new = record("c0ffee0123456780");
+        for cell in &mut new.cells {
+            let crossing = geobench_registry::find(&cell.cell.algorithm)
+                .unwrap()
+                .crossing;
+            cell.parameters = Some([("crossing".to_owned(), crossing.into())].into());
+        }
+        add(directory.path(), new).unwrap();
+        let read = read_all(directory.path()).unwrap();
+        let labels = |record: &Record| {
+            let cells = record.cells.iter().map(|c| c.cell.algorithm.clone());
+            cells.collect::<Vec<_>>()
+        };
+        let mut all: Vec<String> = read.iter().flat_map(labels).collect();
+        all.sort_unstable();
+        assert_eq!(all, ["mmp", "mmp{queue=calendar}", "vtp", "vtp"]);
     }
 
     #[test]

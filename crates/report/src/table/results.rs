@@ -213,6 +213,24 @@ fn sources(cells: Option<&Vec<&Cell>>) -> String {
     }
 }
 
+/// A note on the vector instructions of the timed runs; `None` if they are unknown.
+fn note_on_simd(cells: &[&Cell]) -> Option<String> {
+    let kinds = distinct(cells.iter().filter_map(|cell| cell.simd.as_deref()));
+    let of = |kind: &&str| {
+        let cells = cells.iter().copied();
+        let with = cells.filter(|cell| cell.simd.as_deref() == Some(kind));
+        format!("{kind} for {}", algorithms(with).join(", "))
+    };
+    match kinds[..] {
+        [] => None,
+        [one] => Some(format!("instructions: {one}")),
+        _ => {
+            let kinds: Vec<String> = kinds.iter().map(of).collect();
+            Some(format!("instructions: {}", kinds.join("; ")))
+        }
+    }
+}
+
 /// A note on the SIMD levels with which instructions were counted, if they differ between cells.
 fn note_on_instructions(cells: &[&Cell]) -> Option<String> {
     fn simd(cell: &Cell) -> Option<&str> {
@@ -348,6 +366,7 @@ fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
         });
     }
     notes.extend(notes_on_times(cells));
+    notes.extend(note_on_simd(cells));
     notes.extend(note_on_instructions(cells));
     notes.extend(note_on_unreachable(cells));
     notes.extend(note_on_doubt(cells));

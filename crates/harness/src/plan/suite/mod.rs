@@ -240,7 +240,7 @@ fn plan(
 ) -> Result<Plan, UsageError> {
     let threads = settings.threads.unwrap_or(1) as usize;
     let simd = settings.simd.unwrap_or_default();
-    let set = |algorithm: Selection| algorithm.with_threads(threads).with_simd(simd);
+    let set = |algorithm: Selection| algorithm.with_threads(threads).with_simd_in_table(simd);
     let algorithms = settings.algorithms.clone().unwrap_or_else(usual);
     let algorithms: Vec<Selection> = algorithms.into_iter().map(set).collect();
     let reference = settings.reference.clone().map(Spanned::into_inner);
@@ -325,9 +325,9 @@ const GROUPS: [(&str, &str, SimdChoice, &str); 2] = [
     ),
     (
         "fast",
-        "The fast forms, with the widest instructions of the processor, beside vtp with them.",
+        "The fast forms, with the widest instructions of the processor, beside vtp with scalar ones.",
         SimdChoice::Auto,
-        "mmp-fast,vtp,vtp-fast",
+        "mmp-fast,ich-fast,vtp,vtp-fast",
     ),
 ];
 

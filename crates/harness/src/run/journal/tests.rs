@@ -125,6 +125,7 @@ fn essence(records: &Records) -> String {
             places: cell.time.places.clone(),
             ..Default::default()
         };
+        cell.phases = Default::default();
     }
     serde_json::to_string(&records.cells).unwrap()
 }

@@ -181,7 +181,7 @@ fn phases(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
         id: format!("{}-phases", setting.prefix),
         title: "Time by phase".to_owned(),
         caption:
-            "Shares by sampling, of runs apart from the timed ones; of several sources the first."
+            "Shares of the median time, by samples of a run of its own; of several sources the first."
                 .to_owned(),
         chart: Chart::Bars(Bars {
             axis: Axis::linear("Time, % of the slowest algorithm on the model"),

@@ -215,6 +215,8 @@ fn sources(cells: Option<&Vec<&Cell>>) -> String {
 
 /// A note on the vector instructions of the timed runs; `None` if they are unknown.
 fn note_on_simd(cells: &[&Cell]) -> Option<String> {
+    let timed = cells.iter().copied();
+    let cells: Vec<&Cell> = timed.filter(|c| !c.time.samples.is_empty()).collect();
     let kinds = distinct(cells.iter().filter_map(|cell| cell.simd.as_deref()));
     let of = |kind: &&str| {
         let cells = cells.iter().copied();

@@ -44,6 +44,7 @@ fn table() {
     └─────────────────────────────────┴─────────────┴────────┴────────┘
       checked against mmp: largest relative difference 0
       times: 95 % intervals within 2.3 % of the medians
+      instructions: scalar
       unreachable vertices: 1
 
     cow|2  (V: 4, F: 96,966)  source 3
@@ -57,6 +58,7 @@ fn table() {
     └─────────────────────────────────┴─────────────┴────────┴────────┘
       checked against mmp: largest relative difference 0
       times: 95 % intervals within 0.4 % of the medians
+      instructions: scalar
       unreachable vertices: 1
       vtp, source 3: wrong: differs from mmp: vertex 2 is at 1.75 instead of 1.5 (difference 2.500e-1, relative 1.429e-1); 1 of 4 vertices differ by more than 1e-9 relative and rounding; 3 algorithms: 2 with the reference's answer, 1 with this one
 
@@ -82,8 +84,8 @@ fn markdown() {
     | | Peak memory, measured (MB) | 100000.300 | **0.300** | wrong |
     | broken_mesh (refused) | | refused | refused | refused |
 
-    - horse: source 0; checked against mmp: largest relative difference 0; times: 95 % intervals within 2.3 % of the medians; unreachable vertices: 1
-    - cow\|2: source 3; checked against mmp: largest relative difference 0; times: 95 % intervals within 0.4 % of the medians; unreachable vertices: 1; vtp, source 3: wrong: differs from mmp: vertex 2 is at 1.75 instead of 1.5 (difference 2.500e-1, relative 1.429e-1); 1 of 4 vertices differ by more than 1e-9 relative and rounding; 3 algorithms: 2 with the reference's answer, 1 with this one
+    - horse: source 0; checked against mmp: largest relative difference 0; times: 95 % intervals within 2.3 % of the medians; instructions: scalar; unreachable vertices: 1
+    - cow\|2: source 3; checked against mmp: largest relative difference 0; times: 95 % intervals within 0.4 % of the medians; instructions: scalar; unreachable vertices: 1; vtp, source 3: wrong: differs from mmp: vertex 2 is at 1.75 instead of 1.5 (difference 2.500e-1, relative 1.429e-1); 1 of 4 vertices differ by more than 1e-9 relative and rounding; 3 algorithms: 2 with the reference's answer, 1 with this one
     - broken_mesh: source 3; refused: broken_mesh.obj: edge 3-7 has 3 faces
     "#);
 }
@@ -99,6 +101,7 @@ fn latex() {
     % horse: source 0
     % horse: checked against mmp: largest relative difference 0
     % horse: times: 95 % intervals within 2.3 % of the medians
+    % horse: instructions: scalar
     % horse: unreachable vertices: 1
     horse & Time (s) & 1.215 & 1.214 & \textbf{0.341} \\
     (V: 4, F: 96,966) & Window propagations & 3,000,009 & \textbf{9} & \textbf{9} \\
@@ -108,6 +111,7 @@ fn latex() {
     % cow|2: source 3
     % cow|2: checked against mmp: largest relative difference 0
     % cow|2: times: 95 % intervals within 0.4 % of the medians
+    % cow|2: instructions: scalar
     % cow|2: unreachable vertices: 1
     % cow|2: vtp, source 3: wrong: differs from mmp: vertex 2 is at 1.75 instead of 1.5 (difference 2.500e-1, relative 1.429e-1); 1 of 4 vertices differ by more than 1e-9 relative and rounding; 3 algorithms: 2 with the reference's answer, 1 with this one
     cow|2 & Time (s) & 1.21 & \textbf{1.21} & \emph{wrong} \\
@@ -126,16 +130,16 @@ fn latex() {
 #[test]
 fn csv() {
     insta::assert_snapshot!(ResultFormat::Csv.render(&mixed()).unwrap(), @r#"
-    model,algorithm,source,goal,threads,approximate,status,message,time_samples,time_median,time_min,time_mad,time_ci95,time_note,time_setup,time_extraction,time_outliers,time_places,time_solves,time_precision,time_outside,time_claimed,time_doubted,counters_propagated,counters_parents,counters_children,counters_kept,counters_spawned,counters_reinserted,counters_trimmed,counters_filtered,counters_peak_windows,counters_peak_wavefront,counters_stored_windows,counters_window_bytes,counters_queue_pushes,counters_queue_peak,counters_iterations,counters_k_peak,counters_levels,counters_pseudo_sources,counters_prime,counters_secondary,counters_graph_bytes,counters_wavefront_deviation,memory_papers_bytes,memory_windows_peak_bytes,memory_heap_peak_bytes,memory_rss_peak_bytes,phases_propagation,phases_pruning,phases_management,phases_samples,check_reference,check_max_abs,check_max_rel,check_unreachable,check_compared,check_worst_vertex,check_mean_rel,check_rms_rel,check_edge_excess,check_doubt,check_cluster,check_wrong_labels,check_least_tolerance,check_proven,check_proof,check_replaced,group,instructions,instructions_simd,shard,simd,vertices,faces,edges,machine
-    horse,mmp,0,,1,false,ok,,1.209859375;1.2118125;1.2147421875;1.2166953125;1.219625,1.2147421875,1.209859375,0.0029296875,1.209859375;1.219625,,0.125,,0,2;1;1;0;0,,,,,false,3000009,,,,,,,,10,,1000003,64,,,,,,,,,,,80000240,640,100000300000,1073741824,0.5,0.25,0.125,1000,mmp,0,0,1,4,,0,0,,,0,,0,,,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
-    horse,ich,0,,1,false,ok,,1.2088828125;1.2127890625;1.213765625;1.217671875;1.221578125,1.213765625,1.2088828125,0.00390625,1.2088828125;1.221578125,,0.125,,0,1;2;0;1;2,,,,,false,9,,,,,,,,10,,3,64,,,,,,,,,,,800,640,300000,1073741824,0.5,0.25,0.125,1000,mmp,0,0,1,4,,0,0,,,0,,0,,,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
-    horse,vtp,0,,1,false,ok,,0.33290625;0.3358359375;0.34071875;0.3436484375;0.3456015625,0.34071875,0.33290625,0.0048828125,0.33290625;0.3456015625,,0.125,,0,0;0;2;2;1,,,,,false,9,,,,,,,,10,,3,64,,,,,,,,,,,800,640,300000,1073741824,0.5,0.25,0.125,1000,mmp,0,0,1,4,,0,0,,,0,,0,,,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
-    cow|2,mmp,3,,1,false,ok,,1.2088828125;1.2118125;1.213765625;1.2147421875;1.2166953125,1.213765625,1.2088828125,0.001953125,1.2088828125;1.2166953125,,0.125,,0,1;1;2;0;0,,,,,false,3000009,,,,,,,,10,,1000003,64,,,,,,,,,,,80000240,640,100000300000,1073741824,0.5,0.25,0.125,1000,mmp,0,0,1,4,,0,0,,,0,,0,,nothing is proven: the model has 96966 faces; up to 50000 are proven unasked,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
-    cow|2,ich,3,,1,false,ok,,1.209859375;1.2108359375;1.2127890625;1.21571875;1.217671875,1.2127890625,1.209859375,0.0029296875,1.209859375;1.217671875,,0.125,,0,2;0;0;2;1,,,,,false,9,,,,,,,,10,,3,64,,,,,,,,,,,800,640,300000,1073741824,0.5,0.25,0.125,1000,mmp,0,0,1,4,,0,0,,,0,,0,,nothing is proven: the model has 96966 faces; up to 50000 are proven unasked,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
-    cow|2,vtp,3,,1,false,wrong,"differs from mmp: vertex 2 is at 1.75 instead of 1.5 (difference 2.500e-1, relative 1.429e-1); 1 of 4 vertices differ by more than 1e-9 relative and rounding; 3 algorithms: 2 with the reference's answer, 1 with this one",,,,,,,,,,,,,,,false,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,mmp,0.25,0.14285714285714285,1,4,2,0.08333333333333333,0.11785113019775792,,,1,,0.16666666666656668,,nothing is proven: the model has 96966 faces; up to 50000 are proven unasked,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
-    broken_mesh,mmp,3,,1,false,refused,broken_mesh.obj: edge 3-7 has 3 faces,,,,,,,,,,,,,,,false,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,scalar,,,,"unknown processor, 2 cores, some system"
-    broken_mesh,ich,3,,1,false,refused,broken_mesh.obj: edge 3-7 has 3 faces,,,,,,,,,,,,,,,false,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,scalar,,,,"unknown processor, 2 cores, some system"
-    broken_mesh,vtp,3,,1,false,refused,broken_mesh.obj: edge 3-7 has 3 faces,,,,,,,,,,,,,,,false,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,scalar,,,,"unknown processor, 2 cores, some system"
+    model,algorithm,source,goal,threads,approximate,status,message,time_samples,time_median,time_min,time_mad,time_ci95,time_note,time_setup,time_extraction,time_outliers,time_places,time_solves,time_precision,time_outside,time_claimed,time_doubted,counters_propagated,counters_parents,counters_children,counters_kept,counters_spawned,counters_reinserted,counters_trimmed,counters_filtered,counters_peak_windows,counters_peak_wavefront,counters_stored_windows,counters_window_bytes,counters_queue_pushes,counters_queue_peak,counters_iterations,counters_k_peak,counters_levels,counters_pseudo_sources,counters_prime,counters_secondary,counters_graph_bytes,counters_negative,counters_wavefront_deviation,memory_papers_bytes,memory_windows_peak_bytes,memory_heap_peak_bytes,memory_rss_peak_bytes,phases_propagation,phases_pruning,phases_management,phases_samples,check_reference,check_max_abs,check_max_rel,check_unreachable,check_compared,check_worst_vertex,check_mean_rel,check_rms_rel,check_edge_excess,check_doubt,check_cluster,check_wrong_labels,check_least_tolerance,check_proven,check_proof,check_replaced,group,instructions,instructions_simd,shard,simd,vertices,faces,edges,machine
+    horse,mmp,0,,1,false,ok,,1.209859375;1.2118125;1.2147421875;1.2166953125;1.219625,1.2147421875,1.209859375,0.0029296875,1.209859375;1.219625,,0.125,,0,2;1;1;0;0,,,,,false,3000009,,,,,,,,10,,1000003,64,,,,,,,,,,,,80000240,640,100000300000,1073741824,0.6941383928571428,0.3470691964285714,0.1735345982142857,1000,mmp,0,0,1,4,,0,0,,,0,,0,,,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
+    horse,ich,0,,1,false,ok,,1.2088828125;1.2127890625;1.213765625;1.217671875;1.221578125,1.213765625,1.2088828125,0.00390625,1.2088828125;1.221578125,,0.125,,0,1;2;0;1;2,,,,,false,9,,,,,,,,10,,3,64,,,,,,,,,,,,800,640,300000,1073741824,0.693580357142857,0.3467901785714285,0.17339508928571426,1000,mmp,0,0,1,4,,0,0,,,0,,0,,,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
+    horse,vtp,0,,1,false,ok,,0.33290625;0.3358359375;0.34071875;0.3436484375;0.3456015625,0.34071875,0.33290625,0.0048828125,0.33290625;0.3456015625,,0.125,,0,0;0;2;2;1,,,,,false,9,,,,,,,,10,,3,64,,,,,,,,,,,,800,640,300000,1073741824,0.19469642857142858,0.09734821428571429,0.048674107142857144,1000,mmp,0,0,1,4,,0,0,,,0,,0,,,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
+    cow|2,mmp,3,,1,false,ok,,1.2088828125;1.2118125;1.213765625;1.2147421875;1.2166953125,1.213765625,1.2088828125,0.001953125,1.2088828125;1.2166953125,,0.125,,0,1;1;2;0;0,,,,,false,3000009,,,,,,,,10,,1000003,64,,,,,,,,,,,,80000240,640,100000300000,1073741824,0.693580357142857,0.3467901785714285,0.17339508928571426,1000,mmp,0,0,1,4,,0,0,,,0,,0,,nothing is proven: the model has 96966 faces; up to 50000 are proven unasked,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
+    cow|2,ich,3,,1,false,ok,,1.209859375;1.2108359375;1.2127890625;1.21571875;1.217671875,1.2127890625,1.209859375,0.0029296875,1.209859375;1.217671875,,0.125,,0,2;0;0;2;1,,,,,false,9,,,,,,,,10,,3,64,,,,,,,,,,,,800,640,300000,1073741824,0.6930223214285713,0.34651116071428567,0.17325558035714284,1000,mmp,0,0,1,4,,0,0,,,0,,0,,nothing is proven: the model has 96966 faces; up to 50000 are proven unasked,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
+    cow|2,vtp,3,,1,false,wrong,"differs from mmp: vertex 2 is at 1.75 instead of 1.5 (difference 2.500e-1, relative 1.429e-1); 1 of 4 vertices differ by more than 1e-9 relative and rounding; 3 algorithms: 2 with the reference's answer, 1 with this one",,,,,,,,,,,,,,,false,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,mmp,0.25,0.14285714285714285,1,4,2,0.08333333333333333,0.11785113019775792,,,1,,0.16666666666656668,,nothing is proven: the model has 96966 faces; up to 50000 are proven unasked,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
+    broken_mesh,mmp,3,,1,false,refused,broken_mesh.obj: edge 3-7 has 3 faces,,,,,,,,,,,,,,,false,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,scalar,,,,"unknown processor, 2 cores, some system"
+    broken_mesh,ich,3,,1,false,refused,broken_mesh.obj: edge 3-7 has 3 faces,,,,,,,,,,,,,,,false,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,scalar,,,,"unknown processor, 2 cores, some system"
+    broken_mesh,vtp,3,,1,false,refused,broken_mesh.obj: edge 3-7 has 3 faces,,,,,,,,,,,,,,,false,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,scalar,,,,"unknown processor, 2 cores, some system"
     "#);
 }
 
@@ -254,6 +258,7 @@ fn json() {
             "prime": null,
             "secondary": null,
             "graph_bytes": null,
+            "negative": null,
             "wavefront_deviation": null
           },
           "memory": {
@@ -263,9 +268,9 @@ fn json() {
             "rss_peak_bytes": 1073741824
           },
           "phases": {
-            "propagation": 0.5,
-            "pruning": 0.25,
-            "management": 0.125,
+            "propagation": 0.19023214285714285,
+            "pruning": 0.09511607142857142,
+            "management": 0.04755803571428571,
             "samples": 1000
           },
           "check": {
@@ -318,6 +323,7 @@ fn several_sources_are_shown_by_their_median() {
     └─────────────────────────────────┴─────────────┴────────┘
       checked against mmp: largest relative difference 0
       times: 95 % intervals within 1.2 % of the medians
+      instructions: scalar
       unreachable vertices: 1
 
     time: median of 5 runs; papers' count: 80 bytes per window; measured: heap of the algorithm without the mesh; MB = 10^6 bytes; * best
@@ -357,6 +363,7 @@ fn one_failed_source_spoils_the_column() {
     │ Peak memory, measured (MB)      ┆    100000 ┆ crashed │
     └─────────────────────────────────┴───────────┴─────────┘
       times: 95 % intervals within 0.2 % of the medians
+      instructions: scalar
       unreachable vertices: 1
       ich, source 0: crashed: the algorithm panicked: index out of bounds
       ich, source 1: crashed: the algorithm panicked: index out of bounds

@@ -185,12 +185,16 @@ mod heat {
     /// resolution. With t ~ h they become round.
     #[test]
     fn heat_converges_on_the_plane_if_it_flows_longer_than_an_edge() {
-        let default = heat(HeatOptions::default());
-        assert_rate(&errors(&grids(), straight, default), 0.8, 1.2);
+        // Flips of the diagonals of squares, which rounding decides, would mix their directions.
+        let unflipped = HeatOptions {
+            delaunay: false,
+            ..HeatOptions::default()
+        };
+        assert_rate(&errors(&grids(), straight, heat(unflipped)), 0.8, 1.2);
         let longer = |mesh: &Mesh| {
             let options = HeatOptions {
                 time: (mesh.vertex_count() as f64).sqrt() / 4.0,
-                ..HeatOptions::default()
+                ..unflipped
             };
             heat(options)(mesh)
         };

@@ -8,6 +8,7 @@ use crate::corner::corner_angle;
 use crate::ids::{HalfEdgeId, VertexId};
 use crate::mesh::{Extremes, Mesh, MeshData, VertexFlags};
 use crate::precision::SLIVER_HEIGHT;
+use crate::stand_ins::StandIns;
 
 /// Excess angle in radians that a vertex may have without being a saddle. Ignoring an excess of δ
 /// lengthens a path by at most about δ²/2 of itself.
@@ -17,13 +18,14 @@ const SADDLE_SLACK: f64 = 1e-8;
 ///
 /// `lengths[t][k]` is the length of the edge from corner `k` of triangle `t` to the next corner. It
 /// is the same in both triangles of an edge. `twins` pairs the half-edges. `positions` may be
-/// empty.
+/// empty. Copies in `stand_ins` are in no triangle.
 pub(crate) fn build(
     vertex_count: usize,
     positions: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
     lengths: Vec<[f64; 3]>,
     twins: Vec<u32>,
+    stand_ins: StandIns,
 ) -> Mesh {
     let data = MeshData {
         positions,
@@ -40,6 +42,7 @@ pub(crate) fn build(
         flags: vec![VertexFlags::default(); vertex_count],
         extremes: Extremes::default(),
         frames: BTreeMap::new(),
+        stand_ins,
     };
     let data = Arc::new(data);
     let mut mesh = Mesh { data };

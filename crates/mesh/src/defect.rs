@@ -62,19 +62,12 @@ pub enum Defect {
         /// The vertex.
         vertex: u32,
     },
-    /// Fatal: a face names one vertex several times.
+    /// Fatal: in a mesh given by its lengths, a face names one vertex several times.
     RepeatedVertex {
         /// The face.
         face: u32,
         /// The vertex it repeats.
         vertex: u32,
-    },
-    /// Fatal: both ends of an edge have the same position.
-    ZeroLengthEdge {
-        /// The ends.
-        vertices: [u32; 2],
-        /// The faces along the edge.
-        faces: Vec<u32>,
     },
     /// Fatal: an edge longer than [`LONGEST_EDGE`] or shorter than [`SHORTEST_EDGE`]; or, in a
     /// mesh given by its lengths, a length that is negative or not a number.
@@ -117,13 +110,54 @@ pub enum Defect {
         faces: [u32; 2],
     },
     /// Noted: a face has the same vertices as an earlier one. Two such faces alone make a closed
-    /// two-sided surface, which is used as it is. In a larger surface they also make [non-manifold
-    /// edges](Defect::NonManifoldEdge).
+    /// two-sided surface, which is used as it is.
     DuplicateFace {
         /// The later face.
         face: u32,
         /// The first one with these vertices.
         first: u32,
+    },
+    /// Noted: a face has the same vertices as an earlier one, and a third face shares one of its
+    /// edges. It is left out, which changes no distance of vertices.
+    RepeatedFace {
+        /// The later face.
+        face: u32,
+        /// The first one with these vertices.
+        first: u32,
+    },
+    /// Noted: a face names one vertex several times, or its corners were made one vertex. It is a
+    /// segment or a point, and is left out.
+    CollapsedFace {
+        /// The face.
+        face: u32,
+        /// The vertex at two of its corners.
+        vertex: u32,
+    },
+    /// Noted: both ends of an edge have the same position. They are made one vertex, the lower one.
+    ZeroLengthEdge {
+        /// The ends.
+        vertices: [u32; 2],
+        /// The faces along the edge.
+        faces: Vec<u32>,
+    },
+    /// Noted: vertices were [welded](crate::Weld) to others, as was asked for.
+    WeldedVertices {
+        /// How many.
+        count: u32,
+    },
+    /// Noted: vertices lie at the place of another one, on boundaries or in several components. No
+    /// path leads from one to the other there unless they are [welded](crate::Weld).
+    CoincidentVertices {
+        /// How many lie exactly there.
+        exact: u32,
+        /// How many more lie within 1e-7 of the diagonal of the bounding box.
+        near: u32,
+        /// The number of components that welding all of them would leave.
+        components: u32,
+        /// The number of boundary edges that it would leave.
+        boundary_edges: u32,
+        /// The number of edges of more than two faces that it would leave.
+        non_manifold_edges: u32,
     },
     /// Repaired: a face was oriented against the majority of its part of the surface, and is used
     /// turned over. If both orientations are equally frequent, that of the first face of the part
@@ -214,14 +248,18 @@ pub enum DefectKind {
     IndexOutOfRange,
     NonFiniteCoordinate,
     RepeatedVertex,
-    ZeroLengthEdge,
     LengthOutOfRange,
     UnequalLengths,
     TriangleInequality,
     NonManifoldEdge,
     NotOrientable,
-    DuplicateFace,
     FlippedFace,
+    DuplicateFace,
+    RepeatedFace,
+    CollapsedFace,
+    ZeroLengthEdge,
+    WeldedVertices,
+    CoincidentVertices,
     ShortFace,
     FlatFace,
     PinchedVertex,
@@ -249,6 +287,10 @@ impl Defect {
             Self::NonManifoldEdge { .. } => DefectKind::NonManifoldEdge,
             Self::NotOrientable { .. } => DefectKind::NotOrientable,
             Self::DuplicateFace { .. } => DefectKind::DuplicateFace,
+            Self::RepeatedFace { .. } => DefectKind::RepeatedFace,
+            Self::CollapsedFace { .. } => DefectKind::CollapsedFace,
+            Self::WeldedVertices { .. } => DefectKind::WeldedVertices,
+            Self::CoincidentVertices { .. } => DefectKind::CoincidentVertices,
             Self::FlippedFace { .. } => DefectKind::FlippedFace,
             Self::ShortFace { .. } => DefectKind::ShortFace,
             Self::FlatFace { .. } => DefectKind::FlatFace,
@@ -272,16 +314,20 @@ impl Defect {
             | Self::NoFaces
             | Self::TooLarge { .. }
             | Self::LengthCount { .. }
-            | Self::SeveralComponents { .. } => [0, 0],
-            Self::IndexOutOfRange { face, vertex, .. } | Self::RepeatedVertex { face, vertex } => {
-                [face, vertex]
-            }
+            | Self::SeveralComponents { .. }
+            | Self::WeldedVertices { .. }
+            | Self::CoincidentVertices { .. } => [0, 0],
+            Self::IndexOutOfRange { face, vertex, .. }
+            | Self::RepeatedVertex { face, vertex }
+            | Self::CollapsedFace { face, vertex } => [face, vertex],
             Self::ZeroLengthEdge { vertices, .. }
             | Self::LengthOutOfRange { vertices, .. }
             | Self::UnequalLengths { vertices, .. }
             | Self::NonManifoldEdge { vertices, .. }
             | Self::NotOrientable { vertices, .. } => vertices,
-            Self::DuplicateFace { face, first } => [face, first],
+            Self::DuplicateFace { face, first } | Self::RepeatedFace { face, first } => {
+                [face, first]
+            }
             Self::TriangleInequality { face, .. }
             | Self::FlippedFace { face }
             | Self::ShortFace { face }
@@ -307,7 +353,6 @@ impl DefectKind {
             | Self::IndexOutOfRange
             | Self::NonFiniteCoordinate
             | Self::RepeatedVertex
-            | Self::ZeroLengthEdge
             | Self::LengthOutOfRange
             | Self::UnequalLengths
             | Self::TriangleInequality
@@ -315,6 +360,11 @@ impl DefectKind {
             | Self::NotOrientable => Severity::Fatal,
             Self::FlippedFace => Severity::Repaired,
             Self::DuplicateFace
+            | Self::RepeatedFace
+            | Self::CollapsedFace
+            | Self::ZeroLengthEdge
+            | Self::WeldedVertices
+            | Self::CoincidentVertices
             | Self::ShortFace
             | Self::FlatFace
             | Self::PinchedVertex
@@ -342,6 +392,10 @@ impl DefectKind {
             Self::NonManifoldEdge => "non-manifold-edge",
             Self::NotOrientable => "not-orientable",
             Self::DuplicateFace => "duplicate-face",
+            Self::RepeatedFace => "repeated-face",
+            Self::CollapsedFace => "collapsed-face",
+            Self::WeldedVertices => "welded-vertices",
+            Self::CoincidentVertices => "coincident-vertices",
             Self::FlippedFace => "flipped-face",
             Self::ShortFace => "short-face",
             Self::FlatFace => "flat-face",
@@ -358,7 +412,7 @@ impl DefectKind {
 impl fmt::Display for Defect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoVertices | Self::NoFaces => Ok(()),
+            Self::NoVertices | Self::NoFaces | Self::WeldedVertices { .. } => Ok(()),
             Self::TooLarge {
                 vertices,
                 triangles,
@@ -376,7 +430,9 @@ impl fmt::Display for Defect {
             | Self::UnplacedVertex { vertex } => write!(f, "vertex {vertex}"),
             Self::FileForm { line: 0, form } => form.fmt(f),
             Self::FileForm { line, form } => write!(f, "line {line}: {form}"),
-            Self::RepeatedVertex { face, vertex } => write!(f, "face {face}: vertex {vertex}"),
+            Self::RepeatedVertex { face, vertex } | Self::CollapsedFace { face, vertex } => {
+                write!(f, "face {face}: vertex {vertex}")
+            }
             Self::ZeroLengthEdge { vertices, faces }
             | Self::NonManifoldEdge { vertices, faces } => {
                 write!(f, "{} in {}", Ends(vertices), SomeFaces(faces))
@@ -401,7 +457,30 @@ impl fmt::Display for Defect {
             Self::NotOrientable { vertices, faces } => {
                 write!(f, "at {} in {}", Ends(vertices), SomeFaces(faces))
             }
-            Self::DuplicateFace { face, first } => write!(f, "face {face} repeats face {first}"),
+            Self::DuplicateFace { face, first } | Self::RepeatedFace { face, first } => {
+                write!(f, "face {face} repeats face {first}")
+            }
+            Self::CoincidentVertices {
+                exact,
+                near,
+                components,
+                boundary_edges,
+                non_manifold_edges,
+            } => {
+                let some =
+                    |n: &u32, one: &str| format!("{n} {one}{}", if *n == 1 { "" } else { "s" });
+                write!(
+                    f,
+                    "{exact} exactly, {near} within 1e-7 of the size; welding would leave {} and {}",
+                    some(components, "component"),
+                    some(boundary_edges, "boundary edge")
+                )?;
+                if *non_manifold_edges > 0 {
+                    let edges = some(non_manifold_edges, "edge");
+                    write!(f, ", and {edges} of more than two faces")?;
+                }
+                Ok(())
+            }
             Self::FlippedFace { face } | Self::ShortFace { face } | Self::FlatFace { face } => {
                 write!(f, "face {face}")
             }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::defect::{Defect, LONGEST_EDGE, SHORTEST_EDGE};
+use crate::defect::{Defect, DefectKind, LONGEST_EDGE, SHORTEST_EDGE};
 use crate::disjoint_sets::DisjointSets;
 use crate::edges::{Edge, EdgeGroups};
 use crate::frames::{apexes_from_lengths, apexes_from_positions, distance, is_flat};
@@ -24,13 +24,14 @@ pub(crate) enum Metric<'a> {
 pub(crate) struct Usable<'a> {
     pub(crate) triangles: Cow<'a, [[u32; 3]]>,
     /// The index of each in the soup; `None` if all of the soup's triangles are usable.
-    places: Option<Vec<u32>>,
+    pub(crate) places: Option<Vec<u32>>,
 }
 
 /// Drops triangles that name missing or repeated vertices.
 fn usable_triangles<'a>(
     vertex_count: usize,
     triangles: &'a [[u32; 3]],
+    metric: Metric<'_>,
     file_faces: &[u32],
     defects: &mut Vec<Defect>,
 ) -> Usable<'a> {
@@ -53,7 +54,11 @@ fn usable_triangles<'a>(
         }
         if a == b || b == c || c == a {
             let vertex = if a == b || a == c { a } else { b };
-            defects.push(Defect::RepeatedVertex { face, vertex });
+            defects.push(match metric {
+                Metric::Positions(_) => Defect::CollapsedFace { face, vertex },
+                // Edges of any length may join a vertex to itself.
+                Metric::Lengths(_) => Defect::RepeatedVertex { face, vertex },
+            });
         }
     }
     if left_out.is_empty() {
@@ -94,7 +99,7 @@ impl<'a> Inspection<'a> {
         file_faces: &'a [u32],
     ) -> Self {
         let mut defects = Vec::new();
-        let usable = usable_triangles(vertex_count, triangles, file_faces, &mut defects);
+        let usable = usable_triangles(vertex_count, triangles, metric, file_faces, &mut defects);
         Self {
             vertex_count,
             metric,
@@ -104,6 +109,39 @@ impl<'a> Inspection<'a> {
             mates: Vec::new(),
             lengths: Vec::new(),
         }
+    }
+
+    /// Leaves out second copies of faces, unless both alone share all their edges, which is a
+    /// two-sided surface. Returns whether there are any.
+    pub(crate) fn leave_out_repeated_faces(&mut self, edges: &EdgeGroups) -> bool {
+        // Copies with equal positions have equal lengths.
+        let Metric::Positions(_) = self.metric else {
+            return false;
+        };
+        let mut copies: Vec<u32> = Vec::new();
+        for edge in edges.iter().filter(|edge| edge.side_count() > 2) {
+            for (t, first) in self.repeated_faces(&edge) {
+                let (face, first) = (self.face(t), self.face(first));
+                // Parts of one polygon can be equal.
+                if face != first {
+                    self.defects.push(Defect::RepeatedFace { face, first });
+                }
+                copies.push(t);
+            }
+        }
+        if copies.is_empty() {
+            return false;
+        }
+        copies.sort_unstable();
+        let is_kept = |t: &u32| copies.binary_search(t).is_err();
+        let count = self.usable.triangles.len() as u32;
+        let kept: Vec<u32> = (0..count).filter(is_kept).collect();
+        let triangles = kept.iter().map(|&t| self.usable.triangles[t as usize]);
+        self.usable = Usable {
+            triangles: triangles.collect(),
+            places: Some(kept.iter().map(|&t| self.place(t)).collect()),
+        };
+        true
     }
 
     /// The index in the soup of usable triangle `t`.
@@ -131,24 +169,30 @@ impl<'a> Inspection<'a> {
     }
 
     /// Finds vertices without finite coordinates or without faces, and models without vertices or
-    /// faces.
-    pub(crate) fn check_vertices(&mut self, triangles: &[[u32; 3]]) {
+    /// faces. `copies` are vertices for which others stand.
+    pub(crate) fn check_vertices(&mut self, triangles: &[[u32; 3]], copies: &[[u32; 2]]) {
         if self.vertex_count == 0 {
             self.defects.push(Defect::NoVertices);
         }
-        if triangles.is_empty() {
+        let is_left_out = |defect: &Defect| defect.kind() == DefectKind::CollapsedFace;
+        let all_left_out = self.usable.triangles.is_empty() && self.defects.iter().all(is_left_out);
+        if triangles.is_empty() || all_left_out {
             self.defects.push(Defect::NoFaces);
             return;
         }
         let mut in_some_face = vec![false; self.vertex_count];
-        for &v in triangles.as_flattened() {
-            if let Some(seen) = in_some_face.get_mut(v as usize) {
-                *seen = true;
+        let collapses = |[a, b, c]: [u32; 3]| a == b || b == c || c == a;
+        for &triangle in triangles.iter().filter(|t| !collapses(**t)) {
+            for v in triangle {
+                if let Some(seen) = in_some_face.get_mut(v as usize) {
+                    *seen = true;
+                }
             }
         }
+        let mut copies = copies.iter().map(|copy| copy[0]).peekable();
         for (vertex, seen) in in_some_face.into_iter().enumerate() {
             let vertex = vertex as u32;
-            if !seen {
+            if !seen && copies.next_if_eq(&vertex).is_none() {
                 self.defects.push(Defect::IsolatedVertex { vertex });
             }
             if let Metric::Positions(positions) = self.metric
@@ -197,12 +241,6 @@ impl<'a> Inspection<'a> {
                 if !ends.as_flattened().iter().all(|x| x.is_finite()) {
                     return;
                 }
-                if ends[0] == ends[1] {
-                    let faces = self.faces_along(edge);
-                    self.defects
-                        .push(Defect::ZeroLengthEdge { vertices, faces });
-                    return;
-                }
                 let length = distance(ends[0], ends[1]);
                 if length.is_finite() && length > 0.0 {
                     length
@@ -243,28 +281,35 @@ impl<'a> Inspection<'a> {
         }
     }
 
-    /// Finds faces along `edge` with the same three vertices.
+    /// Finds faces along `edge` with the same three vertices. The faces' other edges find them
+    /// again. The report drops repeats.
     fn find_duplicate_faces(&mut self, edge: &Edge<'_>) {
+        for (t, first) in self.repeated_faces(edge) {
+            let (face, first) = (self.face(t), self.face(first));
+            // Parts of one polygon can be equal.
+            if face != first {
+                self.defects.push(Defect::DuplicateFace { face, first });
+            }
+        }
+    }
+
+    /// The usable triangles along `edge` with the same vertices as an earlier one, each with the
+    /// first of them.
+    fn repeated_faces(&self, edge: &Edge<'_>) -> Vec<(u32, u32)> {
         let tails = self.usable.triangles.as_flattened();
         let apex = |h: u32| tails[h as usize / 3 * 3 + (h as usize + 2) % 3];
         if let Some([a, b]) = edge.pair()
             && apex(a) != apex(b)
         {
-            return;
+            return Vec::new();
         }
-        // The faces' other edges find them again. The report drops repeats.
         let mut sides: Vec<(u32, u32)> = edge.half_edges().map(|h| (apex(h), h / 3)).collect();
         sides.sort_unstable();
+        let mut repeated = Vec::new();
         for same in sides.chunk_by(|x, y| x.0 == y.0) {
-            let first = self.face(same[0].1);
-            for &(_, t) in &same[1..] {
-                let face = self.face(t);
-                // Parts of one polygon can be equal. Then it repeats a vertex, which is reported.
-                if face != first {
-                    self.defects.push(Defect::DuplicateFace { face, first });
-                }
-            }
+            repeated.extend(same[1..].iter().map(|side| (side.1, same[0].1)));
         }
+        repeated
     }
 
     /// Finds vertices whose corners are not all connected across edges.

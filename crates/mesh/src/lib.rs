@@ -25,6 +25,9 @@
 //! Surfaces need not be closed, connected or manifold at every vertex. Components without a source
 //! are at infinite distance. Paths pass through a *pinched* vertex, at which several fans of faces
 //! meet. Edges with more than two faces, and surfaces that cannot be oriented, are errors.
+//!
+//! [`Weld`] makes vertices at one place one vertex. Vertices and triangles keep the numbers of the
+//! file: [`Mesh::kept_vertex`], [`Mesh::file_triangle`].
 
 mod build;
 mod corner;
@@ -49,11 +52,13 @@ mod report;
 mod sanity;
 mod sound;
 mod soup;
+mod stand_ins;
 mod suggestion;
 pub mod threads;
 pub mod tolerance;
 mod validate;
 pub mod vector;
+mod weld;
 
 pub use defect::{Defect, DefectKind, FileForm, LONGEST_EDGE, SHORTEST_EDGE, Severity};
 pub use disjoint_sets::DisjointSets;
@@ -70,3 +75,4 @@ pub use report::{DefectSummary, InvalidMesh, Report};
 pub use soup::TriangleSoup;
 pub use suggestion::did_you_mean;
 pub use tolerance::Tolerance;
+pub use weld::{Weld, WeldError};

@@ -17,7 +17,7 @@ use crate::mesh::Mesh;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshMeasures {
-    /// Number of vertices, including isolated ones.
+    /// Number of vertices, including isolated ones and copies.
     pub vertices: usize,
     /// Triangles.
     pub faces: usize,
@@ -29,7 +29,7 @@ pub struct MeshMeasures {
     pub boundary_loops: usize,
     /// Connected components of faces that share vertices.
     pub components: usize,
-    /// Vertices in no face.
+    /// Vertices in no face, without copies.
     pub isolated_vertices: usize,
     /// Vertices at which several fans meet.
     pub pinched_vertices: usize,
@@ -66,7 +66,7 @@ impl MeshMeasures {
         let count = |is: fn(&Mesh, crate::VertexId) -> bool| {
             mesh.vertices().filter(|&v| is(mesh, v)).count()
         };
-        let isolated_vertices = count(|mesh, v| mesh.outgoing(v).is_empty());
+        let isolated_vertices = count(|mesh, v| mesh.outgoing(v).is_empty() && !mesh.is_copy(v));
         let boundary_loops = boundary_loops(mesh);
         let (edges, faces) = (lengths.edges, mesh.face_count());
         // With pinched vertices split, every fan has a vertex of its own. Each part, with its b
@@ -74,7 +74,7 @@ impl MeshMeasures {
         let genus = (2 * patch_count(mesh) + edges)
             .saturating_sub(fan_count(mesh) + faces + boundary_loops)
             / 2;
-        let vertices_in_faces = mesh.vertex_count() - isolated_vertices;
+        let vertices_in_faces = mesh.vertex_count() - isolated_vertices - mesh.copies().len();
         Self {
             vertices: mesh.vertex_count(),
             faces,
@@ -223,6 +223,9 @@ fn parts(mesh: &Mesh) -> DisjointSets {
     let mut parts = DisjointSets::new(mesh.vertex_count());
     for h in mesh.half_edges() {
         parts.union(mesh.tail(h).raw(), mesh.head(h).raw());
+    }
+    for [copy, kept] in mesh.copies() {
+        parts.union(copy.raw(), kept.raw());
     }
     parts
 }

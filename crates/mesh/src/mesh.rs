@@ -10,6 +10,7 @@ use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::io::{self, FileError};
 use crate::report::InvalidMesh;
 use crate::soup::TriangleSoup;
+use crate::stand_ins::StandIns;
 
 /// A triangulated 2-manifold, with or without boundary, immutable after construction.
 ///
@@ -63,6 +64,7 @@ pub(crate) struct MeshData {
     pub(crate) extremes: Extremes,
     /// The apexes of the parts of split faces. Positions would give them less accurately.
     pub(crate) frames: BTreeMap<FaceId, [[f64; 2]; 3]>,
+    pub(crate) stand_ins: StandIns,
 }
 
 /// Extreme values over all faces.
@@ -112,6 +114,26 @@ pub(crate) struct VertexFlags {
 
 /// The entry of `twins` for a boundary half-edge.
 pub(crate) const NO_TWIN: u32 = u32::MAX;
+
+/// The least and the greatest coordinates; `None` without positions.
+pub(crate) fn bounding_box_of<'a>(
+    mut positions: impl Iterator<Item = &'a [f64; 3]>,
+) -> Option<[[f64; 3]; 2]> {
+    let first = positions.next()?;
+    Some(positions.fold([*first; 2], |[low, high], p| {
+        let [least, most] = [f64::min, f64::max];
+        [
+            [0, 1, 2].map(|i| least(low[i], p[i])),
+            [0, 1, 2].map(|i| most(high[i], p[i])),
+        ]
+    }))
+}
+
+/// The distance of two opposite corners of a box.
+pub(crate) fn diagonal_of([low, high]: [[f64; 3]; 2]) -> f64 {
+    let [x, y, z] = [0, 1, 2].map(|k| high[k] - low[k]);
+    x.hypot(y).hypot(z)
+}
 
 /// Why a mesh could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -221,29 +243,22 @@ impl Mesh {
 
     /// The least and the greatest coordinates of the vertices; `None` without positions.
     pub fn bounding_box(&self) -> Option<[[f64; 3]; 2]> {
-        let (first, rest) = self.positions().split_first()?;
-        Some(rest.iter().fold([*first; 2], |[low, high], p| {
-            let [least, most] = [f64::min, f64::max];
-            [
-                [0, 1, 2].map(|i| least(low[i], p[i])),
-                [0, 1, 2].map(|i| most(high[i], p[i])),
-            ]
-        }))
+        bounding_box_of(self.positions().iter())
     }
 
     /// The diagonal of the [bounding box](Self::bounding_box); 0 without positions.
     pub fn diagonal(&self) -> f64 {
-        self.bounding_box().map_or(0.0, |[low, high]| {
-            let [x, y, z] = [0, 1, 2].map(|k| high[k] - low[k]);
-            x.hypot(y).hypot(z)
-        })
+        self.bounding_box().map_or(0.0, diagonal_of)
     }
 
     /// The positions and the corners of the faces, to write or change them; O(faces).
     pub fn to_soup(&self) -> TriangleSoup {
         let corners = |face| self.face_vertices(face).map(VertexId::raw);
         let triangles = self.faces().map(corners).collect();
-        TriangleSoup::new(self.positions().to_vec(), triangles)
+        TriangleSoup {
+            copies: self.data.stand_ins.copies.clone(),
+            ..TriangleSoup::new(self.positions().to_vec(), triangles)
+        }
     }
 
     /// The vertex at which `h` starts.

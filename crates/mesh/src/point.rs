@@ -195,7 +195,7 @@ impl Mesh {
         if !(0.0..=1.0).contains(&t) {
             return Err(PointError::Parameter { value: t });
         }
-        let [from, to] = ends;
+        let [from, to] = ends.map(|end| self.kept_vertex(end));
         let leaving = |from: VertexId, to: VertexId| {
             let mut outgoing = self.outgoing(from).iter().copied();
             outgoing.find(|&h| self.head(h) == to)

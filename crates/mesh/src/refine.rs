@@ -22,7 +22,7 @@ pub struct Refined {
     /// do faces: one part of a split face keeps its number.
     pub mesh: Mesh,
     /// The vertex at each point, in the order of the points. Points at the same place share a
-    /// vertex.
+    /// vertex, which is never a copy.
     pub vertices: Vec<VertexId>,
     original: Mesh,
     /// The points of the original mesh at which vertices were added, in the order of their numbers.
@@ -230,7 +230,7 @@ impl Mesh {
             let vertex = match point.place() {
                 Place::Vertex(vertex) => {
                     self.point_at_vertex(vertex)?;
-                    vertex.raw()
+                    self.kept_vertex(vertex).raw()
                 }
                 Place::Edge(h, weights) => {
                     self.check_face(h.face())?;

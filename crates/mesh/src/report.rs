@@ -27,8 +27,7 @@ pub struct Report {
 pub struct DefectSummary {
     /// The kind.
     pub kind: DefectKind,
-    /// Number of defects. For [`SeveralComponents`](DefectKind::SeveralComponents), the number of
-    /// components.
+    /// Number of defects. Of a defect that counts components or vertices, their number.
     pub count: usize,
     /// A sentence that names the defect, the number of elements and the first few of them.
     pub text: String,
@@ -80,9 +79,17 @@ impl fmt::Display for InvalidMesh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut separator = "the mesh cannot be used: ";
         let mut names_elements = false;
-        for summary in self.report.summaries() {
-            // Duplicate faces explain why edges have too many faces.
-            let explains = summary.kind == DefectKind::DuplicateFace;
+        let summaries = self.report.summaries();
+        let has_edge_of_many = summaries
+            .iter()
+            .any(|s| s.kind == DefectKind::NonManifoldEdge);
+        for summary in summaries {
+            // These explain why edges have too many faces.
+            let explains = match summary.kind {
+                DefectKind::DuplicateFace => true,
+                DefectKind::WeldedVertices => has_edge_of_many,
+                _ => false,
+            };
             if summary.kind.severity() == Severity::Fatal || explains {
                 write!(f, "{separator}{}", summary.text)?;
                 if !summary.advice.is_empty() {
@@ -108,6 +115,8 @@ fn summarize(defects: &[Defect]) -> DefectSummary {
     let kind = defects[0].kind();
     let count = match &defects[0] {
         Defect::SeveralComponents { triangles } => triangles.len(),
+        Defect::WeldedVertices { count } => *count as usize,
+        Defect::CoincidentVertices { exact, near, .. } => (exact + near) as usize,
         _ => defects.len(),
     };
     let mut text = headline(kind, count);
@@ -124,7 +133,7 @@ fn summarize(defects: &[Defect]) -> DefectSummary {
         kind,
         count,
         text,
-        advice: advice(kind),
+        advice: advice(kind, defects),
     }
 }
 
@@ -151,8 +160,24 @@ fn headline(kind: DefectKind, count: usize) -> String {
             "faces name one vertex several times",
         ),
         DefectKind::ZeroLengthEdge => (
-            "edge has no length, as both its ends lie at the same place",
-            "edges have no length, as both their ends lie at the same place",
+            "edge has no length, and its ends are made one vertex",
+            "edges have no length, and their ends are made one vertex",
+        ),
+        DefectKind::RepeatedFace => (
+            "face has the same vertices as another and is left out",
+            "faces have the same vertices as others and are left out",
+        ),
+        DefectKind::CollapsedFace => (
+            "face has several corners at one vertex and is left out",
+            "faces have several corners at one vertex and are left out",
+        ),
+        DefectKind::WeldedVertices => (
+            "vertex was welded to another",
+            "vertices were welded to others",
+        ),
+        DefectKind::CoincidentVertices => (
+            "vertex lies at the place of another",
+            "vertices lie at the place of another",
         ),
         DefectKind::LengthOutOfRange => (
             "edge has a length that cannot be computed with",
@@ -207,9 +232,14 @@ fn headline(kind: DefectKind, count: usize) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
-/// The remedy for defects of this kind.
-fn advice(kind: DefectKind) -> String {
+/// The remedy for `defects`, which are of this kind.
+fn advice(kind: DefectKind, defects: &[Defect]) -> String {
     match kind {
+        DefectKind::CoincidentVertices => match defects {
+            [Defect::CoincidentVertices { near: 0, .. }] => "--weld does it",
+            _ => "--weld=1e-7 does it",
+        },
+        DefectKind::WeldedVertices => "--weld with a smaller tolerance, or none, joins less",
         DefectKind::NoVertices | DefectKind::ShortFace | DefectKind::FileForm => {
             "check that the file is complete"
         }
@@ -219,7 +249,6 @@ fn advice(kind: DefectKind) -> String {
         DefectKind::IndexOutOfRange => "correct the numbers or check that the file is complete",
         DefectKind::NonFiniteCoordinate => "correct or remove them",
         DefectKind::RepeatedVertex => "remove such faces",
-        DefectKind::ZeroLengthEdge => "merge vertices at the same place and remove such faces",
         DefectKind::LengthOutOfRange => {
             return format!(
                 "scale the model, so that all lengths lie between {SHORTEST_EDGE:e} and \
@@ -234,6 +263,9 @@ fn advice(kind: DefectKind) -> String {
         DefectKind::NotOrientable => "cut it open until it has two sides",
         DefectKind::DuplicateFace => "remove the second of each if that was not meant",
         DefectKind::FlippedFace
+        | DefectKind::RepeatedFace
+        | DefectKind::CollapsedFace
+        | DefectKind::ZeroLengthEdge
         | DefectKind::FlatFace
         | DefectKind::PinchedVertex
         | DefectKind::SeveralComponents

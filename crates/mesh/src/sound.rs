@@ -24,6 +24,8 @@ use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::inspection::component_sizes;
 use crate::mesh::{Extremes, Mesh, MeshData, NO_TWIN, VertexFlags};
 use crate::precision::SLIVER_HEIGHT;
+use crate::soup::TriangleSoup;
+use crate::stand_ins::StandIns;
 use crate::threads;
 
 /// The data of a sound mesh, without its positions and triangles.
@@ -41,7 +43,8 @@ pub(crate) struct Sound {
 
 impl Sound {
     /// The data of the mesh; `None` if any triangle is defective or nearly so.
-    pub(crate) fn of(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Option<Self> {
+    pub(crate) fn of(soup: &TriangleSoup) -> Option<Self> {
+        let (positions, triangles) = (&soup.positions[..], &soup.triangles[..]);
         let fit = positions.len() < NO_TWIN as usize && triangles.len() < NO_TWIN as usize / 3;
         if !fit || triangles.is_empty() || !are_usable(positions.len(), triangles) {
             return None;
@@ -64,8 +67,9 @@ impl Sound {
             }
         }
         let mut notes = Vec::new();
+        let mut copies = soup.copies.iter().map(|copy| copy[0]).peekable();
         for (vertex, range) in outgoing_starts.windows(2).enumerate() {
-            if range[0] == range[1] {
+            if range[0] == range[1] && copies.next_if_eq(&(vertex as u32)).is_none() {
                 if !positions[vertex].iter().all(|x| x.is_finite()) {
                     return None;
                 }
@@ -73,7 +77,7 @@ impl Sound {
                 notes.push(Defect::IsolatedVertex { vertex });
             }
         }
-        if !is_connected(fans.nearby, triangles, notes.len()) {
+        if !is_connected(fans.nearby, triangles, notes.len() + soup.copies.len()) {
             let triangles = component_sizes(positions.len(), triangles);
             notes.push(Defect::SeveralComponents { triangles });
         }
@@ -90,7 +94,12 @@ impl Sound {
     }
 
     /// Builds the mesh of the positions and triangles that were checked.
-    pub(crate) fn into_mesh(self, positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
+    pub(crate) fn into_mesh(
+        self,
+        positions: Vec<[f64; 3]>,
+        triangles: Vec<[u32; 3]>,
+        copies: Vec<[u32; 2]>,
+    ) -> Mesh {
         let tails = triangles.into_flattened().into_iter();
         let data = MeshData {
             positions,
@@ -103,6 +112,10 @@ impl Sound {
             flags: self.flags,
             extremes: self.extremes,
             frames: BTreeMap::new(),
+            stand_ins: StandIns {
+                copies,
+                left_out: Vec::new(),
+            },
         };
         Mesh {
             data: Arc::new(data),
@@ -513,12 +526,12 @@ mod tests {
     use super::*;
     use crate::generate::{Spec, generate};
     use crate::report::Report;
-    use crate::{DefectKind, InvalidMesh, SplitMix64, TriangleSoup};
+    use crate::{DefectKind, InvalidMesh, SplitMix64};
 
     /// Whether the fast path accepts the soup. If so, it must give the same mesh as the checks.
     fn is_quick(soup: &TriangleSoup) -> bool {
         let checked = Mesh::from_inspected(soup.clone());
-        let Some(mut sound) = Sound::of(&soup.positions, &soup.triangles) else {
+        let Some(mut sound) = Sound::of(soup) else {
             let odd = |kind| {
                 !matches!(
                     kind,
@@ -534,7 +547,7 @@ mod tests {
         assert_eq!(Report::new(std::mem::take(&mut sound.notes)), report);
         let (mut found, mut expected) = (
             (*sound
-                .into_mesh(soup.positions.clone(), soup.triangles.clone())
+                .into_mesh(soup.positions.clone(), soup.triangles.clone(), Vec::new())
                 .data)
                 .clone(),
             (*expected.data).clone(),
@@ -629,7 +642,7 @@ mod tests {
         for soup in [soup.clone(), shuffled(soup, &mut SplitMix64::new(13))] {
             let (alone, report) = Mesh::from_soup(soup.clone()).unwrap();
             let kinds: Vec<_> = report.defects.iter().map(Defect::kind).collect();
-            assert_eq!(kinds.len(), 4, "{kinds:?}");
+            assert_eq!(kinds.len(), 5, "{kinds:?}");
             for threads in [2, 3, 16] {
                 let pool = rayon::ThreadPoolBuilder::new()
                     .num_threads(threads)

@@ -25,6 +25,9 @@ pub struct TriangleSoup {
     /// For each triangle, the number of the face in the file from which it was cut. Empty if every
     /// face of the file is a triangle.
     pub file_faces: Vec<u32>,
+    /// Vertices that were [welded](Self::weld) to another one, each with that one, in ascending
+    /// order. They are in no triangle.
+    pub copies: Vec<[u32; 2]>,
     /// What reading has left out or filled in, all [noted](crate::Severity::Noted).
     pub notes: Vec<Defect>,
 }
@@ -36,6 +39,7 @@ impl TriangleSoup {
             positions,
             triangles,
             file_faces: Vec::new(),
+            copies: Vec::new(),
             notes: Vec::new(),
         }
     }

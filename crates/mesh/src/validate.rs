@@ -6,7 +6,7 @@
 //! up to the sorting of the edges at a vertex.
 
 use crate::build::build;
-use crate::defect::Defect;
+use crate::defect::{Defect, DefectKind};
 use crate::edges::EdgeGroups;
 use crate::inspection::{Inspection, Metric};
 use crate::mesh::Mesh;
@@ -14,39 +14,59 @@ use crate::orient::turn_over;
 use crate::report::{InvalidMesh, Report};
 use crate::sound::Sound;
 use crate::soup::TriangleSoup;
+use crate::stand_ins::{LeftOutTriangle, StandIns};
+use crate::weld::coincident_vertices;
 
 impl Mesh {
     /// Checks `soup` and builds its mesh.
     ///
-    /// Vertices and triangles keep their numbers. Faces that are oriented against the majority of
-    /// their surface are turned over. The report lists repairs and notes. Takes linear time.
+    /// Vertices keep their numbers. Faces that are oriented against the majority of their surface
+    /// are turned over. Triangles without three different vertices, and second copies, are left
+    /// out; the others follow each other ([`file_triangle`](Self::file_triangle)). Both ends of an
+    /// edge of no length become one vertex. The report lists repairs and notes. Takes linear time.
     ///
     /// # Errors
     ///
     /// If the model has a fatal defect. The error lists all defects with their elements.
-    pub fn from_soup(soup: TriangleSoup) -> Result<(Self, Report), InvalidMesh> {
-        let Some(mut sound) = Sound::of(&soup.positions, &soup.triangles) else {
-            return Self::from_inspected(soup);
+    pub fn from_soup(mut soup: TriangleSoup) -> Result<(Self, Report), InvalidMesh> {
+        let mut notes = std::mem::take(&mut soup.notes);
+        if let Ok(count @ 1..) = u32::try_from(soup.copies.len()) {
+            notes.push(Defect::WeldedVertices { count });
+        }
+        let (mesh, mut found) = if let Some(mut sound) = Sound::of(&soup) {
+            let found = std::mem::take(&mut sound.notes);
+            let mesh = sound.into_mesh(soup.positions, soup.triangles, soup.copies);
+            (mesh, found)
+        } else {
+            soup.merge_ends_of_null_edges();
+            notes.append(&mut soup.notes);
+            match Self::from_inspected(soup) {
+                Ok((mesh, report)) => (mesh, report.defects),
+                Err(InvalidMesh { mut report }) => {
+                    report.defects.append(&mut notes);
+                    let report = Report::new(report.defects);
+                    return Err(InvalidMesh { report });
+                }
+            }
         };
-        let notes = std::mem::take(&mut sound.notes);
-        let report = Report::new(notes.into_iter().chain(soup.notes).collect());
-        Ok((sound.into_mesh(soup.positions, soup.triangles), report))
+        let is_part = |defect: &Defect| defect.kind() == DefectKind::SeveralComponents;
+        let is_connected = !found.iter().any(is_part);
+        notes.extend(coincident_vertices(&mesh, is_connected));
+        found.append(&mut notes);
+        Ok((mesh, Report::new(found)))
     }
 
-    /// As [`from_soup`](Self::from_soup), without the fast path.
-    pub(crate) fn from_inspected(mut soup: TriangleSoup) -> Result<(Self, Report), InvalidMesh> {
-        let mut checked = check(
+    /// The mesh and what the checks find, without the fast path and without the notes of `soup`. No
+    /// edge may have ends at one place.
+    pub(crate) fn from_inspected(soup: TriangleSoup) -> Result<(Self, Report), InvalidMesh> {
+        let checked = check(
             soup.positions.len(),
             &soup.triangles,
+            &soup.copies,
             Metric::Positions(&soup.positions),
             &soup.file_faces,
         )?;
-        if !soup.notes.is_empty() {
-            let found = std::mem::take(&mut checked.report.defects);
-            checked.report = Report::new(found.into_iter().chain(soup.notes).collect());
-        }
-        place_unused_vertices(&mut soup.positions, &soup.triangles);
-        Ok(checked.into_mesh(soup.positions, soup.triangles))
+        Ok(checked.into_mesh(soup.positions, soup.triangles, soup.copies))
     }
 
     /// Builds a mesh from edge lengths alone. `lengths[t][k]` is the length of the edge from corner
@@ -73,15 +93,17 @@ impl Mesh {
         triangles: &[[u32; 3]],
         lengths: &[[f64; 3]],
     ) -> Result<(Self, Report), InvalidMesh> {
-        let checked = check(vertex_count, triangles, Metric::Lengths(lengths), &[])?;
-        Ok(checked.into_mesh(Vec::new(), triangles.to_vec()))
+        let checked = check(vertex_count, triangles, &[], Metric::Lengths(lengths), &[])?;
+        Ok(checked.into_mesh(Vec::new(), triangles.to_vec(), Vec::new()))
     }
 }
 
 /// Puts the vertices of a sound soup that have no finite position, and so are in no triangle, at
 /// the place of the first corner, so that all positions are finite and the model keeps its size.
 fn place_unused_vertices(positions: &mut [[f64; 3]], triangles: &[[u32; 3]]) {
-    let Some(place) = triangles.first().map(|t| positions[t[0] as usize]) else {
+    let corner = triangles.first().map(|t| t[0] as usize);
+    // A mesh known by its lengths has no positions.
+    let Some(place) = corner.and_then(|v| positions.get(v).copied()) else {
         return;
     };
     for position in positions {
@@ -95,6 +117,8 @@ fn place_unused_vertices(positions: &mut [[f64; 3]], triangles: &[[u32; 3]]) {
 struct Checked {
     vertex_count: usize,
     report: Report,
+    /// The indices of the triangles that are used; `None` for all.
+    places: Option<Vec<u32>>,
     mates: Vec<u32>,
     lengths: Vec<[f64; 3]>,
     flipped: Vec<u32>,
@@ -103,9 +127,12 @@ struct Checked {
 impl Checked {
     fn into_mesh(
         mut self,
-        positions: Vec<[f64; 3]>,
-        mut triangles: Vec<[u32; 3]>,
+        mut positions: Vec<[f64; 3]>,
+        triangles: Vec<[u32; 3]>,
+        copies: Vec<[u32; 2]>,
     ) -> (Mesh, Report) {
+        let (mut triangles, left_out) = self.split(triangles);
+        place_unused_vertices(&mut positions, &triangles);
         turn_over(
             &self.flipped,
             &mut triangles,
@@ -118,8 +145,26 @@ impl Checked {
             triangles,
             self.lengths,
             self.mates,
+            StandIns { copies, left_out },
         );
         (mesh, self.report)
+    }
+
+    /// The triangles that are used, and the others.
+    fn split(&self, triangles: Vec<[u32; 3]>) -> (Vec<[u32; 3]>, Vec<LeftOutTriangle>) {
+        let Some(places) = &self.places else {
+            return (triangles, Vec::new());
+        };
+        let mut used = places.iter().peekable();
+        let (mut kept, mut left_out) = (Vec::with_capacity(places.len()), Vec::new());
+        for (number, corners) in (0..).zip(triangles) {
+            if used.next_if_eq(&&number).is_some() {
+                kept.push(corners);
+            } else {
+                left_out.push(LeftOutTriangle { number, corners });
+            }
+        }
+        (kept, left_out)
     }
 }
 
@@ -127,6 +172,7 @@ impl Checked {
 fn check(
     vertex_count: usize,
     triangles: &[[u32; 3]],
+    copies: &[[u32; 2]],
     metric: Metric<'_>,
     file_faces: &[u32],
 ) -> Result<Checked, InvalidMesh> {
@@ -153,8 +199,11 @@ fn check(
         return Err(invalid(defects));
     }
     let mut inspection = Inspection::new(vertex_count, triangles, metric, file_faces);
-    inspection.check_vertices(triangles);
-    let edges = EdgeGroups::new(vertex_count, &inspection.usable.triangles);
+    inspection.check_vertices(triangles, copies);
+    let mut edges = EdgeGroups::new(vertex_count, &inspection.usable.triangles);
+    if inspection.leave_out_repeated_faces(&edges) {
+        edges = EdgeGroups::new(vertex_count, &inspection.usable.triangles);
+    }
     inspection.check_edges(&edges);
     inspection.check_fans(&edges);
     drop(edges);
@@ -168,6 +217,7 @@ fn check(
     Ok(Checked {
         vertex_count,
         report,
+        places: inspection.usable.places,
         mates: inspection.mates,
         lengths: inspection.lengths,
         flipped,

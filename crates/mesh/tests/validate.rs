@@ -86,31 +86,35 @@ fn coordinates_that_are_not_finite_are_named() {
 }
 
 #[test]
-fn a_vertex_twice_in_a_face_is_named() {
+fn a_face_with_a_vertex_twice_is_left_out_and_named() {
     for face in [[1, 1, 2], [2, 1, 1], [1, 2, 1], [1, 1, 1]] {
-        let error = refused(abstract_soup(3, &[[0, 1, 2], face]));
-        let expected = Defect::RepeatedVertex { face: 1, vertex: 1 };
-        assert_eq!(error.report.defects, [expected]);
+        let (mesh, report) = mesh_of(abstract_soup(3, &[[0, 1, 2], face]));
+        let expected = Defect::CollapsedFace { face: 1, vertex: 1 };
+        assert_eq!(report.defects, [expected]);
+        assert_eq!(mesh.face_count(), 1);
     }
+    let error = refused(abstract_soup(3, &[[0, 1, 1]]));
+    assert_eq!(kinds(&error.report)[0], DefectKind::NoFaces);
+    let refused = Mesh::from_lengths(3, &[[0, 1, 1], [0, 1, 2]], &[[1.0; 3]; 2]).unwrap_err();
+    assert_eq!(kinds(&refused.report), [DefectKind::RepeatedVertex]);
 }
 
 #[test]
-fn vertices_at_the_same_place_make_an_edge_without_length() {
-    let mut soup = grid(1, 1);
-    soup.positions[3] = soup.positions[0];
-    soup.positions[3][2] = -0.0;
-    let error = refused(soup);
-    assert_eq!(
-        error.report.defects,
-        [Defect::ZeroLengthEdge {
-            vertices: [0, 3],
-            faces: vec![0, 1],
-        }]
-    );
-    assert!(
-        error.to_string().contains("vertices 0 and 3 in faces 0, 1"),
-        "{error}"
-    );
+fn the_ends_of_an_edge_of_no_length_are_one_vertex() {
+    let mut soup = grid(2, 1);
+    soup.positions[4] = soup.positions[0];
+    soup.positions[4][2] = -0.0;
+    let (mesh, report) = mesh_of(soup);
+    let edge = Defect::ZeroLengthEdge {
+        vertices: [0, 4],
+        faces: vec![0, 1],
+    };
+    let collapsed = [0, 1].map(|face| Defect::CollapsedFace { face, vertex: 0 });
+    assert_eq!(report.defects[..2], collapsed);
+    assert_eq!(report.defects[2], edge);
+    assert_eq!(mesh.copies().collect::<Vec<_>>(), [[4.into(), 0.into()]]);
+    assert_eq!(mesh.face_count(), 2);
+    assert_eq!(mesh.file_triangle(0.into()), 2);
 }
 
 #[test]
@@ -162,23 +166,25 @@ fn an_edge_of_three_faces_names_them_all() {
 }
 
 #[test]
-fn a_face_that_repeats_another_in_a_surface_is_refused_and_explained() {
+fn a_face_that_repeats_another_in_a_surface_is_left_out() {
     let mut soup = cube();
     let [a, b, c] = soup.triangles[5];
-    soup.triangles.push([b, c, a]);
-    let error = refused(soup);
-    let report = &error.report;
-    let mut expected = vec![DefectKind::NonManifoldEdge; 3];
-    expected.push(DefectKind::DuplicateFace);
-    assert_eq!(kinds(report), expected);
-    assert_eq!(
-        report.defects[3],
-        Defect::DuplicateFace { face: 12, first: 5 }
-    );
-    assert!(
-        error.to_string().contains("face 12 repeats face 5"),
-        "{error}"
-    );
+    for copy in [[b, c, a], [b, a, c]] {
+        soup.triangles.insert(7, copy);
+    }
+    let (mesh, report) = mesh_of(soup);
+    let copies = [7, 8].map(|face| Defect::RepeatedFace { face, first: 5 });
+    assert_eq!(report.defects, copies);
+    assert_eq!(mesh.face_count(), 12);
+    let file: Vec<u32> = mesh.faces().map(|f| mesh.file_triangle(f)).collect();
+    assert_eq!(file, [0, 1, 2, 3, 4, 5, 6, 9, 10, 11, 12, 13]);
+    // A point of a copy is the point of the face that stands for it.
+    let weights = [0.2, 0.3, 0.5];
+    let point = mesh.point_in_file_triangle(5, weights).unwrap();
+    let [u, v, w] = weights;
+    assert_eq!(mesh.point_in_file_triangle(7, [v, u, w]), Ok(point));
+    assert_eq!(mesh.point_in_file_triangle(8, [v, w, u]), Ok(point));
+    assert!(mesh.point_in_file_triangle(14, weights).is_err());
 }
 
 #[test]
@@ -189,7 +195,7 @@ fn two_faces_on_the_same_vertices_make_a_pillow() {
         assert!(mesh.half_edges().all(|h| mesh.twin(h).is_some()));
         let mut expected = vec![DefectKind::DuplicateFace];
         if flipped {
-            expected.push(DefectKind::FlippedFace);
+            expected.insert(0, DefectKind::FlippedFace);
         }
         assert_eq!(kinds(&report), expected);
     }
@@ -354,7 +360,8 @@ fn polygons_are_named_not_their_triangles() {
                 vertex: 9,
                 vertex_count: 6
             },
-            Defect::RepeatedVertex { face: 2, vertex: 5 },
+            Defect::CollapsedFace { face: 2, vertex: 5 },
+            Defect::IsolatedVertex { vertex: 5 },
         ]
     );
 }
@@ -381,12 +388,12 @@ fn no_defect_hides_another() {
         [
             DefectKind::IndexOutOfRange,
             DefectKind::NonFiniteCoordinate,
-            DefectKind::RepeatedVertex,
-            DefectKind::ZeroLengthEdge,
             DefectKind::LengthOutOfRange,
             DefectKind::NonManifoldEdge,
             DefectKind::NotOrientable,
             DefectKind::FlippedFace,
+            DefectKind::CollapsedFace,
+            DefectKind::ZeroLengthEdge,
             DefectKind::PinchedVertex,
             DefectKind::IsolatedVertex,
         ]

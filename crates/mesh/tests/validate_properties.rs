@@ -58,7 +58,14 @@ proptest! {
                 prop_assert_eq!(mesh.sanity_check(), Ok(()));
                 prop_assert!(!report.is_fatal());
                 prop_assert_eq!(mesh.vertex_count(), soup.positions.len());
-                prop_assert_eq!(mesh.face_count(), soup.triangles.len());
+                for face in mesh.faces() {
+                    let of_file = soup.triangles[mesh.file_triangle(face) as usize];
+                    let mut expected = of_file.map(|v| mesh.kept_vertex(VertexId::new(v)));
+                    let mut found = mesh.face_vertices(face);
+                    found.sort_unstable();
+                    expected.sort_unstable();
+                    prop_assert_eq!(found, expected);
+                }
                 let measures = MeshMeasures::of(&mesh);
                 prop_assert!(measures.anisotropy >= 1.0 - 1e-12);
                 let pinched = report.defects.iter().filter_map(|defect| match defect {

@@ -6,12 +6,11 @@
 //!
 //! Text coordinates are read as `f64`. Normals and attributes are ignored.
 
-use std::hash::{BuildHasher, RandomState};
-
 use super::error::{FilePosition, Flaw};
 use super::text::{NumberedLines, Tokens, coordinates, number, shown};
 use crate::defect::{Defect, FileForm};
 use crate::soup::TriangleSoup;
+use crate::weld::PlaceTable;
 
 /// Bytes before the first triangle of a binary file: 80 bytes of free text and the count.
 const HEADER: usize = 84;
@@ -218,23 +217,15 @@ fn instead_of(words: &Tokens<'_>, word: &[u8], wanted: &str) -> Flaw {
 /// Gives corners with equal coordinates the same vertex.
 struct Weld {
     soup: TriangleSoup,
-    /// A hash table with open addressing: vertex numbers or [`EMPTY`]. The number of slots is a
-    /// power of two, and at least twice the number of vertices.
-    slots: Vec<u32>,
-    /// A random key of the hash, so that no file can be made whose vertices all collide.
-    key: u64,
+    vertices: PlaceTable,
 }
-
-/// A slot without a vertex.
-const EMPTY: u32 = u32::MAX;
 
 impl Weld {
     fn with_capacity(triangles: usize) -> Self {
         let vertices = triangles / 2;
         Self {
             soup: TriangleSoup::new(Vec::with_capacity(vertices), Vec::with_capacity(triangles)),
-            slots: vec![EMPTY; (2 * vertices).next_power_of_two()],
-            key: RandomState::new().hash_one(0),
+            vertices: PlaceTable::with_capacity(vertices),
         }
     }
 
@@ -245,36 +236,12 @@ impl Weld {
     }
 
     fn vertex(&mut self, corner: [f64; 3]) -> u32 {
-        let slot = self.slot(corner);
-        if self.slots[slot] != EMPTY {
-            return self.slots[slot];
-        }
-        let vertex = self.soup.positions.len() as u32;
-        self.slots[slot] = vertex;
-        self.soup.positions.push(corner);
-        if 2 * self.soup.positions.len() > self.slots.len() {
-            self.slots = vec![EMPTY; 2 * self.slots.len()];
-            for vertex in 0..self.soup.positions.len() {
-                let slot = self.slot(self.soup.positions[vertex]);
-                self.slots[slot] = vertex as u32;
-            }
+        let positions = &mut self.soup.positions;
+        let next = positions.len() as u32;
+        let vertex = self.vertices.find_or_insert(corner, next, positions);
+        if vertex == next {
+            positions.push(corner);
         }
         vertex
-    }
-
-    /// The slot of the vertex at `corner`, or the empty slot where it belongs.
-    fn slot(&self, corner: [f64; 3]) -> usize {
-        let bits = corner.map(f64::to_bits);
-        let is_other = |&slot: &usize| {
-            let vertex = self.slots[slot];
-            vertex != EMPTY && self.soup.positions[vertex as usize].map(f64::to_bits) != bits
-        };
-        let hash = bits.iter().fold(self.key, |hash, bits| {
-            let product = u128::from(hash ^ bits) * 0x9e37_79b9_7f4a_7c15;
-            (product >> 64) as u64 ^ product as u64
-        });
-        let mask = self.slots.len() - 1;
-        let mut slots = (0..).map(|step| (hash as usize + step) & mask);
-        slots.find(|slot| !is_other(slot)).unwrap_or(0)
     }
 }

@@ -51,7 +51,7 @@ fn subdivision_leaves_broken_triangles_for_validation() {
         positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
         triangles: vec![[0, 1, 7], [0, 1, 2], [1, 1, 2], [u32::MAX, 0, 1]],
         file_faces: vec![3, 3, 5, 6],
-        notes: Vec::new(),
+        ..TriangleSoup::default()
     };
     let fine = midpoint_subdivide(&soup);
     assert_eq!(fine.triangles.len(), 7);

@@ -1,0 +1,184 @@
+//! Welding, and the note on what it would join.
+
+mod validate_support;
+
+use std::path::Path;
+
+use geobench_mesh::{
+    Defect, DefectKind, Mesh, MeshMeasures, SplitMix64, TriangleSoup, VertexId, Weld, io,
+};
+use validate_support::{cube, grid, mesh_of};
+
+/// The soup with a vertex for each corner of each triangle, moved by up to `shift` along each axis.
+fn unwelded(soup: &TriangleSoup, shift: f64) -> TriangleSoup {
+    let mut random = SplitMix64::new(5);
+    let mut moved = |x: f64| x + shift * (2.0 * random.unit() - 1.0);
+    let corners = soup.triangles.as_flattened().iter();
+    let positions = corners.map(|&v| soup.positions[v as usize].map(&mut moved));
+    let triangles = (0..soup.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+    TriangleSoup::new(positions.collect(), triangles.collect())
+}
+
+fn welded(mut soup: TriangleSoup, tolerance: f64) -> TriangleSoup {
+    soup.weld(Weld::within(tolerance).unwrap());
+    soup
+}
+
+fn measures(soup: TriangleSoup) -> MeshMeasures {
+    MeshMeasures::of(&mesh_of(soup).0)
+}
+
+#[test]
+fn triangles_that_share_no_vertex_become_one_surface() {
+    for (shift, tolerance) in [(0.0, 0.0), (0.0, 1e-6), (1e-8, 1e-6)] {
+        let soup = unwelded(&cube(), shift);
+        let vertices = soup.positions.len();
+        let found = measures(welded(soup, tolerance));
+        assert_eq!((found.vertices, found.faces), (vertices, 12));
+        assert_eq!((found.components, found.boundary_edges), (1, 0));
+        assert_eq!(
+            (found.isolated_vertices, found.euler_characteristic),
+            (0, 2)
+        );
+    }
+}
+
+#[test]
+fn copies_keep_their_number_and_place_and_get_the_values_of_the_first() {
+    let soup = unwelded(&grid(1, 1), 0.0); // Corners 0, 1, 3 and 0, 3, 2 of the square.
+    let positions = soup.positions.clone();
+    let (mesh, report) = mesh_of(welded(soup, 0.0));
+    assert_eq!(mesh.positions(), positions);
+    let copies: Vec<_> = mesh.copies().collect();
+    let pair = |copy: u32, kept: u32| [copy, kept].map(VertexId::new);
+    assert_eq!(copies, [pair(3, 0), pair(4, 2)]);
+    assert_eq!(report.defects, [Defect::WeldedVertices { count: 2 }]);
+    let mut values = [5, 1, 7, 0, 0, 2];
+    mesh.fill_copies(&mut values);
+    assert_eq!(values, [5, 1, 7, 5, 7, 2]);
+    // Points name copies, too.
+    assert_eq!(mesh.with_points(&[4.into()]).unwrap().vertices, [2.into()]);
+    let on_edge = |ends: [u32; 2]| mesh.point_on_edge(ends.map(VertexId::new), 0.25);
+    assert_eq!(on_edge([3, 4]).unwrap(), on_edge([0, 2]).unwrap());
+    // A mesh written and built again is welded alike.
+    let (again, _) = mesh_of(mesh.to_soup());
+    assert_eq!(again.copies().collect::<Vec<_>>(), copies);
+}
+
+#[test]
+fn a_vertex_gathers_a_ball_and_no_chain() {
+    // A fan whose lower vertices are 1 apart.
+    let mut soup = TriangleSoup::default();
+    soup.positions = (0..21).map(|x| [f64::from(x), 0.0, 0.0]).collect();
+    soup.positions.push([10.5, 4.0, 0.0]);
+    soup.triangles = (0..20).map(|x| [x, x + 1, 21]).collect();
+    soup.weld(Weld::within(1.1 / 20f64.hypot(4.0)).unwrap());
+    let pairs: Vec<[u32; 2]> = (0..10).map(|x| [2 * x + 1, 2 * x]).collect();
+    assert_eq!(soup.copies, pairs);
+}
+
+#[test]
+fn a_second_weld_goes_on_from_the_first() {
+    let exact = welded(unwelded(&cube(), 0.0), 0.0);
+    let both = welded(exact.clone(), 1e-6);
+    assert_eq!(both.copies, exact.copies);
+    assert_eq!(both.triangles, exact.triangles);
+    let near = welded(welded(unwelded(&cube(), 1e-9), 0.0), 1e-6);
+    assert_eq!(near.copies.len(), 36 - 8);
+    assert!(near.copies.iter().all(|[copy, kept]| kept < copy));
+}
+
+#[test]
+fn a_tolerance_is_a_fraction() {
+    for wrong in ["-1e-9", "0.2", "NaN", "inf", "", "a lot"] {
+        assert!(wrong.parse::<Weld>().is_err(), "{wrong}");
+    }
+    assert_eq!("0".parse(), Ok(Weld::COINCIDENT));
+    assert_eq!(Weld::within(1e-6).unwrap().to_string(), "1e-6");
+}
+
+#[test]
+fn what_welding_would_join_is_noted() {
+    let (_, report) = mesh_of(unwelded(&cube(), 0.0));
+    let note = Defect::CoincidentVertices {
+        exact: 28,
+        near: 0,
+        components: 1,
+        boundary_edges: 0,
+        non_manifold_edges: 0,
+    };
+    assert!(report.defects.contains(&note), "{report:?}");
+    let summary = &report.summaries()[0];
+    assert_eq!(
+        summary.text,
+        "28 vertices lie at the place of another (28 exactly, 0 within 1e-7 of the size; welding \
+         would leave 1 component and 0 boundary edges)"
+    );
+    assert_eq!(summary.advice, "--weld does it");
+    // Of a closed connected surface, and of one without seams, there is nothing to say.
+    for soup in [cube(), grid(3, 2), welded(unwelded(&cube(), 0.0), 0.0)] {
+        let (_, report) = mesh_of(soup);
+        let kinds = report.defects.iter().map(Defect::kind);
+        assert!(kinds.clone().all(|kind| kind == DefectKind::WeldedVertices));
+    }
+}
+
+#[test]
+fn edges_of_many_faces_that_welding_makes_are_explained() {
+    // Two cubes that share an edge.
+    let mut soup = cube();
+    let second = cube();
+    soup.positions.extend(
+        second
+            .positions
+            .iter()
+            .map(|[x, y, z]| [x + 1.0, y + 1.0, *z]),
+    );
+    soup.triangles
+        .extend(second.triangles.iter().map(|t| t.map(|v| v + 8)));
+    let (_, report) = mesh_of(soup.clone());
+    assert!(
+        report.summaries()[0]
+            .text
+            .contains("1 edge of more than two faces")
+    );
+    let error = Mesh::from_soup(welded(soup, 0.0)).unwrap_err().to_string();
+    assert!(
+        error.contains("1 edge belongs to more than two faces"),
+        "{error}"
+    );
+    assert!(
+        error.contains("2 vertices were welded to others; --weld"),
+        "{error}"
+    );
+}
+
+#[test]
+fn cracked_models_close() {
+    let cases = Path::new("../../../shared/cases/meshes");
+    if !cases.exists() {
+        return;
+    }
+    for (name, tolerance, components, boundary_edges) in [
+        ("b3_t_lastbit_cracks.stl", 1e-6, None, 0),
+        ("idler_riser_crack_19x.stl", 1e-6, None, 0),
+        ("stl_two_roundings.stl", 1e-4, None, 48),
+        ("cubevt_unwelded.obj", 0.0, Some(1), 0),
+    ] {
+        let soup = io::read(&cases.join(name)).unwrap();
+        let found = measures(welded(soup, tolerance));
+        assert_eq!(found.boundary_edges, boundary_edges, "{name}");
+        assert_eq!(
+            found.components,
+            components.unwrap_or(found.components),
+            "{name}"
+        );
+    }
+    for name in [
+        "degenerate_stl_cr7ial_link_4.stl",
+        "mc_octahedron_exact_zeros.obj",
+    ] {
+        let found = measures(io::read(&cases.join(name)).unwrap());
+        assert_eq!((found.components, found.boundary_edges), (1, 0), "{name}");
+    }
+}

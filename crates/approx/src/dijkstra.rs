@@ -55,8 +55,8 @@ impl Propagate for Dijkstra {
         vec![Counter::QueuePushes, Counter::QueuePeak]
     }
 
-    fn vertex_count(&self) -> usize {
-        self.mesh.vertex_count()
+    fn mesh(&self) -> &Mesh {
+        &self.mesh
     }
 
     #[inline(never)]
@@ -65,7 +65,7 @@ impl Propagate for Dijkstra {
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
-        let mut distances = vec![f64::INFINITY; self.vertex_count()];
+        let mut distances = vec![f64::INFINITY; self.mesh.vertex_count()];
         self.queue.clear();
         for &source in sources {
             distances[source.index()] = 0.0;

@@ -77,6 +77,7 @@ impl Default for SvgOptions {
 /// ```
 #[derive(Clone, Debug)]
 pub struct SaddleVertexGraph {
+    mesh: Mesh,
     /// The start of the edges of each vertex, and one past the last edge.
     starts: Vec<usize>,
     /// The other end of each edge, nearest first. Every edge is stored at both of its ends.
@@ -152,6 +153,7 @@ impl SaddleVertexGraph {
         }
         let width = BUCKET * mean_edge_length(mesh);
         let mut graph = Self {
+            mesh: mesh.clone(),
             starts: vec![0],
             ends: Vec::new(),
             lengths: Vec::new(),
@@ -268,8 +270,8 @@ impl Propagate for SaddleVertexGraph {
         ]
     }
 
-    fn vertex_count(&self) -> usize {
-        self.relays.len()
+    fn mesh(&self) -> &Mesh {
+        &self.mesh
     }
 
     #[inline(never)]

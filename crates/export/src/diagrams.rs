@@ -213,14 +213,14 @@ fn json(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
         let (face, barycentric) = file.in_model(node.face, node.place);
         VertexRecord {
             position: diagram.position(node.face, node.place),
-            face: face.raw(),
+            face: file.mesh.file_triangle(face),
             barycentric,
             sources: &vertex.cells,
             distance: vertex.distance,
         }
     });
     let arcs = diagram.arcs().iter().map(|arc| VoronoiArcRecord {
-        face: file.refined.parent(arc.face).raw(),
+        face: file.mesh.file_triangle(file.refined.parent(arc.face)),
         sources: arc.sources,
         from: diagram.position(arc.face, arc.ends[0]),
         to: diagram.position(arc.face, arc.ends[1]),

@@ -136,7 +136,7 @@ fn json(set: &IsolineSet<'_>) -> anyhow::Result<Vec<u8>> {
             .map(|arc| {
                 let [from, to] = arc.ends.map(|end| arc.position(mesh, end));
                 IsolineArcRecord {
-                    face: arc.face.raw(),
+                    face: mesh.file_triangle(arc.face),
                     from,
                     to,
                     centre: arc.centre,

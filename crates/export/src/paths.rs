@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use geobench_mesh::{FaceId, Mesh, VertexId};
+use geobench_mesh::{Mesh, VertexId};
 use geobench_paths::Path;
 use serde::Serialize;
 
@@ -114,7 +114,7 @@ fn csv(set: &PathSet<'_>) -> String {
             let [x, y, z] = point.position(set.mesh).unwrap_or_default();
             let [u, v, w] = point.barycentric;
             let vertex = number(point.vertex().map(VertexId::raw));
-            let face = number(point.face.map(FaceId::raw));
+            let face = number(point.face.map(|face| set.mesh.file_triangle(face)));
             let place = format!("{x},{y},{z},{vertex},{face},{u},{v},{w}");
             let _ = writeln!(text, "{i},{source},{target},{place}"); // A string takes all.
         }
@@ -159,7 +159,7 @@ fn json(set: &PathSet<'_>) -> anyhow::Result<Vec<u8>> {
             points: points
                 .map(|point| PointRecord {
                     position: point.position(set.mesh),
-                    face: point.face.map(FaceId::raw),
+                    face: point.face.map(|face| set.mesh.file_triangle(face)),
                     barycentric: point.barycentric,
                     vertex: point.vertex().map(VertexId::raw),
                 })

@@ -60,16 +60,24 @@ impl Certificate {
     ///
     /// If there is no source, or one that is not on the mesh.
     pub fn of(mesh: &Mesh, sources: impl Sources) -> Result<Self, CertificateError> {
-        let sources = sources.into_vertices();
+        let sources = sources.into_vertices().into_iter();
+        let sources: Vec<VertexId> = sources.map(|v| mesh.kept_vertex(v)).collect();
         let mut solver = mmp_from(mesh, Carrier::HalfEdge, CalendarQueue::new(mesh));
         let paths = Paths::find(&mut solver, mesh, &sources, &Goal::everything())?;
-        let distances = paths.distances().to_vec();
+        let mut distances = paths.distances().to_vec();
+        for [copy, _] in mesh.copies() {
+            // It is in no face. The proof of the vertex that stands for it is its own.
+            distances[copy.index()] = f64::INFINITY;
+        }
         let claim = Claim::new(mesh, &sources, &distances)?;
-        let too_long = claim.not_too_long(|h| window_data(&solver, h));
+        let mut too_long = claim.not_too_long(|h| window_data(&solver, h));
         drop(solver);
         let last = |v| paths.last_line(v).map(points);
         let whole = |v| paths.to(v).ok().flatten().map(points);
-        let too_short = claim.not_too_short_by_lines(last, whole);
+        let mut too_short = claim.not_too_short_by_lines(last, whole);
+        mesh.fill_copies(&mut distances);
+        mesh.fill_copies(&mut too_long.errors);
+        mesh.fill_copies(&mut too_short.errors);
         let rule = Tolerance::on(mesh, &distances);
         Ok(Self {
             distances,

@@ -474,8 +474,8 @@ impl Propagate for Pch {
         ]
     }
 
-    fn vertex_count(&self) -> usize {
-        self.mesh.vertex_count()
+    fn mesh(&self) -> &Mesh {
+        &self.mesh
     }
 
     #[inline(never)]

@@ -156,6 +156,7 @@ impl Paths {
     /// [`TraceError::NoSuchVertex`] if `target` does not exist. All other errors are defects of the
     /// program.
     pub fn to(&self, target: VertexId) -> Result<Option<Path>, TraceError> {
+        let target = self.mesh.kept_vertex(target);
         let Some(&distance) = self.distances.get(target.index()) else {
             return Err(TraceError::NoSuchVertex {
                 vertex: target,

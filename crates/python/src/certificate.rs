@@ -131,7 +131,7 @@ pub(crate) fn certify(
         failures.extend(places.map(|failure| {
             let failure = OriginalFailure::new(failure, &refined, &mesh);
             let (kind, number) = match failure.place {
-                FailurePlace::Face(face) => ("face", face.raw()),
+                FailurePlace::Face(face) => ("face", mesh.file_triangle(face)),
                 FailurePlace::Vertex(vertex) => ("vertex", vertex.raw()),
             };
             (kind, number, failure.violation)

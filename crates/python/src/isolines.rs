@@ -72,7 +72,8 @@ impl PyLine {
     /// list of int: the face of each arc, in the order of the arcs.
     #[getter]
     fn faces(&self) -> Vec<u32> {
-        self.line.arcs.iter().map(|arc| arc.face.raw()).collect()
+        let arcs = self.line.arcs.iter();
+        arcs.map(|arc| self.mesh.file_triangle(arc.face)).collect()
     }
 
     /// Positions along the line. A loop ends with its first position. Points of the surface that

@@ -260,7 +260,7 @@ impl PyMesh {
         let spec = single(point, "point")?;
         let (found, distance) = Finder::new(&self.mesh).find_from(spec, "point")?;
         let (face, weights) = match self.mesh.face_of(&found) {
-            Some((face, weights)) => (i64::from(face.raw()), weights),
+            Some((face, weights)) => (i64::from(self.mesh.file_triangle(face)), weights),
             None => (-1, [0.0; 3]),
         };
         let position = self.mesh.position_of(&found);

@@ -33,7 +33,7 @@ impl PyPath {
         let points = path.points.iter();
         let faces = points
             .clone()
-            .map(|p| p.face.map_or(-1, |f| i64::from(f.raw())));
+            .map(|p| p.face.map_or(-1, |f| i64::from(mesh.file_triangle(f))));
         let vertices = points
             .clone()
             .map(|p| p.vertex().map_or(-1, |v| i64::from(v.raw())));

@@ -103,7 +103,8 @@ impl PyArc {
     /// int: the number of the face that contains it.
     #[getter]
     fn face(&self) -> u32 {
-        self.surface.refined.parent(self.arc().face).raw()
+        let refined = &self.surface.refined;
+        refined.original().file_triangle(refined.parent(self.arc().face))
     }
 
     /// tuple of two ints: the indices of the cells on its left and on its right.
@@ -301,7 +302,7 @@ impl PyVoronoi {
                 let weights = refined.in_parent(node.face, weights);
                 PyVoronoiVertex {
                     position: diagram.position(node.face, node.place).map(Into::into),
-                    face: refined.parent(node.face).raw(),
+                    face: refined.original().file_triangle(refined.parent(node.face)),
                     barycentric: weights.into(),
                     sources: vertex.cells.clone(),
                     distance: vertex.distance,

@@ -3,7 +3,7 @@
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::queue::{Discipline, Event, EventKind, HeapQueue};
 use geobench_window::{
-    CompiledRuns, Counter, Probe, Propagate, Solution, SolveError, VertexFilter, check_sources,
+    CompiledRuns, Counter, Probe, Propagate, Solution, SolveError, VertexFilter,
 };
 
 use crate::field::{FieldSolver, LabelledField};
@@ -104,8 +104,8 @@ impl<Q: Discipline> Lct11<Q> {
 
 impl<Q: Discipline> FieldSolver for Lct11<Q> {
     fn field(&mut self, sources: &[VertexId]) -> Result<LabelledField<'_>, SolveError> {
-        check_sources(self.wave.mesh.vertex_count(), sources)?;
-        self.fill(sources, &mut ());
+        let sources = self.wave.sources(sources)?;
+        self.fill(&sources, &mut ());
         Ok(self.wave.field())
     }
 }
@@ -115,8 +115,8 @@ impl<Q: Discipline> Propagate for Lct11<Q> {
         [COUNTERS, Q::COUNTERS].concat()
     }
 
-    fn vertex_count(&self) -> usize {
-        self.wave.mesh.vertex_count()
+    fn mesh(&self) -> &Mesh {
+        &self.wave.mesh
     }
 
     fn runs(&self) -> CompiledRuns<Self> {

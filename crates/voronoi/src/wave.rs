@@ -4,8 +4,8 @@
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::trimming::{ThinFaces, foot};
 use geobench_window::{
-    Counter, Crossing, Exit, FaceView, Faces, Frame, Phase, Probe, Side, VertexFilter, Way, Window,
-    is_beaten_from_ends, length_past_end, prefetch, spawn_window,
+    Counter, Crossing, Exit, FaceView, Faces, Frame, Phase, Probe, Side, SolveError, VertexFilter,
+    Way, Window, check_sources, is_beaten_from_ends, length_past_end, prefetch, spawn_window,
 };
 
 use crate::field::{LabelledField, NO_SOURCE};
@@ -125,8 +125,21 @@ impl WaveState {
         }
     }
 
+    /// The sources of a run, none of them a copy.
+    ///
+    /// # Errors
+    ///
+    /// If there is none, or one does not exist.
+    pub(crate) fn sources(&self, sources: &[VertexId]) -> Result<Vec<VertexId>, SolveError> {
+        check_sources(self.mesh.vertex_count(), sources)?;
+        let kept = sources.iter().map(|&v| self.mesh.kept_vertex(v));
+        Ok(kept.collect())
+    }
+
     /// The result of the run.
-    pub(crate) fn field(&self) -> LabelledField<'_> {
+    pub(crate) fn field(&mut self) -> LabelledField<'_> {
+        self.mesh.fill_copies(&mut self.distances);
+        self.mesh.fill_copies(&mut self.labels);
         LabelledField {
             mesh: &self.mesh,
             distances: &self.distances,

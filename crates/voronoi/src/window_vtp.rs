@@ -6,8 +6,7 @@ use std::collections::VecDeque;
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::queue::{Heap, MinHeap};
 use geobench_window::{
-    CompiledRuns, Counter, Probe, Propagate, Solution, SolveError, VertexFilter, check_sources,
-    prefetch,
+    CompiledRuns, Counter, Probe, Propagate, Solution, SolveError, VertexFilter, prefetch,
 };
 
 use crate::field::{FieldSolver, LabelledField};
@@ -328,8 +327,8 @@ impl WindowVtp {
 
 impl FieldSolver for WindowVtp {
     fn field(&mut self, sources: &[VertexId]) -> Result<LabelledField<'_>, SolveError> {
-        check_sources(self.wave.mesh.vertex_count(), sources)?;
-        self.fill(sources, &mut ());
+        let sources = self.wave.sources(sources)?;
+        self.fill(&sources, &mut ());
         Ok(self.wave.field())
     }
 }
@@ -339,8 +338,8 @@ impl Propagate for WindowVtp {
         [COUNTERS, &[Counter::QueuePushes, Counter::QueuePeak]].concat()
     }
 
-    fn vertex_count(&self) -> usize {
-        self.wave.mesh.vertex_count()
+    fn mesh(&self) -> &Mesh {
+        &self.wave.mesh
     }
 
     #[inline(never)]

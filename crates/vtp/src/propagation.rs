@@ -450,8 +450,8 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S,
         ]
     }
 
-    fn vertex_count(&self) -> usize {
-        self.mesh.vertex_count()
+    fn mesh(&self) -> &Mesh {
+        &self.mesh
     }
 
     fn runs(&self) -> CompiledRuns<Self> {

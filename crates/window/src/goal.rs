@@ -1,5 +1,6 @@
 //! Goals of runs: which distances are asked for, and when a run may end early.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -113,6 +114,19 @@ impl Goal {
         self.targets.is_none()
             && self.stop.is_none()
             && (self.radius.is_nan() || self.radius == f64::INFINITY)
+    }
+
+    /// The same goal, whose targets are no copies: the vertices of `mesh` that stand for them.
+    pub(crate) fn on(&self, mesh: &Mesh) -> Cow<'_, Self> {
+        let is_copy = |&v: &VertexId| mesh.is_copy(v);
+        if !self.vertices().is_some_and(|all| all.iter().any(is_copy)) {
+            return Cow::Borrowed(self);
+        }
+        let mut kept = self.clone();
+        for target in kept.targets.iter_mut().flatten() {
+            *target = mesh.kept_vertex(*target);
+        }
+        Cow::Owned(kept)
     }
 
     /// Makes the distances beyond the radius infinite, after a run that could not end early.

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 use std::fmt;
 
-use geobench_mesh::VertexId;
+use geobench_mesh::{Mesh, VertexId};
 
 use crate::counters::{Counter, Counters};
 use crate::goal::{Goal, Until};
@@ -273,12 +273,12 @@ pub enum Observer<'a> {
 ///         vec![Counter::QueuePushes]
 ///     }
 ///
-///     fn vertex_count(&self) -> usize {
-///         self.0.vertex_count()
+///     fn mesh(&self) -> &Mesh {
+///         &self.0
 ///     }
 ///
 ///     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
-///         let mut distances = vec![f64::INFINITY; self.vertex_count()];
+///         let mut distances = vec![f64::INFINITY; self.0.vertex_count()];
 ///         let mut queue = MinHeap::default();
 ///         for &source in sources {
 ///             distances[source.index()] = 0.0;
@@ -312,8 +312,8 @@ pub trait Propagate: Send {
     /// The counters that this algorithm reports.
     fn counters() -> Vec<Counter>;
 
-    /// Number of vertices of the mesh.
-    fn vertex_count(&self) -> usize;
+    /// The mesh for which it is set up.
+    fn mesh(&self) -> &Mesh;
 
     /// Checks that set-up got all that a run needs. Most algorithms need nothing that can fail.
     ///
@@ -324,7 +324,8 @@ pub trait Propagate: Send {
         Ok(())
     }
 
-    /// Distances of all vertices from the nearest of `sources`. These are not empty, and exist.
+    /// Distances of all vertices from the nearest of `sources`. These are not empty, exist, and are
+    /// no copies. What is found for [copies](Mesh::copies) does not matter.
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution;
 
     /// The machine code of all runs. An implementation repeats this default, with
@@ -393,12 +394,14 @@ impl<T: Propagate> Solver for T {
         goal: &Goal,
         observer: Observer<'_>,
     ) -> Result<Solution, SolveError> {
-        check_sources(self.vertex_count(), sources)?;
-        check_goal(self.vertex_count(), goal)?;
+        let mesh = self.mesh().clone();
+        check_sources(mesh.vertex_count(), sources)?;
+        check_goal(mesh.vertex_count(), goal)?;
         self.check()?;
-        let sources = &*distinct(sources);
+        let sources = &*distinct(&mesh, sources);
+        let goal = &*goal.on(&mesh);
         let runs = self.runs();
-        Ok(match observer {
+        let mut solution = match observer {
             Observer::Nothing if goal.is_everything() => (runs.solve)(self, sources, &mut ()),
             Observer::Nothing => {
                 goal.bound((), |probe| (runs.solve_until)(self, sources, probe))
@@ -412,7 +415,7 @@ impl<T: Propagate> Solver for T {
             }
             Observer::Origins(_) if !T::TRACES => return Err(SolveError::NoPaths),
             Observer::Origins(origins) => {
-                let probe = Origins::new(self.vertex_count(), T::ALONG_EDGES);
+                let probe = Origins::new(mesh.vertex_count(), T::ALONG_EDGES);
                 let run = |probe: &mut _| (runs.trace)(self, sources, probe);
                 let (solution, found) = goal.bound(probe, run);
                 *origins = found;
@@ -426,19 +429,21 @@ impl<T: Propagate> Solver for T {
                 goal.bound(*probe, |probe| (runs.profile_until)(self, sources, probe))
                     .0
             }),
-        })
+        };
+        mesh.fill_copies(&mut solution.distances);
+        Ok(solution)
     }
 }
 
-/// The sources, each once, since some solvers would spawn the windows of each repetition. Ascending
-/// sources are not copied.
-fn distinct(sources: &[VertexId]) -> Cow<'_, [VertexId]> {
-    if sources.is_sorted_by(|a, b| a < b) {
+/// The sources, each once, since some solvers would spawn the windows of each repetition; for
+/// copies the vertices that stand for them. Ascending sources are not copied.
+fn distinct<'s>(mesh: &Mesh, sources: &'s [VertexId]) -> Cow<'s, [VertexId]> {
+    if sources.is_sorted_by(|a, b| a < b) && !sources.iter().any(|&v| mesh.is_copy(v)) {
         return Cow::Borrowed(sources);
     }
     let mut seen = HashSet::new();
-    let once = sources.iter().copied().filter(|&v| seen.insert(v));
-    Cow::Owned(once.collect())
+    let kept = sources.iter().map(|&v| mesh.kept_vertex(v));
+    Cow::Owned(kept.filter(|&v| seen.insert(v)).collect())
 }
 
 /// Checks the sources of a run on a mesh with this number of vertices.

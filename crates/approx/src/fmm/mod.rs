@@ -63,8 +63,8 @@ macro_rules! propagate {
                 vec![Counter::QueuePushes, Counter::QueuePeak]
             }
 
-            fn vertex_count(&self) -> usize {
-                self.march.stencils.vertex_count()
+            fn mesh(&self) -> &Mesh {
+                &self.march.mesh
             }
 
             #[inline(never)]
@@ -85,6 +85,7 @@ propagate!(FmmUntidy);
 /// A march of the front, with vertices in the order of a queue.
 #[derive(Clone, Debug)]
 struct March<Q> {
+    mesh: Mesh,
     stencils: Stencils,
     accepted: Vec<bool>,
     queue: Q,
@@ -93,6 +94,7 @@ struct March<Q> {
 impl<Q: VertexQueue> March<Q> {
     fn new(mesh: &Mesh, unfold: bool, queue: Q) -> Self {
         Self {
+            mesh: mesh.clone(),
             stencils: Stencils::new(mesh, unfold),
             accepted: Vec::new(),
             queue,
@@ -101,7 +103,7 @@ impl<Q: VertexQueue> March<Q> {
 
     fn run<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
         probe.enter(Phase::Propagation);
-        let vertices = self.stencils.vertex_count();
+        let vertices = self.mesh.vertex_count();
         let mut distances = vec![f64::INFINITY; vertices];
         self.accepted.clear();
         self.accepted.resize(vertices, false);

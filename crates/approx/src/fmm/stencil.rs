@@ -91,10 +91,6 @@ impl Stencils {
         Self { all, starts, of }
     }
 
-    pub(super) fn vertex_count(&self) -> usize {
-        self.starts.len() - 1
-    }
-
     /// The stencils with `v` in their base.
     #[inline]
     pub(super) fn with_base(&self, v: VertexId) -> impl Iterator<Item = &Stencil> {

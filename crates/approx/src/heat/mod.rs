@@ -64,6 +64,7 @@ const SOURCE: f64 = f64::from_bits((1023 + 900) << 52);
 /// too short. They are 0 at the sources.
 #[derive(Debug)]
 pub struct Heat {
+    mesh: Mesh,
     /// The mean edge length of the mesh, which is the unit of lengths in `faces`.
     unit: f64,
     faces: Vec<FlowFace>,
@@ -147,6 +148,7 @@ impl Heat {
             .collect();
         let factors = Factors::new(&faces, &components, &boundary, &options);
         Self {
+            mesh: mesh.clone(),
             unit: surface.unit(),
             faces,
             components,
@@ -265,8 +267,8 @@ impl Propagate for Heat {
         vec![Counter::Negative]
     }
 
-    fn vertex_count(&self) -> usize {
-        self.components.len()
+    fn mesh(&self) -> &Mesh {
+        &self.mesh
     }
 
     #[inline(never)]
@@ -282,7 +284,7 @@ impl Propagate for Heat {
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
         probe.enter(Phase::Propagation);
         let Some(factors) = &self.factors else {
-            return Solution::new(vec![f64::INFINITY; self.vertex_count()]);
+            return Solution::new(vec![f64::INFINITY; self.components.len()]);
         };
         let mut sources = sources.to_vec();
         sources.sort_unstable();

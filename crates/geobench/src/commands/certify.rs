@@ -148,9 +148,9 @@ impl FailureRecord {
     }
 
     /// A place at which the proof of the field of `mmp` fails.
-    fn of_proof(failure: &OriginalFailure) -> Self {
+    fn of_proof(failure: &OriginalFailure, mesh: &Mesh) -> Self {
         let (face, vertex) = match failure.place {
-            FailurePlace::Face(face) => (Some(face.raw()), None),
+            FailurePlace::Face(face) => (Some(mesh.file_triangle(face)), None),
             FailurePlace::Vertex(v) => (None, Some(v.raw())),
         };
         Self {
@@ -233,7 +233,7 @@ impl CertificateDocument {
         if proof.relative() > tolerance {
             let of_proof = long.failures.iter().chain(&short.failures);
             let of_proof = of_proof.map(|f| OriginalFailure::new(f, &points.refined, mesh));
-            failures.extend(of_proof.map(|f| FailureRecord::of_proof(&f)));
+            failures.extend(of_proof.map(|f| FailureRecord::of_proof(&f, mesh)));
             judged.retain(|record| record.wrong);
         }
         judged.append(&mut failures);

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::fmt;
 use std::str::FromStr;
 
-use geobench_mesh::{FaceId, Mesh, NearestPoint, Place, SplitMix64, SurfacePoint, VertexId};
+use geobench_mesh::{Mesh, NearestPoint, Place, SplitMix64, SurfacePoint, VertexId};
 use geobench_registry::UsageError;
 
 use crate::schema::SourceLabel;
@@ -111,7 +111,7 @@ impl<'m> Locator<'m> {
         let point = match spec {
             PointSpec::Vertex(v) => mesh.point_at_vertex(VertexId::new(v)),
             PointSpec::Edge(ends, t) => mesh.point_on_edge(ends.map(VertexId::new), t),
-            PointSpec::Face(face, weights) => mesh.point_in_face(FaceId::new(face), weights),
+            PointSpec::Face(face, weights) => mesh.point_in_file_triangle(face, weights),
             PointSpec::At(position) => self.nearest(position).map(|(point, distance)| {
                 from_position = Some(distance);
                 point
@@ -153,7 +153,9 @@ fn place_of(mesh: &Mesh, point: &SurfacePoint) -> String {
         Place::Edge(h, [_, t]) => {
             PointSpec::Edge([mesh.tail(h).raw(), mesh.head(h).raw()], t).to_string()
         }
-        Place::Face(face, weights) => PointSpec::Face(face.raw(), weights).to_string(),
+        Place::Face(face, weights) => {
+            PointSpec::Face(mesh.file_triangle(face), weights).to_string()
+        }
     }
 }
 

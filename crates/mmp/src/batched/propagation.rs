@@ -516,8 +516,8 @@ impl<Q: Discipline> Propagate for Batched<Q> {
         [COUNTERS, Q::COUNTERS].concat()
     }
 
-    fn vertex_count(&self) -> usize {
-        self.state.mesh.vertex_count()
+    fn mesh(&self) -> &Mesh {
+        &self.state.mesh
     }
 
     fn runs(&self) -> CompiledRuns<Self> {

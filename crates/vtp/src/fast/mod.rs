@@ -161,8 +161,8 @@ impl Propagate for VtpFast {
         ]
     }
 
-    fn vertex_count(&self) -> usize {
-        self.mesh.vertex_count()
+    fn mesh(&self) -> &Mesh {
+        &self.mesh
     }
 
     #[inline(never)]

@@ -205,8 +205,8 @@ impl Propagate for Pvtp {
         ]
     }
 
-    fn vertex_count(&self) -> usize {
-        self.mesh.vertex_count()
+    fn mesh(&self) -> &Mesh {
+        &self.mesh
     }
 
     #[inline(never)]

@@ -598,8 +598,8 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
         [COUNTERS, W::COUNTERS, Q::COUNTERS].concat()
     }
 
-    fn vertex_count(&self) -> usize {
-        self.mesh.vertex_count()
+    fn mesh(&self) -> &Mesh {
+        &self.mesh
     }
 
     fn runs(&self) -> CompiledRuns<Self> {

@@ -8,10 +8,14 @@ use clap::{Args, ValueEnum};
 use geobench_harness::exec::affinity::{self, CpuList};
 use geobench_harness::exec::isolate::Isolated;
 use geobench_harness::exec::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
+use geobench_harness::exec::model::{self, ModelRef};
 use geobench_harness::plan::suite;
 use geobench_harness::schema::IsolationRecord;
 use geobench_mesh::io::{ObjReader, ReadOptions};
+use geobench_mesh::{Mesh, Weld};
 use geobench_registry::{Programs, Selection};
+
+use crate::terminal;
 
 #[derive(Args, Debug)]
 pub(crate) struct IsolationOptions {
@@ -32,6 +36,9 @@ pub(crate) struct IsolationOptions {
 
     #[command(flatten)]
     pub(crate) decompression: DecompressionOptions,
+
+    #[command(flatten)]
+    pub(crate) weld: WeldOption,
 
     /// Processors that cells may run on, such as 3 or 0,4-7 [default: all]
     #[arg(long, value_name = "LIST", allow_negative_numbers = true)]
@@ -59,11 +66,30 @@ impl DecompressionOptions {
     }
 }
 
+/// Which vertices of models are welded, in every command that reads models.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct WeldOption {
+    /// Make vertices at one place one vertex: without TOL those at exactly one place, else those
+    /// within TOL of the first, as a fraction of the diagonal of the bounding box. Vertices keep
+    /// their numbers
+    #[arg(
+        long,
+        value_name = "TOL",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "0"
+    )]
+    pub(crate) weld: Option<Weld>,
+}
+
 /// How a model is read.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct ReadingOptions {
     #[command(flatten)]
     decompression: DecompressionOptions,
+
+    #[command(flatten)]
+    weld: WeldOption,
 
     /// What reads OBJ files: direct (this program), or tobj (a library, to compare with)
     #[arg(
@@ -73,6 +99,40 @@ pub(crate) struct ReadingOptions {
         hide_possible_values = true
     )]
     reader: Reader,
+}
+
+impl ReadingOptions {
+    /// The only model that `argument` names.
+    ///
+    /// # Errors
+    ///
+    /// If there is none, or several.
+    pub(crate) fn model(&self, argument: &str) -> anyhow::Result<ModelRef> {
+        Ok(model::only(argument)?.welded(self.weld.weld))
+    }
+
+    /// The models that `arguments` name.
+    ///
+    /// # Errors
+    ///
+    /// If an argument names none.
+    pub(crate) fn models(&self, arguments: &[String]) -> anyhow::Result<Vec<ModelRef>> {
+        let models = model::collect(arguments)?.into_iter();
+        Ok(models.map(|model| model.welded(self.weld.weld)).collect())
+    }
+
+    /// The mesh of `model`. Unless `quiet`, prints what validation repairs and notes.
+    ///
+    /// # Errors
+    ///
+    /// If the model cannot be used.
+    pub(crate) fn mesh(&self, model: &ModelRef, quiet: bool) -> anyhow::Result<Mesh> {
+        let (mesh, report) = model.mesh_within(*self)?;
+        if !quiet {
+            terminal::notes_on(&model.name, &report.notes());
+        }
+        Ok(mesh)
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

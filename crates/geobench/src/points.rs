@@ -1,5 +1,6 @@
 //! Locates the sources and targets of a command on a mesh.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use anyhow::{Context, anyhow};
@@ -183,6 +184,39 @@ impl LocatedPoints {
             radius,
         };
         goal.of_solver(self.targets.as_ref().map(|(_, vertices)| &vertices[..]))
+    }
+
+    /// Notes on standard error how much of the model is connected with the sources, if not all is.
+    pub(crate) fn note_components(&self, mesh: &Mesh) {
+        let of_vertices = self.refined.mesh.components();
+        let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
+        for v in mesh
+            .vertices()
+            .filter(|&v| !mesh.outgoing(v).is_empty() || mesh.is_copy(v))
+        {
+            *sizes.entry(of_vertices[v.index()]).or_default() += 1;
+        }
+        let mut reached: Vec<u32> = (self.sources.iter())
+            .map(|(_, v)| of_vertices[v.index()])
+            .collect();
+        reached.sort_unstable();
+        reached.dedup();
+        let (all, vertices) = (sizes.len(), mesh.vertex_count());
+        if all <= 1 || reached.len() >= all {
+            return;
+        }
+        let connected = reached.iter().filter_map(|part| sizes.get(part));
+        let connected: usize = connected.sum();
+        terminal::notes(&[match &self.sources[..] {
+            [(label, _)] => format!(
+                "source {label} is in a component of {connected} of {vertices} vertices; {all} \
+                 components"
+            ),
+            _ => format!(
+                "the sources are in {} of {all} components, with {connected} of {vertices} vertices",
+                reached.len()
+            ),
+        }]);
     }
 
     /// Prints the notes, one per line.

@@ -95,6 +95,13 @@ pub(crate) fn notes(messages: &[String]) {
     }
 }
 
+/// Writes a note on a model for each of `messages` to standard error.
+pub(crate) fn notes_on(model: &str, messages: &[String]) {
+    for message in messages {
+        note("note", &format!("{model}: {message}"));
+    }
+}
+
 fn note(kind: &str, message: &str) {
     let message = printable(message);
     // Write errors are ignored: there is no other place to report them.

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use crate::frames::{FaceShapes, apexes_from_lengths, apexes_from_positions, measure};
 use crate::generate::{GenerateError, Spec, generate};
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
-use crate::io::{self, FileError};
-use crate::report::InvalidMesh;
+use crate::io::{FileError, ReadOptions};
+use crate::report::{InvalidMesh, Report};
 use crate::soup::TriangleSoup;
 use crate::stand_ins::StandIns;
 
@@ -169,20 +169,45 @@ impl Mesh {
     }
 
     /// Reads an OBJ, PLY, OFF or STL file, which may be compressed with gzip, and builds its mesh.
-    /// Combines [`io::read`] and [`from_soup`](Self::from_soup).
+    /// Combines [`io::read`](crate::io::read) and [`from_soup`](Self::from_soup).
     ///
     /// # Errors
     ///
     /// If the file cannot be read or its mesh is invalid. The message names the file, and the line
     /// or the elements.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, MeshError> {
+        Self::read_with(path, ReadOptions::default()).map(|(mesh, _)| mesh)
+    }
+
+    /// As [`read`](Self::read), with these options. Returns the repairs and notes as well.
+    ///
+    /// ```
+    /// use geobench_mesh::{Mesh, Weld, io::ReadOptions};
+    ///
+    /// # let dir = tempfile::tempdir()?;
+    /// # let path = dir.path().join("seam.off");
+    /// // Vertices 1 and 2 are given once more, for the second triangle.
+    /// let text = "OFF\n6 2 0\n0 0 0\n1 0 0\n0 1 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2\n3 3 5 4\n";
+    /// std::fs::write(&path, text)?;
+    /// let options = ReadOptions { weld: Some(Weld::COINCIDENT), ..ReadOptions::default() };
+    /// let (mesh, _report) = Mesh::read_with(&path, options)?;
+    /// assert_eq!(mesh.kept_vertex(4.into()), 2.into());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`read`](Self::read).
+    pub fn read_with(
+        path: impl AsRef<Path>,
+        options: ReadOptions,
+    ) -> Result<(Self, Report), MeshError> {
         let path = path.as_ref();
         let invalid = |error| MeshError::Invalid {
             path: path.to_owned(),
             error,
         };
-        let (mesh, _) = Self::from_soup(io::read(path)?).map_err(invalid)?;
-        Ok(mesh)
+        Self::from_soup(options.read(path)?).map_err(invalid)
     }
 
     /// Makes the model of a spec, such as `torus,faces=5000`; see [`generate`](crate::generate).

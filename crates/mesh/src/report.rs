@@ -66,6 +66,24 @@ impl Report {
             .filter(move |defect| defect.severity() == severity)
     }
 
+    /// What a user should know before using the mesh, in at most two lines: repairs and notes
+    /// without their elements, then vertices that welding would join.
+    pub fn notes(&self) -> Vec<String> {
+        let (joinable, others): (Vec<_>, Vec<_>) = self
+            .summaries()
+            .into_iter()
+            .filter(|summary| summary.kind.severity() != Severity::Fatal)
+            .partition(|summary| summary.kind == DefectKind::CoincidentVertices);
+        let others = others.iter().map(|s| headline(s.kind, s.count));
+        let others: Vec<String> = others.collect();
+        let mut notes: Vec<String> = Vec::new();
+        if !others.is_empty() {
+            notes.push(others.join("; "));
+        }
+        notes.extend(joinable.iter().map(|s| format!("{}; {}", s.text, s.advice)));
+        notes
+    }
+
     /// One sentence for each kind of defect, in the order of [`DefectKind`], fatal ones first.
     pub fn summaries(&self) -> Vec<DefectSummary> {
         self.defects
@@ -94,6 +112,9 @@ impl fmt::Display for InvalidMesh {
                 write!(f, "{separator}{}", summary.text)?;
                 if !summary.advice.is_empty() {
                     write!(f, "; {}", summary.advice)?;
+                }
+                if summary.kind == DefectKind::WeldedVertices {
+                    f.write_str("; --weld with a smaller tolerance, or none, joins less")?;
                 }
                 separator = ". Also: ";
                 names_elements |= !matches!(
@@ -239,7 +260,6 @@ fn advice(kind: DefectKind, defects: &[Defect]) -> String {
             [Defect::CoincidentVertices { near: 0, .. }] => "--weld does it",
             _ => "--weld=1e-7 does it",
         },
-        DefectKind::WeldedVertices => "--weld with a smaller tolerance, or none, joins less",
         DefectKind::NoVertices | DefectKind::ShortFace | DefectKind::FileForm => {
             "check that the file is complete"
         }
@@ -266,6 +286,7 @@ fn advice(kind: DefectKind, defects: &[Defect]) -> String {
         | DefectKind::RepeatedFace
         | DefectKind::CollapsedFace
         | DefectKind::ZeroLengthEdge
+        | DefectKind::WeldedVertices
         | DefectKind::FlatFace
         | DefectKind::PinchedVertex
         | DefectKind::SeveralComponents

@@ -68,10 +68,9 @@ fn copies_keep_their_number_and_place_and_get_the_values_of_the_first() {
 #[test]
 fn a_vertex_gathers_a_ball_and_no_chain() {
     // A fan whose lower vertices are 1 apart.
-    let mut soup = TriangleSoup::default();
-    soup.positions = (0..21).map(|x| [f64::from(x), 0.0, 0.0]).collect();
-    soup.positions.push([10.5, 4.0, 0.0]);
-    soup.triangles = (0..20).map(|x| [x, x + 1, 21]).collect();
+    let lower = (0..21).map(|x| [f64::from(x), 0.0, 0.0]);
+    let positions = lower.chain([[10.5, 4.0, 0.0]]).collect();
+    let mut soup = TriangleSoup::new(positions, (0..20).map(|x| [x, x + 1, 21]).collect());
     soup.weld(Weld::within(1.1 / 20f64.hypot(4.0)).unwrap());
     let pairs: Vec<[u32; 2]> = (0..10).map(|x| [2 * x + 1, 2 * x]).collect();
     assert_eq!(soup.copies, pairs);

@@ -7,7 +7,6 @@ use clap::{Args, ValueEnum};
 use geobench_certify::{Bound, FailurePlace};
 use geobench_export::json_lines;
 use geobench_harness::exec::expected::Expected;
-use geobench_harness::exec::model;
 use geobench_mesh::threads::Threads;
 use geobench_mesh::{Mesh, VertexId};
 use geodesics::{Certificate, Judgement, OriginalFailure};
@@ -63,9 +62,10 @@ pub(crate) enum CertificateFormat {
 
 pub(crate) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     let threads = Threads::start(options.threads as usize)?;
-    let model = model::only(&options.model)?;
-    let mesh = &threads.run(|| model.mesh_within(options.reading))?;
+    let model = options.reading.model(&options.model)?;
+    let mesh = &threads.run(|| options.reading.mesh(&model, false))?;
     let points = LocatedPoints::new(mesh, &options.sources.all(), None, &model.path)?;
+    points.note_components(mesh);
     if options.format == CertificateFormat::Text {
         points.print_notes()?;
     }

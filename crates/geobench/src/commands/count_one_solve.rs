@@ -6,7 +6,7 @@ use geobench_harness::exec::model;
 use geobench_harness::exec::source::{Locator, SourceSpec, TargetSpec};
 use geobench_harness::measure::instructions;
 
-use crate::isolation::DecompressionOptions;
+use crate::isolation::{DecompressionOptions, WeldOption};
 
 #[derive(Args, Debug)]
 pub(crate) struct CountOneSolveOptions {
@@ -24,12 +24,15 @@ pub(crate) struct CountOneSolveOptions {
     simd: Option<String>,
     #[command(flatten)]
     decompression: DecompressionOptions,
+    #[command(flatten)]
+    weld: WeldOption,
 }
 
 /// The hidden command that callgrind runs: one solve, whose instructions are counted.
 pub(crate) fn count_one_solve(options: &CountOneSolveOptions) -> anyhow::Result<()> {
     let selection = instructions::announce(&options.algorithm, options.simd.as_deref())?;
-    let mesh = model::only(&options.model)?.mesh_within(options.decompression.limit())?;
+    let model = model::only(&options.model)?.welded(options.weld.weld);
+    let (mesh, _) = model.mesh_within(options.decompression.limit())?;
     let sources = options.source.points(mesh.vertex_count())?;
     let goal = GoalSpec {
         targets: options.target.clone(),

@@ -9,7 +9,6 @@ use geobench_export::FileFormat;
 use geobench_export::distances::{DistanceFile, DistanceMatrix, FieldFormat, MatrixFormat};
 use geobench_export::output::{OutputFile, check_files};
 use geobench_harness::exec::expected::file_word;
-use geobench_harness::exec::model;
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::threads::Threads;
 use geobench_mesh::{Mesh, VertexId};
@@ -88,7 +87,7 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         bail!("--each writes a file for each source: name one, or add --matrix for a single table");
     }
     let output = OutputFile::prepare(&options.output)?;
-    let model = model::only(&options.model)?;
+    let model = options.reading.model(&options.model)?;
     let read: Vec<&Path> = model
         .source_file()
         .into_iter()
@@ -108,13 +107,16 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         );
     }
     let threads = Threads::start(options.threads as usize)?;
-    let mesh = threads.run(|| model.mesh_within(options.reading))?;
+    let mesh = threads.run(|| options.reading.mesh(&model, options.quiet))?;
     let points = LocatedPoints::new(
         &mesh,
         &options.sources.all(),
         wanted.as_deref(),
         &model.path,
     )?;
+    if !options.quiet {
+        points.note_components(&mesh);
+    }
     let is_quiet = options.quiet || options.output == Path::new("-");
     if !is_quiet {
         points.print_notes()?;

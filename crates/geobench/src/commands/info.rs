@@ -5,7 +5,7 @@ use std::fmt::Write;
 use clap::Args;
 use geobench_export::escape::printable;
 use geobench_export::json_lines;
-use geobench_harness::exec::model::{self, LoadedModel, ModelError, ModelRef};
+use geobench_harness::exec::model::{LoadedModel, ModelError, ModelRef};
 use geobench_harness::measure::number::grouped;
 use geobench_mesh::{DefectSummary, Report, Severity};
 use serde_json::{Value, json};
@@ -34,7 +34,7 @@ pub(crate) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
     let mut verdict = Verdict::Passed;
     let mut list = Vec::new();
     let as_json = options.format == ListFormat::Json;
-    for (i, model) in model::collect(&options.models)?.iter().enumerate() {
+    for (i, model) in options.reading.models(&options.models)?.iter().enumerate() {
         if as_json {
             let loaded = model.load(options.reading);
             if let Err(error) = &loaded {

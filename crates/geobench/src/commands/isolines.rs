@@ -9,7 +9,6 @@ use geobench_export::FileFormat;
 use geobench_export::isolines::{IsolineFormat, IsolineSet};
 use geobench_export::output::{check_files, prepare_one};
 use geobench_export::picture::Scene;
-use geobench_harness::exec::model;
 use geobench_harness::measure::number::counted;
 use geobench_isolines::{DistanceField, Isoline};
 use geobench_window::precision;
@@ -84,10 +83,13 @@ const TOLERANCE: f64 = 1e-4;
 
 pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let (format, output) = prepare_one::<IsolineFormat>(&options.output)?;
-    let model = model::only(&options.model)?;
+    let model = options.reading.model(&options.model)?;
     check_files([&output], model.source_file())?;
-    let mesh = &model.mesh_within(options.reading)?;
+    let mesh = &options.reading.mesh(&model, options.quiet)?;
     let points = LocatedPoints::new(mesh, &options.sources.all(), None, &model.path)?;
+    if !options.quiet {
+        points.note_components(mesh);
+    }
     let is_quiet = options.quiet || options.output == Path::new("-");
     if !is_quiet {
         points.print_notes()?;

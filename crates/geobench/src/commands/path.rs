@@ -13,7 +13,6 @@ use geobench_export::FileFormat;
 use geobench_export::output::{check_files, prepare_one};
 use geobench_export::paths::{FoundPath, PathFormat, PathSet};
 use geobench_export::picture::Scene;
-use geobench_harness::exec::model;
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_paths::{Path, PathPlace, Paths, Point};
@@ -77,12 +76,15 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     }
     let output = options.output.as_deref();
     let output = output.map(prepare_one::<PathFormat>).transpose()?;
-    let model = model::only(&options.model)?;
+    let model = options.reading.model(&options.model)?;
     check_files(output.iter().map(|(_, file)| file), model.source_file())?;
-    let mesh = &model.mesh_within(options.reading)?;
+    let mesh = &options.reading.mesh(&model, options.quiet)?;
     let wanted: Option<Vec<WantedTarget>> =
         (!options.all_targets).then(|| options.target.iter().map(|t| (t.clone(), None)).collect());
     let points = LocatedPoints::new(mesh, &options.sources.all(), wanted.as_deref(), &model.path)?;
+    if !options.quiet {
+        points.note_components(mesh);
+    }
     if !options.quiet && options.output.as_deref() != Some(FilePath::new("-")) {
         points.print_notes()?;
     }

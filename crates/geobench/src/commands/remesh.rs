@@ -10,7 +10,6 @@ use geobench_export::diagrams;
 use geobench_export::ending_of;
 use geobench_export::output::{OutputFile, check_files};
 use geobench_export::picture::{Paint, Scene};
-use geobench_harness::exec::model;
 use geobench_mesh::io as mesh_io;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_voronoi::{Quality, RemeshOptions as Sites, Remeshed, SurfaceDeviation};
@@ -72,9 +71,9 @@ pub(crate) fn remesh(options: &RemeshingOptions) -> anyhow::Result<Verdict> {
     };
     let mut outputs = vec![&output];
     outputs.extend(picture.as_ref().map(|(_, output)| output));
-    let model = model::only(&options.model)?;
+    let model = options.reading.model(&options.model)?;
     check_files(outputs, model.source_file())?;
-    let mesh = &model.mesh_within(options.reading)?;
+    let mesh = &options.reading.mesh(&model, options.quiet)?;
     let sites = Sites {
         sites: options.sites as usize,
         lloyd: options.lloyd as usize,

@@ -432,6 +432,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         timeout: options.isolation.timeout,
         memory_limit: options.isolation.memory_limit,
         max_decompressed: options.isolation.decompression.max_decompressed,
+        weld: options.isolation.weld.weld,
         reference: reference.map(|reference| Spanned::new(0..0, reference)),
         rows: options.rows.clone(),
         ratios_to: options.ratios_to.clone(),
@@ -829,6 +830,9 @@ impl Listener for Reporter {
         if let Some(bytes) = self.decompressed.0 {
             options.push(format!("--max-decompressed={bytes}"));
         }
+        if let Some(tolerance) = model.weld {
+            options.push(format!("--weld={tolerance:?}"));
+        }
         Some(Box::new(move |model, cell| {
             let (path, algorithm) = (&model.path, &cell.algorithm);
             let is_stopped = interrupt::requested;
@@ -858,6 +862,10 @@ impl Listener for Reporter {
     fn model_done(&mut self, model: &ModelRecord, cells: &[Cell]) -> anyhow::Result<()> {
         if self.result.models.iter().all(|m| m.name != model.name) {
             self.result.models.push(model.clone());
+            if !self.quiet {
+                let notes = || terminal::notes_on(&model.name, &model.notes);
+                self.progress.suspend(notes);
+            }
         }
         self.result.cells.extend_from_slice(cells);
         // Whatever happens to standard output, the files have the cells.

@@ -90,6 +90,9 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     } else {
         model::collect(&options.models)?
     };
+    let weld = options.isolation.weld.weld;
+    let models = models.into_iter().map(|model| model.welded(weld));
+    let models: Vec<ModelRef> = models.collect();
     let mut algorithms = match &options.algo {
         Some(named) => named.0.clone(),
         None => registry::select("exact")?,
@@ -238,6 +241,9 @@ impl LoadedModelCheck<'_> {
     /// Checks the model from the requested sources, and from those with stored distances.
     fn verify(&self, session: &mut dyn Session, tally: &mut VerifyTally) -> anyhow::Result<()> {
         let vertices = self.record.vertex_count();
+        if !self.options.quiet {
+            terminal::notes_on(&self.record.name, &self.record.notes);
+        }
         let mut sources = match self.sources.points(vertices) {
             Ok(sources) => sources,
             Err(error) => {

@@ -12,7 +12,6 @@ use geobench_export::diagrams::{self, BorderFormat, DiagramFile, DiagramFormat, 
 use geobench_export::output::{OutputFile, check_files, prepare_one};
 use geobench_export::picture::{Paint, Scene};
 use geobench_export::{FileFormat, no_coordinates};
-use geobench_harness::exec::model;
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::VertexId;
 use geobench_mesh::io as mesh_io;
@@ -85,10 +84,13 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     if options.algo.algorithm().field.is_none() {
         return Err(no_diagram(&options.algo));
     }
-    let model = model::only(&options.model)?;
+    let model = options.reading.model(&options.model)?;
     check_files(outputs, model.source_file())?;
-    let mesh = &model.mesh_within(options.reading)?;
+    let mesh = &options.reading.mesh(&model, options.quiet)?;
     let points = LocatedPoints::new(mesh, &options.sources.all(), Some(&[]), &model.path)?;
+    if !options.quiet {
+        points.note_components(mesh);
+    }
     let refined = &points.refined.mesh;
     let sources = points.source_vertices();
     let Some(mut solver) = options.algo.field_solver(refined) else {

@@ -35,3 +35,4 @@ mod threads;
 mod tolerance;
 mod verify;
 mod voronoi;
+mod weld;

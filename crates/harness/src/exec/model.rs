@@ -11,7 +11,7 @@ pub mod standard_input;
 
 use geobench_mesh::generate::{self, Spec};
 use geobench_mesh::io::ReadOptions;
-use geobench_mesh::{InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, io as mesh_io};
+use geobench_mesh::{InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, Weld, io as mesh_io};
 use sha2::{Digest, Sha256};
 
 use crate::exec::expected::stem;
@@ -26,6 +26,8 @@ pub struct ModelRef {
     /// The file as the user wrote it, or `gen:` and the spec.
     pub path: String,
     origin: ModelOrigin,
+    /// Which of its vertices are welded. Its name says so, too.
+    weld: Option<Weld>,
 }
 
 #[derive(Clone, Debug)]
@@ -159,7 +161,7 @@ pub(crate) fn make_names_unique(models: &mut [ModelRef]) {
     let mut seen = HashMap::<String, usize>::new();
     for model in models {
         if uses[&model.name] > 1 {
-            model.name.clone_from(&model.path);
+            model.name = format!("{}{}", model.path, model.weld_suffix());
         }
         let count = seen.entry(model.name.clone()).or_default();
         *count += 1;
@@ -175,6 +177,7 @@ impl ModelRef {
             name: stem(&path),
             path: path.display().to_string(),
             origin: ModelOrigin::File(path),
+            weld: None,
         }
     }
 
@@ -191,6 +194,7 @@ impl ModelRef {
             name: spec.strip_prefix("gen:").unwrap_or(spec).to_owned(),
             path: parsed.to_string(),
             origin: ModelOrigin::Generated(parsed),
+            weld: None,
         })
     }
 
@@ -200,6 +204,32 @@ impl ModelRef {
             name: name.to_owned(),
             path: name.to_owned(),
             origin: ModelOrigin::Memory(mesh.clone()),
+            weld: None,
+        }
+    }
+
+    /// The model with these vertices welded. It is another model: its name ends in `-weld` or, with
+    /// a tolerance, such as `-weld=1e-6`. A mesh in memory stays as it is.
+    #[must_use]
+    pub fn welded(mut self, weld: Option<Weld>) -> Self {
+        if !matches!(self.origin, ModelOrigin::Memory(_)) {
+            self.weld = weld;
+            self.name += &self.weld_suffix();
+        }
+        self
+    }
+
+    /// Which of its vertices are welded.
+    pub const fn weld(&self) -> Option<Weld> {
+        self.weld
+    }
+
+    /// The end of the name of a welded model.
+    pub(crate) fn weld_suffix(&self) -> String {
+        match self.weld {
+            None => String::new(),
+            Some(Weld::COINCIDENT) => "-weld".to_owned(),
+            Some(weld) => format!("-weld={weld}"),
         }
     }
 
@@ -229,6 +259,7 @@ impl ModelRef {
             name: name.to_owned(),
             path: format!("{name}.obj"),
             origin: ModelOrigin::File(PathBuf::from(format!("{name}.obj"))),
+            weld: None,
         }
     }
 
@@ -237,15 +268,23 @@ impl ModelRef {
     /// # Errors
     ///
     /// When the argument is invalid.
-    pub(crate) fn named_by(argument: &OsStr, name: String) -> Result<Self, ModelError> {
+    pub(crate) fn named_by(
+        argument: &OsStr,
+        name: String,
+        weld: Option<Weld>,
+    ) -> Result<Self, ModelError> {
         let model = match argument.to_str().filter(|text| Spec::is_spec(text)) {
             Some(spec) => Self::generated(spec)?,
             None => Self::file(argument.into()),
         };
-        Ok(Self { name, ..model })
+        Ok(Self {
+            name,
+            weld,
+            ..model
+        })
     }
 
-    /// Identifies the model, except its name, to a child process.
+    /// Identifies the model, except its name and weld, to a child process.
     pub(crate) fn argument(&self) -> &OsStr {
         match &self.origin {
             ModelOrigin::File(path) => path.as_os_str(),
@@ -289,28 +328,33 @@ impl ModelRef {
         ModelRecord {
             name: self.name.clone(),
             path: self.path.clone(),
+            weld: self.weld.map(Weld::tolerance),
             ..ModelRecord::default()
         }
     }
 
-    /// Reads or generates the triangles, unchecked.
+    /// Reads or generates the triangles, unchecked, and welds their vertices.
     ///
     /// # Errors
     ///
     /// When the file or generator does not exist or is invalid.
     pub fn read(&self, options: impl Into<ReadOptions>) -> Result<TriangleSoup, ModelError> {
         let options = options.into();
-        match &self.origin {
-            ModelOrigin::File(path) => read_file(path, options),
-            ModelOrigin::Memory(mesh) => Ok(mesh.to_soup()),
+        let mut soup = match &self.origin {
+            ModelOrigin::File(path) => read_file(path, options)?,
+            ModelOrigin::Memory(mesh) => mesh.to_soup(),
             ModelOrigin::Generated(spec) => {
                 let made = match spec.path() {
                     Some(path) => spec.modifiers().apply(read_file(Path::new(path), options)?),
                     None => generate::generate(spec),
                 };
-                made.map_err(|error| ModelError::Unreadable(format!("{}: {error}", self.path)))
+                made.map_err(|error| ModelError::Unreadable(format!("{}: {error}", self.path)))?
             }
+        };
+        if let Some(weld) = self.weld {
+            soup.weld(weld);
         }
+        Ok(soup)
     }
 
     /// Reads or generates the model, checks it and builds its mesh. Files are read with `options`,
@@ -332,6 +376,10 @@ impl ModelRef {
             ModelOrigin::File(path) => hash_file(path).ok(),
             ModelOrigin::Generated(_) | ModelOrigin::Memory(_) => Some(hash_soup(&soup)),
         };
+        let sha256 = sha256.map(|hash| match self.weld {
+            None => hash,
+            Some(weld) => hexadecimal(Sha256::new_with_prefix(format!("{hash} weld={weld}"))),
+        });
         let start = Instant::now();
         let (mesh, report) = self.build(soup)?;
         let build_seconds = start.elapsed().as_secs_f64();
@@ -341,17 +389,20 @@ impl ModelRef {
         Ok(loaded)
     }
 
-    /// Its mesh alone. As [`load`](Self::load), but nothing is hashed or measured.
+    /// Its mesh, with its defects and repairs. As [`load`](Self::load), but nothing is hashed or
+    /// measured.
     ///
     /// # Errors
     ///
     /// As [`load`](Self::load).
-    pub fn mesh_within(&self, options: impl Into<ReadOptions>) -> Result<Mesh, ModelError> {
+    pub fn mesh_within(
+        &self,
+        options: impl Into<ReadOptions>,
+    ) -> Result<(Mesh, Report), ModelError> {
         if let ModelOrigin::Memory(mesh) = &self.origin {
-            return Ok(mesh.clone());
+            return Ok((mesh.clone(), Report::default()));
         }
-        let (mesh, _) = self.build(self.read(options)?)?;
-        Ok(mesh)
+        self.build(self.read(options)?)
     }
 
     fn build(&self, soup: TriangleSoup) -> Result<(Mesh, Report), ModelError> {
@@ -375,6 +426,7 @@ impl ModelRef {
             saddles: Some(measures.saddles as u64),
             anisotropy: Some(measures.anisotropy),
             longest_edge: Some(measures.max_edge_length),
+            notes: report.notes(),
             ..self.record()
         };
         LoadedModel {

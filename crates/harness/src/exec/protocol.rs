@@ -35,7 +35,7 @@ pub(crate) struct Request {
 }
 
 /// Last argument of a child of this program.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ChildSettings {
     /// Name of the model.
     pub(crate) name: String,
@@ -45,6 +45,8 @@ pub(crate) struct ChildSettings {
     pub(crate) memory_limit: Option<u64>,
     /// Bytes that a compressed model may decompress to; the default limit if null.
     pub(crate) max_decompressed: Option<u64>,
+    /// Tolerance within which vertices of the model are welded; none are if null.
+    pub(crate) weld: Option<f64>,
 }
 
 /// A line of a child. Every field is optional; unknown fields are errors, so that a typo does not

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::path::Path;
 use std::str::FromStr;
 
+use geobench_mesh::Weld;
 use geobench_registry::UsageError;
 use geobench_registry::{self as registry, Programs, Selection, SimdChoice};
 use serde::de::Error;
@@ -339,6 +340,7 @@ fn model(model: &ModelRef) -> PlannedModel {
     PlannedModel {
         name: model.name.clone(),
         spec: model.spec(),
+        weld: model.weld().map(Weld::tolerance),
         file_sha256: model.file_sha256(),
     }
 }

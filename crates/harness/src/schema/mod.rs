@@ -242,8 +242,13 @@ pub struct ModelRecord {
     /// Path of the file, or specification of the generator.
     pub path: String,
     /// SHA-256 of the bytes of the file on disk, before decompression. Of a generated model: of its
-    /// positions (little-endian f64) followed by its triangles (little-endian u32).
+    /// positions (little-endian f64) followed by its triangles (little-endian u32). Of a welded
+    /// model: of that hash and the tolerance.
     pub sha256: Option<String>,
+    /// Tolerance within which vertices are welded, as a fraction of the diagonal of the bounding
+    /// box; 0 for those at exactly one place. Null if none are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weld: Option<f64>,
     /// Number of vertices, isolated ones included.
     pub vertices: Option<u64>,
     /// Number of triangles.
@@ -269,6 +274,9 @@ pub struct ModelRecord {
     pub load_seconds: Option<f64>,
     /// Seconds to check it and to build the half-edge mesh.
     pub build_seconds: Option<f64>,
+    /// Repairs and notes, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
 }
 
 impl ModelRecord {

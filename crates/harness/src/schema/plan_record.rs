@@ -80,12 +80,15 @@ pub struct Precision {
 }
 
 /// A model of a plan.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlannedModel {
     /// Name of the model, unique in the plan.
     pub name: String,
     /// Specification of the generator with all defaults; null for a file.
     pub spec: Option<String>,
+    /// Tolerance within which its vertices are welded; null if none are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weld: Option<f64>,
     /// SHA-256 of the file, or of the file that the generator starts from; null if there is none, and
     /// if it cannot be read.
     pub file_sha256: Option<String>,

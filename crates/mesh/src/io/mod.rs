@@ -35,6 +35,7 @@ use std::io;
 use std::path::Path;
 
 use crate::soup::TriangleSoup;
+use crate::weld::Weld;
 use error::Flaw;
 pub use error::{FileError, FilePosition};
 pub use gzip::usual_decompression_limit;
@@ -139,6 +140,9 @@ pub struct ReadOptions {
     pub max_decompressed: Option<u64>,
     /// The reader of OBJ files.
     pub obj_reader: ObjReader,
+    /// Which vertices are [welded](TriangleSoup::weld); `None` for none. STL files have no vertex
+    /// numbers, so that their coincident vertices always are.
+    pub weld: Option<Weld>,
 }
 
 /// A reader of OBJ files. If both readers accept a file, they return the same.
@@ -213,7 +217,7 @@ impl ReadOptions {
             (Format::Off, _) => off::read(bytes),
             (Format::Stl, _) => stl::read(bytes),
         };
-        soup.map_err(|Flaw { place, mut problem }| {
+        let mut soup = soup.map_err(|Flaw { place, mut problem }| {
             if let Some(other) = Format::from_content(bytes).filter(|&other| other != format) {
                 problem.push_str(" (it starts like a file in ");
                 problem.push_str(other.name());
@@ -224,7 +228,11 @@ impl ReadOptions {
                 place,
                 problem,
             }
-        })
+        })?;
+        if let Some(weld) = self.weld {
+            soup.weld(weld);
+        }
+        Ok(soup)
     }
 }
 

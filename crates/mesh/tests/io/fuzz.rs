@@ -21,6 +21,7 @@ const LONGEST: Duration = Duration::from_secs(5);
 const OPTIONS: ReadOptions = ReadOptions {
     max_decompressed: Some(1 << 20),
     obj_reader: ObjReader::Direct,
+    weld: None,
 };
 
 /// Most memory that reading and checking may take, of all tests that run at the same time.

@@ -33,6 +33,7 @@ fn tobj(bytes: impl AsRef<[u8]>) -> Result<TriangleSoup, FileError> {
     let options = ReadOptions {
         max_decompressed: Some(1 << 20),
         obj_reader: ObjReader::Tobj,
+        weld: None,
     };
     options.read_bytes(bytes.as_ref(), Format::Obj, Path::new("test"))
 }

@@ -4,6 +4,7 @@ use std::ffi::OsStr;
 use std::io::{self, BufRead, Write};
 use std::sync::Mutex;
 
+use geobench_mesh::Weld;
 use geobench_registry as registry;
 use sha2::{Digest, Sha256};
 
@@ -44,7 +45,9 @@ pub fn cell(model: &OsStr, settings: &str) -> io::Result<()> {
             ..Reply::default()
         })
     };
-    let model = match ModelRef::named_by(model, settings.name) {
+    let weld = settings.weld.map(Weld::within).transpose();
+    let weld = weld.map_err(io::Error::other)?;
+    let model = match ModelRef::named_by(model, settings.name, weld) {
         Ok(model) => model,
         Err(error) => return refuse(error.to_string()),
     };

@@ -35,7 +35,7 @@ use std::process::Command;
 use std::sync::Arc;
 use std::time::Instant;
 
-use geobench_mesh::{Mesh, TriangleSoup, VertexId, io as mesh_io};
+use geobench_mesh::{Mesh, VertexId, Weld, io as mesh_io};
 use tempfile::TempDir;
 
 use crate::exec::affinity::CpuList;
@@ -43,7 +43,7 @@ use crate::exec::in_process::InProcess;
 use crate::exec::limits::{DecompressionLimit, Limits, Timeout};
 use crate::exec::model::ModelRef;
 use crate::exec::protocol::{ChildSettings, Reply, Request, SOLVE};
-use crate::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
+use crate::exec::source::{Locator, SourceSpec, TargetSpec};
 use crate::exec::{Backend, Components, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::Peaks;
 use crate::schema::{ModelRecord, SourceLabel, Status};
@@ -165,8 +165,8 @@ struct Outside {
     program: Arc<Program>,
     /// The file to which it writes distances.
     output: PathBuf,
-    /// Number of vertices of the model that it reads, which is refined at the source.
-    vertices: usize,
+    /// The mesh that it reads, which is refined at the source.
+    mesh: Mesh,
     /// Actual position of the source, if it differs from the requested one.
     note: Option<String>,
 }
@@ -177,7 +177,8 @@ struct ExchangeFolder {
     /// The model as an OBJ file, with unchanged vertex numbers. If the source is not a vertex, the
     /// model has an additional one.
     model: PathBuf,
-    vertices: usize,
+    /// The mesh in that file.
+    mesh: Mesh,
     source: VertexId,
     /// Actual position of the source, if it differs from the requested one.
     note: Option<String>,
@@ -204,34 +205,22 @@ impl ExchangeFolder {
             let message = format!("the model cannot be handed over: {error}");
             Failure::new(Status::Crashed, message)
         };
-        let read = || -> anyhow::Result<(TempDir, TriangleSoup)> {
-            let folder = tempfile::Builder::new().prefix("geobench-").tempdir()?;
-            Ok((folder, model.read(limit)?))
-        };
-        let (folder, mut soup) = read().map_err(crashed)?;
-        let vertex;
-        let mut note = None;
-        if let PointSpec::Vertex(v) = point {
-            vertex = VertexId::new(v);
-        } else {
-            let (mesh, _) = Mesh::from_soup(soup.clone()).map_err(|e| refused(e.to_string()))?;
-            let found = Locator::new(&mesh).locate(point);
-            let found = found.map_err(|error| refused(error.to_string()))?;
-            let refined = mesh.with_points(&[found.point]);
-            let refined = refined.map_err(|error| refused(error.to_string()))?;
-            let fine = &refined.mesh;
-            soup = fine.to_soup();
-            vertex = refined.vertices[0];
-            note = found.note();
-        }
+        let folder = tempfile::Builder::new().prefix("geobench-").tempdir();
+        let folder = folder.map_err(|error| crashed(error.into()))?;
+        let (mesh, _) = model.mesh_within(limit).map_err(|e| crashed(e.into()))?;
+        let found = Locator::new(&mesh).locate(point);
+        let found = found.map_err(|error| refused(error.to_string()))?;
+        let refined = mesh.with_points(&[found.point]);
+        let refined = refined.map_err(|error| refused(error.to_string()))?;
         let path = folder.path().join("model.obj");
-        mesh_io::write(&path, &soup).map_err(|error| crashed(error.into()))?;
+        let written = mesh_io::write(&path, &refined.mesh.to_soup());
+        written.map_err(|error| crashed(error.into()))?;
         Ok(Self {
             folder,
             model: path,
-            vertices: soup.positions.len(),
-            source: vertex,
-            note,
+            source: refined.vertices[0],
+            mesh: refined.mesh,
+            note: found.note(),
         })
     }
 }
@@ -277,6 +266,7 @@ impl<'b> ChildPool<'b> {
             parent: std::process::id(),
             memory_limit: self.options.limits.memory.0,
             max_decompressed: self.options.limits.decompressed.0,
+            weld: self.model.weld().map(Weld::tolerance),
         });
         let program = self.options.program.as_ref();
         let mut command = program.map_or_else(system::this_program, Command::new);
@@ -362,7 +352,7 @@ impl<'b> ChildPool<'b> {
         let outside = Outside {
             program: program.clone(),
             output: call.output,
-            vertices: handover.vertices,
+            mesh: handover.mesh.clone(),
             note: handover.note.clone(),
         };
         outside.forget();
@@ -472,7 +462,7 @@ impl Session for ChildPool<'_> {
                 &mut self.handover,
                 source.as_ref().and_then(SourceLabel::vertex),
             ) {
-                handover.source = VertexId::new(vertex);
+                handover.source = handover.mesh.kept_vertex(VertexId::new(vertex));
             }
             self.children.retain(|child| child.cell.is_empty());
             self.evicted.clear();
@@ -561,8 +551,9 @@ impl ModelChild {
         if let Some(outside) = &self.outside
             && outside.program.lifetime == ProcessLifetime::Command
         {
-            let (output, refined) = (outside.output.clone(), outside.vertices);
-            let mut observation = self.finish(timeout, refined, &output)?;
+            let (output, mesh) = (outside.output.clone(), outside.mesh.clone());
+            let mut observation = self.finish(timeout, mesh.vertex_count(), &output)?;
+            mesh.fill_copies(&mut observation.distances);
             observation.distances.truncate(vertices);
             return Ok(observation);
         }
@@ -603,8 +594,10 @@ impl ModelChild {
         let measured = self.process.peak();
         reply.rss_peak_bytes = measured.or(reply.rss_peak_bytes);
         reply.note.clone_from(&outside.note);
+        let mesh = &outside.mesh;
         let mut distances =
-            answer::read_distances(&outside.output, outside.vertices, timeout, start)?;
+            answer::read_distances(&outside.output, mesh.vertex_count(), timeout, start)?;
+        mesh.fill_copies(&mut distances);
         distances.truncate(vertices);
         Ok(Observation {
             outside_seconds: Some(outside_seconds),

@@ -82,6 +82,8 @@ impl Plans {
         if let Some(file) = &settings.targets_file {
             self.targets_files.push(file.get_ref().clone());
         }
+        let models = models.into_iter().map(|model| model.welded(settings.weld));
+        let models = models.collect();
         self.plans.push(plan(settings, sources, models, group)?);
         Ok(())
     }
@@ -207,20 +209,21 @@ pub fn plans(
 
 /// Makes names of models unique across all plans. The same model has the same name in each.
 fn name_alike(plans: &mut [Plan]) {
+    let key = |model: &ModelRef| format!("{}{}", model.path, model.weld_suffix());
     let mut all: Vec<ModelRef> = Vec::new();
     for model in plans.iter().flat_map(|plan| &plan.models) {
-        if all.iter().all(|other| other.path != model.path) {
+        if all.iter().all(|other| key(other) != key(model)) {
             all.push(model.clone());
         }
     }
     model::make_names_unique(&mut all);
-    let names: HashMap<&str, &str> = all
+    let names: HashMap<String, &str> = all
         .iter()
-        .map(|model| (model.path.as_str(), model.name.as_str()))
+        .map(|model| (key(model), model.name.as_str()))
         .collect();
     for plan in plans {
         for model in &mut plan.models {
-            names[model.path.as_str()].clone_into(&mut model.name);
+            names[&key(model)].clone_into(&mut model.name);
         }
         // A model given twice in one group would give two cells of the same name.
         let mut seen: Vec<String> = Vec::new();

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use anyhow::anyhow;
+use geobench_mesh::Weld;
 use geobench_mesh::generate::Spec;
 use geobench_registry::{self as registry, MOST_THREADS, Selection, SimdChoice};
 use serde::de::Error;
@@ -89,6 +90,9 @@ pub struct Settings {
     /// Maximum decompressed size of a compressed model.
     #[serde(deserialize_with = "text", rename = "max-decompressed")]
     pub max_decompressed: Option<DecompressionLimit>,
+    /// Which vertices of the models are welded.
+    #[serde(deserialize_with = "weld")]
+    pub weld: Option<Weld>,
     /// The reference of the checks.
     #[serde(rename = "check")]
     pub reference: Option<Spanned<Reference>>,
@@ -177,7 +181,7 @@ impl Settings {
             };
         }
         let mut all = settings!(models algorithms sources sources_together targets targets_file radius repeat precision min_time max_time warmup
-            tolerance seed threads simd timeout memory_limit max_decompressed reference rows ratios_to
+            tolerance seed threads simd timeout memory_limit max_decompressed weld reference rows ratios_to
             wavefront);
         // A precision here takes precedence over a number of runs in `other`.
         if self.repeat.is_none() && self.asks_for_precision() {
@@ -352,6 +356,17 @@ fn target<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<TargetSpe
     let targets = targets.collect::<Result<Vec<TargetSpec>, _>>();
     let targets = targets.map_err(D::Error::custom)?;
     Ok(Some(TargetSpec::of_all(targets)))
+}
+
+/// Deserializes a weld: `true` for vertices at one place, or a tolerance.
+fn weld<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Weld>, D::Error> {
+    let tolerance = match Value::deserialize(deserializer)? {
+        Value::Boolean(false) => return Ok(None),
+        Value::Boolean(true) => 0.0,
+        value => real(&value).unwrap_or(f64::NAN),
+    };
+    let weld = Weld::within(tolerance);
+    weld.map(Some).map_err(D::Error::custom)
 }
 
 /// Deserializes a non-negative distance.

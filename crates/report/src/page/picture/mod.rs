@@ -11,7 +11,7 @@ use geobench_harness::measure::number::grouped;
 use geobench_harness::schema::ResultFile;
 use geobench_isolines::DistanceField;
 use geobench_mesh::generate::Spec;
-use geobench_mesh::{Mesh, VertexId};
+use geobench_mesh::{Mesh, VertexId, Weld};
 use geobench_paths::Paths;
 use geobench_registry::UsageError;
 use geobench_vtp::VtpFast;
@@ -156,6 +156,8 @@ fn of_model(
         .try_into()
         .map_err(|_| error(&format!("{} is a directory", record.path)))?;
     model.source_file().map_or(Ok(()), check)?;
+    let weld = record.weld.map(Weld::within).transpose();
+    let model = model.welded(weld.map_err(|e| error(&e))?);
     let loaded = model.load(limit).map_err(|e| error(&e))?;
     if record.sha256.is_none() || loaded.record.sha256 != record.sha256 {
         let problem = format!("{} is not what was measured, its hash differs", record.path);

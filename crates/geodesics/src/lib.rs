@@ -126,7 +126,8 @@
 //!
 //! * Distances are exact up to rounding, about 1e-12 of their size. They are never NaN. They are
 //!   infinite where no path leads.
-//! * Vertex numbers are those of the file, from 0.
+//! * Vertex numbers are those of the file, from 0. [`Weld`] makes vertices at one place one vertex;
+//!   a copy has the distance of the vertex that stands for it.
 //! * Boundaries, several components, isolated and pinched vertices are supported. An edge with more
 //!   than two faces, or a surface that cannot be oriented, is a [`MeshError`] that names the
 //!   elements.
@@ -154,7 +155,7 @@ pub use geobench_certify::FailurePlace;
 pub use geobench_isolines::{CircleArc, DistanceField, FieldError, Isoline, Line, TooManyLevels};
 pub use geobench_mesh::{
     InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined, SurfacePoint,
-    TriangleSoup, VertexId, generate, io,
+    TriangleSoup, VertexId, Weld, WeldError, generate, io,
 };
 pub use geobench_paths::{Path, PathError, PathPlace, Paths};
 pub use geobench_voronoi::{

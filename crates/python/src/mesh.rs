@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use geobench_harness::exec::expected::stem;
+use geodesics::io::ReadOptions;
 use geodesics::mesh::{MeshMeasures, Report, Severity, Tolerance};
-use geodesics::{Mesh, Place, RemeshOptions, Stop, TriangleSoup, VertexId, generate, io};
+use geodesics::{Mesh, Place, RemeshOptions, Stop, TriangleSoup, VertexId, Weld, generate, io};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -19,7 +20,9 @@ use crate::points::{Finder, single};
 use crate::solver::{MeshAlgorithm, one_path, selection};
 use crate::voronoi::PyVoronoi;
 
-/// An immutable triangle mesh, validated when it is made. Vertices keep their numbers.
+/// An immutable triangle mesh, validated when it is made. Vertices keep their numbers. Faces without
+/// three different vertices and second copies are left out of `faces`; numbers of faces are those
+/// of the array or file.
 ///
 /// Surfaces need not be closed, connected or manifold at every vertex. Edges with more than two
 /// faces and non-orientable surfaces are rejected.
@@ -32,6 +35,10 @@ use crate::voronoi::PyVoronoi;
 ///     The vertex numbers of the corners of each triangle, counted from 0.
 /// name : str, optional
 ///     The name of the mesh in the tables of `run`.
+/// weld : bool or float, optional
+///     `True` makes vertices at exactly one place one vertex; a number those within this fraction of
+///     the diagonal of the bounding box. Vertices keep their numbers, and copies get the distance of
+///     the vertex that stands for them.
 ///
 /// Raises
 /// ------
@@ -79,21 +86,21 @@ impl PyMesh {
 #[pymethods]
 impl PyMesh {
     #[new]
-    #[pyo3(signature = (vertices, faces, *, name = "mesh"))]
+    #[pyo3(signature = (vertices, faces, *, name = "mesh", weld = None))]
     fn py_new(
         py: Python<'_>,
         vertices: &Bound<'_, PyAny>,
         faces: &Bound<'_, PyAny>,
         name: &str,
+        weld: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let positions = arrays::positions(vertices, "vertices")?;
         let triangles = arrays::triangles(faces, "faces")?;
-        Self::new(
-            py,
-            TriangleSoup::new(positions, triangles),
-            name.to_owned(),
-            "",
-        )
+        let mut soup = TriangleSoup::new(positions, triangles);
+        if let Some(weld) = weld_of(weld)? {
+            py.detach(|| soup.weld(weld));
+        }
+        Self::new(py, soup, name.to_owned(), "")
     }
 
     /// Makes a mesh from edge lengths alone. The surface need not be embeddable in space.
@@ -521,7 +528,8 @@ impl PyMesh {
 type Located = (i64, (f64, f64, f64), Option<(f64, f64, f64)>, f64);
 
 /// Reads a mesh from an OBJ, PLY (text or binary), OFF or STL file, with or without gzip
-/// compression.
+/// compression. `weld` is that of `Mesh`; STL files have no vertex numbers, so that their coincident
+/// vertices always are one.
 ///
 /// Raises
 /// ------
@@ -530,11 +538,33 @@ type Located = (i64, (f64, f64, f64), Option<(f64, f64, f64)>, f64);
 /// MeshError
 ///     The file holds no usable mesh. The message names the line or the elements.
 #[pyfunction]
-pub(crate) fn read(py: Python<'_>, path: PathBuf) -> PyResult<PyMesh> {
+#[pyo3(signature = (path, *, weld = None))]
+pub(crate) fn read(
+    py: Python<'_>,
+    path: PathBuf,
+    weld: Option<&Bound<'_, PyAny>>,
+) -> PyResult<PyMesh> {
+    let options = ReadOptions {
+        weld: weld_of(weld)?,
+        ..ReadOptions::default()
+    };
     let soup = py
-        .detach(|| io::read(&path))
+        .detach(|| options.read(&path))
         .map_err(|error| unreadable(py, &error))?;
     PyMesh::new(py, soup, stem(&path), &path.display().to_string())
+}
+
+/// Reads the argument `weld`: none, a truth value or a tolerance.
+fn weld_of(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Weld>> {
+    let Some(value) = value else {
+        return Ok(None);
+    };
+    if let Ok(wanted) = value.extract::<bool>() {
+        return Ok(wanted.then_some(Weld::COINCIDENT));
+    }
+    let weld = Weld::within(value.extract()?);
+    weld.map(Some)
+        .map_err(|error| PyValueError::new_err(format!("weld: {error}")))
 }
 
 /// Generates a mesh from a description such as `"torus,faces=5000"`, `"sphere,subdiv=4"` or

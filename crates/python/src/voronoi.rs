@@ -104,7 +104,9 @@ impl PyArc {
     #[getter]
     fn face(&self) -> u32 {
         let refined = &self.surface.refined;
-        refined.original().file_triangle(refined.parent(self.arc().face))
+        refined
+            .original()
+            .file_triangle(refined.parent(self.arc().face))
     }
 
     /// tuple of two ints: the indices of the cells on its left and on its right.

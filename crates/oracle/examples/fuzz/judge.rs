@@ -84,12 +84,16 @@ fn large(case: &Case, mesh: &Mesh) -> Result<(Vec<f64>, Reference), Skip> {
 fn by_oracle(case: &Case, mesh: &Mesh) -> Result<Vec<f64>, Skip> {
     let surface = model(case, mesh).surface::<DoubleDouble>();
     let plan = Search::pruned(MOST_BEAMS);
-    let found = search(&surface, &case.sources, plan).map_err(|_| Skip::GaveUp)?;
-    let found = rounded(&found);
+    let kept = |&source: &u32| mesh.kept_vertex(VertexId::new(source)).raw();
+    let sources: Vec<u32> = case.sources.iter().map(kept).collect();
+    let found = search(&surface, &sources, plan).map_err(|_| Skip::GaveUp)?;
+    let mut found = rounded(&found);
+    mesh.fill_copies(&mut found);
     // Additional lines from vertices where no path bends must not change distances.
     let check = Search::pruned(MOST_BEAMS).from_everywhere();
-    if let Ok(other) = search(&surface, &case.sources, check) {
-        let other = rounded(&other);
+    if let Ok(other) = search(&surface, &sources, check) {
+        let mut other = rounded(&other);
+        mesh.fill_copies(&mut other);
         let rule = Tolerance::on(mesh, &found);
         let mut pairs = found.iter().zip(&other).enumerate();
         let agree = |(v, (a, b)): (usize, (&f64, &f64))| {

@@ -193,6 +193,7 @@ impl Paths {
     ///
     /// If `target` does not exist.
     pub fn last_line(&self, target: VertexId) -> Option<Path> {
+        let target = self.mesh.kept_vertex(target);
         let origin = self.origins.of(&self.mesh, target);
         let line = match (&origin, self.distances[target.index()]) {
             (Origin::None, _) => None,

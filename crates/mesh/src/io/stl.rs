@@ -85,7 +85,7 @@ fn read_binary(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     } else {
         count as usize
     };
-    let mut weld = Weld::with_capacity(count);
+    let mut weld = CornerWeld::with_capacity(count);
     if is_stream && !is_padded {
         weld.soup.notes.push(Defect::FileForm {
             line: 0,
@@ -108,7 +108,7 @@ fn read_binary(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
 fn read_text(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     let mut words = Tokens::new(NumberedLines::new(bytes), false);
     // A triangle takes some 100 bytes of text.
-    let mut weld = Weld::with_capacity(bytes.len() / 100);
+    let mut weld = CornerWeld::with_capacity(bytes.len() / 100);
     let mut open = false;
     while let Some(word) = words.next() {
         if starts(word, "endsolid")
@@ -215,12 +215,12 @@ fn instead_of(words: &Tokens<'_>, word: &[u8], wanted: &str) -> Flaw {
 }
 
 /// Gives corners with equal coordinates the same vertex.
-struct Weld {
+struct CornerWeld {
     soup: TriangleSoup,
     vertices: PlaceTable,
 }
 
-impl Weld {
+impl CornerWeld {
     fn with_capacity(triangles: usize) -> Self {
         let vertices = triangles / 2;
         Self {

@@ -19,8 +19,12 @@ fn case(seed: u64) -> Option<(Mesh, Vec<u32>, Vec<f64>)> {
     let faces = mesh.faces().map(|f| mesh.face_vertices(f));
     let faces = faces.map(|corners| corners.map(VertexId::raw)).collect();
     let surface = Model::new("", positions, faces).surface::<DoubleDouble>();
-    let found = search(&surface, &model.sources, Search::pruned(20_000)).ok()?;
-    Some((mesh, model.sources, rounded(&found)))
+    let kept = model.sources.iter().map(|&v| mesh.kept_vertex(v.into()));
+    let kept: Vec<u32> = kept.map(VertexId::raw).collect();
+    let found = search(&surface, &kept, Search::pruned(20_000)).ok()?;
+    let mut right = rounded(&found);
+    mesh.fill_copies(&mut right);
+    Some((mesh, model.sources, right))
 }
 
 /// A field with its proof, and the right distances.

@@ -461,17 +461,17 @@ impl fmt::Display for Defect {
                 write!(f, "face {face} repeats face {first}")
             }
             Self::CoincidentVertices {
-                exact,
                 near,
                 components,
                 boundary_edges,
                 non_manifold_edges,
+                ..
             } => {
                 let some =
                     |n: &u32, one: &str| format!("{n} {one}{}", if *n == 1 { "" } else { "s" });
                 write!(
                     f,
-                    "{exact} exactly, {near} within 1e-7 of the size; welding would leave {} and {}",
+                    "and {near} within 1e-7 of the size; welding would leave {} and {}",
                     some(components, "component"),
                     some(boundary_edges, "boundary edge")
                 )?;

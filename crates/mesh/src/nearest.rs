@@ -73,7 +73,8 @@ impl NearestPoint {
         if mesh.positions().is_empty() {
             return Err(PointError::NoPositions);
         }
-        let isolated = mesh.vertices().filter(|&v| mesh.outgoing(v).is_empty());
+        let is_isolated = |&v: &VertexId| mesh.outgoing(v).is_empty() && !mesh.is_copy(v);
+        let isolated = mesh.vertices().filter(is_isolated);
         let mut nearest = Self {
             mesh: mesh.clone(),
             faces: mesh.faces().collect(),

@@ -294,7 +294,10 @@ impl Mesh {
         };
         match point.place {
             Place::Vertex(v) if v.index() >= self.vertex_count() => None,
-            Place::Vertex(v) => Some(at(*self.outgoing(v).first()?, [1.0, 0.0])),
+            Place::Vertex(v) => {
+                let corner = *self.outgoing(self.kept_vertex(v)).first()?;
+                Some(at(corner, [1.0, 0.0]))
+            }
             Place::Edge(h, weights) => (h.index() < self.half_edge_count()).then(|| at(h, weights)),
             Place::Face(face, weights) => {
                 (face.index() < self.face_count()).then_some((face, weights))
@@ -306,7 +309,10 @@ impl Mesh {
     /// another mesh.
     pub fn position_of(&self, point: &SurfacePoint) -> Option<[f64; 3]> {
         if let Some(vertex) = point.vertex() {
-            return self.positions().get(vertex.index()).copied();
+            return self
+                .positions()
+                .get(self.kept_vertex(vertex).index())
+                .copied();
         }
         let (face, weights) = self.face_of(point)?;
         let corners = self.face_vertices(face).map(VertexId::index);

@@ -137,7 +137,7 @@ fn summarize(defects: &[Defect]) -> DefectSummary {
     let count = match &defects[0] {
         Defect::SeveralComponents { triangles } => triangles.len(),
         Defect::WeldedVertices { count } => *count as usize,
-        Defect::CoincidentVertices { exact, near, .. } => (exact + near) as usize,
+        Defect::CoincidentVertices { exact, .. } => *exact as usize,
         _ => defects.len(),
     };
     let mut text = headline(kind, count);

@@ -86,12 +86,15 @@ impl TriangleSoup {
     /// that lie within the tolerance of it. The triangles then name it instead of its copies, and
     /// it keeps its place. Vertices keep their numbers, and the copies are in no triangle. O(n).
     pub fn weld(&mut self, weld: Weld) {
-        let all = 0..self.positions.len() as u32;
-        let copies = copies_within(&self.positions, all, weld.0);
+        // Of an earlier weld, the copies are in no triangle.
+        let is_copy = |v: &u32| self.copies.binary_search_by_key(v, |copy| copy[0]).is_ok();
+        let candidates = (0..self.positions.len() as u32).filter(|v| !is_copy(v));
+        let copies = copies_within(&self.positions, candidates, weld.0);
         self.merge(copies);
     }
 
-    /// Replaces vertices in all triangles: each of `copies`, ascending, by the lower one beside it.
+    /// Replaces vertices in all triangles: each of `copies`, none of them one already, by the lower
+    /// one beside it.
     pub(crate) fn merge(&mut self, copies: Vec<[u32; 2]>) {
         if copies.is_empty() {
             return;
@@ -103,10 +106,7 @@ impl TriangleSoup {
             .iter_mut()
             .for_each(kept_of);
         self.copies.iter_mut().for_each(|[_, v]| kept_of(v));
-        let earlier = std::mem::take(&mut self.copies);
-        let is_new = |[copy, _]: &[u32; 2]| earlier.binary_search_by_key(copy, |c| c[0]).is_err();
-        self.copies = copies.into_iter().filter(is_new).collect();
-        self.copies.extend(earlier);
+        self.copies.extend(copies);
         self.copies.sort_unstable();
     }
 

@@ -15,7 +15,9 @@ fn usable(nasty: &Nasty) -> Option<Model> {
         .faces()
         .map(|f| mesh.face_vertices(f).map(VertexId::raw));
     let model = Model::new(&nasty.model.name, positions, faces.collect());
-    Some(model.only_from(&nasty.model.sources))
+    let sources = nasty.model.sources.iter();
+    let sources: Vec<u32> = sources.map(|&v| mesh.kept_vertex(v.into()).raw()).collect();
+    Some(model.only_from(&sources))
 }
 
 #[test]

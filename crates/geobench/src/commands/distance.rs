@@ -326,7 +326,9 @@ fn summary(distances: &[f64], targets: Option<&[SourceLabel]>, path: &Path) -> S
         Some(labels) => labels[place].in_words(),
         None => format!("vertex {place}"),
     };
+    // Of several the first.
     let farthest = reached()
+        .rev()
         .max_by(|(_, a), (_, b)| a.total_cmp(b))
         .map_or_else(String::new, |(place, d)| {
             format!(", the farthest is {} at {d}", name(place))

@@ -42,6 +42,9 @@ fn copies_have_the_distances_of_the_vertices_that_stand_for_them() {
         let options = format!("seam.obj --source 1 --weld --algo {algorithm}");
         assert!(is_right(distances(&sandbox, &options)), "{algorithm}");
     }
+    // Of vertices at one distance the lowest is named.
+    let said = sandbox.succeed("distance seam.obj --source 2 --weld -o d.csv");
+    assert!(said.contains("the farthest is vertex 0 at"), "{said}");
     // Sources and targets may be copies.
     let from_copy = distances(&sandbox, "seam.obj --source 4 --weld");
     assert_eq!(from_copy, distances(&sandbox, "seam.obj --source 2 --weld"));
@@ -71,7 +74,7 @@ fn what_is_found_is_said() {
     let apart = sandbox.call("distance seam.obj --source 1 -o d.csv");
     for part in [
         "seam: 2 components that are not connected",
-        "seam: 2 vertices lie at the place of another (2 exactly, 0 within 1e-7 of the size; \
+        "seam: 2 vertices lie at the place of another (and 0 within 1e-7 of the size; \
          welding would leave 1 component and 4 boundary edges); --weld does it",
         "source 1 is in a component of 3 of 6 vertices; 2 components",
     ] {

@@ -84,8 +84,7 @@ fn large(case: &Case, mesh: &Mesh) -> Result<(Vec<f64>, Reference), Skip> {
 fn by_oracle(case: &Case, mesh: &Mesh) -> Result<Vec<f64>, Skip> {
     let surface = model(case, mesh).surface::<DoubleDouble>();
     let plan = Search::pruned(MOST_BEAMS);
-    let kept = |&source: &u32| mesh.kept_vertex(VertexId::new(source)).raw();
-    let sources: Vec<u32> = case.sources.iter().map(kept).collect();
+    let sources = kept_sources(case, mesh);
     let found = search(&surface, &sources, plan).map_err(|_| Skip::GaveUp)?;
     let mut found = rounded(&found);
     mesh.fill_copies(&mut found);
@@ -112,6 +111,12 @@ fn model(case: &Case, mesh: &Mesh) -> Model {
         .faces()
         .map(|f| mesh.face_vertices(f).map(VertexId::raw));
     Model::new("", case.vertices.clone(), faces.collect())
+}
+
+/// The sources of the case; for copies the vertices that stand for them.
+fn kept_sources(case: &Case, mesh: &Mesh) -> Vec<u32> {
+    let kept = |&source: &u32| mesh.kept_vertex(VertexId::new(source)).raw();
+    case.sources.iter().map(kept).collect()
 }
 
 /// Number of windows that `mmp-fast` propagates.
@@ -216,12 +221,13 @@ fn paths(
         return Ok(());
     }
     let surface = judged::surface(mesh);
+    let sources = kept_sources(case, mesh);
     let step = mesh.vertex_count().div_ceil(MOST_PATHS);
     for v in mesh.vertices().step_by(step) {
         let d = paths.distances()[v.index()];
         let wrong = match paths.to(v) {
             Ok(Some(path)) => {
-                let judged = judged::judge(&surface, &path, &case.sources, v, d);
+                let judged = judged::judge(&surface, &path, &sources, mesh.kept_vertex(v), d);
                 judged.err().map(|flaw| flaw.to_string())
             }
             Ok(None) => (d < f64::INFINITY).then(|| "there is none".to_owned()),
@@ -252,23 +258,25 @@ fn transformed(
     let changed = transform.apply(&model(case, mesh), &mut random);
     let positions = changed.model.positions().unwrap_or_default().to_vec();
     let soup = TriangleSoup::new(positions, changed.model.triangles.clone());
-    let mesh = match Mesh::from_soup(soup) {
+    let changed_mesh = match Mesh::from_soup(soup) {
         Ok((mesh, _)) => mesh,
         Err(refused) if changed.is_exact() => return Err(failed(refused.to_string())),
         Err(_) => return Ok(()),
     };
     let sources: Vec<VertexId> = changed
-        .sources(&case.sources)
+        .sources(&kept_sources(case, mesh))
         .into_iter()
         .map(VertexId::new)
         .collect();
-    let solution = selection.build(&mesh).solve(&sources);
+    let solution = selection.build(&changed_mesh).solve(&sources);
     let distances = solution
         .map_err(|error| failed(error.to_string()))?
         .distances;
-    let doubt = precision::doubt(&mesh, &distances).map_or(0.0, |doubt| doubt.bound);
+    let doubt = precision::doubt(&changed_mesh, &distances).map_or(0.0, |doubt| doubt.bound);
     let slack = changed.slack() + doubt / changed.factor;
-    match compare(&changed.restored(&distances), expected, rule, slack) {
+    let mut restored = changed.restored(&distances);
+    mesh.fill_copies(&mut restored);
+    match compare(&restored, expected, rule, slack) {
         Some(failure) => Err(failed(failure.text)),
         None => Ok(()),
     }

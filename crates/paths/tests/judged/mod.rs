@@ -7,7 +7,7 @@ use geobench_fwp::{
     vtp_mmp_batched,
 };
 use geobench_ich::{ch, ich};
-use geobench_mesh::{Mesh, TriangleSoup};
+use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_mmp::{mmp, mmp_edge, mmp_fast};
 use geobench_oracle::{Geometry, Model};
 use geobench_paths::Paths;
@@ -68,6 +68,8 @@ pub(crate) fn solvers(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver>)> {
 /// Appends a message to `failures` for each wrong path.
 pub(crate) fn check(name: &str, mesh: &Mesh, sources: &[u32], failures: &mut Vec<String>) {
     let surface = surface(mesh);
+    let kept = |v: u32| mesh.kept_vertex(VertexId::new(v));
+    let starts: Vec<u32> = sources.iter().map(|&v| kept(v).raw()).collect();
     for (algorithm, mut solver) in solvers(mesh) {
         let paths = Paths::find(solver.as_mut(), mesh, sources, &Goal::everything()).unwrap();
         if precision::doubt(mesh, paths.distances()).is_some() {
@@ -77,7 +79,7 @@ pub(crate) fn check(name: &str, mesh: &Mesh, sources: &[u32], failures: &mut Vec
             let d = paths.distances()[v.index()];
             let flaw = match paths.to(v) {
                 Ok(Some(path)) => {
-                    let judged = judge(&surface, &path, sources, v, d);
+                    let judged = judge(&surface, &path, &starts, kept(v.raw()), d);
                     judged.err().map(|flaw| flaw.to_string())
                 }
                 Ok(None) => (d < f64::INFINITY).then(|| "there is none".to_owned()),

@@ -590,11 +590,12 @@ impl<'a> Builder<'a> {
     }
 
     /// Adds the vertices to `unions`, under their own numbers, and the fans of pinched vertices, each
-    /// with its own number.
+    /// with its own number. Copies are no place of the surface.
     fn add_vertices(&mut self) {
         let mesh = self.field.mesh;
         for (v, &label) in mesh.vertices().zip(self.field.labels) {
-            let label = if mesh.is_pinched(v) { NO_SOURCE } else { label };
+            let is_no_place = mesh.is_pinched(v) || mesh.is_copy(v);
+            let label = if is_no_place { NO_SOURCE } else { label };
             self.unions.add(label);
         }
         for v in mesh.vertices().filter(|&v| mesh.is_pinched(v)) {

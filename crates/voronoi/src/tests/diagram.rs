@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use geobench_mesh::{FaceId, Mesh, SplitMix64, TriangleSoup, VertexId};
+use geobench_mesh::{FaceId, Mesh, SplitMix64, TriangleSoup, VertexId, Weld};
 use geobench_oracle::{Model, nasty, subdivide, zoo};
 use geobench_vtp::VtpFast;
 use geobench_window::Solver;
@@ -703,6 +703,34 @@ fn two_sources_on_a_sphere_had_a_dual_without_triangles() {
     assert_eq!((dual.triangles.len(), dual.obstacles), (0, alone.to_vec()));
     let one = diagram_of(&Mesh::generate("grid,n=4").unwrap(), &[VertexId::new(7)]);
     assert_eq!(one.dual().obstacles, [Obstacle::NoTriangle { cell: 0 }]);
+}
+
+/// Copies of vertices have the labels of the vertices that stand for them, but are no pieces of the
+/// cells.
+#[test]
+fn cells_of_a_welded_mesh_are_those_of_the_mesh_without_copies() {
+    let whole = Mesh::generate("sphere,subdiv=2").unwrap();
+    let apart = whole.to_soup();
+    let corners = apart.triangles.as_flattened().iter();
+    let positions: Vec<[f64; 3]> = corners.map(|&v| apart.positions[v as usize]).collect();
+    let triangles = (0..positions.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+    let mut soup = TriangleSoup::new(positions, triangles.collect());
+    soup.weld(Weld::COINCIDENT);
+    let mesh = Mesh::from_soup(soup).unwrap().0;
+    let number = |v: u32| {
+        let corner = apart.triangles.as_flattened().iter().position(|&c| c == v);
+        VertexId::new(corner.unwrap() as u32)
+    };
+    let sources = [0, 30, 77];
+    let of_whole = diagram_of(&whole, &sources.map(VertexId::new));
+    let welded = diagram_of(&mesh, &sources.map(number));
+    for (found, expected) in welded.cells().iter().zip(of_whole.cells()) {
+        assert!(found.is_disc() && expected.is_disc(), "{found:?}");
+        assert!((found.area - expected.area).abs() < 1e-12);
+    }
+    for (corner, &v) in apart.triangles.as_flattened().iter().enumerate() {
+        assert_eq!(welded.labels()[corner], of_whole.labels()[v as usize]);
+    }
 }
 
 /// A triangle and a ring that share a vertex have the Euler characteristic of a disc.

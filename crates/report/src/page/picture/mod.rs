@@ -166,7 +166,7 @@ fn of_model(
     let mut cells = result.cells.iter().filter(|c| c.model == name);
     let first = || cells.find_map(|c| c.source.as_ref()?.vertex());
     let source = source.or_else(first).unwrap_or(0);
-    let vertex = VertexId::new(source);
+    let vertex = loaded.mesh.kept_vertex(VertexId::new(source));
     if source as usize >= loaded.mesh.vertex_count() || loaded.mesh.outgoing(vertex).is_empty() {
         let problem = format!("vertex {source} does not exist or has no face");
         return Err(error(&problem));

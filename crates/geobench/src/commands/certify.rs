@@ -72,7 +72,7 @@ pub(crate) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     // The file is read before the long computation, so that an unreadable file is reported at once.
     let given = options.distances.as_ref().map(|path| {
         let label = &points.sources[0].0;
-        Expected::File(path.clone()).find(path, label, mesh.vertex_count())
+        Expected::File(path.clone()).find(path, None, label, mesh.vertex_count())
     });
     let given = given.transpose()?;
     let sources = points.source_vertices();

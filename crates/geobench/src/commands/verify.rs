@@ -252,7 +252,8 @@ impl LoadedModelCheck<'_> {
                 return Ok(());
             }
         };
-        let stored = self.model.file_path().map_or_else(Vec::new, stored_sources);
+        let path = self.model.file_path();
+        let stored = path.map_or_else(Vec::new, |path| stored_sources(path, self.record.weld));
         for source in stored.into_iter().map(PointSpec::Vertex) {
             if !sources.contains(&source) {
                 sources.push(source);
@@ -284,8 +285,9 @@ impl LoadedModelCheck<'_> {
             return None;
         };
         match self.model.file_path() {
-            Some(path) if stored_sources(path).contains(&vertex) => {
-                match Expected::BesideModels.find(path, &vertex.into(), vertices) {
+            Some(path) if stored_sources(path, self.record.weld).contains(&vertex) => {
+                let weld = self.record.weld;
+                match Expected::BesideModels.find(path, weld, &vertex.into(), vertices) {
                     Ok(field) => Some(field),
                     Err(error) => {
                         terminal::error(&error.to_string());

@@ -134,13 +134,13 @@ fn what_cannot_end_early_is_refused_by_name() {
 #[test]
 fn targets_are_read_from_files_and_suites_too() {
     let sandbox = Sandbox::with_square();
-    sandbox.write("t.txt", "# two targets\n3\nface:0,0.2,0.3,0.5\n");
+    sandbox.write("t.txt", "\u{feff}# two targets\n3\nface:0,0.2,0.3,0.5\n");
     sandbox.succeed("run square.off --algo mmp --targets t.txt --repeat 1 --quiet -o a.json");
     let goal = "to 3,face:0,0.2,0.3,0.5";
     assert_eq!(cells(&sandbox, "a.json")[0]["goal"], goal);
     sandbox.write(
         "suite.toml",
-        "repeat = 1\nalgorithms = [\"vtp\"]\nmodels = [\"square.off\"]\n\n\
+        "\u{feff}repeat = 1\nalgorithms = [\"vtp\"]\nmodels = [\"square.off\"]\n\n\
          [[group]]\nname = \"near\"\ntargets = \"t.txt\"\n\n\
          [[group]]\nname = \"both\"\ntarget = [2, \"edge:0-1,0.5\"]\nradius = 1\n",
     );

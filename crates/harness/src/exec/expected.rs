@@ -5,13 +5,15 @@ use std::{fmt, fs};
 
 use geobench_registry::UsageError;
 
+use crate::exec::model::weld_suffix;
 use crate::schema::SourceLabel;
 use crate::usage::read_text;
 
 /// Where stored distances are looked up.
 ///
 /// A file `MODEL.sSOURCE.csv` holds lines `vertex,distance` for all or some vertices. MODEL is the
-/// file name of the model without extensions, SOURCE the number of the source vertex.
+/// file name of the model without extensions, for a welded model with the end of its name, such as
+/// `-weld`; SOURCE is the number of the source vertex.
 #[derive(Clone, Debug)]
 pub enum Expected {
     /// Beside the model, or in the folder `expected` in or beside the folder of the model.
@@ -40,7 +42,8 @@ impl fmt::Display for Expected {
 }
 
 impl Expected {
-    /// Reads the distances stored for `model`, which has `vertices` vertices, and a source.
+    /// Reads the distances stored for `model`, welded within the tolerance `weld`, which has
+    /// `vertices` vertices, and a source.
     ///
     /// # Errors
     ///
@@ -48,13 +51,14 @@ impl Expected {
     pub fn find(
         &self,
         model: &Path,
+        weld: Option<f64>,
         source: &SourceLabel,
         vertices: usize,
     ) -> Result<StoredDistances, UsageError> {
         let path = match self {
             Self::File(path) => path.clone(),
             Self::BesideModels => {
-                let name = format!("{}.s{}.csv", stem(model), file_word(source));
+                let name = format!("{}.s{}.csv", welded_stem(model, weld), file_word(source));
                 let mut paths = folders(model).into_iter().map(|folder| folder.join(&name));
                 paths.find(|path| path.is_file()).ok_or_else(|| {
                     UsageError(format!(
@@ -77,23 +81,24 @@ pub fn file_word(source: &SourceLabel) -> String {
     source.to_string().chars().map(word).collect()
 }
 
-/// The source vertices for which distances of `model` are stored, in ascending order.
-pub fn stored_sources(model: &Path) -> Vec<u32> {
-    let numbers = stored(model).filter_map(|(source, _)| source.parse().ok());
+/// The source vertices for which distances of `model`, welded within `weld`, are stored, in ascending
+/// order.
+pub fn stored_sources(model: &Path, weld: Option<f64>) -> Vec<u32> {
+    let numbers = stored(model, weld).filter_map(|(source, _)| source.parse().ok());
     let mut sources: Vec<u32> = numbers.collect();
     sources.sort_unstable();
     sources.dedup();
     sources
 }
 
-/// The files that hold distances of `model`.
-pub fn stored_files(model: &Path) -> Vec<PathBuf> {
-    stored(model).map(|(_, path)| path).collect()
+/// The files that hold distances of `model`, welded within `weld`.
+pub fn stored_files(model: &Path, weld: Option<f64>) -> Vec<PathBuf> {
+    stored(model, weld).map(|(_, path)| path).collect()
 }
 
 /// The files that hold distances of `model`, each behind its source as in its name.
-fn stored(model: &Path) -> impl Iterator<Item = (String, PathBuf)> {
-    let prefix = format!("{}.s", stem(model));
+fn stored(model: &Path, weld: Option<f64>) -> impl Iterator<Item = (String, PathBuf)> {
+    let prefix = format!("{}.s", welded_stem(model, weld));
     let folders = folders(model).into_iter();
     let entries = folders.filter_map(|folder| fs::read_dir(folder).ok());
     entries.flatten().filter_map(move |entry| {
@@ -115,6 +120,10 @@ fn folders(model: &Path) -> [PathBuf; 3] {
         _ => folder.join("..").join("expected"),
     };
     [folder, expected, beside]
+}
+
+fn welded_stem(model: &Path, weld: Option<f64>) -> String {
+    format!("{}{}", stem(model), weld_suffix(weld))
 }
 
 /// The file name without `.gz` and without the extension before it.
@@ -225,13 +234,19 @@ mod tests {
         fs::write(root.path().join("models/cow.s0.csv"), "0,0\n").unwrap();
         fs::write(root.path().join("models/cow.sx.csv"), "").unwrap();
 
-        assert_eq!(stored_sources(&model), [0, 3]);
-        let field = Expected::BesideModels.find(&model, &3.into(), 4).unwrap();
+        assert_eq!(stored_sources(&model, None), [0, 3]);
+        let field = Expected::BesideModels
+            .find(&model, None, &3.into(), 4)
+            .unwrap();
         assert_eq!(field.distances, [(3, 0.0), (1, f64::INFINITY)]);
-        assert!(Expected::BesideModels.find(&model, &0.into(), 4).is_ok());
+        assert!(
+            Expected::BesideModels
+                .find(&model, None, &0.into(), 4)
+                .is_ok()
+        );
         assert_eq!(
             Expected::BesideModels
-                .find(&model, &1.into(), 4)
+                .find(&model, None, &1.into(), 4)
                 .unwrap_err()
                 .to_string(),
             "there is no cow.s1.csv beside the model, in its folder `expected` or in `../expected`"
@@ -258,13 +273,13 @@ mod tests {
         ] {
             fs::write(&path, text).unwrap();
             let error = Expected::File(path.clone())
-                .find(Path::new("x.obj"), &0.into(), 4)
+                .find(Path::new("x.obj"), None, &0.into(), 4)
                 .unwrap_err();
             assert!(error.to_string().ends_with(problem), "{error}");
         }
         assert!(
             Expected::File("/no/such.csv".into())
-                .find(Path::new("x"), &0.into(), 4)
+                .find(Path::new("x"), None, &0.into(), 4)
                 .is_err()
         );
     }

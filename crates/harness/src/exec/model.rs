@@ -152,6 +152,15 @@ fn search(directory: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
     Ok(())
 }
 
+/// The end of the name of a model that is welded within `weld`.
+pub(crate) fn weld_suffix(weld: Option<f64>) -> String {
+    match weld {
+        None => String::new(),
+        Some(0.0) => "-weld".to_owned(),
+        Some(tolerance) => format!("-weld={tolerance:?}"),
+    }
+}
+
 /// Models of the same name get their whole path as name, and a number if that is the same too.
 pub(crate) fn make_names_unique(models: &mut [ModelRef]) {
     let mut uses = HashMap::<String, usize>::new();
@@ -161,7 +170,7 @@ pub(crate) fn make_names_unique(models: &mut [ModelRef]) {
     let mut seen = HashMap::<String, usize>::new();
     for model in models {
         if uses[&model.name] > 1 {
-            model.name = format!("{}{}", model.path, model.weld_suffix());
+            model.name = model.named_path();
         }
         let count = seen.entry(model.name.clone()).or_default();
         *count += 1;
@@ -224,13 +233,13 @@ impl ModelRef {
         self.weld
     }
 
-    /// The end of the name of a welded model.
-    pub(crate) fn weld_suffix(&self) -> String {
-        match self.weld {
-            None => String::new(),
-            Some(Weld::COINCIDENT) => "-weld".to_owned(),
-            Some(weld) => format!("-weld={weld}"),
-        }
+    /// Its path, with the end of the name of a welded model.
+    pub(crate) fn named_path(&self) -> String {
+        format!("{}{}", self.path, self.weld_suffix())
+    }
+
+    fn weld_suffix(&self) -> String {
+        weld_suffix(self.weld.map(Weld::tolerance))
     }
 
     /// The model of a file, each face split into four `times` times. Its name has the factor by

@@ -417,7 +417,8 @@ impl<'p> UnitPlan<'p> {
             Reference::None => return Ok(None),
             Reference::Files(files) => {
                 let vertices = self.model.vertex_count();
-                match files.find(Path::new(&self.model.path), &self.source.label(), vertices) {
+                let ModelRecord { path, weld, .. } = self.model;
+                match files.find(Path::new(path), *weld, &self.source.label(), vertices) {
                     Ok(field) => {
                         let name = field.path.display().to_string();
                         let mut check = context.check();

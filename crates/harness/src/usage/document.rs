@@ -48,7 +48,7 @@ impl<'p> TomlDocument<'p> {
     ///
     /// When the file cannot be read.
     pub fn open(path: &'p Path) -> Result<Self, DocumentError> {
-        let text = std::fs::read_to_string(path).map_err(|error| DocumentError {
+        let text = super::read_file(path).map_err(|error| DocumentError {
             path: path.to_owned(),
             line: None,
             problem: error.to_string(),

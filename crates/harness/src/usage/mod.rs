@@ -23,17 +23,29 @@ pub fn check_schema(path: &Path, found: &str, expected: &str) -> anyhow::Result<
     Ok(())
 }
 
-/// The text of a file; `-` is standard input.
+/// The text of a file, without a byte order mark; `-` is standard input.
 ///
 /// # Errors
 ///
 /// When it cannot be read or is not UTF-8.
 pub fn read_text(path: &Path) -> std::io::Result<String> {
     if path == Path::new("-") {
-        std::io::read_to_string(std::io::stdin())
+        std::io::read_to_string(std::io::stdin()).map(without_mark)
     } else {
-        std::fs::read_to_string(path)
+        read_file(path)
     }
+}
+
+/// As [`read_text`], but `-` is a file like others.
+pub(crate) fn read_file(path: &Path) -> std::io::Result<String> {
+    std::fs::read_to_string(path).map(without_mark)
+}
+
+fn without_mark(mut text: String) -> String {
+    if text.starts_with('\u{feff}') {
+        text.remove(0);
+    }
+    text
 }
 
 /// The files in `directory` with the extension `ending`, sorted by name. Hidden files are skipped.

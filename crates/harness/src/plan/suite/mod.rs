@@ -7,6 +7,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use geobench_mesh::Weld;
 use geobench_registry::UsageError;
 use geobench_registry::{self as registry, Selection, SimdChoice};
 use geobench_window::simd::Instructions;
@@ -57,8 +58,11 @@ impl Plans {
             match &plan.reference {
                 Reference::Files(Expected::File(path)) => files.push(path.clone()),
                 Reference::Files(Expected::BesideModels) => {
-                    let models = plan.models.iter().filter_map(ModelRef::file_path);
-                    files.extend(models.flat_map(stored_files));
+                    let of_model = |model: &ModelRef| {
+                        let weld = model.weld().map(Weld::tolerance);
+                        model.file_path().map(|path| stored_files(path, weld))
+                    };
+                    files.extend(plan.models.iter().filter_map(of_model).flatten());
                 }
                 Reference::None | Reference::Algorithm(_) => {}
             }
@@ -209,7 +213,7 @@ pub fn plans(
 
 /// Makes names of models unique across all plans. The same model has the same name in each.
 fn name_alike(plans: &mut [Plan]) {
-    let key = |model: &ModelRef| format!("{}{}", model.path, model.weld_suffix());
+    let key = |model: &ModelRef| model.named_path();
     let mut all: Vec<ModelRef> = Vec::new();
     for model in plans.iter().flat_map(|plan| &plan.models) {
         if all.iter().all(|other| key(other) != key(model)) {

@@ -1,7 +1,6 @@
 //! Settings and their form in suite files.
 
 use std::fmt::Display;
-use std::fs;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -22,6 +21,7 @@ use crate::plan::Reference;
 use crate::plan::sampling::{Sampling, Seconds, Share};
 use crate::schema::Precision;
 use crate::usage::document::{DocumentError, TomlDocument, parsed, text_or_table};
+use crate::usage::read_file;
 
 /// Maximum seed in a suite file.
 const MOST_SEED: u32 = u32::MAX - 1;
@@ -222,7 +222,7 @@ impl Settings {
         if let Some(file) = self.targets_file.take() {
             let span = Some(file.span());
             let path = document.directory().join(file.into_inner());
-            let text = fs::read_to_string(&path);
+            let text = read_file(&path);
             let text = text.map_err(|error| anyhow!("{}: {error}", path.display()));
             let read = text.and_then(|text| goal::targets_in(&path, &text));
             let read = read

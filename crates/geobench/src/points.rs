@@ -1,11 +1,11 @@
 //! Locates the sources and targets of a command on a mesh.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use anyhow::{Context, anyhow};
 use clap::Args;
 use geobench_harness::exec::goal::{GoalSpec, targets_in};
+use geobench_harness::exec::model::{largest_component, surface_components};
 use geobench_harness::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
 use geobench_harness::schema::SourceLabel;
 use geobench_harness::usage::read_text;
@@ -17,8 +17,8 @@ use crate::terminal;
 /// Sources of a command on one model.
 #[derive(Args, Debug)]
 pub(crate) struct SourcesOptions {
-    /// The source: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W,
-    /// at:X,Y,Z or a list of these; may be repeated. Of several sources the nearest counts
+    /// The source: first, largest (the first vertex of the largest component), a vertex number,
+    /// random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W, at:X,Y,Z or a list of these; may be repeated. Of several sources the nearest counts
     #[arg(
         long,
         value_name = "SRC",
@@ -26,12 +26,42 @@ pub(crate) struct SourcesOptions {
         allow_negative_numbers = true
     )]
     pub(crate) source: Vec<SourceSpec>,
+
+    #[command(flatten)]
+    pub(crate) far: FarOption,
 }
 
 impl SourcesOptions {
     /// All sources, each once. A note names those given twice.
     pub(crate) fn all(&self) -> SourceSpec {
-        distinct(&self.source)
+        self.far.sources(distinct(&self.source))
+    }
+}
+
+/// Which positions are accepted.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct FarOption {
+    /// Take the nearest point of the surface also for positions that are farther from it than its
+    /// size
+    #[arg(long)]
+    far: bool,
+}
+
+impl FarOption {
+    pub(crate) fn sources(self, sources: SourceSpec) -> SourceSpec {
+        if self.far {
+            sources.even_far()
+        } else {
+            sources
+        }
+    }
+
+    pub(crate) fn targets(self, targets: TargetSpec) -> TargetSpec {
+        if self.far {
+            targets.even_far()
+        } else {
+            targets
+        }
     }
 }
 
@@ -77,13 +107,16 @@ impl GoalOptions {
     /// # Errors
     ///
     /// If the file cannot be read, has no targets, or has a line that is not a target.
-    pub(crate) fn wanted(&self) -> anyhow::Result<Option<Vec<WantedTarget>>> {
+    pub(crate) fn wanted(&self, far: FarOption) -> anyhow::Result<Option<Vec<WantedTarget>>> {
         let named = self.target.iter().map(|target| (target.clone(), None));
         let mut all: Vec<WantedTarget> = named.collect();
         if let Some(path) = &self.targets {
             let text = read_text(path).map_err(|error| anyhow!("{}: {error}", path.display()))?;
             let read = targets_in(path, &text)?.into_iter();
             all.extend(read.map(|(target, place)| (target, Some(place))));
+        }
+        for (target, _) in &mut all {
+            *target = far.targets(target.clone());
         }
         Ok((!all.is_empty()).then_some(all))
     }
@@ -93,8 +126,8 @@ impl GoalOptions {
     /// # Errors
     ///
     /// As [`wanted`](Self::wanted).
-    pub(crate) fn goal(&self) -> anyhow::Result<GoalSpec> {
-        let targets = self.wanted()?;
+    pub(crate) fn goal(&self, far: FarOption) -> anyhow::Result<GoalSpec> {
+        let targets = self.wanted(far)?;
         let targets = targets.map(|all| TargetSpec::of_all(all.into_iter().map(|(one, _)| one)));
         Ok(GoalSpec {
             targets,
@@ -142,7 +175,9 @@ impl LocatedPoints {
             }
             Ok(points.iter().map(PointSpec::label).collect())
         };
-        let sources = sources.points(vertices).map_err(anyhow::Error::new);
+        let first = || largest_component(mesh).map_or(0, |largest| largest.first);
+        let sources = sources.with_largest(first).points(vertices);
+        let sources = sources.map_err(anyhow::Error::new);
         let sources = sources.and_then(&mut locate);
         let sources = sources.with_context(|| model.to_owned())?;
         let mut labels = Vec::new();
@@ -186,27 +221,27 @@ impl LocatedPoints {
         goal.of_solver(self.targets.as_ref().map(|(_, vertices)| &vertices[..]))
     }
 
-    /// Notes on standard error how much of the model is connected with the sources, if not all is.
-    pub(crate) fn note_components(&self, mesh: &Mesh) {
+    /// Says on standard error where points were found, and how much of the model is connected with
+    /// the sources, if not all is.
+    pub(crate) fn tell(&self, mesh: &Mesh) {
+        terminal::notes(&self.notes);
+        self.tell_components(mesh);
+    }
+
+    fn tell_components(&self, mesh: &Mesh) {
         let of_vertices = self.refined.mesh.components();
-        let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
-        for v in mesh
-            .vertices()
-            .filter(|&v| !mesh.outgoing(v).is_empty() || mesh.is_copy(v))
-        {
-            *sizes.entry(of_vertices[v.index()]).or_default() += 1;
-        }
+        let components = surface_components(mesh, &of_vertices);
         let mut reached: Vec<u32> = (self.sources.iter())
             .map(|(_, v)| of_vertices[v.index()])
             .collect();
         reached.sort_unstable();
         reached.dedup();
-        let (all, vertices) = (sizes.len(), mesh.vertex_count());
+        let (all, vertices) = (components.len(), mesh.vertex_count());
         if all <= 1 || reached.len() >= all {
             return;
         }
-        let connected = reached.iter().filter_map(|part| sizes.get(part));
-        let connected: usize = connected.sum();
+        let connected = reached.iter().filter_map(|part| components.get(part));
+        let connected: usize = connected.map(|component| component.vertices).sum();
         terminal::notes(&[match &self.sources[..] {
             [(label, _)] => format!(
                 "source {label} is in a component of {connected} of {vertices} vertices; {all} \
@@ -217,12 +252,6 @@ impl LocatedPoints {
                 reached.len()
             ),
         }]);
-    }
-
-    /// Prints the notes, one per line.
-    pub(crate) fn print_notes(&self) -> anyhow::Result<()> {
-        let mut notes = self.notes.iter();
-        notes.try_for_each(|note| terminal::print(&format!("{note}\n")))
     }
 
     /// The labels of the targets; `None` for all vertices.

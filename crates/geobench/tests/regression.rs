@@ -573,9 +573,9 @@ fn notes_were_mixed_into_data_on_standard_output() {
     let sandbox = Sandbox::new();
     let model = "gen:torus,faces=500";
     for call in [
-        format!("distance {model} --source at:9,0,0 -o - --output-format json"),
-        format!("path {model} --source at:9,0,0 --target 5 -o - --output-format json"),
-        format!("voronoi {model} --source at:9,0,0 --source 5 -o - --output-format json"),
+        format!("distance {model} --source at:3,0,0 -o - --output-format json"),
+        format!("path {model} --source at:3,0,0 --target 5 -o - --output-format json"),
+        format!("voronoi {model} --source at:3,0,0 --source 5 -o - --output-format json"),
     ] {
         let said = sandbox.succeed(&call);
         let parsed: Result<serde_json::Value, _> = serde_json::from_str(&said);

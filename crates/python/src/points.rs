@@ -20,6 +20,7 @@ impl PyPoint {
             PointSpec::Edge([a, b], t) => format!("edge({a}, {b}, {t:?})"),
             PointSpec::Face(face, [u, v, w]) => format!("face({face}, {u:?}, {v:?}, {w:?})"),
             PointSpec::At([x, y, z]) => format!("at({x:?}, {y:?}, {z:?})"),
+            PointSpec::Far([x, y, z]) => format!("at({x:?}, {y:?}, {z:?}, far=True)"),
         }
     }
 
@@ -89,9 +90,11 @@ pub(crate) fn face(f: &Bound<'_, PyAny>, u: f64, v: f64, w: f64) -> PyResult<PyP
     Ok(PyPoint(PointSpec::Face(number(f, "f")?, weights)))
 }
 
-/// The point of the surface nearest to the position `(x, y, z)`, in units of the mesh.
+/// The point of the surface nearest to the position `(x, y, z)`, in units of the mesh. A position
+/// that is farther from the surface than the diagonal of its bounding box is an error, unless `far`.
 #[pyfunction]
-pub(crate) fn at(x: f64, y: f64, z: f64) -> PyResult<PyPoint> {
+#[pyo3(signature = (x, y, z, *, far = false))]
+pub(crate) fn at(x: f64, y: f64, z: f64, far: bool) -> PyResult<PyPoint> {
     for (name, x) in [("x", x), ("y", y), ("z", z)] {
         if !x.is_finite() {
             return Err(PyValueError::new_err(format!(
@@ -99,7 +102,12 @@ pub(crate) fn at(x: f64, y: f64, z: f64) -> PyResult<PyPoint> {
             )));
         }
     }
-    Ok(PyPoint(PointSpec::At([x, y, z].map(|x| x + 0.0))))
+    let position = [x, y, z].map(|x| x + 0.0);
+    Ok(PyPoint(if far {
+        PointSpec::Far(position)
+    } else {
+        PointSpec::At(position)
+    }))
 }
 
 /// Reads one point, the number of a vertex or a `PyPoint`; `None` if `value` is neither, and may be a

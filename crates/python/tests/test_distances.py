@@ -115,7 +115,7 @@ def test_points_anywhere(square):
     same(d[:4], [0.25, 0.75, np.hypot(0.75, 1), np.hypot(0.25, 1)], 1e-14)
     d = square.distance(gb.face(0, 0.5, 0.25, 0.25))
     same(d[:3], [np.hypot(0.5, 0.25), np.hypot(0.5, 0.25), np.hypot(0.5, 0.75)], 1e-14)
-    same(square.distance(gb.at(0, 0.5, 2))[0], 0.5, 1e-14)
+    same(square.distance(gb.at(0, 0.5, 2, far=True))[0], 0.5, 1e-14)
     same(square.distance(0, targets=[gb.edge(1, 2, 0.5), gb.vertex(2)]), [1.25**0.5, 2**0.5], 1e-14)
     rows = square.distances([gb.at(0.2, 0.1, 0), 1])
     same(rows[1], square.distance(1), 1e-14)
@@ -208,7 +208,7 @@ def test_lengths_alone_make_a_surface():
 
 
 def test_where_points_are(square):
-    face, barycentric, position, distance = square.locate(gb.at(0.75, 0.25, 2))
+    face, barycentric, position, distance = square.locate(gb.at(0.75, 0.25, 2, far=True))
     assert (face, position, distance) == (0, (0.75, 0.25, 0.0), 2.0)
     same(barycentric, [0.25, 0.5, 0.25], 1e-14)
     assert square.nearest_vertex(0.9, 0.2, 1) == 1

@@ -30,7 +30,7 @@ def nan_at(vertex):
         (V, [[0, 1, 2], [0, 2, -3]], gb.MeshError, "face 1 names vertex -3"),
         (V, [[0, 1, 2], [0, 2, 9]], gb.MeshError, "face 1.*vertex 9"),
         (V, [[0, 1, 2], [0, 2, 2**40]], gb.MeshError, f"face 1 names vertex {2**40}"),
-        (V, [[0, 1, 1], [2, 3, 3]], gb.MeshError, "face 0.*vertex 1"),
+        (V, [[0, 1, 1], [2, 3, 3]], gb.MeshError, "it has no faces"),
         (nan_at(2), F, gb.MeshError, "vertex 2"),
         (np.vstack([V, V[:1] + 3]), [[0, 1, 2], [0, 2, 3], [2, 0, 4]], gb.MeshError, "0 and 2"),
         (np.zeros((0, 3)), np.zeros((0, 3), int), gb.MeshError, "vert"),
@@ -50,7 +50,8 @@ def test_defects_are_listed():
     assert isinstance(caught.value, ValueError)
     assert "turned" in gb.Mesh(V, [[0, 1, 2], [0, 3, 2]]).defects[0]
     assert "face 0: vertex 1" in gb.Mesh(V, [[0, 1, 1], [0, 2, 3]]).defects[0]
-    assert "vertices 0 and 3" in gb.Mesh(V[[0, 1, 2, 0]], [[0, 1, 2], [0, 2, 3]]).defects[0]
+    folded = gb.Mesh(V[[0, 1, 2, 0]], [[0, 1, 2], [0, 2, 3]])
+    assert any("vertices 0 and 3 in face 1" in defect for defect in folded.defects)
 
 
 @pytest.mark.parametrize(
@@ -58,6 +59,7 @@ def test_defects_are_listed():
     [
         (99, IndexError, "source vertex 99 does not exist: the mesh has 5 vertices"),
         (-1, IndexError, "source vertex -1 does not exist"),
+        (gb.at(0, 0, 9), ValueError, "source: at:0,0,9 is 9 from the surface, whose size is 1.4"),
         ([0, 99], IndexError, "source vertex 99"),
         (1.5, TypeError, "source: 1.5 is no point"),
         (True, TypeError, "source: True is no point"),

@@ -65,10 +65,7 @@ pub(crate) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     let model = options.reading.model(&options.model)?;
     let mesh = &threads.run(|| options.reading.mesh(&model, false))?;
     let points = LocatedPoints::new(mesh, &options.sources.all(), None, &model.path)?;
-    points.note_components(mesh);
-    if options.format == CertificateFormat::Text {
-        points.print_notes()?;
-    }
+    points.tell(mesh);
     // The file is read before the long computation, so that an unreadable file is reported at once.
     let given = options.distances.as_ref().map(|path| {
         let label = &points.sources[0].0;
@@ -207,12 +204,11 @@ impl CertificateDocument {
         compared.sort_unstable();
         compared.dedup();
         let (compared, vertices) = (compared.len(), mesh.vertex_count());
-        if options.distances.is_some() {
-            let share = 100.0 * compared as f64 / vertices as f64;
-            details.push(format!(
-                "{compared} of {vertices} vertices compared, {share:.3} %"
-            ));
-        }
+        let share = 100.0 * compared as f64 / vertices as f64;
+        let unreachable = given.iter().filter(|(_, d)| d.is_infinite()).count();
+        details.push(format!(
+            "{compared} of {vertices} vertices compared, {share:.3} %; {unreachable} unreachable"
+        ));
         let is_complete = options.partial || compared == vertices;
         if !is_complete {
             details.push("vertices are missing; --partial allows it".to_owned());

@@ -97,7 +97,7 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     if options.matrix || !options.each {
         check_files([&output], &read)?;
     }
-    let wanted = options.goal.wanted()?;
+    let wanted = options.goal.wanted(options.sources.far)?;
     if let (DistanceOutput::Field(format), Some(_)) = (&form, &wanted)
         && format.is_mesh()
     {
@@ -115,12 +115,9 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         &model.path,
     )?;
     if !options.quiet {
-        points.note_components(&mesh);
+        points.tell(&mesh);
     }
     let is_quiet = options.quiet || options.output == Path::new("-");
-    if !is_quiet {
-        points.print_notes()?;
-    }
     let request = DistanceCommand {
         options,
         read: &read,

@@ -88,12 +88,9 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let mesh = &options.reading.mesh(&model, options.quiet)?;
     let points = LocatedPoints::new(mesh, &options.sources.all(), None, &model.path)?;
     if !options.quiet {
-        points.note_components(mesh);
+        points.tell(mesh);
     }
     let is_quiet = options.quiet || options.output == Path::new("-");
-    if !is_quiet {
-        points.print_notes()?;
-    }
     let field = DistanceField::new(mesh, &points.places).with_context(|| model.path.clone())?;
     if let Some(doubt) = precision::doubt(mesh, field.distances()) {
         terminal::warning(&format!("{}: {doubt}", model.name));

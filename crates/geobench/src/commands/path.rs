@@ -64,6 +64,13 @@ pub(crate) struct PathOptions {
     quiet: bool,
 }
 
+impl PathOptions {
+    fn targets(&self) -> impl Iterator<Item = TargetSpec> {
+        let targets = self.target.iter().cloned();
+        targets.map(|target| self.sources.far.targets(target))
+    }
+}
+
 /// Maximum number of paths for which the summary has a line each.
 const LINES: usize = 20;
 
@@ -80,13 +87,10 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     check_files(output.iter().map(|(_, file)| file), model.source_file())?;
     let mesh = &options.reading.mesh(&model, options.quiet)?;
     let wanted: Option<Vec<WantedTarget>> =
-        (!options.all_targets).then(|| options.target.iter().map(|t| (t.clone(), None)).collect());
+        (!options.all_targets).then(|| options.targets().map(|t| (t, None)).collect());
     let points = LocatedPoints::new(mesh, &options.sources.all(), wanted.as_deref(), &model.path)?;
     if !options.quiet {
-        points.note_components(mesh);
-    }
-    if !options.quiet && options.output.as_deref() != Some(FilePath::new("-")) {
-        points.print_notes()?;
+        points.tell(mesh);
     }
     let sources = points.source_vertices();
     let refined = &points.refined.mesh;

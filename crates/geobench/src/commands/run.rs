@@ -33,7 +33,7 @@ use toml::Spanned;
 
 use crate::args::{Algorithms, CsvOptions, MODELS_HELP, algorithms, row, threads, tolerance};
 use crate::isolation::IsolationOptions;
-use crate::points::GoalOptions;
+use crate::points::{FarOption, GoalOptions};
 use crate::progress::Progress;
 use crate::terminal;
 use crate::verdict::Verdict;
@@ -184,11 +184,15 @@ impl RunOptions {
 /// Where runs start.
 #[derive(Args, Debug)]
 pub(crate) struct RunSourceOptions {
-    /// Sources: first, a vertex number, random:N[,seed=S], all, edge:A-B,T (from vertex A the
+    /// Sources: first, largest (the first vertex of the largest component, vertex 0 if there is only
+    /// one), a vertex number, random:N[,seed=S], all, edge:A-B,T (from vertex A the
     /// fraction T of the way to B), face:F,U,V,W (barycentric coordinates), at:X,Y,Z (the nearest
-    /// point), or a list of these; may be repeated [default: first]
+    /// point), or a list of these; may be repeated [default: largest]
     #[arg(long, value_name = "SRC", allow_negative_numbers = true)]
     pub(crate) source: Vec<SourceSpec>,
+
+    #[command(flatten)]
+    pub(crate) far: FarOption,
 
     /// Run once from all sources together, with distances from the nearest, not once from each
     #[arg(long)]
@@ -199,7 +203,7 @@ impl RunSourceOptions {
     /// All given sources as one list; `None` if none are given.
     pub(crate) fn sources(&self) -> Option<SourceSpec> {
         let sources = self.source.iter().cloned();
-        (!self.source.is_empty()).then(|| SourceSpec::of_all(sources))
+        (!self.source.is_empty()).then(|| self.far.sources(SourceSpec::of_all(sources)))
     }
 }
 
@@ -411,7 +415,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let reference = reference.transpose().context("--check")?;
     let models = options.models.iter();
     let models = models.map(|model| Spanned::new(0..0, WantedModel::new(model)));
-    let goal = options.goal.goal()?;
+    let goal = options.goal.goal(options.source.far)?;
     let asked = Settings {
         models: (!options.models.is_empty()).then(|| models.collect()),
         algorithms: options.algo.clone().map(|algorithms| algorithms.0),
@@ -895,9 +899,15 @@ impl Listener for Reporter {
 }
 
 /// Prints the messages of cells to standard error: each refusal once, failures, and, unless
-/// `quiet`, messages of successful cells. For tables only refusals are printed.
+/// `quiet`, messages of successful cells. For tables only refusals and where positions were found
+/// are printed.
 fn remark(cells: &[Cell], format: ResultFormat, quiet: bool) {
     let mut last_refusal = None;
+    let mut last_place = None;
+    let is_position = |cell: &Cell| match &cell.source {
+        Some(SourceLabel::Other(text)) => text.contains("at:") || text.contains("far:"),
+        _ => false,
+    };
     for cell in cells {
         let Some(message) = &cell.message else {
             continue;
@@ -908,6 +918,13 @@ fn remark(cells: &[Cell], format: ResultFormat, quiet: bool) {
                 last_refusal = Some(message);
             }
             Status::Refused => {}
+            Status::Ok if format == ResultFormat::Table && !quiet && is_position(cell) => {
+                let place = Some((&cell.model, message));
+                if last_place != place {
+                    terminal::notes_on(&cell.model, std::slice::from_ref(message));
+                    last_place = place;
+                }
+            }
             // Tables have these messages in their notes.
             _ if format == ResultFormat::Table => {}
             status => {

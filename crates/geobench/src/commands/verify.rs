@@ -25,7 +25,7 @@ use geobench_window::precision;
 
 use crate::args::{Algorithms, MODELS_HELP, algorithms, threads, tolerance};
 use crate::isolation::IsolationOptions;
-use crate::points::{GoalOptions, distinct};
+use crate::points::{FarOption, GoalOptions, distinct};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -41,8 +41,8 @@ pub(crate) struct VerifyOptions {
     #[arg(long, value_name = "LIST", value_parser = algorithms)]
     algo: Option<Algorithms>,
 
-    /// Sources: first, a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W, at:X,Y,Z
-    /// or a list of these; may be repeated. Vertices for which distances are stored
+    /// Sources: first, largest (the first vertex of the largest component), a vertex number,
+    /// random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W, at:X,Y,Z or a list of these; may be repeated. Vertices for which distances are stored
     /// (MODEL.sSOURCE.csv) are added
     #[arg(
         long,
@@ -51,6 +51,9 @@ pub(crate) struct VerifyOptions {
         allow_negative_numbers = true
     )]
     source: Vec<SourceSpec>,
+
+    #[command(flatten)]
+    far: FarOption,
 
     #[command(flatten)]
     goal: GoalOptions,
@@ -111,7 +114,7 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
         .map(|algorithm| algorithm.with_simd(options.simd))
         .collect();
     options.isolation.check(1)?;
-    let goal = options.goal.goal()?;
+    let goal = options.goal.goal(options.far)?;
     let algorithms = if goal.is_everything() {
         algorithms
     } else {
@@ -125,7 +128,7 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     let backend = options.isolation.backend(limits, true)?;
     interrupt::listen().context("cannot listen to signals")?;
     let mut tally = VerifyTally::default();
-    let sources = distinct(&options.source);
+    let sources = options.far.sources(distinct(&options.source));
     for model in &models {
         if interrupt::requested() {
             break;
@@ -244,7 +247,8 @@ impl LoadedModelCheck<'_> {
         if !self.options.quiet {
             terminal::notes_on(&self.record.name, &self.record.notes);
         }
-        let mut sources = match self.sources.points(vertices) {
+        let sources = (self.sources).with_largest(|| self.record.first_of_largest());
+        let mut sources = match sources.points(vertices) {
             Ok(sources) => sources,
             Err(error) => {
                 terminal::error(&format!("{}: {error}", self.model.path));
@@ -438,8 +442,12 @@ impl LoadedModelCheck<'_> {
         let checks = &mut state.checks;
         let found = observation.distances;
         // The note is about the position of the source. One line with it is enough.
-        let note = observation.note.filter(|_| is_reference);
-        verdict.remarks.extend(note);
+        if let Some(note) = observation
+            .note
+            .filter(|_| is_reference && !self.options.quiet)
+        {
+            terminal::notes_on(&self.record.name, &[note]);
+        }
         let tolerance = algorithm.tolerance(self.options.tolerance);
         verdict.may_differ = algorithm.may_differ();
         verdict.find_doubt(self.record.longest_edge, &found);
@@ -472,6 +480,12 @@ impl LoadedModelCheck<'_> {
         }
         if let Some(field) = state.stored.as_ref().filter(|_| found.len() == state.count) {
             verdict.judge_by_stored(field, &found, &checks.layout, tolerance);
+        }
+        if is_reference {
+            let unreachable = found.iter().filter(|d| d.is_infinite()).count();
+            let (count, noun) = (found.len(), checks.layout.noun());
+            let remark = format!("reference for {count} {noun}, {unreachable} unreachable");
+            verdict.remarks.push(remark);
         }
         vote
     }
@@ -767,16 +781,13 @@ impl AnswerVerdict {
         self.remarks.insert(0, "not refuted".to_owned());
     }
 
-    /// The verdict with its remarks. Only an answer of the reference has no remarks.
+    /// The verdict with its remarks.
     fn text(&self) -> String {
         let word = match self.word {
             Word::Ok => "ok",
             Word::InDoubt => "IN DOUBT",
             Word::Wrong => "WRONG",
         };
-        if self.remarks.is_empty() {
-            return format!("{word} (reference)");
-        }
         format!("{word}: {}", self.remarks.join("; "))
     }
 }

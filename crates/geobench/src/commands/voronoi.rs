@@ -89,7 +89,7 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let mesh = &options.reading.mesh(&model, options.quiet)?;
     let points = LocatedPoints::new(mesh, &options.sources.all(), Some(&[]), &model.path)?;
     if !options.quiet {
-        points.note_components(mesh);
+        points.tell(mesh);
     }
     let refined = &points.refined.mesh;
     let sources = points.source_vertices();
@@ -123,11 +123,7 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
         None => None,
     };
     let labels = labels.map(|(format, output)| (format.render(&file), output));
-    let mut summary = points.notes.join("\n");
-    if !summary.is_empty() {
-        summary.push('\n');
-    }
-    summary.push_str(&coinciding(&points.sources));
+    let mut summary = coinciding(&points.sources);
     summary.push_str(&summary_of(&options.output, &file));
     let dual = match &dual_file {
         Some((path, ..)) => {

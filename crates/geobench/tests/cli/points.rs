@@ -28,17 +28,22 @@ fn every_form_of_source_has_its_distances() {
         (
             "face:0,0.5,0,0.5",
             centre,
-            "face:0,0.5,0,0.5 is edge:2-0,0.5\n",
+            "face:0,0.5,0,0.5 is edge:2-0,0.5",
         ),
         (
-            "at:0.5,0.5,2",
+            "at:0.5,0.5,1",
             centre,
-            "at:0.5,0.5,2 is 2 from the surface; its nearest point is edge:2-0,0.5\n",
+            "at:0.5,0.5,1 is 1 from the surface; its nearest point is edge:2-0,0.5",
+        ),
+        (
+            "far:0.5,0.5,2",
+            centre,
+            "far:0.5,0.5,2 is 2 from the surface; its nearest point is edge:2-0,0.5",
         ),
         (
             "at:1,1,0",
             [2.0_f64.sqrt(), 1.0, 0.0, 1.0],
-            "at:1,1,0 is on the surface, vertex 2\n",
+            "at:1,1,0 is on the surface, vertex 2",
         ),
         (
             "face:1,0.5,0.25,0.25",
@@ -53,19 +58,61 @@ fn every_form_of_source_has_its_distances() {
         ("all", [0.0; 4], ""),
         ("random:4,seed=9", [0.0; 4], ""),
     ] {
-        let said = sandbox.succeed(&format!("distance square.off --source {source} -o d.json"));
+        let said = sandbox.call(&format!("distance square.off --source {source} -o d.json"));
         let field = sandbox.json("d.json");
         let found = numbers(&field["distances"]);
         assert!(close(&found, &expected), "{source}: {found:?}");
-        assert!(
-            said.starts_with(&format!("{note}d.json: 4 vertices")),
-            "{said}"
-        );
+        assert!(said.stdout.starts_with("d.json: 4 vertices"), "{said:?}");
+        let expected = match note {
+            "" => String::new(),
+            note => format!("geobench: note: {note}\n"),
+        };
+        assert_eq!((said.code, said.stderr), (0, expected), "{source}");
     }
     sandbox.succeed("distance square.off --source 1 --source edge:0-3,0.5 -o d.json");
     let field = sandbox.json("d.json");
     assert_eq!(field["sources"], json!([1, "edge:0-3,0.5"]));
     assert!(close(&numbers(&field["distances"]), &[0.5, 0.0, 1.0, 0.5]));
+}
+
+#[test]
+fn a_position_farther_away_than_the_size_of_the_model_must_be_meant() {
+    let sandbox = Sandbox::with_square();
+    let far = "--source 0 --target at:0,0,9";
+    for (command, options) in [
+        ("distance", format!("{far} -o d.csv")),
+        ("path", format!("{far} -o p.json")),
+        (
+            "isolines",
+            "--source at:0,0,9 --every 0.1 -o i.json".to_owned(),
+        ),
+        ("voronoi", "--source 0,at:0,0,9 -o v.json".to_owned()),
+        ("certify", "--source at:0,0,9".to_owned()),
+        ("run", "--source at:0,0,9 --algo mmp --repeat 1".to_owned()),
+        ("verify", format!("{far} --algo vtp")),
+    ] {
+        let call = format!("{command} square.off {options}");
+        let said = sandbox.call(&call);
+        assert_eq!(said.code, 2, "{call}: {said:?}");
+        assert!(
+            said.stderr
+                .contains("at:0,0,9 is 9 from the surface, whose size is 1.414")
+        );
+        assert!(
+            said.stderr
+                .contains("; far:0,0,9 or the option --far accepts that"),
+            "{said:?}"
+        );
+        let said = sandbox.call(&format!("{call} --far"));
+        assert_eq!(said.code, 0, "{call}: {said:?}");
+        // Targets of `verify` have no notes.
+        if command != "verify" {
+            assert!(
+                said.stderr.contains("far:0,0,9 is 9 from the surface; its"),
+                "{said:?}"
+            );
+        }
+    }
 }
 
 #[test]
@@ -119,7 +166,7 @@ fn targets_and_radius_limit_what_is_written() {
 fn targets_are_the_same_with_every_algorithm_and_thread() {
     let sandbox = Sandbox::new();
     let command = "distance gen:torus,faces=2000,bump=0.2,seed=3 --source face:7,0.2,0.3,0.5 \
-        --target at:9,9,9 --target random:5 --target edge:0-1,0.25 -o d.json --quiet --algo";
+        --target far:9,9,9 --target random:5 --target edge:0-1,0.25 -o d.json --quiet --algo";
     sandbox.succeed(&format!("{command} mmp"));
     let expected = numbers(&sandbox.json("d.json")["distances"]);
     for algorithm in [
@@ -254,7 +301,7 @@ fn run_takes_points_and_names_them_in_results() {
     let sandbox = Sandbox::with_square();
     for isolation in ["process", "none"] {
         let said = sandbox.succeed(&format!(
-            "run square.off --source 1 --source edge:0-2,0.5,at:0,0,3 --algo mmp,vtp --repeat 1 \
+            "run square.off --source 1 --source edge:0-2,0.5,at:0,0,1 --algo mmp,vtp --repeat 1 \
              --isolate {isolation} --quiet -o r.json -o r.csv"
         ));
         let cells = sandbox.json("r.json")["cells"].clone();
@@ -264,7 +311,7 @@ fn run_takes_points_and_names_them_in_results() {
             .iter()
             .map(|c| &c["source"])
             .collect();
-        let expected = [json!(1), json!("edge:0-2,0.5"), json!("at:0,0,3")];
+        let expected = [json!(1), json!("edge:0-2,0.5"), json!("at:0,0,1")];
         let expected: Vec<_> = expected.iter().flat_map(|s| [s, s]).collect();
         assert_eq!(sources, expected, "{said}");
         for cell in cells.as_array().unwrap() {
@@ -272,7 +319,7 @@ fn run_takes_points_and_names_them_in_results() {
             assert_eq!(cell["check"]["reference"], "mmp", "{cell}");
             assert_eq!(cell["check"]["compared"], 4, "{cell}");
         }
-        let note = "at:0,0,3 is 3 from the surface; its nearest point is vertex 0";
+        let note = "at:0,0,1 is 1 from the surface; its nearest point is vertex 0";
         assert_eq!(cells[4]["message"], note);
         assert!(sandbox.read("r.csv").contains("\"edge:0-2,0.5\""));
     }
@@ -442,4 +489,48 @@ fn a_source_named_twice_is_one_source() {
     ));
     let note = format!("geobench: note: source {point} is named twice and counts once\n");
     assert_eq!((outcome.code, outcome.stderr), (0, note));
+}
+
+#[test]
+fn runs_start_in_the_largest_component() {
+    let sandbox = Sandbox::new();
+    // A triangle, an isolated vertex and a square.
+    sandbox.write(
+        "parts.off",
+        "OFF 8 3 0\n9 0 0\n8 0 0\n9 1 0\n7 7 7\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n\
+         3 0 1 2\n3 4 5 6\n3 4 6 7\n",
+    );
+    let said = sandbox.call("run parts.off --algo mmp,vtp --repeat 1 -o r.json");
+    assert_eq!(said.code, 0, "{said:?}");
+    let note = "source 4 is in the largest of 2 components, with 4 of 8 vertices";
+    assert!(said.stdout.contains(note), "{said:?}");
+    let result = sandbox.json("r.json");
+    assert_eq!(result["plan"]["groups"][0]["sources"], "largest");
+    assert_eq!(result["cells"][0]["source"], 4);
+    let largest = json!({"first": 4, "vertices": 4});
+    assert_eq!(result["models"][0]["largest_component"], largest);
+    let said = sandbox.succeed("run parts.off --algo mmp,vtp --repeat 1 --source 0");
+    assert!(!said.contains("the largest of"), "{said}");
+    sandbox.succeed(
+        "run parts.off --source 1,largest --sources-together --algo mmp --repeat 1 -o t.json",
+    );
+    assert_eq!(sandbox.json("t.json")["cells"][0]["source"], "1,4");
+    // In one component it is vertex 0.
+    sandbox.succeed("run gen:grid,n=2 --algo mmp --repeat 1 -o g.json");
+    let result = sandbox.json("g.json");
+    assert_eq!(result["cells"][0]["source"], 0);
+    assert!(result["models"][0].get("largest_component").is_none());
+    let said = sandbox.call("distance parts.off --source largest -o d.csv");
+    let note = "source 4 is in a component of 4 of 8 vertices; 2 components";
+    assert!(said.stderr.contains(note), "{said:?}");
+    let said = sandbox.succeed("verify parts.off --source largest --algo vtp");
+    let line = "parts: source 4: mmp-fast: ok: reference for 8 vertices, 4 unreachable";
+    assert!(said.contains(line), "{said}");
+    let said = sandbox.succeed("certify parts.off --source largest");
+    assert!(
+        said.contains("8 of 8 vertices compared, 100.000 %; 4 unreachable"),
+        "{said}"
+    );
+    let said = sandbox.refuse("distance parts.off --source 0 --target largest -o d.csv");
+    assert!(said.contains("`largest` is not a target"), "{said}");
 }

@@ -37,7 +37,9 @@ fn the_majority_is_wrong() {
     assert_eq!(outcome.code, 1);
     let said = &outcome.stdout;
     assert!(
-        said.starts_with("square: source 0: mmp-fast: ok (reference)\n"),
+        said.starts_with(
+            "square: source 0: mmp-fast: ok: reference for 4 vertices, 0 unreachable\n"
+        ),
         "{said}"
     );
     assert!(

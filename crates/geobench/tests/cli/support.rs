@@ -17,6 +17,7 @@ pub(crate) const NON_MANIFOLD: &str =
 pub(crate) struct Sandbox(TempDir);
 
 /// The outcome of a call.
+#[derive(Debug)]
 pub(crate) struct Outcome {
     pub(crate) code: i32,
     pub(crate) stdout: String,

@@ -128,10 +128,11 @@ fn sources_may_be_anywhere() {
     // Two in one face, one on an edge, one at a place of space; the cells share the square.
     let run = "voronoi gen:grid,n=4 --source face:0,0.2,0.3,0.5 --source face:0,0.6,0.2,0.2 \
         --source edge:12-13,0.5 --source at:3.9,3.1,0.7 -o v.json --labels l.csv";
-    let said = sandbox.succeed(run);
+    let said = sandbox.call(run);
     assert!(
-        said.contains("at:3.9,3.1,0.7 is 0.7 from the surface"),
-        "{said}"
+        said.stderr
+            .contains("at:3.9,3.1,0.7 is 0.7 from the surface"),
+        "{said:?}"
     );
     let file = sandbox.json("v.json");
     assert_eq!(file["sources"][2], "edge:12-13,0.5");

@@ -402,9 +402,9 @@ mod tests {
             for pass in [Pass::Time, Pass::Profile, Pass::Count] {
                 let (distances, note) = run("edge:1-2,0.5", pass).unwrap();
                 assert_eq!((distances, note), (vec![2.5; 3], None));
-                let (distances, note) = run("at:3,0,7", pass).unwrap();
+                let (distances, note) = run("far:3,0,7", pass).unwrap();
                 assert_eq!(distances, [3.0, 0.0, 5.0]);
-                let expected = "at:3,0,7 is 7 from the surface; its nearest point is vertex 1";
+                let expected = "far:3,0,7 is 7 from the surface; its nearest point is vertex 1";
                 assert_eq!(note.as_deref(), Some(expected));
                 let together = run("1,edge:0-2,0.5", pass).unwrap();
                 assert_eq!(together, (vec![2.0, 0.0, 2.0], None));

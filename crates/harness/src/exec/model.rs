@@ -1,6 +1,7 @@
 //! Models: what users name, and loading it.
 
-use std::collections::HashMap;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io;
@@ -11,12 +12,14 @@ pub mod standard_input;
 
 use geobench_mesh::generate::{self, Spec};
 use geobench_mesh::io::ReadOptions;
-use geobench_mesh::{InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, Weld, io as mesh_io};
+use geobench_mesh::{
+    InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, VertexId, Weld, io as mesh_io,
+};
 use sha2::{Digest, Sha256};
 
 use crate::exec::expected::stem;
 use crate::exec::limits::MemoryLimit;
-use crate::schema::ModelRecord;
+use crate::schema::{LargestComponent, ModelRecord};
 
 /// A model that a user named, not loaded yet.
 #[derive(Clone, Debug)]
@@ -435,6 +438,9 @@ impl ModelRef {
             saddles: Some(measures.saddles as u64),
             anisotropy: Some(measures.anisotropy),
             longest_edge: Some(measures.max_edge_length),
+            largest_component: (measures.components > 1)
+                .then(|| largest_component(&mesh))
+                .flatten(),
             notes: report.notes(),
             ..self.record()
         };
@@ -445,6 +451,44 @@ impl ModelRef {
             record,
         }
     }
+}
+
+/// A component of a mesh that has faces.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceComponent {
+    /// The first of its vertices.
+    pub first: VertexId,
+    /// How many they are.
+    pub vertices: usize,
+}
+
+/// The components of `mesh` that have faces, by their numbers in `components`, which has that of
+/// each vertex.
+pub fn surface_components(mesh: &Mesh, components: &[u32]) -> BTreeMap<u32, SurfaceComponent> {
+    let is_isolated = |v: VertexId| mesh.outgoing(v).is_empty() && !mesh.is_copy(v);
+    let mut found: BTreeMap<u32, SurfaceComponent> = BTreeMap::new();
+    for (v, &component) in mesh.vertices().zip(components) {
+        if !is_isolated(v) {
+            let component = found.entry(component).or_insert(SurfaceComponent {
+                first: v,
+                vertices: 0,
+            });
+            component.vertices += 1;
+        }
+    }
+    found
+}
+
+/// The component with the most vertices, the first of several; `None` without faces.
+pub fn largest_component(mesh: &Mesh) -> Option<LargestComponent> {
+    let all = surface_components(mesh, &mesh.components());
+    let by_size = |c: &&SurfaceComponent| (c.vertices, Reverse(c.first));
+    all.values()
+        .max_by_key(by_size)
+        .map(|largest| LargestComponent {
+            first: largest.first.raw(),
+            vertices: largest.vertices as u64,
+        })
 }
 
 fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, ModelError> {

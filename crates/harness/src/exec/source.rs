@@ -13,8 +13,8 @@ use crate::schema::SourceLabel;
 const DEFAULT_SEED: u64 = 1;
 
 /// The forms of sources and targets, for messages.
-const FORMS: &str = "give `first`, a vertex number, a list such as `0,17`, `random:N[,seed=S]`, \
-    `all`, `edge:A-B,T`, `face:F,U,V,W` or `at:X,Y,Z`";
+const FORMS: &str = "give `first`, `largest`, a vertex number, a list such as `0,17`, `random:N[,seed=S]`, \
+    `all`, `edge:A-B,T`, `face:F,U,V,W`, `at:X,Y,Z` or `far:X,Y,Z`";
 
 /// One point of a surface, not looked up yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,8 +26,11 @@ pub enum PointSpec {
     Edge([u32; 2], f64),
     /// A point in a face, by its barycentric coordinates; `face:12,0.2,0.3,0.5`.
     Face(u32, [f64; 3]),
-    /// The point of the surface nearest to a position; `at:1,2,3`.
+    /// The point of the surface nearest to a position, which is not farther from it than the size of
+    /// the model; `at:1,2,3`.
     At([f64; 3]),
+    /// The same, however far the position is; `far:1,2,3`.
+    Far([f64; 3]),
 }
 
 /// A part of a [`SourceSpec`].
@@ -35,6 +38,8 @@ pub enum PointSpec {
 enum SourcePart {
     /// The first vertex of the file.
     First,
+    /// The first vertex of the component with the most vertices.
+    Largest,
     Point(PointSpec),
     /// Different vertices drawn at random, the same ones on every machine.
     Random {
@@ -45,7 +50,7 @@ enum SourcePart {
     All,
 }
 
-/// Sources as a user gives them: `first`, a vertex number, `random:N[,seed=S]`, `all`, points of
+/// Sources as a user gives them: `first`, `largest`, a vertex number, `random:N[,seed=S]`, `all`, points of
 /// the surface, or a list of these. Vertices and faces are numbered from 0 in the file's order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceSpec(Vec<SourcePart>);
@@ -88,6 +93,8 @@ impl LocatedPoint {
 pub struct Locator<'m> {
     mesh: &'m Mesh,
     nearest: Option<NearestPoint>,
+    /// The diagonal of the bounding box of the surface, from the first position on.
+    size: f64,
 }
 
 impl<'m> Locator<'m> {
@@ -96,6 +103,7 @@ impl<'m> Locator<'m> {
         Self {
             mesh,
             nearest: None,
+            size: 0.0,
         }
     }
 
@@ -112,12 +120,23 @@ impl<'m> Locator<'m> {
             PointSpec::Vertex(v) => mesh.point_at_vertex(VertexId::new(v)),
             PointSpec::Edge(ends, t) => mesh.point_on_edge(ends.map(VertexId::new), t),
             PointSpec::Face(face, weights) => mesh.point_in_file_triangle(face, weights),
-            PointSpec::At(position) => self.nearest(position).map(|(point, distance)| {
-                from_position = Some(distance);
-                point
-            }),
+            PointSpec::At(position) | PointSpec::Far(position) => {
+                self.nearest(position).map(|(point, distance)| {
+                    from_position = Some(distance);
+                    point
+                })
+            }
         };
         let point = point.map_err(|error| UsageError(format!("{spec}: {error}")))?;
+        if let (PointSpec::At([x, y, z]), Some(distance)) = (spec, from_position)
+            && distance > self.size
+        {
+            return Err(UsageError(format!(
+                "{spec} is {distance} from the surface, whose size is {}; far:{x},{y},{z} or the \
+                 option --far accepts that (in Python, far=True)",
+                self.size
+            )));
+        }
         let as_asked = matches!(
             (spec, point.place()),
             (PointSpec::Vertex(_), _)
@@ -138,12 +157,27 @@ impl<'m> Locator<'m> {
     ) -> Result<(SurfacePoint, f64), geobench_mesh::PointError> {
         if self.nearest.is_none() {
             self.nearest = Some(NearestPoint::new(self.mesh)?);
+            self.size = size(self.mesh);
         }
         match &self.nearest {
             Some(nearest) => nearest.to(position),
             None => Err(geobench_mesh::PointError::NoPositions),
         }
     }
+}
+
+/// The diagonal of the bounding box of the surface.
+fn size(mesh: &Mesh) -> f64 {
+    let corners = mesh
+        .half_edges()
+        .map(|h| mesh.positions()[mesh.tail(h).index()]);
+    let [mut low, mut high] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    for corner in corners {
+        low = [0, 1, 2].map(|k| corner[k].min(low[k]));
+        high = [0, 1, 2].map(|k| corner[k].max(high[k]));
+    }
+    let [x, y, z] = [0, 1, 2].map(|k| high[k] - low[k]);
+    x.hypot(y).hypot(z)
 }
 
 /// The place of a point in the form of a source.
@@ -176,6 +210,7 @@ impl fmt::Display for PointSpec {
             Self::Edge([a, b], t) => write!(f, "edge:{a}-{b},{t}"),
             Self::Face(face, [u, v, w]) => write!(f, "face:{face},{u},{v},{w}"),
             Self::At([x, y, z]) => write!(f, "at:{x},{y},{z}"),
+            Self::Far([x, y, z]) => write!(f, "far:{x},{y},{z}"),
         }
     }
 }
@@ -240,6 +275,25 @@ impl SourceSpec {
         Self(vec![SourcePart::First])
     }
 
+    /// The first vertex of the largest component.
+    pub fn largest() -> Self {
+        Self(vec![SourcePart::Largest])
+    }
+
+    /// The same sources, with the vertex `first()` for `largest`.
+    #[must_use]
+    pub fn with_largest(&self, first: impl FnOnce() -> u32) -> Self {
+        let mut parts = self.0.clone();
+        if parts.contains(&SourcePart::Largest) {
+            let vertex = SourcePart::Point(PointSpec::Vertex(first()));
+            let largest = parts
+                .iter_mut()
+                .filter(|part| **part == SourcePart::Largest);
+            largest.for_each(|part| *part = vertex);
+        }
+        Self(parts)
+    }
+
     /// All of these together.
     pub fn of_all(specs: impl IntoIterator<Item = Self>) -> Self {
         Self(specs.into_iter().flat_map(|spec| spec.0).collect())
@@ -253,6 +307,17 @@ impl SourceSpec {
         };
         let (forms, notes) = distinct_by(self.0, point);
         (Self(forms), notes)
+    }
+
+    /// The same sources, whose positions may be [far](PointSpec::Far) from the surface.
+    #[must_use]
+    pub fn even_far(mut self) -> Self {
+        for part in &mut self.0 {
+            if let SourcePart::Point(PointSpec::At(position)) = *part {
+                *part = SourcePart::Point(PointSpec::Far(position));
+            }
+        }
+        self
     }
 
     /// Number of sources; every `all` counts as one.
@@ -284,7 +349,7 @@ impl SourceSpec {
         let known = |form: &SourcePart| match form {
             SourcePart::First => Some(SourceLabel::Vertex(0)),
             SourcePart::Point(point) => Some(point.label()),
-            SourcePart::Random { .. } | SourcePart::All => None,
+            SourcePart::Largest | SourcePart::Random { .. } | SourcePart::All => None,
         };
         let labels: Option<Vec<SourceLabel>> = self.0.iter().map(known).collect();
         labels.map_or_else(
@@ -298,7 +363,8 @@ impl SourceSpec {
     ///
     /// # Errors
     ///
-    /// When the mesh lacks one of the vertices, or has fewer than `random:N`.
+    /// When the mesh lacks one of the vertices, or has fewer than `random:N`, or one is still
+    /// [`largest`](Self::with_largest).
     pub fn points(&self, vertices: usize) -> Result<Vec<PointSpec>, UsageError> {
         let mut points = self.points_as("source", vertices)?;
         if self.0.len() > 1 {
@@ -314,6 +380,10 @@ impl SourceSpec {
         for form in &self.0 {
             match *form {
                 SourcePart::First => points.push(PointSpec::Vertex(0)),
+                SourcePart::Largest => {
+                    let text = format!("the largest component is no {noun} here");
+                    return Err(UsageError(text));
+                }
                 SourcePart::Point(point) => points.push(point),
                 SourcePart::All => points.extend((0..vertices as u32).map(PointSpec::Vertex)),
                 SourcePart::Random { count, seed } => {
@@ -355,6 +425,7 @@ impl SourceSpec {
             };
             forms.push(match word.split_once(':') {
                 None if word == "first" => SourcePart::First,
+                None if word == "largest" && noun == "source" => SourcePart::Largest,
                 None if word == "all" => SourcePart::All,
                 None => SourcePart::Point(PointSpec::Vertex(word.parse().map_err(|_| syntax())?)),
                 Some(("edge", ends)) => {
@@ -367,9 +438,12 @@ impl SourceSpec {
                     let weights = [number(None)?, number(None)?, number(None)?];
                     SourcePart::Point(PointSpec::Face(face, weights))
                 }
-                Some(("at", x)) => {
+                Some((kind @ ("at" | "far"), x)) => {
                     let position = [number(Some(x.trim()))?, number(None)?, number(None)?];
-                    SourcePart::Point(PointSpec::At(position))
+                    SourcePart::Point(match kind {
+                        "at" => PointSpec::At(position),
+                        _ => PointSpec::Far(position),
+                    })
                 }
                 Some(("random", count)) => {
                     let count = count.trim().parse().map_err(|_| syntax())?;
@@ -424,6 +498,7 @@ impl fmt::Display for SourceSpec {
             }
             match form {
                 SourcePart::First => f.write_str("first")?,
+                SourcePart::Largest => f.write_str("largest")?,
                 SourcePart::Point(point) => write!(f, "{point}")?,
                 SourcePart::Random { count, seed } => write!(f, "random:{count},seed={seed}")?,
                 SourcePart::All => f.write_str("all")?,
@@ -457,6 +532,12 @@ impl TargetSpec {
         let mut seen = HashSet::new();
         points.retain(|point| seen.insert(point.to_string()));
         Ok(points)
+    }
+
+    /// The same targets, whose positions may be [far](PointSpec::Far) from the surface.
+    #[must_use]
+    pub fn even_far(self) -> Self {
+        Self(self.0.even_far())
     }
 
     /// All of these together.

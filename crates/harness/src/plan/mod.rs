@@ -213,15 +213,16 @@ impl Plan {
         self.sources.has_all() && !self.sources_together
     }
 
-    /// The sources of each unit in a model of `vertices` vertices, in order.
+    /// The sources of each unit in `model`, in order.
     ///
     /// # Errors
     ///
     /// If a vertex does not exist, or the model has fewer vertices than `random:N` asks for.
-    pub fn units_in(&self, vertices: usize) -> Result<Vec<SourceSpec>, UsageError> {
-        let points = self.sources.points(vertices)?;
+    pub fn units_in(&self, model: &ModelRecord) -> Result<Vec<SourceSpec>, UsageError> {
+        let sources = self.sources.with_largest(|| model.first_of_largest());
+        let points = sources.points(model.vertex_count())?;
         Ok(if self.sources_together {
-            vec![self.sources.clone()]
+            vec![sources]
         } else {
             points.into_iter().map(Into::into).collect()
         })

@@ -213,9 +213,12 @@ fn cells(plan: &PlanRecord, parts: &mut [ShardFile]) -> anyhow::Result<Vec<Cell>
 /// was refused has no such number; if the sources include `all`, it has one unit.
 fn units_of_model(spec: &SourceSpec, model: &str, parts: &[ShardFile]) -> u128 {
     let models = parts.iter().flat_map(|part| &part.file.models);
-    let mut known = models.filter(|record| record.name == model);
-    let vertices = known.find_map(|record| record.vertices);
-    let points = vertices.and_then(|vertices| spec.points(vertices as usize).ok());
+    let mut known = models.filter(|record| record.name == model && record.vertices.is_some());
+    let of_model = |record: &ModelRecord| {
+        let spec = spec.with_largest(|| record.first_of_largest());
+        spec.points(record.vertex_count()).ok()
+    };
+    let points = known.next().and_then(of_model);
     let unknown = if spec.has_all() { 1 } else { spec.count() };
     points.map_or(unknown, |points| points.len()) as u128
 }

@@ -188,8 +188,7 @@ fn sources(
     model_index: usize,
     model: &ModelRecord,
 ) -> Result<Vec<SourceSpec>, UsageError> {
-    let vertices = model.vertex_count();
-    let all = plan.units_in(vertices)?.into_iter().enumerate();
+    let all = plan.units_in(model)?.into_iter().enumerate();
     let mine = |&(number, _): &(usize, SourceSpec)| plan.has_unit(model_index, number);
     Ok(all.filter(mine).map(|(_, source)| source).collect())
 }

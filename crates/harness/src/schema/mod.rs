@@ -274,6 +274,9 @@ pub struct ModelRecord {
     pub load_seconds: Option<f64>,
     /// Seconds to check it and to build the half-edge mesh.
     pub build_seconds: Option<f64>,
+    /// The component with the most vertices; null if there are not several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub largest_component: Option<LargestComponent>,
     /// Repairs and notes, in words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
@@ -284,6 +287,20 @@ impl ModelRecord {
     pub fn vertex_count(&self) -> usize {
         self.vertices.unwrap_or(0) as usize
     }
+
+    /// The first vertex of the largest component.
+    pub fn first_of_largest(&self) -> u32 {
+        self.largest_component.map_or(0, |largest| largest.first)
+    }
+}
+
+/// The component of a model with the most vertices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LargestComponent {
+    /// Its first vertex.
+    pub first: u32,
+    /// Number of its vertices.
+    pub vertices: u64,
 }
 
 /// The results of one algorithm on one model from one source.

@@ -259,6 +259,8 @@ fn transformed(
     let positions = changed.model.positions().unwrap_or_default().to_vec();
     let soup = TriangleSoup::new(positions, changed.model.triangles.clone());
     let changed_mesh = match Mesh::from_soup(soup) {
+        // Rounding has made edges of no length, and may have left a vertex without faces.
+        Ok((mesh, _)) if mesh.copies().len() > 0 && !changed.is_exact() => return Ok(()),
         Ok((mesh, _)) => mesh,
         Err(refused) if changed.is_exact() => return Err(failed(refused.to_string())),
         Err(_) => return Ok(()),

@@ -185,7 +185,7 @@ def run(
     algorithms: str | Iterable[str],
     models: _core.Mesh | _Path | Iterable[_core.Mesh | _Path],
     *,
-    sources: _Source | Iterable[_Source] = "first",
+    sources: _Source | Iterable[_Source] = "largest",
     sources_together: bool = False,
     repeat: int | None = None,
     warmup: int = 1,
@@ -207,7 +207,8 @@ def run(
     models : Mesh, path or str, or a sequence of these
         Meshes, files, directories or ``"gen:torus,faces=5000"``.
     sources : int, Point, str or a sequence of these
-        Each source is a cell of its own. ``"random:5"`` draws five vertices.
+        Each source is a cell of its own. ``"random:5"`` draws five vertices. The default is the
+        first vertex of the component with the most vertices.
     sources_together : bool
         Whether each run starts from all sources together.
     repeat : int, optional

@@ -8,7 +8,9 @@ use geobench_harness::figures::{Figure, Style, figures, time};
 use geobench_harness::measure::number::counted;
 use geobench_harness::measure::number::{decimals, group, grouped, scientific};
 use geobench_harness::measure::statistics::FEWEST_FOR_INTERVAL;
-use geobench_harness::schema::{Cell, GroupRecord, ModelRecord, ResultFile, Status};
+use geobench_harness::schema::{
+    Cell, GroupRecord, LargestComponent, ModelRecord, ResultFile, SourceLabel, Status,
+};
 
 use crate::table::group::{Estimate, GroupCells, algorithms, distinct, overall};
 use crate::table::model::{Column, Entry, Mark, Note, Part, Table};
@@ -100,6 +102,7 @@ pub(super) fn part(group: &GroupCells<'_>, model: &ModelRecord) -> Part {
         .map(|figure| figure_row(figure, &columns, model.vertices))
         .collect();
     let mut notes = notes(&cells, model.vertices);
+    notes.extend(note_on_largest(&cells, model));
     if let Some((row, note)) = ratio_times(group, &model.name, &columns) {
         rows.push(row);
         notes.extend(note);
@@ -272,6 +275,20 @@ fn note_on_doubt(cells: &[&Cell]) -> Option<String> {
         "edges are too long for the distances{whose}, each of which may be off by up to {doubt}; \
          `geobench distance` names the faces"
     ))
+}
+
+/// A note on a source that is the first vertex of the largest of several components.
+fn note_on_largest(cells: &[&Cell], model: &ModelRecord) -> Option<Note> {
+    let LargestComponent { first, vertices } = model.largest_component?;
+    let is_it = |cell: &&Cell| cell.source.as_ref().and_then(SourceLabel::vertex) == Some(first);
+    (!cells.is_empty() && cells.iter().all(is_it)).then(|| {
+        Note::new(format!(
+            "source {first} is in the largest of {} components, with {} of {} vertices",
+            grouped(model.components.unwrap_or(0)),
+            grouped(vertices),
+            grouped(model.vertices.unwrap_or(0))
+        ))
+    })
 }
 
 /// A note on the number of infinite distances and their reason.

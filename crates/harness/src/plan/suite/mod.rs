@@ -76,7 +76,7 @@ impl Plans {
         models: Vec<ModelRef>,
         group: GroupRecord,
     ) -> Result<(), UsageError> {
-        let sources = settings.sources.clone().unwrap_or_else(SourceSpec::first);
+        let sources = settings.sources.clone().unwrap_or_else(SourceSpec::largest);
         let (sources, notes) = sources.distinct();
         for note in notes {
             if !self.notes.contains(&note) {

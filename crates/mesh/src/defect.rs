@@ -150,8 +150,10 @@ pub enum Defect {
     CoincidentVertices {
         /// How many lie exactly there.
         exact: u32,
-        /// How many more lie within 1e-7 of the diagonal of the bounding box.
+        /// How many more lie within the tolerance.
         near: u32,
+        /// A fraction of the diagonal of the bounding box, 1e-7 or more.
+        tolerance: f64,
         /// The number of components that welding all of them would leave.
         components: u32,
         /// The number of boundary edges that it would leave.
@@ -462,6 +464,7 @@ impl fmt::Display for Defect {
             }
             Self::CoincidentVertices {
                 near,
+                tolerance,
                 components,
                 boundary_edges,
                 non_manifold_edges,
@@ -471,7 +474,7 @@ impl fmt::Display for Defect {
                     |n: &u32, one: &str| format!("{n} {one}{}", if *n == 1 { "" } else { "s" });
                 write!(
                     f,
-                    "and {near} within 1e-7 of the size; welding would leave {} and {}",
+                    "and {near} within {tolerance:e} of the size; welding would leave {} and {}",
                     some(components, "component"),
                     some(boundary_edges, "boundary edge")
                 )?;

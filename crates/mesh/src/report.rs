@@ -98,14 +98,15 @@ impl fmt::Display for InvalidMesh {
         let mut separator = "the mesh cannot be used: ";
         let mut names_elements = false;
         let summaries = self.report.summaries();
-        let has_edge_of_many = summaries
-            .iter()
-            .any(|s| s.kind == DefectKind::NonManifoldEdge);
+        let has = |kind| summaries.iter().any(|summary| summary.kind == kind);
+        let has_edge_of_many = has(DefectKind::NonManifoldEdge);
+        let has_no_faces = has(DefectKind::NoFaces);
         for summary in summaries {
-            // These explain why edges have too many faces.
+            // These explain why edges have too many faces, or why there are no faces.
             let explains = match summary.kind {
                 DefectKind::DuplicateFace => true,
-                DefectKind::WeldedVertices => has_edge_of_many,
+                DefectKind::CollapsedFace => has_no_faces,
+                DefectKind::WeldedVertices => has_edge_of_many || has_no_faces,
                 _ => false,
             };
             if summary.kind.severity() == Severity::Fatal || explains {
@@ -257,8 +258,16 @@ fn headline(kind: DefectKind, count: usize) -> String {
 fn advice(kind: DefectKind, defects: &[Defect]) -> String {
     match kind {
         DefectKind::CoincidentVertices => match defects {
-            [Defect::CoincidentVertices { near: 0, .. }] => "--weld does it",
-            _ => "--weld=1e-7 does it",
+            [
+                Defect::CoincidentVertices {
+                    near: 1..,
+                    tolerance,
+                    ..
+                },
+            ] => {
+                return format!("--weld={tolerance:e} does it");
+            }
+            _ => "--weld does it",
         },
         DefectKind::NoVertices | DefectKind::ShortFace | DefectKind::FileForm => {
             "check that the file is complete"

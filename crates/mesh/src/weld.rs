@@ -8,13 +8,15 @@ use std::str::FromStr;
 use crate::defect::Defect;
 use crate::disjoint_sets::DisjointSets;
 use crate::edges::EdgeGroups;
+use crate::ids::VertexId;
 use crate::inspection::component_sizes;
 use crate::mesh::{Mesh, bounding_box_of, diagonal_of};
 use crate::soup::TriangleSoup;
 
-/// Distance of vertices, as a fraction of the diagonal, up to which [`Defect::CoincidentVertices`]
-/// counts them: twice the rounding of numbers with seven digits.
-const NEAR: f64 = 1e-7;
+/// Distances of vertices, as fractions of the diagonal, up to which [`Defect::CoincidentVertices`]
+/// counts them: the rounding of numbers with seven, six and five digits. The first counts always, the
+/// others if they close more of the boundary and collapse no further face.
+const NEAR: [f64; 3] = [1e-7, 1e-6, 1e-5];
 
 /// Side of the cells of the grid in radii. Most balls then touch few cells, and few vertices that
 /// are farther apart than the radius fit into one.
@@ -154,38 +156,92 @@ fn kept_vertices(vertex_count: usize, copies: &[[u32; 2]]) -> Vec<u32> {
 /// vertices lie at one place.
 pub(crate) fn coincident_vertices(mesh: &Mesh, is_connected: bool) -> Option<Defect> {
     let positions = mesh.positions();
-    let may_be_copy = |v: &u32| {
-        let v = (*v).into();
-        mesh.is_boundary(v) || !is_connected && !mesh.outgoing(v).is_empty()
+    let boundary = || mesh.vertices().filter(|&v| mesh.is_boundary(v));
+    let copies_of = |vertices: &mut dyn Iterator<Item = VertexId>, tolerance| {
+        copies_within(positions, vertices.map(VertexId::raw), tolerance)
     };
-    let candidates: Vec<u32> = (0..positions.len() as u32).filter(may_be_copy).collect();
-    let copies = |tolerance| copies_within(positions, candidates.iter().copied(), tolerance);
-    let near = copies(NEAR);
-    if near.is_empty() {
-        return None;
+    let copies = |tolerance| {
+        if is_connected {
+            copies_of(&mut boundary(), tolerance)
+        } else {
+            let in_faces = |v: &VertexId| !mesh.outgoing(*v).is_empty();
+            copies_of(&mut mesh.vertices().filter(in_faces), tolerance)
+        }
+    };
+    let trial = |tolerance, copies: &[[u32; 2]]| {
+        let triangles = mesh
+            .faces()
+            .map(|f| mesh.face_vertices(f).map(VertexId::raw));
+        WeldTrial::new(tolerance, copies, positions.len(), triangles)
+    };
+    let [near, larger @ ..] = NEAR;
+    let found = copies(near);
+    let mut best = (!found.is_empty()).then(|| trial(near, &found));
+    let open = mesh.half_edges().filter(|&h| mesh.twin(h).is_none());
+    let mut open = best
+        .as_ref()
+        .map_or(open.count() as u32, |best| best.boundary_edges);
+    for tolerance in larger {
+        let found = copies_of(&mut boundary(), tolerance);
+        if open == 0 || found.len() <= best.as_ref().map_or(0, |best| best.copies) {
+            continue;
+        }
+        let faces = best
+            .as_ref()
+            .map_or(mesh.face_count(), |best| best.triangles.len());
+        let wider = trial(tolerance, &found);
+        if wider.boundary_edges < open && wider.triangles.len() == faces {
+            open = wider.boundary_edges;
+            best = Some(wider);
+        }
     }
+    let best = best?;
     let exact = copies(0.0).len();
-    let kept = kept_vertices(positions.len(), &near);
-    let welded = mesh
-        .to_soup()
-        .triangles
-        .into_iter()
-        .map(|t| t.map(|v| kept[v as usize]));
-    let welded: Vec<[u32; 3]> = welded
-        .filter(|&[a, b, c]| a != b && b != c && c != a)
-        .collect();
-    let edges = EdgeGroups::new(positions.len(), &welded);
-    let of_faces = |wanted: fn(usize) -> bool| {
-        let found = edges.iter().filter(|edge| wanted(edge.side_count()));
-        found.count() as u32
-    };
     Some(Defect::CoincidentVertices {
         exact: exact as u32,
-        near: (near.len() - exact.min(near.len())) as u32,
-        components: component_sizes(positions.len(), &welded).len() as u32,
-        boundary_edges: of_faces(|sides| sides == 1),
-        non_manifold_edges: of_faces(|sides| sides > 2),
+        near: best.copies.saturating_sub(exact) as u32,
+        tolerance: best.tolerance,
+        components: component_sizes(positions.len(), &best.triangles).len() as u32,
+        boundary_edges: best.boundary_edges,
+        non_manifold_edges: best.non_manifold_edges,
     })
+}
+
+/// What welding would make of a mesh.
+struct WeldTrial {
+    tolerance: f64,
+    /// The number of copies.
+    copies: usize,
+    triangles: Vec<[u32; 3]>,
+    boundary_edges: u32,
+    non_manifold_edges: u32,
+}
+
+impl WeldTrial {
+    fn new(
+        tolerance: f64,
+        copies: &[[u32; 2]],
+        vertex_count: usize,
+        triangles: impl Iterator<Item = [u32; 3]>,
+    ) -> Self {
+        let kept = kept_vertices(vertex_count, copies);
+        let welded = triangles.map(|t| t.map(|v| kept[v as usize]));
+        let welded: Vec<[u32; 3]> = welded
+            .filter(|&[a, b, c]| a != b && b != c && c != a)
+            .collect();
+        let edges = EdgeGroups::new(vertex_count, &welded);
+        let of_faces = |wanted: fn(usize) -> bool| {
+            let found = edges.iter().filter(|edge| wanted(edge.side_count()));
+            found.count() as u32
+        };
+        Self {
+            tolerance,
+            copies: copies.len(),
+            boundary_edges: of_faces(|sides| sides == 1),
+            non_manifold_edges: of_faces(|sides| sides > 2),
+            triangles: welded,
+        }
+    }
 }
 
 /// The vertices among `candidates`, which ascend, that a lower one gathers, each with that one.

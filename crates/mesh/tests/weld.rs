@@ -133,6 +133,7 @@ fn what_welding_would_join_is_noted() {
     let note = Defect::CoincidentVertices {
         exact: 28,
         near: 0,
+        tolerance: 1e-7,
         components: 1,
         boundary_edges: 0,
         non_manifold_edges: 0,
@@ -212,4 +213,47 @@ fn cracked_models_close() {
         let found = measures(io::read(&cases.join(name)).unwrap());
         assert_eq!((found.components, found.boundary_edges), (1, 0), "{name}");
     }
+}
+
+/// Halves of a sheet that were written with six and with seven decimals lie 2e-7 of the size apart.
+#[test]
+fn cracks_of_any_rounding_are_noted() {
+    let rounded = |decimals: i32| {
+        let mut soup = grid(6, 6);
+        let unit = 10f64.powi(decimals);
+        for x in soup.positions.as_flattened_mut() {
+            *x = (*x / 6.0 * unit).round() / unit;
+        }
+        soup
+    };
+    let (mut sheet, fine) = (rounded(6), rounded(7));
+    let copies = sheet.positions.len() as u32;
+    sheet.positions.extend(fine.positions);
+    for triangle in &mut sheet.triangles[36..] {
+        *triangle = triangle.map(|v| v + copies);
+    }
+    let (_, report) = mesh_of(sheet.clone());
+    let is_note = |defect: &&Defect| defect.kind() == DefectKind::CoincidentVertices;
+    let expected = Defect::CoincidentVertices {
+        exact: 3, // 0, 1/2 and 1 are written alike.
+        near: 4,
+        tolerance: 1e-6,
+        components: 1,
+        boundary_edges: 24,
+        non_manifold_edges: 0,
+    };
+    assert_eq!(report.defects.iter().find(is_note), Some(&expected));
+    let summaries = report.summaries();
+    let note = summaries
+        .iter()
+        .find(|s| s.kind == DefectKind::CoincidentVertices);
+    assert_eq!(note.unwrap().advice, "--weld=1e-6 does it");
+    let closed = measures(welded(sheet, 1e-6));
+    assert_eq!((closed.components, closed.boundary_edges), (1, 24));
+    // A fine boundary is no crack.
+    let mut fan = grid(1, 1);
+    fan.positions.push([1.0, 1.000_001, 0.0]);
+    fan.triangles.push([2, 3, 4]);
+    let (_, report) = mesh_of(fan);
+    assert_eq!(report.defects.iter().find(is_note), None);
 }

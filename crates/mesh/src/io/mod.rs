@@ -202,13 +202,15 @@ impl ReadOptions {
         if bytes.is_empty() {
             return Err(FileError::Empty { path: owned() });
         }
+        let in_utf16 = || FileError::Malformed {
+            path: owned(),
+            place: FilePosition::File,
+            problem: "its text is in UTF-16; save it as UTF-8 (iconv -f UTF-16 -t UTF-8)"
+                .to_owned(),
+        };
+        // Binary STL may begin with any bytes.
         if format != Format::Stl && is_utf16(bytes) {
-            return Err(FileError::Malformed {
-                path: owned(),
-                place: FilePosition::File,
-                problem: "its text is in UTF-16; save it as UTF-8 (iconv -f UTF-16 -t UTF-8)"
-                    .to_owned(),
-            });
+            return Err(in_utf16());
         }
         let soup = match (format, self.obj_reader) {
             (Format::Obj, ObjReader::Direct) => obj::read(bytes),
@@ -218,6 +220,9 @@ impl ReadOptions {
             (Format::Stl, _) => stl::read(bytes),
         };
         let mut soup = soup.map_err(|Flaw { place, mut problem }| {
+            if is_utf16(bytes) {
+                return in_utf16();
+            }
             if let Some(other) = Format::from_content(bytes).filter(|&other| other != format) {
                 problem.push_str(" (it starts like a file in ");
                 problem.push_str(other.name());

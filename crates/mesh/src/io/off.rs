@@ -2,7 +2,7 @@
 //!
 //! The keyword may have the prefixes `ST`, `C` and `N`: then texture coordinates, colours and
 //! normals follow the position of a vertex. They are ignored, as are colours after the corners of a
-//! face. The counts may be on the keyword's line. Each vertex and each face has a line, or numbers
+//! face. The counts may be on the keyword's line. Each vertex and each face has a line, or all words
 //! are separated by blanks and lines of any kind.
 
 use super::error::Flaw;
@@ -16,13 +16,50 @@ use crate::soup::TriangleSoup;
 /// Reads an OFF file.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     let mut lines = Content(NumberedLines::new(bytes));
-    let header = header(&mut lines)?;
+    let all = Tokens::new(lines.0.clone(), true);
     // The format is free: numbers may extend over lines or share one. Most files have a line for
-    // each vertex and each face, where numbers that follow are ignored.
-    let free = Tokens::new(lines.0.clone(), true);
-    read_lines(bytes.len(), &header, lines)
-        .or_else(|flaw| read_free(&header, free).map_err(|_| flaw))?
+    // the counts, each vertex and each face, where numbers that follow are ignored.
+    header(&mut lines)
+        .and_then(|header| {
+            let free = Tokens::new(lines.0.clone(), true);
+            read_lines(bytes.len(), &header, lines)
+                .or_else(|flaw| read_free(&header, free).map_err(|_| flaw))
+        })
+        .or_else(|flaw| read_words(all).map_err(|_| flaw))?
         .into_soup()
+}
+
+/// Reads a file whose keyword and counts are in any lines, too.
+fn read_words(mut words: Tokens<'_>) -> Result<Polygons, Flaw> {
+    let mut next = || -> Result<(u64, &[u8]), Flaw> {
+        let ends = |line| Flaw::line(line, "the file ends before its counts");
+        match words.next() {
+            Some(word) => Ok((words.line(), word)),
+            None => Err(ends(words.line())),
+        }
+    };
+    let (line, first) = next()?;
+    let (name, glued) = split_keyword(first);
+    let keyword = keyword(line, name)?;
+    let mut glued = Some(glued).filter(|digits| !digits.is_empty());
+    let mut count = || -> Result<u64, Flaw> {
+        let (line, word) = match glued.take() {
+            Some(digits) => (line, digits),
+            None => next()?,
+        };
+        let count = integer(word).and_then(|count| count.try_into().ok());
+        count.ok_or_else(|| Flaw::line(line, format!("{} is no count", shown(word))))
+    };
+    if keyword.has_dimension && count()? != 3 {
+        return Err(Flaw::line(line, "only points of 3 dimensions are read"));
+    }
+    let [vertices, faces, _edges] = [count()?, count()?, count()?];
+    let header = OffHeader {
+        vertices,
+        faces,
+        more: keyword.more,
+    };
+    read_free(&header, words)
 }
 
 /// Vertices and faces, not yet cut into triangles.
@@ -114,14 +151,7 @@ fn header(lines: &mut Content<'_>) -> Result<OffHeader, Flaw> {
     let (mut line, mut content) = lines
         .next()
         .ok_or_else(|| Flaw::file("there are only blank lines and comments in it"))?;
-    let mut first = words(content).next().unwrap_or_default();
-    // Many files of ModelNet have no blank between keyword and counts: `OFF490 518 0`.
-    if let Some(digit) = first
-        .windows(2)
-        .position(|w| w[0].eq_ignore_ascii_case(&b'f') && w[1].is_ascii_digit())
-    {
-        first = &first[..=digit];
-    }
+    let (first, _) = split_keyword(words(content).next().unwrap_or_default());
     let mut more = 0;
     // A file without a keyword may start with its counts.
     if integer(first).is_none() {
@@ -175,6 +205,14 @@ fn header(lines: &mut Content<'_>) -> Result<OffHeader, Flaw> {
             ),
         )),
     }
+}
+
+/// The keyword of a word, and what follows: many files of ModelNet have no blank between keyword and
+/// counts, as in `OFF490 518 0`.
+fn split_keyword(word: &[u8]) -> (&[u8], &[u8]) {
+    let is_glued = |w: &[u8]| w[0].eq_ignore_ascii_case(&b'f') && w[1].is_ascii_digit();
+    let last = word.windows(2).position(is_glued);
+    word.split_at(last.map_or(word.len(), |last| last + 1))
 }
 
 /// What the keyword says.

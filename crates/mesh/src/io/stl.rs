@@ -102,9 +102,9 @@ fn read_binary(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     Ok(weld.soup)
 }
 
-/// Reads a text file, word by word: programs differ in their lines. The keywords `end loop` may be
-/// two words, the name of a solid may follow `endsolid` without a blank, and `endfacet` may be
-/// missing.
+/// Reads a text file, word by word: programs differ in their lines. The keywords `outer loop`,
+/// `endloop` and `endfacet` may be one word or two, the name of a solid may follow `endsolid` without
+/// a blank, and `endfacet` may be missing.
 fn read_text(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     let mut words = Tokens::new(NumberedLines::new(bytes), false);
     // A triangle takes some 100 bytes of text.
@@ -161,27 +161,18 @@ fn facet(words: &mut Tokens<'_>) -> Result<[[f64; 3]; 3], Flaw> {
     while words.peek().is_some_and(is_normal) {
         words.next();
     }
-    expect(words, "outer")?;
-    expect(words, "loop")?;
+    if !take(words, "outer", "loop") {
+        expect(words, "outer loop")?;
+    }
     let mut corners = [[0.0; 3]; 3];
     for corner in &mut corners {
         expect(words, "vertex")?;
         *corner = coordinates(words.line(), words)?;
     }
-    if words.peek().is_some_and(|word| is(word, "end")) {
-        words.next();
-        expect(words, "loop")?;
-    } else {
+    if !take(words, "end", "loop") {
         expect(words, "endloop")?;
     }
-    let mut ahead = words.clone();
-    match ahead.next() {
-        Some(word) if is(word, "endfacet") => *words = ahead,
-        Some(word) if is(word, "end") && ahead.next().is_some_and(|w| is(w, "facet")) => {
-            *words = ahead;
-        }
-        _ => {}
-    }
+    take(words, "end", "facet");
     Ok(corners)
 }
 
@@ -192,6 +183,22 @@ fn is(word: &[u8], keyword: &str) -> bool {
 fn starts(word: &[u8], keyword: &str) -> bool {
     word.get(..keyword.len())
         .is_some_and(|start| is(start, keyword))
+}
+
+/// Takes the keyword that consists of these parts, in one word or two. Returns whether it is there.
+fn take(words: &mut Tokens<'_>, first: &str, second: &str) -> bool {
+    let mut ahead = words.clone();
+    let is_there = ahead.next().is_some_and(|word| {
+        starts(word, first)
+            && match &word[first.len()..] {
+                b"" => ahead.next().is_some_and(|word| is(word, second)),
+                rest => is(rest, second),
+            }
+    });
+    if is_there {
+        *words = ahead;
+    }
+    is_there
 }
 
 /// Takes the next word, which must be `keyword`.

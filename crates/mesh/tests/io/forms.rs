@@ -97,6 +97,11 @@ fn off_is_free_of_lines() {
         format!("COFF5 3 0\n{}{faces}", vertices("", " ", " 255 0 0 255")),
         format!("nOFF\n3\n5 3 0\n{numbers}{faces}"),
         format!("nOFF 3\n5 3 0\n{numbers}{faces}"),
+        format!("OFF\n5\n3\n0\n{numbers}{faces}"),
+        format!("OFF\n5 3\n0\n{numbers}{faces}"),
+        format!("OFF5 3 0 {numbers}{faces}").replace('\n', " "),
+        format!("nOFF 3 5 3 0 {numbers}{faces}").replace('\n', " "),
+        format!("NOFF\n5\n3 0 {}{faces}", vertices("", " ", " 0 0 1")).replace('\n', " "),
     ] {
         is_fan(Format::Off, text);
     }
@@ -187,6 +192,10 @@ fn stl_in_words() {
         format!("solid\n{usual}end solid a\n"),
         format!("solid\n{}endsolid\n", facets("end loop\nend facet")),
         format!("solid\n{}endsolid\n", facets("endloop")),
+        format!(
+            "solid\n{}endsolid\n",
+            usual.replace("outer loop", "outerloop")
+        ),
         format!("solid\ncolor 1 0 0\n{usual}endsolid\n"),
         format!("solid\n{}endsolid\n", usual.replace("normal 0 0 1", "")),
         format!("solid facet a {} endsolid\n", usual.replace('\n', " ")),
@@ -261,8 +270,10 @@ fn text_in_utf_16_is_named() {
         &[b"\xff\xfe", &little[..]].concat(),
         &[b"\xfe\xff", &big[..]].concat(),
     ] {
-        let error = parse(Format::Obj, bytes).unwrap_err().to_string();
-        assert!(error.contains("UTF-16"), "{error}");
+        for format in [Format::Obj, Format::Off, Format::Ply, Format::Stl] {
+            let error = parse(format, bytes).unwrap_err().to_string();
+            assert!(error.contains("UTF-16"), "{error}");
+        }
     }
 }
 

@@ -20,8 +20,8 @@ use geobench_harness::plan::suite;
 use geobench_harness::plan::suite::{ModelChoice, Settings, Suite, plans};
 use geobench_harness::run::journal::{Journal, JournalHeader};
 use geobench_harness::run::merge;
-use geobench_harness::schema::ResultFile;
 use geobench_harness::schema::result_file;
+use geobench_harness::schema::{ModelRecord, ResultFile};
 use geobench_report::history::{compare, pool};
 use geobench_report::page::{self as report, Form, Input, Options, PictureChoice, Tables};
 use geobench_report::table::{ComparisonFormat, Look, ResultFormat};
@@ -102,7 +102,11 @@ fn suites(cases: u32) {
         {
             for mut plan in done.plans {
                 let _ = plan.find_programs(&suite.programs);
-                let _ = plan.units_in(100);
+                let model = ModelRecord {
+                    vertices: Some(100),
+                    ..ModelRecord::default()
+                };
+                let _ = plan.units_in(&model);
                 let _ = (plan.runs(), plan.check_reference());
             }
         }
@@ -211,7 +215,7 @@ fn distances(cases: u32) {
     let text = "vertex,distance\n0,0\n1,1.5\r\n\n2, 1e-3\n3,inf\n".to_owned();
     all_end(cases, &[text], |_, bytes| {
         fs::write(&path, bytes).unwrap();
-        let _ = Expected::File(path.clone()).find(Path::new("m.obj"), &0.into(), 4);
+        let _ = Expected::File(path.clone()).find(Path::new("m.obj"), None, &0.into(), 4);
     });
 }
 

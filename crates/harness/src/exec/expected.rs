@@ -5,7 +5,6 @@ use std::{fmt, fs};
 
 use geobench_registry::UsageError;
 
-use crate::exec::model::weld_suffix;
 use crate::schema::SourceLabel;
 use crate::usage::read_text;
 
@@ -81,8 +80,7 @@ pub fn file_word(source: &SourceLabel) -> String {
     source.to_string().chars().map(word).collect()
 }
 
-/// The source vertices for which distances of `model`, welded within `weld`, are stored, in ascending
-/// order.
+/// The source vertices for which distances of `model`, welded within `weld`, are stored; ascending.
 pub fn stored_sources(model: &Path, weld: Option<f64>) -> Vec<u32> {
     let numbers = stored(model, weld).filter_map(|(source, _)| source.parse().ok());
     let mut sources: Vec<u32> = numbers.collect();
@@ -120,6 +118,15 @@ fn folders(model: &Path) -> [PathBuf; 3] {
         _ => folder.join("..").join("expected"),
     };
     [folder, expected, beside]
+}
+
+/// The end of the name of a model that is welded within `weld`.
+pub(crate) fn weld_suffix(weld: Option<f64>) -> String {
+    match weld {
+        None => String::new(),
+        Some(0.0) => "-weld".to_owned(),
+        Some(tolerance) => format!("-weld={tolerance:?}"),
+    }
 }
 
 fn welded_stem(model: &Path, weld: Option<f64>) -> String {

@@ -17,7 +17,7 @@ use geobench_mesh::{
 };
 use sha2::{Digest, Sha256};
 
-use crate::exec::expected::stem;
+use crate::exec::expected::{stem, weld_suffix};
 use crate::exec::limits::MemoryLimit;
 use crate::schema::{LargestComponent, ModelRecord};
 
@@ -153,15 +153,6 @@ fn search(directory: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
         }
     }
     Ok(())
-}
-
-/// The end of the name of a model that is welded within `weld`.
-pub(crate) fn weld_suffix(weld: Option<f64>) -> String {
-    match weld {
-        None => String::new(),
-        Some(0.0) => "-weld".to_owned(),
-        Some(tolerance) => format!("-weld={tolerance:?}"),
-    }
 }
 
 /// Models of the same name get their whole path as name, and a number if that is the same too.

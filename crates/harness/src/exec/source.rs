@@ -13,7 +13,7 @@ use crate::schema::SourceLabel;
 const DEFAULT_SEED: u64 = 1;
 
 /// The forms of sources and targets, for messages.
-const FORMS: &str = "give `first`, `largest`, a vertex number, a list such as `0,17`, `random:N[,seed=S]`, \
+const FORMS: &str = "give `first`, a vertex number, a list such as `0,17`, `random:N[,seed=S]`, \
     `all`, `edge:A-B,T`, `face:F,U,V,W`, `at:X,Y,Z` or `far:X,Y,Z`";
 
 /// One point of a surface, not looked up yet.
@@ -26,8 +26,8 @@ pub enum PointSpec {
     Edge([u32; 2], f64),
     /// A point in a face, by its barycentric coordinates; `face:12,0.2,0.3,0.5`.
     Face(u32, [f64; 3]),
-    /// The point of the surface nearest to a position, which is not farther from it than the size of
-    /// the model; `at:1,2,3`.
+    /// The point of the surface nearest to a position, which is no farther than the size of the
+    /// model; `at:1,2,3`.
     At([f64; 3]),
     /// The same, however far the position is; `far:1,2,3`.
     Far([f64; 3]),
@@ -409,7 +409,9 @@ impl SourceSpec {
     }
 
     fn parse(text: &str, noun: &str) -> Result<Self, UsageError> {
-        let syntax = || UsageError(format!("`{text}` is not a {noun}: {FORMS}"));
+        let takes_largest = noun == "source";
+        let more = if takes_largest { ", or `largest`" } else { "" };
+        let syntax = || UsageError(format!("`{text}` is not a {noun}: {FORMS}{more}"));
         let lower = text.trim().to_lowercase();
         let mut words = lower.split(',').map(str::trim).peekable();
         let mut forms = Vec::new();
@@ -425,7 +427,7 @@ impl SourceSpec {
             };
             forms.push(match word.split_once(':') {
                 None if word == "first" => SourcePart::First,
-                None if word == "largest" && noun == "source" => SourcePart::Largest,
+                None if word == "largest" && takes_largest => SourcePart::Largest,
                 None if word == "all" => SourcePart::All,
                 None => SourcePart::Point(PointSpec::Vertex(word.parse().map_err(|_| syntax())?)),
                 Some(("edge", ends)) => {

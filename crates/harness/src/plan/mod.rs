@@ -17,7 +17,8 @@ use crate::exec::model::ModelRef;
 use crate::exec::source::SourceSpec;
 use crate::plan::sampling::Sampling;
 use crate::schema::{
-    GroupRecord, IsolationRecord, PlanRecord, PlannedAlgorithm, PlannedGroup, PlannedModel, Shard,
+    GroupRecord, IsolationRecord, ModelRecord, PlanRecord, PlannedAlgorithm, PlannedGroup,
+    PlannedModel, Shard,
 };
 
 pub mod sampling;

@@ -9,7 +9,7 @@ use crate::support::Sandbox;
 fn cells(algorithms: &str, simd: &str, more: &str) -> Vec<Value> {
     let sandbox = Sandbox::new();
     sandbox.succeed(&format!(
-        "run gen:sphere,subdiv=2 --algo {algorithms} --simd {simd} --repeat 1 --warmup 0 \
+        "run gen:sphere,subdiv=3 --algo {algorithms} --simd {simd} --repeat 1 --warmup 0 \
          --check none --quiet -o r.json {more}"
     ));
     sandbox.json("r.json")["cells"].as_array().unwrap().clone()

@@ -122,12 +122,16 @@ impl SteinerGraph {
     fn new(surface: &PreciseSurface<f64>, points: usize) -> Self {
         let vertices = surface.vertex_count();
         let mut first_point = vec![usize::MAX; surface.sides.len()];
+        let mut backwards = vec![false; surface.sides.len()];
         let mut extra = 0;
-        for (side, data) in surface.sides.iter().enumerate() {
-            first_point[side] = vertices + extra;
-            match data.twin {
-                Some(twin) if twin < side => first_point[side] = first_point[twin],
-                _ => extra += points,
+        for side in 0..surface.sides.len() {
+            let first = surface.beyond[side].iter().min_by_key(|beyond| beyond.side);
+            if let Some(first) = first.filter(|first| first.side < side) {
+                first_point[side] = first_point[first.side];
+                backwards[side] = !first.turned;
+            } else {
+                first_point[side] = vertices + extra;
+                extra += points;
             }
         }
         let mut nodes_of = Vec::new();
@@ -139,9 +143,8 @@ impl SteinerGraph {
             for k in 0..3 {
                 let side = 3 * triangle + k;
                 nodes.push((surface.sides[side].tail, corners[k]));
-                let backwards = surface.sides[side].twin.is_some_and(|twin| twin < side);
                 for i in 0..points {
-                    let step = if backwards { points - 1 - i } else { i };
+                    let step = if backwards[side] { points - 1 - i } else { i };
                     let part = (step + 1) as f64 / (points + 1) as f64;
                     let [from, to] = [corners[k], corners[(k + 1) % 3]];
                     let at = [0, 1].map(|axis| from[axis] + part * (to[axis] - from[axis]));

@@ -183,17 +183,17 @@ impl<S: RealNumber> VertexLines<'_, S> {
         let surface = self.surface;
         let mut waiting: Vec<(usize, Beam<S>)> = surface.leaving[vertex]
             .iter()
-            .filter_map(|&leaving| {
+            .flat_map(|&leaving| {
                 // In the frame of the neighbour across the opposite side, that side is rotated by
                 // half a turn about its midpoint.
                 let opposite = surface.sides[next(leaving)];
                 let beam = Beam {
-                    side: opposite.twin?,
+                    side: next(leaving),
                     from: S::zero(),
                     to: opposite.length,
                     origin: [from_head(surface, next(leaving)), -opposite.apex[1]],
                 };
-                Some((0, beam))
+                entering(surface, beam).map(|beam| (0, beam))
             })
             .collect();
         // The triangles that the current beam has crossed.
@@ -215,8 +215,13 @@ impl<S: RealNumber> VertexLines<'_, S> {
             let apex_vertex = surface.sides[prev(beam.side)].tail;
             let (split, through) = reach_apex(surface, &beam);
             offer(&mut self.best[apex_vertex], self.start + through);
-            waiting.extend(left_part(surface, &beam, split).map(|part| (depth + 1, part)));
-            waiting.extend(right_part(surface, &beam, split).map(|part| (depth + 1, part)));
+            let parts = [
+                left_part(surface, &beam, split),
+                right_part(surface, &beam, split),
+            ];
+            for part in parts.into_iter().flatten() {
+                waiting.extend(entering(surface, part).map(|beam| (depth + 1, beam)));
+            }
         }
         Ok(())
     }
@@ -262,6 +267,28 @@ fn reach_apex<S: RealNumber>(surface: &PreciseSurface<S>, beam: &Beam<S>) -> (S,
     (split, through)
 }
 
+/// The beams into all other triangles along a side, from one that leaves its triangle there. That
+/// one is in the frame of a neighbour whose side has the opposite direction.
+fn entering<S: RealNumber>(
+    surface: &PreciseSurface<S>,
+    leaving: Beam<S>,
+) -> impl Iterator<Item = Beam<S>> {
+    let length = surface.sides[leaving.side].length;
+    surface.beyond[leaving.side].iter().map(move |beyond| {
+        let side = beyond.side;
+        if !beyond.turned {
+            return Beam { side, ..leaving };
+        }
+        let [x, y] = leaving.origin;
+        Beam {
+            side,
+            from: length - leaving.to,
+            to: length - leaving.from,
+            origin: [length - x, y],
+        }
+    })
+}
+
 /// The lines that leave through the side from tail to apex.
 fn left_part<S: RealNumber>(
     surface: &PreciseSurface<S>,
@@ -269,8 +296,8 @@ fn left_part<S: RealNumber>(
     split: S,
 ) -> Option<Beam<S>> {
     let entered = surface.sides[beam.side];
-    let left = surface.sides[prev(beam.side)];
-    let side = left.twin?;
+    let side = prev(beam.side);
+    let left = surface.sides[side];
     if beam.from >= split {
         return None;
     }
@@ -301,8 +328,8 @@ fn right_part<S: RealNumber>(
     split: S,
 ) -> Option<Beam<S>> {
     let entered = surface.sides[beam.side];
-    let right = surface.sides[next(beam.side)];
-    let side = right.twin?;
+    let side = next(beam.side);
+    let right = surface.sides[side];
     if beam.to <= split {
         return None;
     }

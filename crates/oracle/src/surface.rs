@@ -16,15 +16,29 @@ const LIFT: f64 = 1.0 / (1_u128 << 120) as f64 / (1_u64 << 40) as f64;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SideFrame<S> {
     pub(crate) tail: usize,
+    /// The side of the only other triangle at its edge, if it has the opposite direction.
     pub(crate) twin: Option<usize>,
     pub(crate) length: S,
     pub(crate) apex: [S; 2],
 }
 
+/// The side of another triangle along the same edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Beyond {
+    pub(crate) side: usize,
+    /// Whether both sides have the same direction, so that one of the triangles must be turned over
+    /// to unfold it beside the other.
+    pub(crate) turned: bool,
+}
+
 /// A surface of triangles, with all numbers in the precision of `S`.
+///
+/// An edge may have any number of triangles, and the surface need not be orientable.
 #[derive(Clone, Debug)]
 pub struct PreciseSurface<S> {
     pub(crate) sides: Vec<SideFrame<S>>,
+    /// The sides of the other triangles along the edge of each side.
+    pub(crate) beyond: Vec<Vec<Beyond>>,
     /// The sides that leave each vertex, in no order.
     pub(crate) leaving: Vec<Vec<usize>>,
     bends: Vec<bool>,
@@ -49,8 +63,7 @@ impl<S: RealNumber> PreciseSurface<S> {
     ///
     /// # Panics
     ///
-    /// If a triangle names a vertex that does not exist, or two triangles have the same direction
-    /// along an edge (a non-manifold edge, or triangles with different orientations).
+    /// If a triangle names a vertex that does not exist.
     pub fn from_positions(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
         let mut surface = Self::new(positions.len(), triangles, |t| {
             let corners = triangles[t].map(|v| positions[v as usize].map(S::from_f64));
@@ -94,41 +107,66 @@ impl<S: RealNumber> PreciseSurface<S> {
         triangles: &[[u32; 3]],
         frames: impl Fn(usize) -> [(S, [S; 2]); 3],
     ) -> Self {
-        let mut by_ends = HashMap::new();
+        let mut by_ends: HashMap<(usize, usize), Vec<usize>> = HashMap::new();
         let mut leaving = vec![Vec::new(); vertex_count];
         for (t, triangle) in triangles.iter().enumerate() {
             for k in 0..3 {
-                let ends = (triangle[k] as usize, triangle[(k + 1) % 3] as usize);
-                let earlier = by_ends.insert(ends, 3 * t + k);
-                assert!(
-                    earlier.is_none(),
-                    "edge {ends:?} is used twice in this direction"
-                );
-                leaving[ends.0].push(3 * t + k);
+                let (tail, head) = (triangle[k] as usize, triangle[(k + 1) % 3] as usize);
+                let ends = (tail.min(head), tail.max(head));
+                by_ends.entry(ends).or_default().push(3 * t + k);
+                leaving[tail].push(3 * t + k);
             }
         }
         let mut sides = Vec::with_capacity(3 * triangles.len());
+        let mut beyond = Vec::with_capacity(3 * triangles.len());
         for (t, triangle) in triangles.iter().enumerate() {
             for (k, (length, apex)) in frames(t).into_iter().enumerate() {
                 let (tail, head) = (triangle[k] as usize, triangle[(k + 1) % 3] as usize);
+                let along = &by_ends[&(tail.min(head), tail.max(head))];
+                let others = along.iter().filter(|&&side| side != 3 * t + k);
+                let others: Vec<Beyond> = others
+                    .map(|&side| Beyond {
+                        side,
+                        turned: triangles[side / 3][side % 3] as usize == tail,
+                    })
+                    .collect();
+                let twin = match others[..] {
+                    [Beyond {
+                        side,
+                        turned: false,
+                    }] => Some(side),
+                    _ => None,
+                };
                 sides.push(SideFrame {
                     tail,
-                    twin: by_ends.get(&(head, tail)).copied(),
+                    twin,
                     length,
                     apex,
                 });
+                beyond.push(others);
             }
         }
         let mut surface = Self {
             sides,
+            beyond,
             leaving,
             bends: Vec::new(),
             in_space: false,
         };
         surface.bends = (0..vertex_count)
-            .map(|v| surface.can_bend(v) || surface.is_beside_thin_triangle(v))
+            .map(|v| {
+                surface.can_bend(v) || surface.is_beside_thin_triangle(v) || surface.is_on_seam(v)
+            })
             .collect();
         surface
+    }
+
+    /// Whether `vertex` is on an edge with more than two triangles, or with two that have the same
+    /// direction. All are taken for vertices where a path can bend, which costs time only.
+    fn is_on_seam(&self, vertex: usize) -> bool {
+        let is_seam = |side: usize| self.sides[side].twin.is_none() && !self.beyond[side].is_empty();
+        let leaving = &self.leaving[vertex];
+        leaving.iter().any(|&side| is_seam(side) || is_seam(prev(side)))
     }
 
     /// Number of vertices.
@@ -153,7 +191,7 @@ impl<S: RealNumber> PreciseSurface<S> {
     ///
     /// If there is no such vertex.
     pub fn is_boundary(&self, vertex: u32) -> bool {
-        let open = |side: usize| self.sides[side].twin.is_none();
+        let open = |side: usize| self.beyond[side].is_empty();
         let leaving = &self.leaving[vertex as usize];
         leaving.iter().any(|&side| open(side) || open(prev(side)))
     }

@@ -49,6 +49,7 @@ impl Dijkstra {
 }
 
 impl Propagate for Dijkstra {
+    const JUNCTIONS: bool = true;
     const ALONG_EDGES: bool = true;
 
     fn counters() -> Vec<Counter> {

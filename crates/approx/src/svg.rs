@@ -96,6 +96,8 @@ impl SaddleVertexGraph {
         let vertices = mesh.vertex_count() as f64;
         let width = (vertices / options.k.map_or(vertices, |k| (k as f64).max(1.0))).sqrt();
         let found = match options.builder {
+            // A run is an error there.
+            _ if mesh.has_junctions() => Vec::new(),
             SvgBuilder::Ich => explore(mesh, options, || {
                 let queue = CalendarQueue::with_width(width * Calendar::usual_width(mesh));
                 let policy = Splitting::new(mesh, VertexFilter::On).jointly();

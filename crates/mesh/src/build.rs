@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::corner::corner_angle;
 use crate::ids::{HalfEdgeId, VertexId};
+use crate::junctions::Junctions;
 use crate::mesh::{Extremes, Mesh, MeshData, VertexFlags};
 use crate::precision::SLIVER_HEIGHT;
 use crate::stand_ins::StandIns;
@@ -14,17 +15,17 @@ use crate::stand_ins::StandIns;
 /// lengthens a path by at most about δ²/2 of itself.
 const SADDLE_SLACK: f64 = 1e-8;
 
-/// Builds the mesh of manifold, consistently oriented `triangles`.
+/// Builds the mesh of `triangles`, which are oriented consistently except at junctions.
 ///
 /// `lengths[t][k]` is the length of the edge from corner `k` of triangle `t` to the next corner. It
-/// is the same in both triangles of an edge. `twins` pairs the half-edges. `positions` may be
-/// empty. Copies in `stand_ins` are in no triangle.
+/// is the same in all triangles of an edge. `twins` pairs the half-edges that are along no junction.
+/// `positions` may be empty. Copies in `stand_ins` are in no triangle.
 pub(crate) fn build(
     vertex_count: usize,
     positions: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
     lengths: Vec<[f64; 3]>,
-    twins: Vec<u32>,
+    (twins, junctions): (Vec<u32>, Junctions),
     stand_ins: StandIns,
 ) -> Mesh {
     let data = MeshData {
@@ -43,6 +44,7 @@ pub(crate) fn build(
         extremes: Extremes::default(),
         frames: BTreeMap::new(),
         stand_ins,
+        junctions,
     };
     let data = Arc::new(data);
     let mut mesh = Mesh { data };
@@ -52,11 +54,12 @@ pub(crate) fn build(
 }
 
 impl MeshData {
-    /// Adds a vertex with a total angle of 2π, or π on the boundary.
-    pub(crate) fn add_flat_vertex(&mut self, boundary: bool) {
-        self.total_angles.push(if boundary { PI } else { 2.0 * PI });
+    /// Adds a vertex inside a face, or on an edge of `faces` faces, which may be a junction.
+    pub(crate) fn add_flat_vertex(&mut self, faces: u32, junction: bool) {
+        self.total_angles.push(f64::from(faces) * PI);
         self.flags.push(VertexFlags {
-            boundary,
+            boundary: faces == 1,
+            pinched: junction,
             ..VertexFlags::default()
         });
     }
@@ -134,15 +137,17 @@ fn link_fans(mesh: &mut Mesh) {
             let v = mesh.tail(h).index();
             let mut fan_angle = 0.0;
             let mut next = Some(h);
+            let mut last = h;
             while let Some(g) = next.filter(|g| !seen[g.index()]) {
                 seen[g.index()] = true;
                 outgoing[cursor[v] as usize] = g;
                 cursor[v] += 1;
                 fan_angle += corner_angles[g.face().index()][g.corner() as usize];
-                next = mesh.twin(g.prev());
+                last = g.prev();
+                next = mesh.twin(last);
             }
             let flags = &mut all_flags[v];
-            flags.boundary |= open;
+            flags.boundary |= open && [h, last].iter().any(|&end| mesh.is_boundary_edge(end));
             flags.saddle |= is_saddle(fan_angle, open);
             angles[v] += fan_angle;
             fans[v] += 1;

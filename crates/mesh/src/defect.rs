@@ -94,14 +94,14 @@ pub enum Defect {
         /// Its lengths.
         lengths: [f64; 3],
     },
-    /// Fatal: more than two faces share an edge.
+    /// Noted: more than two faces share an edge. A path may go on from any of them into any other.
     NonManifoldEdge {
         /// The ends.
         vertices: [u32; 2],
         /// All faces along the edge.
         faces: Vec<u32>,
     },
-    /// Fatal: a surface has one side only, such as a Möbius strip. Reported once for each part
+    /// Noted: a surface has one side only, such as a Möbius strip. Reported once for each part
     /// connected across edges, with an edge at which the orientations of its faces contradict.
     NotOrientable {
         /// The ends of such an edge.
@@ -357,11 +357,11 @@ impl DefectKind {
             | Self::RepeatedVertex
             | Self::LengthOutOfRange
             | Self::UnequalLengths
-            | Self::TriangleInequality
-            | Self::NonManifoldEdge
-            | Self::NotOrientable => Severity::Fatal,
+            | Self::TriangleInequality => Severity::Fatal,
             Self::FlippedFace => Severity::Repaired,
-            Self::DuplicateFace
+            Self::NonManifoldEdge
+            | Self::NotOrientable
+            | Self::DuplicateFace
             | Self::RepeatedFace
             | Self::CollapsedFace
             | Self::ZeroLengthEdge

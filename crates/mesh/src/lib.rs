@@ -24,7 +24,8 @@
 //!
 //! Surfaces need not be closed, connected or manifold at every vertex. Components without a source
 //! are at infinite distance. Paths pass through a *pinched* vertex, at which several fans of faces
-//! meet. Edges with more than two faces, and surfaces that cannot be oriented, are errors.
+//! meet. Edges may have more than two faces, and surfaces need not be orientable: such edges are
+//! [junctions](Mesh::junction).
 //!
 //! [`Weld`] makes vertices at one place one vertex. Vertices and triangles keep the numbers of the
 //! file: [`Mesh::kept_vertex`], [`Mesh::file_triangle`].
@@ -39,6 +40,7 @@ pub mod generate;
 mod ids;
 mod inspection;
 pub mod io;
+mod junctions;
 mod measure;
 mod mesh;
 mod nearest;

@@ -25,7 +25,8 @@ pub struct MeshMeasures {
     pub edges: usize,
     /// Edges with a face on one side only.
     pub boundary_edges: usize,
-    /// Boundary loops; a disk has one. Loops that meet at a pinched vertex count separately.
+    /// Boundary loops; a disk has one. Loops that meet at a pinched vertex count separately, unless
+    /// the mesh has a [junction](Mesh::junction).
     pub boundary_loops: usize,
     /// Connected components of faces that share vertices.
     pub components: usize,
@@ -35,8 +36,8 @@ pub struct MeshMeasures {
     pub pinched_vertices: usize,
     /// Vertices in faces - edges + faces: 2 for a sphere, 1 for a disk, 0 for a torus.
     pub euler_characteristic: i64,
-    /// Number of handles, over all components. Pinched vertices are split and holes are closed
-    /// before handles are counted.
+    /// Number of handles, over all components. Pinched vertices are split, the mesh is cut apart
+    /// along its [junctions](Mesh::junction), and holes are closed before handles are counted.
     pub genus: usize,
     /// Vertices at which a shortest path can bend ([`Mesh::is_saddle`]).
     pub saddles: usize,
@@ -67,13 +68,19 @@ impl MeshMeasures {
             mesh.vertices().filter(|&v| is(mesh, v)).count()
         };
         let isolated_vertices = count(|mesh, v| mesh.outgoing(v).is_empty() && !mesh.is_copy(v));
-        let boundary_loops = boundary_loops(mesh);
         let (edges, faces) = (lengths.edges, mesh.face_count());
-        // With pinched vertices split, every fan has a vertex of its own. Each part, with its b
-        // holes closed by disks, then has vertices - edges + faces + b = 2 - 2 genus.
-        let genus = (2 * patch_count(mesh) + edges)
-            .saturating_sub(fan_count(mesh) + faces + boundary_loops)
+        // With pinched vertices split and junctions cut apart, every fan has a vertex of its own.
+        // Each part, with its b holes closed by disks, then has vertices - edges + faces + b =
+        // 2 - 2 genus.
+        let loops_when_cut = boundary_loops(mesh);
+        let genus = (2 * patch_count(mesh) + lengths.edges_when_cut)
+            .saturating_sub(fan_count(mesh) + faces + loops_when_cut)
             / 2;
+        let boundary_loops = if mesh.has_junctions() {
+            connected_boundaries(mesh)
+        } else {
+            loops_when_cut
+        };
         let vertices_in_faces = mesh.vertex_count() - isolated_vertices - mesh.copies().len();
         Self {
             vertices: mesh.vertex_count(),
@@ -100,6 +107,8 @@ impl MeshMeasures {
 
 struct EdgeLengths {
     edges: usize,
+    /// With one edge for each half-edge along a junction.
+    edges_when_cut: usize,
     boundary_edges: usize,
     min: f64,
     max: f64,
@@ -110,17 +119,18 @@ impl EdgeLengths {
     fn of(mesh: &Mesh) -> Self {
         let mut all = Self {
             edges: 0,
+            edges_when_cut: 0,
             boundary_edges: 0,
             min: f64::INFINITY,
             max: 0.0,
             sum: 0.0,
         };
         for h in mesh.half_edges() {
-            let twin = mesh.twin(h);
-            if twin.is_none_or(|twin| h < twin) {
+            all.edges_when_cut += usize::from(mesh.twin(h).is_none_or(|twin| h < twin));
+            if mesh.edge_of(h) == h {
                 let length = mesh.length(h);
                 all.edges += 1;
-                all.boundary_edges += usize::from(twin.is_none());
+                all.boundary_edges += usize::from(mesh.is_boundary_edge(h));
                 all.min = all.min.min(length);
                 all.max = all.max.max(length);
                 all.sum += length;
@@ -182,6 +192,19 @@ fn boundary_loops(mesh: &Mesh) -> usize {
         }
     }
     loops
+}
+
+/// Number of parts of the boundary that share no vertex.
+fn connected_boundaries(mesh: &Mesh) -> usize {
+    let mut parts = DisjointSets::new(mesh.vertex_count());
+    let mut count = 0;
+    for h in mesh.half_edges().filter(|&h| mesh.is_boundary_edge(h)) {
+        parts.union(mesh.tail(h).raw(), mesh.head(h).raw());
+    }
+    for v in mesh.vertices().filter(|&v| mesh.is_boundary(v)) {
+        count += usize::from(parts.find(v.raw()) == v.raw());
+    }
+    count
 }
 
 /// The boundary half-edge that starts at the head of boundary half-edge `h`, in the same fan.

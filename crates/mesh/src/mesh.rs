@@ -8,11 +8,13 @@ use crate::frames::{FaceShapes, apexes_from_lengths, apexes_from_positions, meas
 use crate::generate::{GenerateError, Spec, generate};
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::io::{FileError, ReadOptions};
+use crate::junctions::Junctions;
 use crate::report::{InvalidMesh, Report};
 use crate::soup::TriangleSoup;
 use crate::stand_ins::StandIns;
 
-/// A triangulated 2-manifold, with or without boundary, immutable after construction.
+/// A triangulated surface, with or without boundary, immutable after construction. At its
+/// [junctions](Self::junction) it is no 2-manifold, or changes its orientation.
 ///
 /// Half-edge `3 * face + corner` starts at that corner. [`HalfEdgeId::next`] and
 /// [`HalfEdgeId::prev`] are arithmetic; only the twin is stored. In the *frame* of a half-edge the
@@ -65,6 +67,7 @@ pub(crate) struct MeshData {
     /// The apexes of the parts of split faces. Positions would give them less accurately.
     pub(crate) frames: BTreeMap<FaceId, [[f64; 2]; 3]>,
     pub(crate) stand_ins: StandIns,
+    pub(crate) junctions: Junctions,
 }
 
 /// Extreme values over all faces.
@@ -315,7 +318,8 @@ impl Mesh {
         ]
     }
 
-    /// The half-edge of the neighbouring face along the same edge, or `None` at the boundary.
+    /// The half-edge of the neighbouring face along the same edge, or `None` at the boundary and at
+    /// a [junction](Self::junction).
     #[inline]
     pub fn twin(&self, h: HalfEdgeId) -> Option<HalfEdgeId> {
         let twin = self.data.twins[h.index()];
@@ -400,7 +404,8 @@ impl Mesh {
             [self.data.outgoing_starts[i] as usize..self.data.outgoing_starts[i + 1] as usize]
     }
 
-    /// The vertices joined to `v` by an edge, without repeats, with the lengths of those edges.
+    /// The vertices joined to `v` by an edge, with the lengths of those edges; without repeats,
+    /// except for [junctions](Self::junction).
     pub fn neighbours(&self, v: VertexId) -> impl Iterator<Item = (VertexId, f64)> {
         self.outgoing(v).iter().flat_map(move |&h| {
             let back = h.prev();
@@ -431,7 +436,8 @@ impl Mesh {
         self.data.flags[v.index()].saddle
     }
 
-    /// Whether several fans of faces meet at `v` without a common edge.
+    /// Whether several fans of faces meet at `v` without a common edge, or with a
+    /// [junction](Self::junction) as the only one.
     #[inline]
     pub fn is_pinched(&self, v: VertexId) -> bool {
         self.data.flags[v.index()].pinched

@@ -2,14 +2,14 @@
 
 use crate::mesh::NO_TWIN;
 
-/// The faces to turn over so that all agree with their neighbours.
+/// The faces to turn over so that all agree with their neighbours, as far as possible.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Orientation {
     /// Their numbers in ascending order. In every patch this is the smaller part, so that most
     /// faces stay.
     pub(crate) flipped: Vec<u32>,
-    /// For every patch that cannot be oriented, a half-edge at which the orientations of its faces
-    /// contradict.
+    /// For every patch that cannot be oriented, a half-edge at which orientations found from face to
+    /// face contradict.
     pub(crate) contradictions: Vec<u32>,
 }
 
@@ -19,6 +19,8 @@ pub(crate) struct Orientation {
 /// both parts of a patch have the same size, the one with the first face stays. Takes linear time.
 pub(crate) fn orient(triangles: &[[u32; 3]], mates: &[u32]) -> Orientation {
     let tails = triangles.as_flattened();
+    // Consistently oriented neighbours have opposite directions along their common edge.
+    let agree = |h: u32, mate: u32| tails[h as usize] != tails[mate as usize];
     let mut sides: Vec<Option<bool>> = vec![None; triangles.len()];
     let mut result = Orientation::default();
     let mut patch = Vec::new();
@@ -39,9 +41,7 @@ pub(crate) fn orient(triangles: &[[u32; 3]], mates: &[u32]) -> Orientation {
                 if mate == NO_TWIN {
                     continue;
                 }
-                // Consistently oriented neighbours have opposite directions along their common
-                // edge.
-                let wanted = side ^ (tails[h as usize] == tails[mate as usize]);
+                let wanted = side ^ !agree(h, mate);
                 match &mut sides[mate as usize / 3] {
                     Some(there) if *there == wanted => {}
                     Some(_) => contradiction = contradiction.or(Some(h)),
@@ -54,7 +54,17 @@ pub(crate) fn orient(triangles: &[[u32; 3]], mates: &[u32]) -> Orientation {
         }
         if let Some(h) = contradiction {
             result.contradictions.push(h);
-            continue;
+            // Rather than contradict as often, the faces stay as they are.
+            let half_edges = patch.iter().flat_map(|face| 3 * face..3 * face + 3);
+            let pairs = half_edges.map(|h| (h, mates[h as usize]));
+            let pairs = pairs.filter(|&(_, mate)| mate != NO_TWIN);
+            let is_against =
+                |&(h, mate): &(u32, u32)| sides[h as usize / 3] != sides[mate as usize / 3];
+            let as_given = pairs.clone().filter(|&(h, mate)| !agree(h, mate)).count();
+            let turned = pairs.filter(|p| is_against(p) == agree(p.0, p.1)).count();
+            if as_given <= turned {
+                continue;
+            }
         }
         let is_turned = |face: &u32| sides[*face as usize] == Some(true);
         let turned = patch.iter().filter(|face| is_turned(face)).count();

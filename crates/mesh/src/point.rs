@@ -276,9 +276,11 @@ impl Mesh {
                 moved: libm::hypot(moved, along),
             };
         }
-        let place = match self.twin(h).filter(|&twin| twin < h) {
-            Some(twin) => Place::Edge(twin, [weights[1], weights[0]]),
-            None => Place::Edge(h, weights),
+        let edge = self.edge_of(h);
+        let place = if self.tail(edge) == self.tail(h) {
+            Place::Edge(edge, weights)
+        } else {
+            Place::Edge(edge, [weights[1], weights[0]])
         };
         SurfacePoint { place, moved }
     }

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use crate::build::build_refined;
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
+use crate::junctions::Junctions;
 use crate::mesh::{Mesh, NO_TWIN};
 use crate::point::{Place, PointError, SNAP, SurfacePoint};
 use patch::{Patch, PatchNeighbour};
@@ -234,7 +235,7 @@ impl Mesh {
                 }
                 Place::Edge(h, weights) => {
                     self.check_face(h.face())?;
-                    let h = self.twin(h).map_or(h, |twin| twin.min(h));
+                    let h = self.edge_of(h);
                     let stops = edges.entry(h).or_default();
                     let same = |stop: &&EdgeVertex| apart(stop.weights, weights) <= SNAP;
                     if let Some(stop) = stops.iter().find(same) {
@@ -369,7 +370,9 @@ impl Refinement<'_> {
                 twins[twin] = h;
             }
         }
+        let junctions = self.junctions(&along);
         let mut data = (*self.mesh.data).clone();
+        data.junctions = junctions;
         if !data.positions.is_empty() {
             let added = self.places.iter().filter_map(|p| self.mesh.position_of(p));
             data.positions.extend(added);
@@ -383,11 +386,33 @@ impl Refinement<'_> {
         data.twins = twins;
         data.frames = frames;
         for place in &self.places {
-            let boundary =
-                matches!(place.place(), Place::Edge(h, _) if self.mesh.twin(h).is_none());
-            data.add_flat_vertex(boundary);
+            let (faces, junction) = match place.place() {
+                Place::Edge(h, _) => {
+                    let faces = self.mesh.along_edge(h).count() as u32;
+                    (faces, !self.mesh.junction(h).is_empty())
+                }
+                _ => (2, false),
+            };
+            data.add_flat_vertex(faces, junction);
         }
         (build_refined(data), parents, self.places)
+    }
+
+    /// The junctions of the refined mesh: the parts of those of the original.
+    fn junctions(&self, along: &BTreeMap<(HalfEdgeId, usize), u32>) -> Junctions {
+        let parts = self.mesh.data.junctions.iter().flat_map(|junction| {
+            let edge = junction[0];
+            let last = self.edges.get(&edge).map_or(0, Vec::len);
+            (0..=last).map(move |rank| {
+                junction.iter().map(move |&h| {
+                    let is_turned = self.mesh.tail(h) != self.mesh.tail(edge);
+                    let rank = if is_turned { last - rank } else { rank };
+                    let part = along.get(&(h, rank));
+                    part.map_or(h, |&part| HalfEdgeId::new(part))
+                })
+            })
+        });
+        Junctions::new(parts)
     }
 
     /// The parts of the faces that are split.
@@ -395,12 +420,7 @@ impl Refinement<'_> {
         let mut patches = BTreeMap::new();
         let mut touched: Vec<FaceId> = self.faces.keys().copied().collect();
         for &h in self.edges.keys() {
-            touched.extend(
-                [Some(h), self.mesh.twin(h)]
-                    .into_iter()
-                    .flatten()
-                    .map(HalfEdgeId::face),
-            );
+            touched.extend(self.mesh.along_edge(h).map(HalfEdgeId::face));
         }
         for face in touched {
             patches.entry(face).or_insert_with(|| self.patch(face));
@@ -423,11 +443,11 @@ impl Refinement<'_> {
 
     /// The added vertices on `h`, from its tail to its head, with the weights of its tail and head.
     fn stops(&self, h: HalfEdgeId) -> Vec<EdgeVertex> {
-        let turned = self.mesh.twin(h).filter(|&twin| twin < h);
-        let Some(stops) = self.edges.get(&turned.unwrap_or(h)) else {
+        let edge = self.mesh.edge_of(h);
+        let Some(stops) = self.edges.get(&edge) else {
             return Vec::new();
         };
-        if turned.is_none() {
+        if self.mesh.tail(edge) == self.mesh.tail(h) {
             return stops.clone();
         }
         let turn = |stop: &EdgeVertex| EdgeVertex {
@@ -438,18 +458,18 @@ impl Refinement<'_> {
     }
 
     /// Length of a part of a side of `face`; `rank` counts from the tail of the side. It is the
-    /// same number from both faces of the edge.
+    /// same number from all faces of the edge.
     fn part(&self, face: FaceId, side: usize, rank: usize) -> f64 {
         let h = face.half_edge(side as u32);
-        let turned = self.mesh.twin(h).filter(|&twin| twin < h);
+        let edge = self.mesh.edge_of(h);
         let length = self.mesh.length(h);
-        let Some(stops) = self.edges.get(&turned.unwrap_or(h)) else {
+        let Some(stops) = self.edges.get(&edge) else {
             return length;
         };
-        let rank = if turned.is_some() {
-            stops.len() - rank
-        } else {
+        let rank = if self.mesh.tail(edge) == self.mesh.tail(h) {
             rank
+        } else {
+            stops.len() - rank
         };
         let before = rank.checked_sub(1).map_or([1.0, 0.0], |r| stops[r].weights);
         let after = stops.get(rank).map_or([0.0, 1.0], |stop| stop.weights);

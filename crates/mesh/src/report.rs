@@ -98,17 +98,16 @@ impl fmt::Display for InvalidMesh {
         let mut separator = "the mesh cannot be used: ";
         let mut names_elements = false;
         let summaries = self.report.summaries();
-        let has = |kind| summaries.iter().any(|summary| summary.kind == kind);
-        let has_edge_of_many = has(DefectKind::NonManifoldEdge);
-        let has_no_faces = has(DefectKind::NoFaces);
+        let has_no_faces = summaries
+            .iter()
+            .any(|summary| summary.kind == DefectKind::NoFaces);
         for summary in summaries {
-            // These explain why edges have too many faces, or why there are no faces.
-            let explains = match summary.kind {
-                DefectKind::DuplicateFace => true,
-                DefectKind::CollapsedFace => has_no_faces,
-                DefectKind::WeldedVertices => has_edge_of_many || has_no_faces,
-                _ => false,
-            };
+            // These explain why there are no faces.
+            let explains = has_no_faces
+                && matches!(
+                    summary.kind,
+                    DefectKind::CollapsedFace | DefectKind::WeldedVertices
+                );
             if summary.kind.severity() == Severity::Fatal || explains {
                 write!(f, "{separator}{}", summary.text)?;
                 if !summary.advice.is_empty() {
@@ -214,8 +213,8 @@ fn headline(kind: DefectKind, count: usize) -> String {
             "triangles have a side longer than the two others together",
         ),
         DefectKind::NonManifoldEdge => (
-            "edge belongs to more than two faces",
-            "edges belong to more than two faces",
+            "edge has more than two faces",
+            "edges have more than two faces",
         ),
         DefectKind::NotOrientable => (
             "surface cannot be oriented, it has only one side",
@@ -286,12 +285,10 @@ fn advice(kind: DefectKind, defects: &[Defect]) -> String {
         }
         DefectKind::UnequalLengths => "give both triangles of an edge the same number",
         DefectKind::TriangleInequality => "correct the lengths",
-        DefectKind::NonManifoldEdge => {
-            "remove the surplus faces, or cut the model apart along such edges"
-        }
-        DefectKind::NotOrientable => "cut it open until it has two sides",
         DefectKind::DuplicateFace => "remove the second of each if that was not meant",
         DefectKind::FlippedFace
+        | DefectKind::NonManifoldEdge
+        | DefectKind::NotOrientable
         | DefectKind::RepeatedFace
         | DefectKind::CollapsedFace
         | DefectKind::ZeroLengthEdge

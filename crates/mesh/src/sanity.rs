@@ -76,6 +76,29 @@ impl Mesh {
                 return Err(not_its_length());
             }
         }
+        let junction = self.junction(h);
+        let joins = |&other: &HalfEdgeId| {
+            let ends = [self.tail(other), self.head(other)];
+            ends == [tail, head] || ends == [head, tail]
+        };
+        let is_pair = match *junction {
+            [a, b] => self.tail(a) != self.tail(b),
+            [_] => true,
+            _ => false,
+        };
+        let is_none = junction.is_empty();
+        if is_pair || !is_none && (self.twin(h).is_some() || !junction.contains(&h)) {
+            return Err(format!("{h:?} is along no junction"));
+        }
+        if !(junction.iter().all(joins) && junction.is_sorted_by(|a, b| a < b)) {
+            return Err(format!("the junction of {h:?} is no edge"));
+        }
+        if junction
+            .iter()
+            .any(|&other| self.length(other).to_bits() != length.to_bits())
+        {
+            return Err(not_its_length());
+        }
         let [x, y] = self.apex(h);
         let from_tail = self.length(h.prev());
         // The error of an apex computed from lengths is their error times the slenderness.
@@ -117,7 +140,10 @@ impl Mesh {
             };
             let angle: f64 = fan.iter().map(corner).sum();
             let straight = if start.is_none() { PI } else { 2.0 * PI };
-            boundary |= start.is_none();
+            boundary |= start.is_none()
+                && [first, fan[size - 1].prev()]
+                    .iter()
+                    .any(|&end| self.is_boundary_edge(end));
             saddle |= angle > straight + 1e-8;
             total += angle;
             fans += 1;

@@ -22,6 +22,7 @@ use crate::disjoint_sets::DisjointSets;
 use crate::frames::{FLAT_HEIGHT, measure};
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::inspection::component_sizes;
+use crate::junctions::Junctions;
 use crate::mesh::{Extremes, Mesh, MeshData, NO_TWIN, VertexFlags};
 use crate::precision::SLIVER_HEIGHT;
 use crate::soup::TriangleSoup;
@@ -116,6 +117,7 @@ impl Sound {
                 copies,
                 left_out: Vec::new(),
             },
+            junctions: Junctions::default(),
         };
         Mesh {
             data: Arc::new(data),

@@ -8,8 +8,10 @@
 use crate::build::build;
 use crate::defect::{Defect, DefectKind};
 use crate::edges::EdgeGroups;
+use crate::ids::HalfEdgeId;
 use crate::inspection::{Inspection, Metric};
-use crate::mesh::Mesh;
+use crate::junctions::Junctions;
+use crate::mesh::{Mesh, NO_TWIN};
 use crate::orient::turn_over;
 use crate::report::{InvalidMesh, Report};
 use crate::sound::Sound;
@@ -122,6 +124,7 @@ struct Checked {
     mates: Vec<u32>,
     lengths: Vec<[f64; 3]>,
     flipped: Vec<u32>,
+    has_junctions: bool,
 }
 
 impl Checked {
@@ -139,12 +142,17 @@ impl Checked {
             &mut self.lengths,
             &mut self.mates,
         );
+        let junctions = if self.has_junctions {
+            cut_at_junctions(self.vertex_count, &triangles, &mut self.mates)
+        } else {
+            Junctions::default()
+        };
         let mesh = build(
             self.vertex_count,
             positions,
             triangles,
             self.lengths,
-            self.mates,
+            (self.mates, junctions),
             StandIns { copies, left_out },
         );
         (mesh, self.report)
@@ -166,6 +174,25 @@ impl Checked {
         }
         (kept, left_out)
     }
+}
+
+/// Finds the [junctions](Mesh::junction) of oriented triangles, and parts the half-edges along them.
+fn cut_at_junctions(vertex_count: usize, triangles: &[[u32; 3]], mates: &mut [u32]) -> Junctions {
+    let tails = triangles.as_flattened();
+    let edges = EdgeGroups::new(vertex_count, triangles);
+    let junctions = edges.iter().filter(|edge| match edge.pair() {
+        Some([a, b]) => tails[a as usize] == tails[b as usize],
+        None => edge.side_count() > 2,
+    });
+    let junctions: Vec<Vec<u32>> = junctions.map(|edge| edge.half_edges().collect()).collect();
+    for &h in junctions.iter().flatten() {
+        mates[h as usize] = NO_TWIN;
+    }
+    Junctions::new(
+        junctions
+            .into_iter()
+            .map(|junction| junction.into_iter().map(HalfEdgeId::new)),
+    )
 }
 
 /// Runs all checks on a soup whose vertices and triangles have 4-byte numbers.
@@ -214,8 +241,16 @@ fn check(
     if report.is_fatal() {
         return Err(InvalidMesh { report });
     }
+    let is_junction = |kind| {
+        matches!(
+            kind,
+            DefectKind::NonManifoldEdge | DefectKind::NotOrientable
+        )
+    };
+    let mut kinds = report.defects.iter().map(Defect::kind);
     Ok(Checked {
         vertex_count,
+        has_junctions: kinds.any(is_junction),
         report,
         places: inspection.usable.places,
         mates: inspection.mates,

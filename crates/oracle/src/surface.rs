@@ -131,10 +131,12 @@ impl<S: RealNumber> PreciseSurface<S> {
                     })
                     .collect();
                 let twin = match others[..] {
-                    [Beyond {
-                        side,
-                        turned: false,
-                    }] => Some(side),
+                    [
+                        Beyond {
+                            side,
+                            turned: false,
+                        },
+                    ] => Some(side),
                     _ => None,
                 };
                 sides.push(SideFrame {
@@ -164,9 +166,12 @@ impl<S: RealNumber> PreciseSurface<S> {
     /// Whether `vertex` is on an edge with more than two triangles, or with two that have the same
     /// direction. All are taken for vertices where a path can bend, which costs time only.
     fn is_on_seam(&self, vertex: usize) -> bool {
-        let is_seam = |side: usize| self.sides[side].twin.is_none() && !self.beyond[side].is_empty();
+        let is_seam =
+            |side: usize| self.sides[side].twin.is_none() && !self.beyond[side].is_empty();
         let leaving = &self.leaving[vertex];
-        leaving.iter().any(|&side| is_seam(side) || is_seam(prev(side)))
+        leaving
+            .iter()
+            .any(|&side| is_seam(side) || is_seam(prev(side)))
     }
 
     /// Number of vertices.

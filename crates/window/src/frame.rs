@@ -4,6 +4,8 @@ use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId};
 
 use crate::origins::Way;
 use crate::prefetch::prefetch;
+#[cfg(doc)]
+use crate::window::Window;
 
 /// A triangle seen from one of its half-edges: tail A at the origin, head B at `(l, 0)`, apex C
 /// above.
@@ -138,7 +140,8 @@ pub struct Exit {
 /// The edge through which a window leaves a triangle, with its corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ExitEdge {
-    /// The neighbour's half-edge; `u32::MAX` at the boundary.
+    /// The neighbour's half-edge; at a junction the [gate](Faces::beyond); `u32::MAX` at the
+    /// boundary.
     twin: u32,
     /// The start of the edge as seen from the neighbour, its end, and the third vertex of the
     /// triangle.
@@ -256,16 +259,33 @@ pub struct Faces {
     half_edges: Vec<HalfEdge>,
     /// The numbers here of the faces of the mesh.
     numbering: Numbering,
+    /// The first gate. Gates follow the half-edges.
+    first_gate: u32,
+    /// For each gate the half-edges beyond it, and where those of the next gate start.
+    gates: Vec<u32>,
+    beyond: Vec<Entrance>,
+}
+
+/// A half-edge through which windows go on beyond a [gate](Faces::beyond).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Entrance {
+    /// The half-edge.
+    pub half_edge: HalfEdgeId,
+    /// Whether it has the direction opposite to that of the gate, so that windows are
+    /// [mirrored](Window::mirrored).
+    pub mirrored: bool,
 }
 
 impl Faces {
-    /// Lays out the faces of `mesh` in its own order; O(faces).
+    /// Lays out the faces of `mesh` in its own order; O(faces). At [junctions](Mesh::junction) the
+    /// surface has a boundary.
     pub fn new(mesh: &Mesh) -> Self {
         Self::in_order(mesh, Numbering::same())
     }
 
     /// Lays out the faces of `mesh` in the order of `numbering`. Half-edges have its numbers in all
-    /// arguments and results of the other methods; vertices keep theirs. O(faces).
+    /// arguments and results of the other methods; vertices keep theirs. O(faces). At
+    /// [junctions](Mesh::junction) the surface has a boundary.
     pub fn in_order(mesh: &Mesh, mut numbering: Numbering) -> Self {
         let mut half_edges = Vec::with_capacity(mesh.half_edge_count());
         for f in 0..mesh.face_count() as u32 {
@@ -274,9 +294,64 @@ impl Faces {
         }
         numbering.keep_new_faces();
         Self {
+            first_gate: half_edges.len() as u32,
             half_edges,
             numbering,
+            gates: Vec::new(),
+            beyond: Vec::new(),
         }
+    }
+
+    /// The same faces, with a *gate* for each half-edge h along a junction of `mesh`, which is the
+    /// mesh laid out.
+    ///
+    /// A gate has a number like a half-edge, above those of all half-edges, and takes the place of
+    /// the twin of h: it has the opposite direction, and windows that leave the face of h through h
+    /// arrive at the gate. They go on through all half-edges [`beyond`](Self::beyond) it. The
+    /// methods that return corners and lengths accept it. It has no face, and nothing waits there.
+    #[must_use]
+    pub fn with_gates(mut self, mesh: &Mesh) -> Self {
+        self.gates.push(0);
+        for h in mesh.junction_sides() {
+            let gate = self.half_edges.len() as u32;
+            let own = &mut self.half_edges[self.numbering.new_half_edge(h).index()];
+            own.exit_edge.twin = gate;
+            let [tail, head, apex] = own.exit_edge.corners;
+            let record = HalfEdge {
+                exit_edge: ExitEdge {
+                    twin: u32::MAX,
+                    corners: [head, tail, apex],
+                },
+                exits: [HalfEdgeId::new(gate); 2],
+                ..*own
+            };
+            self.half_edges.push(record);
+            let others = mesh.junction(h).iter().filter(|&&other| other != h);
+            self.beyond.extend(others.map(|&other| Entrance {
+                half_edge: self.numbering.new_half_edge(other),
+                mirrored: mesh.tail(other) == mesh.tail(h),
+            }));
+            self.gates.push(self.beyond.len() as u32);
+        }
+        self
+    }
+
+    /// The half-edges of the other faces at a junction, if `h` is a
+    /// [gate](Self::with_gates), else `None`.
+    pub fn beyond(&self, h: HalfEdgeId) -> Option<&[Entrance]> {
+        let gate = h.raw().checked_sub(self.first_gate)? as usize;
+        let [start, end] = [gate, gate + 1].map(|i| self.gates[i] as usize);
+        Some(&self.beyond[start..end])
+    }
+
+    /// Number of half-edges and gates.
+    pub fn number_count(&self) -> usize {
+        self.half_edges.len()
+    }
+
+    /// Number of half-edges, which is the number of the first gate.
+    pub fn half_edge_count(&self) -> usize {
+        self.first_gate as usize
     }
 
     /// The number here of half-edge `h` of the mesh.
@@ -361,21 +436,23 @@ impl Faces {
         self.half_edge(twin).apex_below()
     }
 
-    /// The neighbour's half-edge along the edge of `h`, or `None` at the boundary.
+    /// The neighbour's half-edge along the edge of `h`, or the [gate](Self::with_gates) there, or
+    /// `None` at the boundary.
     #[inline]
     pub fn twin(&self, h: HalfEdgeId) -> Option<HalfEdgeId> {
         self.half_edge(h).exit_edge.half_edge()
     }
 
     /// The paths from the tail of `h` along the edge of `h`, and along the other edge of its face
-    /// at the tail if that is on the boundary. Over all half-edges that leave a vertex, each edge
-    /// of the vertex occurs once.
+    /// at the tail if that is on the boundary or a junction. Over all half-edges that leave a vertex,
+    /// each edge of the vertex occurs once, a junction once for each face.
     #[inline]
     pub fn edge_paths(&self, h: HalfEdgeId) -> impl Iterator<Item = EdgePath> + use<> {
         let own = self.half_edge(h);
         let back = self.half_edge(own.exits[0]);
         let [tail, ..] = back.corners();
-        let is_boundary = back.exit_edge.half_edge().is_none();
+        // Gates have higher numbers than half-edges, and the boundary the highest.
+        let is_boundary = back.exit_edge.twin >= self.first_gate;
         let along = EdgePath {
             end: own.corners()[1],
             length: own.length,

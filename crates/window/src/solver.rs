@@ -66,6 +66,13 @@ pub enum SolveError {
         "this algorithm traces no paths; choose an exact one that does, such as vtp-fast or mmp"
     )]
     NoPaths,
+    /// The mesh has edges with more than two faces, and the algorithm is not known to be exact
+    /// there.
+    #[error("edges with more than two faces: use mmp-fast")]
+    EdgesOfManyFaces,
+    /// The mesh cannot be oriented, and the algorithm is not known to be exact there.
+    #[error("a surface that cannot be oriented: use mmp-fast")]
+    NotOrientable,
     /// A source or target is a point that this mesh does not have.
     #[error("a source or target is no point of this mesh; ask this mesh for its points")]
     NoSuchPoint,
@@ -91,6 +98,16 @@ pub enum SolveError {
 }
 
 impl SolveError {
+    /// What keeps an algorithm that crosses no [junctions](Mesh::junction) from solving `mesh`;
+    /// `None` if it has none.
+    pub fn at_junctions(mesh: &Mesh) -> Option<Self> {
+        if mesh.has_edges_of_many_faces() {
+            Some(Self::EdgesOfManyFaces)
+        } else {
+            mesh.has_junctions().then_some(Self::NotOrientable)
+        }
+    }
+
     /// Distances whose relative error may be up to `relative`.
     pub fn not_certified(relative: f64) -> Self {
         // An infinite error becomes the greatest exponent of an `f64`.
@@ -309,6 +326,10 @@ pub trait Propagate: Send {
     /// Whether all paths run along edges, so that they are not straight.
     const ALONG_EDGES: bool = false;
 
+    /// Whether paths cross the [junctions](Mesh::junction) of a mesh. A run on a mesh with junctions
+    /// is an error otherwise.
+    const JUNCTIONS: bool = false;
+
     /// The counters that this algorithm reports.
     fn counters() -> Vec<Counter>;
 
@@ -397,6 +418,9 @@ impl<T: Propagate> Solver for T {
         let mesh = self.mesh().clone();
         check_sources(mesh.vertex_count(), sources)?;
         check_goal(mesh.vertex_count(), goal)?;
+        if let Some(error) = SolveError::at_junctions(&mesh).filter(|_| !T::JUNCTIONS) {
+            return Err(error);
+        }
         self.check()?;
         let sources = &*distinct(&mesh, sources);
         let goal = &*goal.on(&mesh);

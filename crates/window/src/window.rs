@@ -80,6 +80,20 @@ impl Window {
             sigma: self.sigma,
         }
     }
+
+    /// The same paths in the frame of a half-edge of the opposite direction whose face is unfolded
+    /// above the edge as well, as if turned over. `l` is the length of the edge.
+    ///
+    /// Rounding may leave no interval of a narrow window. It is then so close to an end of the edge
+    /// that the paths from that vertex take its place.
+    #[inline]
+    #[must_use]
+    pub fn mirrored(&self, l: f64) -> Self {
+        Self {
+            py: self.py,
+            ..self.reversed(l)
+        }
+    }
 }
 
 /// Length of the vector `(x, y)`. The lengths of a valid mesh do not overflow, and `f64::hypot` is

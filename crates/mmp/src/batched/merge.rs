@@ -38,6 +38,19 @@ impl Batch {
         batch
     }
 
+    /// The same windows, [mirrored](Window::mirrored); `l` is the length of the edge.
+    pub(super) fn mirrored(&self, l: f64) -> Self {
+        let mut batch = Self::default();
+        for (k, w) in self.windows.iter().enumerate().rev() {
+            let mirrored = w.mirrored(l);
+            if mirrored.b0 < mirrored.b1 {
+                batch.windows.push(mirrored);
+                batch.levels.extend(self.levels.get(k));
+            }
+        }
+        batch
+    }
+
     fn level(&self, k: usize) -> u32 {
         self.levels.get(k).copied().unwrap_or(0)
     }

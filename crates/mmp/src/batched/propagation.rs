@@ -95,7 +95,7 @@ impl<Q: Discipline> Batched<Q> {
                 mesh: mesh.clone(),
                 surface: Surface::new(mesh),
                 queue,
-                store: Store::new(mesh.half_edge_count()),
+                store: Store::new(mesh.half_edge_count(), mesh.junction_sides().len()),
                 merger: Merger::default(),
                 prefilter: Prefilter::default(),
                 thin: ThinFaces::of(mesh, mesh.half_edge_count(), |h| {
@@ -327,9 +327,22 @@ impl<Q: Discipline> RunState<Q> {
         kept
     }
 
-    /// [`arrive`](Self::arrive) for an evicted list: windows that come too late are dropped.
+    /// [`arrive`](Self::arrive) for an evicted list: windows that come too late are dropped, and
+    /// those at a gate passed on.
     #[cold]
     fn arrive_late<P: Probe>(&mut self, h: HalfEdgeId, batch: &Batch, probe: &mut P) -> u64 {
+        if let Some(entrances) = self.surface.faces().beyond(h) {
+            // A path may enter any of the faces, and from which of the others a shorter path has
+            // come does not matter. So the lists there are merged separately.
+            let mirrored = batch.mirrored(self.surface.faces().length(h));
+            let entrances = entrances.to_vec();
+            let mut kept = 0;
+            for entrance in entrances {
+                let own = if entrance.mirrored { &mirrored } else { batch };
+                kept = kept.max(self.arrive(entrance.half_edge, own, probe));
+            }
+            return kept;
+        }
         let edge = self.surface.edge(h);
         let useful = (batch.windows.iter())
             .position(|w| !self.store.rejects_late_arrival(h.index(), w, &edge));
@@ -512,6 +525,8 @@ fn tries(taken: &Batch, face: &FaceView) -> u64 {
 }
 
 impl<Q: Discipline> Propagate for Batched<Q> {
+    const JUNCTIONS: bool = true;
+
     fn counters() -> Vec<Counter> {
         [COUNTERS, Q::COUNTERS].concat()
     }

@@ -101,6 +101,7 @@ impl Default for ListBlock {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Store {
     lists: Vec<ListBlock>,
+    first_gate: usize,
     windows: Vec<StoredWindow>,
     /// The level in the sequence tree of each window; empty unless levels are kept.
     levels: Vec<u32>,
@@ -114,16 +115,23 @@ impl Store {
     /// Bytes of one stored window.
     pub(super) const WINDOW_BYTES: usize = size_of::<StoredWindow>();
 
-    pub(super) fn new(count: usize) -> Self {
-        Self {
-            lists: vec![ListBlock::default(); count],
+    /// `count` empty lists, followed by `gates` that are evicted at all times.
+    pub(super) fn new(count: usize, gates: usize) -> Self {
+        let mut store = Self {
+            lists: vec![ListBlock::default(); count + gates],
+            first_gate: count,
             ..Self::default()
-        }
+        };
+        store.clear(false);
+        store
     }
 
     /// Empties all lists for a new run.
     pub(super) fn clear(&mut self, keeps_levels: bool) {
         self.lists.fill(ListBlock::default());
+        for gate in &mut self.lists[self.first_gate..] {
+            gate.closed = true;
+        }
         self.windows.clear();
         self.levels.clear();
         self.keeps_levels = keeps_levels;

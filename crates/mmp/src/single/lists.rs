@@ -86,6 +86,7 @@ struct ListHead {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lists {
     heads: Vec<ListHead>,
+    first_gate: usize,
     places: Vec<ListEntry>,
     free_blocks: FreeBlocks,
     windows: Vec<Window>,
@@ -102,16 +103,23 @@ impl Lists {
     /// Bytes of one stored window.
     pub(crate) const WINDOW_BYTES: usize = size_of::<Window>();
 
-    pub(crate) fn new(count: usize) -> Self {
-        Self {
-            heads: vec![ListHead::default(); count],
+    /// `count` empty lists, followed by `gates` that are evicted at all times.
+    pub(crate) fn new(count: usize, gates: usize) -> Self {
+        let mut lists = Self {
+            heads: vec![ListHead::default(); count + gates],
+            first_gate: count,
             ..Self::default()
-        }
+        };
+        lists.clear();
+        lists
     }
 
     /// Makes all lists empty.
     pub(crate) fn clear(&mut self) {
         self.heads.fill(ListHead::default());
+        for gate in &mut self.heads[self.first_gate..] {
+            gate.closed = true;
+        }
         self.clear_windows();
     }
 

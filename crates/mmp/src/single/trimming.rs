@@ -62,7 +62,7 @@ impl Trimming {
         Self {
             carrier,
             retention: Retention::default(),
-            lists: Lists::new(mesh.half_edge_count()),
+            lists: Lists::new(mesh.half_edge_count(), mesh.junction_sides().len()),
             inserter: Inserter::default(),
             eviction: Eviction::default(),
             thin: ThinFaces::of(mesh, mesh.half_edge_count(), |h| {
@@ -95,6 +95,40 @@ impl Trimming {
         let Arrival { window, edge, .. } = arrival;
         let [tail, head] = [edge.tail, edge.head].map(|d| d + self.thin.doubt());
         is_beaten_from_ends(window, edge.length, tail, head)
+    }
+
+    /// Passes a window at a gate on to all half-edges beyond it. The lists there are compared
+    /// separately: a path may enter any of the faces, and which ones of the others a shorter path
+    /// has come from does not matter. `None` if the window is at no gate.
+    #[cold]
+    #[inline(never)]
+    fn pass_on<P: Probe>(
+        &mut self,
+        arrival: &Arrival<u32>,
+        surface: &Surface,
+        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
+        probe: &mut P,
+    ) -> Option<bool> {
+        let mut kept = false;
+        for entrance in surface.faces().beyond(arrival.h)? {
+            let own = Arrival {
+                h: entrance.half_edge,
+                ..*arrival
+            };
+            let own = if entrance.mirrored {
+                Arrival {
+                    window: arrival.window.mirrored(arrival.edge.length),
+                    edge: arrival.edge.mirrored(),
+                    ..own
+                }
+            } else {
+                own
+            };
+            if own.window.b0 < own.window.b1 {
+                kept |= self.arrive(&own, surface, queue, probe);
+            }
+        }
+        Some(kept)
     }
 
     /// The half-edge whose list holds the windows of `h`, and the direction in which they cross its
@@ -152,6 +186,7 @@ impl Policy for Trimming {
     ];
 
     const WINDOW_BYTES: usize = Lists::WINDOW_BYTES;
+    const JUNCTIONS: bool = true;
 
     fn reset(&mut self) {
         self.lists.clear();
@@ -200,11 +235,16 @@ impl Policy for Trimming {
             Direction::Reverse => arrival.window.reversed(l),
         };
         let place = place.index();
-        let lists = &mut self.lists;
-        if lists.rejects_late_arrival(place, &window, &arrival.edge) {
-            probe.add(Counter::Filtered, 1);
-            return false;
+        if self.lists.is_evicted(place) {
+            if let Some(kept) = self.pass_on(arrival, surface, queue, probe) {
+                return kept;
+            }
+            if (self.lists).rejects_late_arrival(place, &window, &arrival.edge) {
+                probe.add(Counter::Filtered, 1);
+                return false;
+            }
         }
+        let lists = &mut self.lists;
         let inserter = &mut self.inserter;
         let before = lists.len(place);
         inserter.insert(lists, place, &window, direction, l);

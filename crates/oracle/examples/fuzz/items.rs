@@ -41,9 +41,10 @@ pub(crate) fn kinds(name: &str) -> Result<Kinds, String> {
     match name {
         "general" => Ok(of(Kind::GENERAL, false)),
         "built" => Ok(of(Kind::BUILT, false)),
+        "joined" => Ok(of(Kind::JOINED, false)),
         LARGE => Ok(of(Kind::BUILT, true)),
         _ => {
-            let small = [Kind::GENERAL, Kind::BUILT].concat();
+            let small = [Kind::GENERAL, Kind::BUILT, Kind::JOINED].concat();
             let kind = named(name, &small).map(|kind| of(&[kind], false));
             let large = large.and_then(|name| named(name, Kind::BUILT));
             kind.or(large.map(|kind| of(&[kind], true))).ok_or_else(|| {
@@ -52,10 +53,11 @@ pub(crate) fn kinds(name: &str) -> Result<Kinds, String> {
                     names.join(", ")
                 };
                 format!(
-                    "known are general ({}), built ({}), and large, the same as built, but of up \
-                     to 20,000 faces (large-chain, ...)",
+                    "known are general ({}), built ({}), joined ({}), and large, the same as \
+                     built, but of up to 20,000 faces (large-chain, ...)",
                     list(Kind::GENERAL),
-                    list(Kind::BUILT)
+                    list(Kind::BUILT),
+                    list(Kind::JOINED)
                 )
             })
         }

@@ -5,6 +5,7 @@ use std::fmt;
 
 use super::built;
 use super::draft::Draft;
+use super::joined;
 use crate::random::Random;
 use crate::zoo::{self, Diagonal};
 
@@ -12,12 +13,14 @@ macro_rules! kinds {
     (
         general { $($(#[doc = $doc:literal])+ $name:ident = $text:literal, $make:path;)+ }
         built { $($(#[doc = $built_doc:literal])+ $built:ident = $built_text:literal, $build:path;)+ }
+        joined { $($(#[doc = $joined_doc:literal])+ $joined:ident = $joined_text:literal, $join:path;)+ }
     ) => {
         /// The kind of mesh that a random mesh starts as.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Kind {
             $($(#[doc = $doc])+ $name,)+
             $($(#[doc = $built_doc])+ $built,)+
+            $($(#[doc = $joined_doc])+ $joined,)+
         }
 
         impl Kind {
@@ -28,11 +31,16 @@ macro_rules! kinds {
             /// The kinds that are built in any size, each against an assumption of an algorithm.
             pub const BUILT: &[Self] = &[$(Self::$built),+];
 
+            /// The kinds with edges of any number of faces, or with one side only, of at most
+            /// [`MOST_FACES`](super::MOST_FACES) faces.
+            pub const JOINED: &[Self] = &[$(Self::$joined),+];
+
             /// The name in command lines.
             pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$name => $text,)+
                     $(Self::$built => $built_text,)+
+                    $(Self::$joined => $joined_text,)+
                 }
             }
 
@@ -41,6 +49,7 @@ macro_rules! kinds {
                 match self {
                     $(Self::$name => $make(random),)+
                     $(Self::$built => $build(faces, random),)+
+                    $(Self::$joined => $join(random),)+
                 }
             }
         }
@@ -125,6 +134,26 @@ kinds! {
         NeedleStrip = "needle-strip", built::needle_strip;
         /// A rough surface with few thin faces.
         FewSlivers = "few-slivers", built::few_slivers;
+    }
+    joined {
+        /// Sheets on a common line of edges.
+        Book = "book", joined::book;
+        /// Lenses in a row.
+        Lenses = "lenses", joined::lenses;
+        /// Cubes that touch along edges and at vertices.
+        Touching = "touching", joined::touching;
+        /// Squares of a grid in space.
+        Membranes = "membranes", joined::membranes;
+        /// Plates that stand on another.
+        Tee = "tee", joined::tee;
+        /// A strip with its ends joined after half turns.
+        Band = "band", joined::band;
+        /// A rectangle with opposite sides joined, in either direction.
+        Rolled = "rolled", joined::rolled;
+        /// Random triangles on few vertices.
+        Heap = "heap", joined::heap;
+        /// A rough plate with edges made one.
+        Sewn = "sewn", joined::sewn;
     }
 }
 

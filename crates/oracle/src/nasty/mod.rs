@@ -3,7 +3,7 @@
 //! A mesh starts as one of [`Kind::GENERAL`]: slivers, exact ties, faces without area, needle tips
 //! and so on; or as one of [`Kind::BUILT`]: chains of near ties, combs, graded edges, parts of
 //! solid modellers and so on, small ([`Kind::mesh`]) or of up to 20,000 faces
-//! ([`Kind::large_mesh`]). Some are changed further: edges are split, flipped or shortened to
+//! ([`Kind::large_mesh`]); or as one of [`Kind::JOINED`], with edges of any number of faces. Some are changed further: edges are split, flipped or shortened to
 //! almost nothing, points are inserted on edges, faces are removed. The whole mesh may be
 //! stretched, scaled, moved away from the origin, renumbered, turned inside out or joined with
 //! another one.
@@ -13,6 +13,7 @@
 
 mod built;
 mod draft;
+mod joined;
 mod kinds;
 mod polygon;
 mod random;
@@ -61,7 +62,7 @@ impl Kind {
     /// The mesh of this kind for `seed`.
     pub fn mesh(self, seed: u64) -> Nasty {
         let mut random = Random::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
-        if self.is_general() {
+        if !Self::BUILT.contains(&self) {
             self.made(seed, 0, MOST_FACES, &mut random)
         } else {
             self.built(seed, [10, MOST_BUILT], random)
@@ -72,17 +73,13 @@ impl Kind {
     ///
     /// # Panics
     ///
-    /// If the kind is general.
+    /// If the kind is not built.
     pub fn large_mesh(self, seed: u64) -> Nasty {
-        assert!(!self.is_general(), "{self} has no large meshes");
+        assert!(Self::BUILT.contains(&self), "{self} has no large meshes");
         let random = Random::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
         let mut mesh = self.built(seed, [MOST_BUILT, MOST_LARGE], random);
         mesh.model.name.insert_str(0, "large-");
         mesh
-    }
-
-    fn is_general(self) -> bool {
-        Self::GENERAL.contains(&self)
     }
 
     /// A mesh with a random number of faces, distributed evenly on a logarithmic scale. Half of
@@ -111,7 +108,7 @@ impl Kind {
     }
 
     fn finished(self, seed: u64, draft: Draft, changes: &[&str], random: &mut Random) -> Nasty {
-        let sources = if !self.is_general() && random.coin() {
+        let sources = if Self::BUILT.contains(&self) && random.coin() {
             vec![0]
         } else {
             sources(&draft, random)

@@ -52,6 +52,23 @@ impl EdgeView {
         }
     }
 
+    /// The same edge in the frame of a half-edge of the opposite direction.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let [x, y] = self.behind.position;
+        Self {
+            tail: self.head,
+            head: self.tail,
+            behind: Behind {
+                position: [self.length - x, y],
+                is_left: self.behind.is_right,
+                is_right: self.behind.is_left,
+                ..self.behind
+            },
+            ..*self
+        }
+    }
+
     /// Whether a path through one of the three vertices is shorter than every ray of `w`, which
     /// arrives at this edge. This is the vertex filter, theorem 3.2 of Xin and Wang 2009.
     #[inline]

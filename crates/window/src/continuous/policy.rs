@@ -131,6 +131,10 @@ pub trait Policy: Send {
     /// Whether all vertices relay paths, [approximately](super::Relaying).
     const RELAYS: bool = false;
 
+    /// Whether it passes windows that arrive at a [gate](crate::Faces::with_gates) on to the
+    /// half-edges beyond.
+    const JUNCTIONS: bool = false;
+
     /// Resets the policy for the next run, keeping the memory.
     fn reset(&mut self);
 

@@ -594,6 +594,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
 }
 
 impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
+    const JUNCTIONS: bool = W::JUNCTIONS;
+
     fn counters() -> Vec<Counter> {
         [COUNTERS, W::COUNTERS, Q::COUNTERS].concat()
     }

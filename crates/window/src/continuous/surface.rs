@@ -33,10 +33,11 @@ impl Surface {
         Numbering::breadth_first(mesh)
     }
 
-    /// The faces of `mesh`, laid out in their [order](Self::order); O(faces).
+    /// The faces of `mesh`, laid out in their [order](Self::order), with
+    /// [gates](Faces::with_gates) at junctions; O(faces).
     pub fn new(mesh: &Mesh) -> Self {
         Self {
-            faces: Faces::in_order(mesh, Self::order(mesh)),
+            faces: Faces::in_order(mesh, Self::order(mesh)).with_gates(mesh),
             distances: Vec::new(),
         }
     }

@@ -56,7 +56,7 @@ pub struct ThinFaces {
 
 impl ThinFaces {
     /// The thin faces of `mesh`. `number` gives the number of each half-edge, which is less than
-    /// `numbers`. O(faces).
+    /// `numbers`; [gates](crate::Faces::with_gates) follow. O(faces).
     pub fn of(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
         let mut thin = Self {
             has_tip: mesh.vertices().any(|v| is_tip(mesh, v)),
@@ -75,11 +75,15 @@ impl ThinFaces {
             relative_height(mesh, h) < limit || longest_side(mesh, h) < tiny
         };
         for face in mesh.faces().filter(is_thin) {
-            thin.beside.resize(numbers, false);
+            let gates = mesh.junction_sides().len();
+            thin.beside.resize(numbers + gates, false);
             for h in [0, 1, 2].map(|corner| face.half_edge(corner)) {
                 thin.doubt = thin.doubt.max(MARGIN * mesh.length(h));
-                for h in [Some(h), mesh.twin(h)].into_iter().flatten() {
+                for h in mesh.along_edge(h) {
                     thin.beside[number(h)] = true;
+                    if let Some(gate) = mesh.junction_side(h) {
+                        thin.beside[numbers + gate] = true;
+                    }
                 }
             }
         }

@@ -41,7 +41,7 @@ fn runs() -> impl Strategy<Value = Vec<Batch>> {
 const OF_INTEREST: [Counter; 3] = [Counter::Trimmed, Counter::Filtered, Counter::Reinserted];
 
 fn merge_all(runs: &[Batch], probe: &mut Count) -> (Store, Vec<Merged>, Vec<f64>) {
-    let (mut store, mut merger) = (Store::new(1), Merger::default());
+    let (mut store, mut merger) = (Store::new(1, 0), Merger::default());
     store.clear(true);
     let mut weighed = Vec::new();
     let mut weigh = |label| weighed.push(label);
@@ -58,7 +58,7 @@ proptest! {
     fn a_run_leaves_what_its_windows_leave_one_by_one(runs in runs()) {
         let mut count = Count::default();
         let (store, merged, _) = merge_all(&runs, &mut count);
-        let (mut lists, mut inserter) = (Lists::new(1), Inserter::default());
+        let (mut lists, mut inserter) = (Lists::new(1, 0), Inserter::default());
         let mut expected = [0; 3];
         for (run, merged) in runs.iter().zip(merged) {
             let mut kept = 0;
@@ -147,7 +147,7 @@ fn a_propagated_window_is_cut_and_does_not_wait() {
         py: -0.5,
         ..whole
     };
-    let (mut store, mut merger) = (Store::new(1), Merger::default());
+    let (mut store, mut merger) = (Store::new(1, 0), Merger::default());
     let mut weighed = Vec::new();
     for window in [whole, nearer] {
         let run = Batch {

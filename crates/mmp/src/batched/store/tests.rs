@@ -46,7 +46,7 @@ proptest! {
     /// Compares with a vector of numbers and labels for each list.
     #[test]
     fn lists_in_one_array_do_not_disturb_each_other(steps in steps(), keeps_levels in any::<bool>()) {
-        let (mut store, mut model) = (Store::new(4), vec![Vec::<(f64, f64)>::new(); 4]);
+        let (mut store, mut model) = (Store::new(4, 0), vec![Vec::<(f64, f64)>::new(); 4]);
         store.clear(keeps_levels);
         let (mut serial, mut evicted) = (0, 0);
         for step in steps {
@@ -117,7 +117,7 @@ proptest! {
     ) {
         let mut ends: Vec<f64> = ends.into_iter().map(f64::from).collect();
         ends.sort_by(f64::total_cmp);
-        let mut store = Store::new(1);
+        let mut store = Store::new(1, 0);
         // Freed blocks contain old windows, which must not count.
         let relic = StoredWindow::waiting(window(0.5, 0.0));
         store.replace(0, 0, 0, &[relic; 70], &[]);

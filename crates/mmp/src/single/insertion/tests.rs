@@ -18,7 +18,7 @@ fn insert(inserter: &mut Inserter, lists: &mut Lists, new: &Window) {
 }
 
 fn insert_all(windows: &[Window]) -> Lists {
-    let (mut list, mut inserter) = (Lists::new(1), Inserter::default());
+    let (mut list, mut inserter) = (Lists::new(1, 0), Inserter::default());
     for w in windows {
         insert(&mut inserter, &mut list, w);
     }
@@ -75,7 +75,7 @@ proptest! {
     fn every_window_left_is_in_the_queue_under_its_least_distance(
         windows in prop::collection::vec(windows(), 1..12),
     ) {
-        let (mut list, mut inserter) = (Lists::new(1), Inserter::default());
+        let (mut list, mut inserter) = (Lists::new(1, 0), Inserter::default());
         let mut queue = Vec::new();
         for w in &windows {
             insert(&mut inserter, &mut list, w);
@@ -119,7 +119,7 @@ fn a_window_between_two_ties_splits_the_old_one() {
 
 #[test]
 fn a_propagated_window_is_cut_but_not_queued_again() {
-    let (mut list, mut inserter) = (Lists::new(1), Inserter::default());
+    let (mut list, mut inserter) = (Lists::new(1, 0), Inserter::default());
     insert(&mut inserter, &mut list, &window(0.0, 1.0, 0.2, -1.0, 0.0));
     let slot = inserter.to_queue[0].slot;
     assert!(matches!(list.take(0, slot), Dequeued::Propagate(..)));
@@ -133,7 +133,7 @@ fn a_propagated_window_is_cut_but_not_queued_again() {
 
 #[test]
 fn a_waiting_window_whose_nearest_point_is_lost_waits_for_longer() {
-    let (mut list, mut inserter) = (Lists::new(1), Inserter::default());
+    let (mut list, mut inserter) = (Lists::new(1, 0), Inserter::default());
     insert(&mut inserter, &mut list, &window(0.0, 1.0, 0.2, -1.0, 0.0));
     let first = inserter.to_queue[0];
     insert(&mut inserter, &mut list, &window(0.0, 0.5, 0.2, -0.5, 0.0));
@@ -148,7 +148,7 @@ fn a_waiting_window_whose_nearest_point_is_lost_waits_for_longer() {
 
 #[test]
 fn both_parts_of_a_waiting_window_wait() {
-    let (mut list, mut inserter) = (Lists::new(1), Inserter::default());
+    let (mut list, mut inserter) = (Lists::new(1, 0), Inserter::default());
     insert(&mut inserter, &mut list, &window(0.0, 1.0, 0.5, -2.0, 0.0));
     let whole = inserter.to_queue[0].slot;
     insert(&mut inserter, &mut list, &window(0.4, 0.6, 0.5, -1.0, 0.0));

@@ -36,7 +36,7 @@ proptest! {
     /// Compares with a vector for each list, and a queue of all windows stored as waiting.
     #[test]
     fn lists_in_one_array_do_not_disturb_each_other(steps in steps()) {
-        let (mut lists, mut model) = (Lists::new(4), vec![Vec::<(Slot, f64)>::new(); 4]);
+        let (mut lists, mut model) = (Lists::new(4, 0), vec![Vec::<(Slot, f64)>::new(); 4]);
         let (mut queue, mut serial) = (Vec::<(usize, Slot, f64)>::new(), 0.0);
         for step in steps {
             match step {
@@ -94,7 +94,7 @@ proptest! {
 
 #[test]
 fn a_window_that_was_cut_waits_for_its_new_turn() {
-    let mut lists = Lists::new(1);
+    let mut lists = Lists::new(1, 0);
     let near_left = Window {
         px: 0.2,
         ..window(0.0)
@@ -125,7 +125,7 @@ proptest! {
         let abscissa = |(whole, more): (u32, u32)| scale * (f64::from(whole) + 1e-9 * f64::from(more));
         let mut ends: Vec<f64> = ends.into_iter().map(abscissa).collect();
         ends.sort_by(f64::total_cmp);
-        let mut lists = Lists::new(1);
+        let mut lists = Lists::new(1, 0);
         let slots: Vec<Slot> = ends
             .iter()
             .map(|&b1| lists.store(0, Window { b1, ..window(0.0) }, Direction::Forward, false))

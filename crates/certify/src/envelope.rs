@@ -88,7 +88,7 @@ impl EnvelopePiece {
 pub(crate) const GAP: f64 = 1e-12;
 
 /// Converts a window of a half-edge of this length to a piece. With `turned`, the canonical
-/// half-edge of the edge is the twin.
+/// half-edge of the edge has the opposite direction.
 pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> EnvelopePiece {
     let [b0, b1] = window.interval;
     let [x, y] = window.image;

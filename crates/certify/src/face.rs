@@ -194,7 +194,7 @@ impl<'a> Checker<'a> {
             // Between two points of one side, only jumps violate the condition. A path that bends
             // at a concave kink is no shorter than one through the next piece, up to the jump at
             // the kink.
-            let side = canonical(self.shared.field.mesh, face.half_edge(k as u32));
+            let side = self.shared.field.mesh.edge_of(face.half_edge(k as u32));
             let jump = self.shared.field.jumps[side.index()];
             let (found, there) = from_side;
             let violation = if skips_bends {
@@ -259,8 +259,8 @@ pub(crate) fn shorter_windows(
                 image: distance.image,
                 sigma: distance.sigma,
             };
-            let edge = canonical(mesh, h);
-            let window = piece(&window, lengths[k], edge != h);
+            let (edge, is_turned) = canonical(mesh, h);
+            let window = piece(&window, lengths[k], is_turned);
             found.push(ShorterWindow {
                 edge,
                 window,

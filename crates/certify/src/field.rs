@@ -55,9 +55,11 @@ impl<'a> EdgeField<'a> {
     }
 }
 
-/// The half-edge under which the pieces of the edge of `h` are stored.
-pub(crate) fn canonical(mesh: &Mesh, h: HalfEdgeId) -> HalfEdgeId {
-    mesh.twin(h).map_or(h, |twin| twin.min(h))
+/// The half-edge under which the pieces of the edge of `h` are stored, and whether `h` has the
+/// opposite direction.
+pub(crate) fn canonical(mesh: &Mesh, h: HalfEdgeId) -> (HalfEdgeId, bool) {
+    let edge = mesh.edge_of(h);
+    (edge, mesh.tail(edge) != mesh.tail(h))
 }
 
 /// A piece, or a part of one, in the frame of a half-edge of the edge, in rounded arithmetic.
@@ -120,7 +122,7 @@ pub(crate) struct ExactPiece {
 impl EdgeField<'_> {
     /// The pieces of the edge of `h` in the direction of the canonical half-edge.
     pub(crate) fn pieces(&self, h: HalfEdgeId) -> &[EnvelopePiece] {
-        let h = canonical(self.mesh, h).index();
+        let h = self.mesh.edge_of(h).index();
         &self.pieces[self.ranges[h].clone()]
     }
 
@@ -139,7 +141,7 @@ impl EdgeField<'_> {
 
     /// Sets `oriented` to the pieces of the edge of `h` in the direction of `h`, rounded.
     pub(crate) fn orient(&self, h: HalfEdgeId, length: f64, oriented: &mut Vec<SidePiece>) {
-        let canonical = canonical(self.mesh, h);
+        let (canonical, is_turned) = canonical(self.mesh, h);
         let first = self.first_node(canonical);
         let pieces = self.pieces(h).iter();
         let turn = |(i, piece): (usize, &EnvelopePiece), [from, to, x]: [f64; 3]| {
@@ -151,7 +153,7 @@ impl EdgeField<'_> {
         };
         oriented.clear();
         let pieces = pieces.enumerate();
-        if canonical == h {
+        if !is_turned {
             oriented.extend(pieces.map(|p| turn(p, [p.1.from, p.1.to, p.1.image[0]])));
         } else {
             let turned = |x: f64| length - x;
@@ -173,7 +175,8 @@ impl EdgeField<'_> {
             |t: f64| t == self.mesh.length(h) || (length - Ball::exact(t)).lower() <= 0.0;
         let end = |t| if is_at_end(t) { length } else { Ball::exact(t) };
         let mut ends = [piece.from, piece.to].map(end);
-        if canonical(self.mesh, h) != h {
+        let (_, is_turned) = canonical(self.mesh, h);
+        if is_turned {
             x = length - x;
             ends = [ends[1], ends[0]].map(|t| if t == length { Ball::ZERO } else { length - t });
         }
@@ -190,7 +193,7 @@ impl EdgeField<'_> {
     /// The distance at the beginning of the canonical half-edge of the edge of `h`, or at its end;
     /// `None` where the edge has no distances.
     pub(crate) fn at_end(&self, h: HalfEdgeId, beginning: bool) -> Option<Interval> {
-        let h = canonical(self.mesh, h);
+        let h = self.mesh.edge_of(h);
         let pieces = self.pieces(h);
         let (piece, t) = if beginning {
             (pieces.first()?, Ball::ZERO)

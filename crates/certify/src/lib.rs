@@ -30,6 +30,9 @@
 //! Beyond that, no violation matters: the proof of such vertices is repeated with the pieces cut
 //! where d exceeds this level (`level`).
 //!
+//! Nothing of this depends on how many faces an edge has or how they are oriented: a path is a chain
+//! of segments inside faces on any surface of triangles.
+//!
 //! ```
 //! use geobench_certify::{Claim, PathPoint};
 //! use geobench_mesh::{Mesh, VertexId};
@@ -646,7 +649,7 @@ impl<'a> Claim<'a> {
         let mut builder = EnvelopeBuilder::default();
         for h in half_edges.map(|h| HalfEdgeId::new(h as u32)) {
             let ends = [mesh.tail(h), mesh.head(h)].map(|v| self.distances[v.index()]);
-            if canonical(mesh, h) != h || !ends.iter().all(|d| d.is_finite()) {
+            if mesh.edge_of(h) != h || !ends.iter().all(|d| d.is_finite()) {
                 found.half_edges.push((0, 0.0));
                 continue;
             }
@@ -656,10 +659,10 @@ impl<'a> Claim<'a> {
                 windows.map(move |window| piece(&window, length, turned))
             };
             all.clear();
-            all.extend(of(h, false));
-            if let Some(twin) = mesh.twin(h) {
-                all.extend(of(twin, true));
-            } else {
+            for side in mesh.along_edge(h) {
+                all.extend(of(side, mesh.tail(side) != mesh.tail(h)));
+            }
+            if mesh.is_boundary_edge(h) {
                 let opposite = self.distances[mesh.apex_vertex(h).index()];
                 let inside = windows_from_inside(mesh, h, opposite, &windows);
                 all.extend(inside.iter().map(|window| piece(window, length, false)));
@@ -689,7 +692,7 @@ impl<'a> Claim<'a> {
         let mut range = [self.distances[v.index()]; 2];
         for &h in self.mesh.outgoing(v) {
             for (h, at_tail) in [(h, true), (h.prev(), false)] {
-                let turned = canonical(self.mesh, h) != h;
+                let (_, turned) = canonical(self.mesh, h);
                 if let Some(d) = field.at_end(h, at_tail != turned) {
                     range = [range[0].min(d.lo), range[1].max(d.hi)];
                 }

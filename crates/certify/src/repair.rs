@@ -55,8 +55,7 @@ pub(crate) fn repair(field: &mut EdgeField<'_>, worst_first: &[FaceId]) -> Vec<F
             envelope.clear();
             builder.lower_envelope(&pieces, mesh.length(edge), 0.0, &mut envelope);
             field.replace(edge, &envelope);
-            faces.push(edge.face());
-            faces.extend(mesh.twin(edge).map(HalfEdgeId::face));
+            faces.extend(mesh.along_edge(edge).map(HalfEdgeId::face));
         }
         faces.sort_unstable();
         faces.dedup();

@@ -96,6 +96,8 @@ impl StraightLine {
 struct LineBeam {
     /// The half-edge through which the lines enter a face.
     h: HalfEdgeId,
+    /// The half-edge of the same edge in the face before.
+    out: HalfEdgeId,
     window: Window,
     /// The beam of the edge before this one.
     parent: Option<usize>,
@@ -220,9 +222,7 @@ impl LineSearch<'_> {
                 sigma: 0.0,
             };
             let longest = view.frame.l.max(view.frame.la).max(view.frame.lb);
-            if let Some(h) = exit.half_edge {
-                self.add(h, window, None, longest);
-            }
+            self.leave(h.next(), window, None, longest);
         }
     }
 
@@ -265,7 +265,32 @@ impl LineSearch<'_> {
         false
     }
 
-    fn add(&mut self, h: HalfEdgeId, window: Window, parent: Option<usize>, longest: f64) {
+    /// Adds the beams into all other faces at the edge of `out`, through which a window leaves its
+    /// face. The window is in the frame of a half-edge of the opposite direction.
+    fn leave(&mut self, out: HalfEdgeId, window: Window, parent: Option<usize>, longest: f64) {
+        if let Some(twin) = self.mesh.twin(out) {
+            return self.add([out, twin], window, parent, longest);
+        }
+        let mesh = self.mesh;
+        for &h in mesh.junction(out).iter().filter(|&&h| h != out) {
+            let own = if mesh.tail(h) == mesh.tail(out) {
+                window.mirrored(mesh.length(h))
+            } else {
+                window
+            };
+            if own.b0 < own.b1 {
+                self.add([out, h], own, parent, longest);
+            }
+        }
+    }
+
+    fn add(
+        &mut self,
+        [out, h]: [HalfEdgeId; 2],
+        window: Window,
+        parent: Option<usize>,
+        longest: f64,
+    ) {
         let (tail, head) = (self.mesh.tail(h), self.mesh.head(h));
         let rest =
             (self.least(tail) - window.b1).max(self.least(head) - self.mesh.length(h) + window.b0);
@@ -278,6 +303,7 @@ impl LineSearch<'_> {
         self.queue.push(length, self.beams.len());
         self.beams.push(LineBeam {
             h,
+            out,
             window,
             parent,
             longest,
@@ -310,9 +336,9 @@ impl LineSearch<'_> {
             self.meet(apex, crossing.bent_distance(right));
             [None, crossing.only_child(right)]
         };
-        for (exit, child) in sides.iter().zip(children) {
-            if let (Some(h), Some(window)) = (exit.half_edge, child) {
-                self.add(h, window, Some(i), longest);
+        for (out, child) in [h.prev(), h.next()].into_iter().zip(children) {
+            if let Some(window) = child {
+                self.leave(out, window, Some(i), longest);
             }
         }
     }
@@ -377,27 +403,37 @@ impl LineSearch<'_> {
         let mut next = Some(last);
         while let Some(i) = next {
             let LineBeam {
-                h, window, parent, ..
+                h,
+                out,
+                window,
+                parent,
+                ..
             } = self.beams[i];
-            let ([px, py], [x, y]) = (window.source(), from);
+            // From here on in the frame of a half-edge with the direction opposite to that of
+            // `out`, the half-edge of the face before, which is on the side of the end.
+            let l = mesh.length(h);
+            let is_mirrored = mesh.tail(h) == mesh.tail(out);
+            let (window, from_here) = if is_mirrored {
+                (window.mirrored(l), [l - from[0], from[1]])
+            } else {
+                (window, from)
+            };
+            let ([px, py], [x, y]) = (window.source(), from_here);
             let at = (y * px - py * x) / (y - py);
             // NaN: both are on the line of the edge.
             let at = if at.is_nan() { px } else { at };
             let at = at.clamp(window.b0, window.b1);
-            // The half-edge of the face before, which is on the side of the end.
-            let out = mesh.twin(h)?;
-            let l = mesh.length(h);
             let ends = [mesh.tail(out), mesh.head(out)];
             crossings.push(Point::on_edge(out, ends, (l - at) / l));
             next = parent;
             let Some(i) = parent else {
                 let end = window.source();
-                at_end = LineDirection::new(out.prev(), sub([l, 0.0], end), sub(from, end));
+                at_end = LineDirection::new(out.prev(), sub([l, 0.0], end), sub(from_here, end));
                 break;
             };
             // From the frame of the exit to that of the entrance.
             let view = FaceView::of(mesh, self.beams[i].h);
-            let ([ux, uy], [x0, y0]) = if view.exits[0] == Some(h) {
+            let ([ux, uy], [x0, y0]) = if out == self.beams[i].h.prev() {
                 (view.frame.left, [0.0; 2])
             } else {
                 (view.frame.right, [view.frame.cx, view.frame.cy])

@@ -9,7 +9,7 @@ use geobench_mesh::{Mesh, Tolerance, TriangleSoup, VertexId};
 use geobench_mmp::{mmp, mmp_batched, mmp_edge, mmp_fast};
 use geobench_oracle::nasty::{Kind, Nasty};
 use geobench_oracle::{DoubleDouble, Model, Search, rounded, search};
-use geobench_window::{SolveError, Solver, precision};
+use geobench_window::{Counter, SolveError, Solver, precision};
 
 /// Seeds of each kind; more with the environment variable `SEEDS`.
 const SEEDS: u64 = 40;
@@ -98,4 +98,84 @@ fn distances_across_junctions_are_those_of_the_oracle() {
         assert!(with_junctions > seeds / 4, "{kind}");
     }
     assert!(wrong.is_empty(), "{}: {}", wrong.len(), wrong.join("\n"));
+}
+
+/// Sheets of two triangles sewn along two edges, lens after lens.
+fn lenses(count: u32, sheets: u32) -> Mesh {
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    for i in 0..=count {
+        let x = 2.0 * f64::from(i);
+        positions.extend([[x, 0.0, 0.0], [x, 1.0, 0.0]]);
+    }
+    for i in 0..count {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| 2 * i + k);
+        for sheet in 0..sheets {
+            let (sin, cos) =
+                (f64::from(sheet) * std::f64::consts::TAU / f64::from(sheets)).sin_cos();
+            let [low, high] = [0, 1].map(|k| positions.len() as u32 + k);
+            let x = 2.0 * f64::from(i) + 1.0;
+            positions.extend([0.0, 1.0].map(|y| [x, y + 0.5 * sin, 0.5 * cos]));
+            triangles.extend([[a, low, high], [a, high, b], [low, c, d], [low, d, high]]);
+        }
+    }
+    Mesh::new(positions, triangles).unwrap()
+}
+
+#[test]
+fn windows_in_a_row_of_lenses_are_as_many_as_the_lenses() {
+    for sheets in [2, 3] {
+        let windows = |count: u32| -> Vec<u64> {
+            let mesh = lenses(count, sheets);
+            assert!(mesh.has_junctions());
+            let propagated = |(_, mut solver): (_, Box<dyn Solver>)| {
+                let (_, counters) = solver.count(&[0.into()]).unwrap();
+                counters.get(Counter::Propagated).unwrap()
+            };
+            solvers(&mesh).into_iter().map(propagated).collect()
+        };
+        for (few, many) in windows(10).into_iter().zip(windows(40)) {
+            assert!(many < 5 * few, "{few} {many}");
+        }
+    }
+}
+
+/// The rule of one angle and one split drops the window that gives the last vertex its distance: it
+/// infers a crossing on the surface from one in the plane, and the windows come over two sheets.
+#[test]
+fn windows_over_different_sheets_do_not_split_each_other() {
+    // Sheets A and C below the x-axis, inclined to each other so that the source, in A, is 0.5 from
+    // a vertex of C.
+    let [a, b, apex, beyond] = [[-3.0, 0.0], [3.0, 0.0], [0.0, 1.0], [-2.41, 0.21]];
+    let [s, m, n, p] = [[0.0, -1.4], [-0.02, -0.7], [0.02, -0.7], [0.01, -1.0]];
+    let cos = (1.4 * 1.4 + 1.0 + 0.01 * 0.01 - 0.25) / (2.0 * 1.4);
+    let sin = (1.0 - cos * cos as f64).sqrt();
+    let flat = |[x, y]: [f64; 2]| [x, y, 0.0];
+    let raised = |[x, y]: [f64; 2]| [x, y * cos, y * sin];
+    let positions = [
+        flat(a),
+        flat(b),
+        flat(apex),
+        flat(beyond),
+        flat(s),
+        flat(m),
+        flat(n),
+        raised(p),
+        [1.0, -1.2, -2.0],
+    ];
+    let triangles = [
+        [0, 1, 2],
+        [0, 2, 3], // Above.
+        [4, 6, 5],
+        [5, 6, 1],
+        [5, 1, 0], // A, with a channel from the source.
+        [7, 1, 0], // C.
+        [4, 7, 8],
+    ];
+    let mesh = Mesh::new(positions.to_vec(), triangles.to_vec()).unwrap();
+    let [x, y] = [0, 1].map(|k| beyond[k] - p[k]);
+    for (name, mut solver) in solvers(&mesh) {
+        let d = solver.solve(&[4.into()]).unwrap().distances[3];
+        assert!((d - (0.5 + f64::hypot(x, y))).abs() < 1e-12, "{name}: {d}");
+    }
 }

@@ -121,7 +121,7 @@ fn suites(cases: u32) {
 /// Result files and a journal of small runs: one on two models with a failure, and a shard.
 fn results() -> (Vec<String>, String) {
     let sandbox = Sandbox::with_square();
-    sandbox.write("bad.off", support::NON_MANIFOLD);
+    sandbox.write("bad.off", support::UNUSABLE);
     let run = |arguments: &str| {
         let call = sandbox.call(&format!("run {arguments} --quiet"));
         assert!((0..3).contains(&call.code), "{}", call.stderr);

@@ -128,9 +128,9 @@
 //!   infinite where no path leads.
 //! * Vertex numbers are those of the file, from 0. [`Weld`] makes vertices at one place one vertex;
 //!   a copy has the distance of the vertex that stands for it.
-//! * Boundaries, several components, isolated and pinched vertices are supported. An edge with more
-//!   than two faces, or a surface that cannot be oriented, is a [`MeshError`] that names the
-//!   elements.
+//! * Boundaries, several components, isolated and pinched vertices, edges with more than two faces
+//!   and surfaces that cannot be oriented are supported. On the last two the MMP kinds run; other
+//!   solvers return a [`SolveError`].
 //! * A source that is not on the mesh, or no source at all, is a [`SolveError`]. A point that does
 //!   not exist is a [`PointError`].
 //! * The time of a solve grows with the number of windows, up to the power 1.5 of the number of
@@ -149,6 +149,8 @@ pub use geobench_paths as paths;
 pub use geobench_voronoi as voronoi;
 pub use geobench_vtp as vtp;
 pub use geobench_window as window;
+
+use geobench_mmp::mmp_fast;
 
 pub use certificate::{Certificate, CertificateError, Judgement, OriginalFailure};
 pub use geobench_certify::FailurePlace;
@@ -238,7 +240,8 @@ pub trait Distances {
     /// Length of the shortest path over the surface from the nearest of `sources` to every vertex,
     /// in the units of the mesh; infinite where no path leads.
     ///
-    /// Sets up [`VtpFast`] for this one query, which adds about a third to the time.
+    /// Sets up [`VtpFast`] for this one query, which adds about a third to the time; on a mesh with
+    /// [junctions](Mesh::junction) [`mmp_fast`](solvers::mmp_fast).
     ///
     /// # Errors
     ///
@@ -284,7 +287,7 @@ impl Distances for Mesh {
     fn distances_from(&self, sources: impl Points) -> Result<Vec<f64>, SolveError> {
         let refined = self.with_points(&sources.into_points());
         let refined = refined.map_err(not_on_the_mesh)?;
-        let mut solver = VtpFast::new(&refined.mesh);
+        let mut solver = usual_solver(&refined.mesh);
         let mut distances = solver.solve(&refined.vertices)?.distances;
         distances.truncate(self.vertex_count());
         Ok(distances)
@@ -306,8 +309,8 @@ impl Distances for Mesh {
         let Some((&to, from)) = refined.vertices.split_last() else {
             return Err(SolveError::NoSource.into());
         };
-        let mut solver = VtpFast::new(&refined.mesh);
-        let paths = Paths::find(&mut solver, &refined.mesh, from, &Goal::targets([to]))?;
+        let mut solver = usual_solver(&refined.mesh);
+        let paths = Paths::find(&mut *solver, &refined.mesh, from, &Goal::targets([to]))?;
         let path = paths.to(to)?;
         if refined.mesh.vertex_count() == self.vertex_count() {
             return Ok(path);
@@ -317,6 +320,14 @@ impl Distances for Mesh {
 
     fn isolines(&self, sources: impl Points, levels: &[f64]) -> Result<Vec<Isoline>, FieldError> {
         Ok(DistanceField::new(self, &sources.into_points())?.isolines(levels))
+    }
+}
+
+fn usual_solver(mesh: &Mesh) -> Box<dyn Solver> {
+    if mesh.has_junctions() {
+        Box::new(mmp_fast(mesh))
+    } else {
+        Box::new(VtpFast::new(mesh))
     }
 }
 

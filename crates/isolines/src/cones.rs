@@ -189,7 +189,7 @@ impl FaceCones {
         }
         for k in 0..3 {
             let h = face.half_edge(k);
-            if mesh.twin(h).is_none() {
+            if mesh.is_boundary_edge(h) {
                 continue;
             }
             let [origin, end] = [0, 1].map(|i| corners[(k as usize + i) % 3]);

@@ -121,7 +121,8 @@ pub struct Isoline {
     /// The requested distance. If a vertex is at this distance up to rounding, the lines are those
     /// of a distance that is smaller by about 1e-11 of it.
     pub distance: f64,
-    /// The connected components: loops, and lines between points of the boundary.
+    /// The connected components: loops, and lines between points of the boundary or of
+    /// [junctions](Mesh::junction), where several parts may meet.
     pub lines: Vec<Line>,
     /// The largest gap that was closed by joining the ends of arcs and the crossings of edges
     /// within a face. It measures rounding errors.
@@ -385,18 +386,35 @@ impl DistanceField {
         )
     }
 
-    /// The abscissas along `h` at which the distance passes `level`. `h` must be the half-edge of
-    /// its edge with the lower number, so that both faces get the same crossings.
+    /// The abscissas along `h` at which the distance passes `level`. All faces of its edge get the
+    /// same crossings.
     fn crossings(&self, h: HalfEdgeId, level: f64) -> Vec<f64> {
+        let mesh = &self.refined.mesh;
+        let edge = mesh.edge_of(h);
+        let at = self.crossings_of_edge(edge, level);
+        if mesh.tail(edge) == mesh.tail(h) {
+            return at;
+        }
+        let l = mesh.length(h);
+        at.iter().rev().map(|x| l - x).collect()
+    }
+
+    /// [`crossings`](Self::crossings) for the half-edge with the lowest number of its edge.
+    fn crossings_of_edge(&self, h: HalfEdgeId, level: f64) -> Vec<f64> {
         let mesh = &self.refined.mesh;
         let l = mesh.length(h);
         let ends = [mesh.tail(h), mesh.head(h)].map(|v| self.distances[v.index()]);
         if ends.iter().all(|d| (d - level).abs() > l) {
             return Vec::new();
         }
-        if let Some(twin) = mesh.twin(h) {
-            let beyond = self.windows(twin).map(|w| w.reversed(l));
-            return crossings(self.windows(h).chain(beyond), ends, l, level);
+        if !mesh.is_boundary_edge(h) {
+            let of_side = |side: HalfEdgeId| {
+                let is_turned = mesh.tail(side) != mesh.tail(h);
+                let turn = move |w: Window| if is_turned { w.reversed(l) } else { w };
+                self.windows(side).map(turn)
+            };
+            let windows = mesh.along_edge(h).flat_map(of_side);
+            return crossings(windows, ends, l, level);
         }
         let cones = self.cones(h.face());
         let k = h.corner() as usize;
@@ -435,7 +453,8 @@ struct EdgeCrossings {
 struct Tracer<'a> {
     field: &'a DistanceField,
     level: f64,
-    /// The crossings of each edge, by its half-edge with the lower number.
+    /// The crossings of each edge, by its half-edge with the lower number; at a junction those of
+    /// each half-edge, so that lines end there.
     edges: HashMap<HalfEdgeId, EdgeCrossings>,
     /// The edge of each crossing.
     edge_of: Vec<HalfEdgeId>,

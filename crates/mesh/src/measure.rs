@@ -25,6 +25,9 @@ pub struct MeshMeasures {
     pub edges: usize,
     /// Edges with a face on one side only.
     pub boundary_edges: usize,
+    /// [Junctions](Mesh::junction): edges with more than two faces, or with two whose half-edges
+    /// have the same direction.
+    pub junctions: usize,
     /// Boundary loops; a disk has one. Loops that meet at a pinched vertex count separately, unless
     /// the mesh has a [junction](Mesh::junction).
     pub boundary_loops: usize,
@@ -32,7 +35,7 @@ pub struct MeshMeasures {
     pub components: usize,
     /// Vertices in no face, without copies.
     pub isolated_vertices: usize,
-    /// Vertices at which several fans meet.
+    /// Vertices at which several fans meet; those on junctions do not count.
     pub pinched_vertices: usize,
     /// Vertices in faces - edges + faces: 2 for a sphere, 1 for a disk, 0 for a torus.
     pub euler_characteristic: i64,
@@ -87,10 +90,11 @@ impl MeshMeasures {
             faces,
             edges,
             boundary_edges: lengths.boundary_edges,
+            junctions: lengths.junctions,
             boundary_loops,
             components: parts(mesh).count() - isolated_vertices,
             isolated_vertices,
-            pinched_vertices: count(Mesh::is_pinched),
+            pinched_vertices: count(|mesh, v| mesh.is_pinched(v) && !is_on_junction(mesh, v)),
             euler_characteristic: signed(vertices_in_faces) - signed(edges) + signed(faces),
             genus,
             saddles: count(Mesh::is_saddle),
@@ -110,6 +114,7 @@ struct EdgeLengths {
     /// With one edge for each half-edge along a junction.
     edges_when_cut: usize,
     boundary_edges: usize,
+    junctions: usize,
     min: f64,
     max: f64,
     sum: f64,
@@ -121,6 +126,7 @@ impl EdgeLengths {
             edges: 0,
             edges_when_cut: 0,
             boundary_edges: 0,
+            junctions: 0,
             min: f64::INFINITY,
             max: 0.0,
             sum: 0.0,
@@ -131,6 +137,7 @@ impl EdgeLengths {
                 let length = mesh.length(h);
                 all.edges += 1;
                 all.boundary_edges += usize::from(mesh.is_boundary_edge(h));
+                all.junctions += usize::from(!mesh.junction(h).is_empty());
                 all.min = all.min.min(length);
                 all.max = all.max.max(length);
                 all.sum += length;
@@ -138,6 +145,12 @@ impl EdgeLengths {
         }
         all
     }
+}
+
+fn is_on_junction(mesh: &Mesh, v: crate::VertexId) -> bool {
+    let sides = mesh.outgoing(v).iter().flat_map(|&h| [h, h.prev()]);
+    let mut junctions = sides.map(|h| mesh.junction(h));
+    junctions.any(|junction| !junction.is_empty())
 }
 
 struct Shapes {

@@ -25,7 +25,7 @@ pub enum JudgedPoint {
     Vertex(u32),
     /// A point on an edge, which the path crosses.
     Edge {
-        /// A triangle with this edge.
+        /// A triangle with this edge; if there are more than two, the one that the path enters.
         triangle: u32,
         /// The vertices of the edge.
         ends: [u32; 2],
@@ -228,7 +228,8 @@ impl<S: RealNumber> PreciseSurface<S> {
         }
         // A triangle and its neighbour may have all their vertices in common.
         let (side, _) = self.edge(points[first + 1]).ok_or(broken(first + 1))?;
-        let starts = [Some(side), self.sides[side].twin].into_iter().flatten();
+        let others = self.beyond[side].iter().map(|beyond| beyond.side);
+        let starts = [side].into_iter().chain(others);
         let starts = starts.filter(|&side| self.third(side) == from);
         let mut found = Err(broken(first));
         for start in starts {
@@ -273,35 +274,47 @@ impl<S: RealNumber> PreciseSurface<S> {
         to: usize,
     ) -> Result<StraightPiece<S>, PathFlaw> {
         // The triangle of `side` has been crossed; `ends` are the positions of its tail and head in
-        // the plane.
+        // the plane. It is on the left of the side, or on its right if it is `turned` over.
         let mut side = start;
+        let mut turned = false;
         let mut ends = [[S::zero(); 2], [self.sides[side].length, S::zero()]];
         let mut places = vec![self.sides[side].apex];
         let mut triangles = vec![side / 3];
         let mut longest = S::zero();
         for i in first + 1..last {
             let (of_triangle, t) = self.edge(points[i]).ok_or(PathFlaw::Broken(i))?;
-            let t = if of_triangle == side {
+            let has_direction = self.sides[of_triangle].tail == self.sides[side].tail;
+            let t = if has_direction {
                 t
             } else {
                 S::from_f64(1.0) - t
             };
-            if of_triangle != side && self.sides[of_triangle].twin != Some(side) {
+            // Of an edge with more than two triangles, a point names the one that the path enters.
+            let others = self.beyond[side].iter();
+            let mut others = others.filter(|other| match of_triangle {
+                named if named == side => self.beyond[side].len() == 1,
+                named => other.side == named || self.beyond[side].len() == 1,
+            });
+            if of_triangle != side && self.beyond[side].iter().all(|o| o.side != of_triangle) {
                 return Err(PathFlaw::Broken(i));
             }
             places.push(between(ends, t));
-            let beyond = self.sides[side].twin.ok_or(PathFlaw::Broken(i))?;
+            let beyond = others.next().ok_or(PathFlaw::Broken(i))?;
+            let is_same = beyond.turned;
+            let beyond = beyond.side;
             for side in [side, next(side), prev(side), next(beyond), prev(beyond)] {
                 longest = longest.max(self.sides[side].length);
             }
-            let [tail, head] = ends;
+            // The tail and the head of the side of the next triangle.
+            let [tail, head] = if is_same { ends } else { [ends[1], ends[0]] };
+            turned ^= is_same;
             let frame = self.sides[beyond];
-            // From head to tail; the triangle is on the left.
-            let along = [0, 1].map(|k| (tail[k] - head[k]) / frame.length);
+            let along = [0, 1].map(|k| (head[k] - tail[k]) / frame.length);
             let [x, y] = frame.apex;
+            let y = if turned { -y } else { y };
             let apex = [
-                head[0] + along[0] * x - along[1] * y,
-                head[1] + along[1] * x + along[0] * y,
+                tail[0] + along[0] * x - along[1] * y,
+                tail[1] + along[1] * x + along[0] * y,
             ];
             triangles.push(beyond / 3);
             if i + 1 == last {
@@ -310,15 +323,15 @@ impl<S: RealNumber> PreciseSurface<S> {
                     return Err(PathFlaw::Broken(i));
                 }
                 side = beyond;
-                ends = [head, tail];
+                ends = [tail, head];
                 break;
             }
             let (on, _) = self.edge(points[i + 1]).ok_or(PathFlaw::Broken(i + 1))?;
-            let is_on = |side: usize| on == side || self.sides[on].twin == Some(side);
+            let is_on = |side: usize| on == side || self.beyond[on].iter().any(|o| o.side == side);
             (side, ends) = if is_on(next(beyond)) {
-                (next(beyond), [tail, apex])
+                (next(beyond), [head, apex])
             } else if is_on(prev(beyond)) {
-                (prev(beyond), [apex, head])
+                (prev(beyond), [apex, tail])
             } else {
                 return Err(PathFlaw::Broken(i));
             };
@@ -329,9 +342,10 @@ impl<S: RealNumber> PreciseSurface<S> {
         // Beside a triangle without area, the first crossing may be at the vertex itself. So the
         // directions are those of the whole line.
         let back = [-line[0], -line[1]];
+        let at_end = turn(minus(ends[0], end_place), back);
         let directions = [
             (prev(start), turn(minus([S::zero(); 2], start_place), line)),
-            (prev(side), turn(minus(ends[0], end_place), back)),
+            (prev(side), if turned { -at_end } else { at_end }),
         ];
         let mut farthest = (first, S::zero());
         let mut length = S::zero();

@@ -24,8 +24,8 @@ use crate::voronoi::PyVoronoi;
 /// three different vertices and second copies are left out of `faces`; numbers of faces are those
 /// of the array or file.
 ///
-/// Surfaces need not be closed, connected or manifold at every vertex. Edges with more than two
-/// faces and non-orientable surfaces are rejected.
+/// Surfaces need not be closed, connected, manifold or orientable. Algorithms that do not cross edges
+/// with more than two faces, or surfaces that cannot be oriented, raise `ValueError`.
 ///
 /// Parameters
 /// ----------
@@ -75,11 +75,9 @@ impl PyMesh {
         }
     }
 
-    fn algorithm(&self, name: &str) -> PyResult<MeshAlgorithm> {
-        Ok(MeshAlgorithm::new(
-            &self.mesh,
-            &selection(name, None, "auto")?,
-        ))
+    fn algorithm(&self, name: Option<&str>) -> PyResult<MeshAlgorithm> {
+        let selection = selection(&self.mesh, name, None, "auto")?;
+        Ok(MeshAlgorithm::new(&self.mesh, &selection))
     }
 }
 
@@ -315,8 +313,9 @@ impl PyMesh {
     ///     The search ends at this distance, in units of the mesh. Greater distances are `inf`.
     /// targets : int, Point or sequence of these, optional
     ///     Compute only the distances of these points. The search ends when all are reached.
-    /// algorithm : str
-    ///     A name from `algorithms()`.
+    /// algorithm : str, optional
+    ///     A name from `algorithms()`. The default is `"vtp-fast"`, or `"mmp-fast"` on a mesh with
+    ///     edges of more than two faces or one that cannot be oriented.
     ///
     /// Returns
     /// -------
@@ -330,14 +329,14 @@ impl PyMesh {
     ///     A vertex or face does not exist.
     /// ValueError, TypeError
     ///     An argument is out of range or has the wrong type.
-    #[pyo3(signature = (source, *, radius = None, targets = None, algorithm = "vtp-fast"))]
+    #[pyo3(signature = (source, *, radius = None, targets = None, algorithm = None))]
     fn distance<'py>(
         &self,
         py: Python<'py>,
         source: &Bound<'py, PyAny>,
         radius: Option<f64>,
         targets: Option<&Bound<'py, PyAny>>,
-        algorithm: &str,
+        algorithm: Option<&str>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.algorithm(algorithm)?
             .distance(py, source, radius, targets)
@@ -360,7 +359,7 @@ impl PyMesh {
     ///     Row i has the distances of the n vertices, or of the targets, from source i, in units of
     ///     the mesh.
     #[pyo3(signature = (sources, *, threads = 1, radius = None, targets = None,
-                        algorithm = "vtp-fast"))]
+                        algorithm = None))]
     fn distances<'py>(
         &self,
         py: Python<'py>,
@@ -368,7 +367,7 @@ impl PyMesh {
         threads: u32,
         radius: Option<f64>,
         targets: Option<&Bound<'py, PyAny>>,
-        algorithm: &str,
+        algorithm: Option<&str>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let algorithm = self.algorithm(algorithm)?;
         algorithm.distances(py, sources, threads, radius, targets)
@@ -380,33 +379,34 @@ impl PyMesh {
     /// ----------
     /// source : int, Point or sequence of these
     /// target : int or Point
-    /// algorithm : str
-    ///     A name from `algorithms()`.
+    /// algorithm : str, optional
+    ///     A name from `algorithms()`. The default is `"vtp-fast"`, or `"mmp-fast"` on a mesh with
+    ///     edges of more than two faces or one that cannot be oriented.
     ///
     /// Returns
     /// -------
     /// Path or None
     ///     `None` if the target is unreachable.
-    #[pyo3(signature = (source, target, *, algorithm = "vtp-fast"))]
+    #[pyo3(signature = (source, target, *, algorithm = None))]
     fn path(
         &self,
         py: Python<'_>,
         source: &Bound<'_, PyAny>,
         target: &Bound<'_, PyAny>,
-        algorithm: &str,
+        algorithm: Option<&str>,
     ) -> PyResult<Option<PyPath>> {
         one_path(&self.algorithm(algorithm)?, py, source, target)
     }
 
     /// The shortest paths from the nearest source to each target, from one search: a list with a
     /// `Path` for each target, or `None` if it is unreachable.
-    #[pyo3(signature = (source, targets, *, algorithm = "vtp-fast"))]
+    #[pyo3(signature = (source, targets, *, algorithm = None))]
     fn paths(
         &self,
         py: Python<'_>,
         source: &Bound<'_, PyAny>,
         targets: &Bound<'_, PyAny>,
-        algorithm: &str,
+        algorithm: Option<&str>,
     ) -> PyResult<Vec<Option<PyPath>>> {
         self.algorithm(algorithm)?
             .paths(py, source, targets, "targets")

@@ -52,12 +52,20 @@ impl SolverPool {
 }
 
 /// The algorithm with this name and parameters, for example `fwp-mmp{kmax=5000}`.
-pub(crate) fn selection(name: &str, threads: Option<u32>, simd: &str) -> PyResult<Selection> {
+pub(crate) fn selection(
+    mesh: &Mesh,
+    name: Option<&str>,
+    threads: Option<u32>,
+    simd: &str,
+) -> PyResult<Selection> {
     let named = |error| PyValueError::new_err(format!("algorithm: {error}"));
-    let selection = registry::select_one(name).map_err(named)?;
-    if selection.outside_name().is_some() {
+    let selection = match name {
+        Some(name) => registry::select_one(name).map_err(named)?,
+        None => registry::usual(mesh),
+    };
+    if let Some(name) = selection.outside_name() {
         return Err(PyValueError::new_err(format!(
-            "algorithm: {name} is an outside program; those take part in the command `geobench \
+            "algorithm: ext:{name} is an outside program; those take part in the command `geobench \
              run`"
         )));
     }
@@ -321,8 +329,10 @@ impl MeshAlgorithm {
 /// Parameters
 /// ----------
 /// mesh : Mesh
-/// algorithm : str
-///     A name from `algorithms()`, optionally with parameters: `"fwp-mmp{kmax=5000}"`.
+/// algorithm : str, optional
+///     A name from `algorithms()`, optionally with parameters: `"fwp-mmp{kmax=5000}"`. The default
+///     is `"vtp-fast"`, or `"mmp-fast"` on a mesh with edges of more than two faces or one that
+///     cannot be oriented.
 /// threads : int, optional
 ///     Number of threads of a parallel algorithm (`"pvtp"`).
 /// simd : {"auto", "scalar", "avx2", "avx512"}
@@ -341,16 +351,16 @@ pub(crate) struct PySolver {
 #[pymethods]
 impl PySolver {
     #[new]
-    #[pyo3(signature = (mesh, algorithm = "vtp-fast", *, threads = None, simd = "auto"))]
+    #[pyo3(signature = (mesh, algorithm = None, *, threads = None, simd = "auto"))]
     fn new(
         py: Python<'_>,
         mesh: &Bound<'_, PyAny>,
-        algorithm: &str,
+        algorithm: Option<&str>,
         threads: Option<u32>,
         simd: &str,
     ) -> PyResult<Self> {
         let mesh = mesh_of(mesh)?;
-        let selection = selection(algorithm, threads, simd)?;
+        let selection = selection(&mesh.get().mesh, algorithm, threads, simd)?;
         let solver = MeshAlgorithm::new(&mesh.get().mesh, &selection);
         let pool = Arc::clone(&solver.kept);
         // Set up the first solver now and put it into the pool.

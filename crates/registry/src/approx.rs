@@ -52,6 +52,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         complexity: "time O(n log n), space O(n)",
         keeps: "one distance for each vertex",
         choose: "as the floor of all approximations: never too short, and no better on finer meshes",
+        crosses_junctions: true,
         build: |mesh, _| Box::new(Dijkstra::new(mesh)),
         ..Algorithm::APPROXIMATE
     },

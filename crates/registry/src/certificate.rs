@@ -37,6 +37,7 @@ pub(crate) const CERTIFIED: &[Algorithm; 1] = &[Algorithm {
     choose: "as the reference of checks where algorithms disagree",
     memory_counter: Counter::StoredWindows,
     ends_early: false,
+    crosses_junctions: true,
     parameters: &[TOLERANCE, GIVES],
     build: |mesh, values| {
         Box::new(Certified {

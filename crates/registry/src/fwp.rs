@@ -81,6 +81,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         choose: "to see what buckets gain over the queue of mmp, with nearly the same windows",
         memory_counter: Counter::StoredWindows,
         parameters: BUCKET_AND_LIST_PARAMETERS,
+        crosses_junctions: true,
         build: |mesh, values| {
             if is_batched(values) {
                 batched(fwp_mmp_batched(mesh, buckets(values)), mesh, values)
@@ -115,6 +116,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         choose: "to compare with fwp-mmp",
         memory_counter: Counter::StoredWindows,
         parameters: &[BETA, TURN, FILTER, LISTS, THRESHOLD],
+        crosses_junctions: true,
         build: |mesh, values| {
             if is_batched(values) {
                 batched(lc_mmp_batched(mesh, label_correcting(values)), mesh, values)

@@ -87,6 +87,18 @@ pub fn find(name: &str) -> Option<&'static Algorithm> {
     all.find(|algorithm| algorithm.name == name)
 }
 
+/// The algorithm for distances and paths on `mesh` where none is named: the fastest on one thread.
+pub fn usual(mesh: &Mesh) -> Selection {
+    let named = |name| algorithms().iter().find(|algorithm| algorithm.name == name);
+    let name = if mesh.has_junctions() {
+        "mmp-fast"
+    } else {
+        "vtp-fast"
+    };
+    let algorithm = named(name).expect("both are in the table");
+    Selection::new(algorithm, Values::default())
+}
+
 /// A solver that takes one window at a time, with its threshold and vector instructions.
 fn single<W: Policy, Q: Discipline>(
     solver: Continuous<W, Q>,
@@ -146,6 +158,10 @@ pub struct Algorithm {
     /// completion.
     #[serde(skip)]
     pub ends_early: bool,
+    /// Whether paths cross the [junctions](Mesh::junction) of a mesh: edges with more than two faces,
+    /// and those where a surface that cannot be oriented contradicts itself. Otherwise a run on such
+    /// a mesh is an error.
+    pub crosses_junctions: bool,
     /// Proven bound on the relative error of its distances with these parameter values, rounding
     /// aside; `None` without one.
     #[serde(skip)]
@@ -189,6 +205,7 @@ impl Algorithm {
         memory_counter: Counter::PeakWindows,
         comfortable_faces: None,
         ends_early: true,
+        crosses_junctions: false,
         error_bound: |_| None,
         field: None,
         parameters: &[parameter::THRESHOLD],

@@ -109,6 +109,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         choose: "to compare with published figures of MMP; mmp-fast is faster and needs less memory",
         memory_counter: Counter::StoredWindows,
         parameters: &[TURN, QUEUE, SLACK, FILTER, LISTS_BY_DISTANCE, THRESHOLD],
+        crosses_junctions: true,
         build: |mesh, values| {
             if is_batched(values) {
                 batched(mmp_batched(mesh, values.real(&SLACK)), mesh, values)
@@ -135,6 +136,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         choose: "instead of mmp where few windows matter more than time",
         memory_counter: Counter::StoredWindows,
         parameters: &[parameter::QUEUE, LISTS, THRESHOLD],
+        crosses_junctions: true,
         build: |mesh, values| {
             with_queue!(&parameter::QUEUE, mesh, values, |queue| {
                 stored(mmp_from(mesh, Carrier::Edge, queue), mesh, values)
@@ -157,6 +159,7 @@ pub(crate) const FAST: &[Algorithm] = &[Algorithm {
     keeps: "the windows around the wavefront",
     choose: "as the reference of checks: an algorithm other than vtp-fast, nearly as fast as vtp",
     parameters: &[THRESHOLD],
+    crosses_junctions: true,
     build: |mesh, values| Box::new(mmp_fast(mesh).with_threshold(threshold_width(mesh, values))),
     ..Algorithm::EXACT
 }];
@@ -173,6 +176,7 @@ pub(crate) const VERTEX_ORDER: Algorithm = Algorithm {
     choose: "separates the effect of VTP's order from that of its rules",
     memory_counter: Counter::StoredWindows,
     parameters: &[TURN, FILTER, LISTS, THRESHOLD],
+    crosses_junctions: true,
     build: |mesh, values| {
         if is_batched(values) {
             batched(vtp_mmp_batched(mesh), mesh, values)

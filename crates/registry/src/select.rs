@@ -106,6 +106,11 @@ impl Selection {
         self.algorithm.ends_early
     }
 
+    /// Whether it solves meshes with [junctions](Mesh::junction). An external program is asked.
+    pub fn crosses_junctions(&self) -> bool {
+        self.algorithm.crosses_junctions || self.outside_name().is_some()
+    }
+
     /// Proven bound on the relative error of its distances, rounding aside; `None` without one.
     pub fn error_bound(&self) -> Option<f64> {
         (self.algorithm.error_bound)(&self.values)

@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 use clap::Args;
 use geobench_export::FileFormat;
 use geobench_export::distances::{DistanceFile, DistanceMatrix, FieldFormat, MatrixFormat};
@@ -35,9 +35,10 @@ pub(crate) struct DistanceOptions {
     #[command(flatten)]
     goal: GoalOptions,
 
-    /// The algorithm
-    #[arg(long, value_name = "A", default_value = "vtp-fast", value_parser = registry::select_one)]
-    algo: Selection,
+    /// The algorithm [default: vtp-fast; mmp-fast on a model with edges of more than two faces, or
+    /// one that cannot be oriented]
+    #[arg(long, value_name = "A", value_parser = registry::select_one)]
+    algo: Option<Selection>,
 
     /// One field for each source, in a file of its own, which is called FILE with the source before
     /// the ending, as in d.s17.csv
@@ -72,10 +73,14 @@ pub(crate) struct DistanceOptions {
 }
 
 pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
-    if options.algo.outside_name().is_some() {
+    if let Some(algorithm) = options
+        .algo
+        .as_ref()
+        .filter(|one| one.outside_name().is_some())
+    {
         bail!(
             "{} is an outside program: those take part in `run` and `verify`",
-            options.algo.label()
+            algorithm.label()
         );
     }
     let form = if options.matrix {
@@ -118,9 +123,11 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         points.tell(&mesh);
     }
     let is_quiet = options.quiet || options.output == Path::new("-");
+    let algorithm = options.algo.clone();
     let request = DistanceCommand {
         options,
         read: &read,
+        algorithm: algorithm.unwrap_or_else(|| registry::usual(&mesh)),
         model: &model.name,
         mesh: &mesh,
         points: &points,
@@ -181,6 +188,7 @@ struct DistanceCommand<'a> {
     options: &'a DistanceOptions,
     /// The files that the command reads.
     read: &'a [&'a Path],
+    algorithm: Selection,
     model: &'a str,
     /// The mesh of the model.
     mesh: &'a Mesh,
@@ -272,7 +280,7 @@ impl DistanceCommand<'_> {
     ) -> anyhow::Result<Vec<R>> {
         let threads = self.options.threads as usize;
         let workers = threads.min(tasks.len()).max(1);
-        let algorithm = self.options.algo.clone().with_threads(threads / workers);
+        let algorithm = self.algorithm.clone().with_threads(threads / workers);
         let algorithm = algorithm.with_simd(self.options.simd);
         let build = || algorithm.build(&self.points.refined.mesh);
         if workers == 1 {
@@ -295,12 +303,13 @@ impl DistanceCommand<'_> {
     /// mesh has further vertices, which are left out.
     fn solve(&self, solver: &mut dyn Solver, sources: &[VertexId]) -> anyhow::Result<Vec<f64>> {
         let goal = self.points.goal(self.options.goal.radius);
-        let solution = solver.solve_until(sources, &goal)?;
+        let solution = solver.solve_until(sources, &goal);
+        let solution = solution.with_context(|| self.algorithm.label().to_owned())?;
         if solution.negative > 0 {
             terminal::warning(&format!(
                 "{}: {} found {} negative distances, which are written as 0",
                 self.model,
-                self.options.algo.label(),
+                self.algorithm.label(),
                 solution.negative
             ));
         }

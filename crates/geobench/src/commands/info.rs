@@ -133,6 +133,7 @@ fn describe(loaded: &LoadedModel) -> String {
         ("faces", m.faces),
         ("edges", m.edges),
         ("boundary edges", m.boundary_edges),
+        ("junctions", m.junctions),
         ("boundary loops", m.boundary_loops),
         ("components", m.components),
         ("genus", m.genus),

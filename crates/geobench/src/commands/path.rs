@@ -47,9 +47,10 @@ pub(crate) struct PathOptions {
     #[arg(long, conflicts_with = "target")]
     all_targets: bool,
 
-    /// The algorithm, an exact one
-    #[arg(long, value_name = "A", default_value = "vtp-fast", value_parser = registry::select_one)]
-    algo: Selection,
+    /// The algorithm, an exact one [default: vtp-fast; mmp-fast on a model with edges of more than
+    /// two faces, or one that cannot be oriented]
+    #[arg(long, value_name = "A", value_parser = registry::select_one)]
+    algo: Option<Selection>,
 
     #[command(flatten)]
     reading: ReadingOptions,
@@ -75,10 +76,14 @@ impl PathOptions {
 const LINES: usize = 20;
 
 pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
-    if options.algo.outside_name().is_some() {
+    if let Some(algorithm) = options
+        .algo
+        .as_ref()
+        .filter(|one| one.outside_name().is_some())
+    {
         bail!(
             "{} is an outside program: those take part in `run` and `verify`",
-            options.algo.label()
+            algorithm.label()
         );
     }
     let output = options.output.as_deref();
@@ -104,9 +109,11 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
             labels.iter().cloned().zip(vertices).collect()
         }
     };
-    let mut solver = options.algo.build(refined);
+    let algorithm = options.algo.clone();
+    let algorithm = algorithm.unwrap_or_else(|| registry::usual(mesh));
+    let mut solver = algorithm.build(refined);
     let paths = Paths::find(solver.as_mut(), refined, &sources, &points.goal(None))
-        .with_context(|| options.algo.label().to_owned())?;
+        .with_context(|| algorithm.label().to_owned())?;
     if let Some(doubt) = precision::doubt(refined, paths.distances()) {
         terminal::warning(&format!("{}: {doubt}", model.name));
     }
@@ -133,7 +140,7 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     if let Some((format, output)) = output {
         let set = PathSet {
             model: &model.name,
-            algorithm: options.algo.label(),
+            algorithm: algorithm.label(),
             mesh,
             paths: &found,
         };

@@ -277,6 +277,13 @@ impl LoadedModelCheck<'_> {
         self.options.algo.is_none() && comfortable.is_some_and(|most| faces > most)
     }
 
+    /// Whether to skip `algorithm`: it was not selected with `--algo`, and does not cross the
+    /// junctions of the model.
+    fn crosses_too_little(&self, algorithm: &Selection) -> bool {
+        let has_junctions = self.record.junctions.is_some();
+        self.options.algo.is_none() && has_junctions && !algorithm.crosses_junctions()
+    }
+
     /// The distances from `source` that are stored beside the model; `None` if there are none, or
     /// if they cannot be read, which is reported.
     fn stored(
@@ -304,13 +311,18 @@ impl LoadedModelCheck<'_> {
         }
     }
 
-    /// Prints that an algorithm was skipped because the model is too large.
-    fn tell_left_out(&self, algorithm: &Selection, source: PointSpec) -> anyhow::Result<()> {
+    /// Prints that an algorithm was skipped, for the reason `why`.
+    fn tell_left_out(
+        &self,
+        algorithm: &Selection,
+        source: PointSpec,
+        why: &str,
+    ) -> anyhow::Result<()> {
         if self.options.quiet {
             return Ok(());
         }
         terminal::print(&format!(
-            "{}: source {source}: {}: left out, the model has too many faces for it; name it with --algo to run it\n",
+            "{}: source {source}: {}: left out, {why}\n",
             self.record.name,
             algorithm.label()
         ))
@@ -355,7 +367,14 @@ impl LoadedModelCheck<'_> {
                 break;
             }
             if self.is_too_slow(algorithm) {
-                self.tell_left_out(algorithm, source)?;
+                let why = "the model has too many faces for it; name it with --algo to run it";
+                self.tell_left_out(algorithm, source, why)?;
+                continue;
+            }
+            if self.crosses_too_little(algorithm) {
+                let why = "it crosses no edges with more than two faces and no surface that cannot \
+                           be oriented";
+                self.tell_left_out(algorithm, source, why)?;
                 continue;
             }
             let is_reference = algorithm.label() == REFERENCE;

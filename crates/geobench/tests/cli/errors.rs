@@ -1,6 +1,6 @@
 //! Every wrong input ends with status 2 and one line that says what to do.
 
-use crate::support::{NON_MANIFOLD, Sandbox};
+use crate::support::{Sandbox, UNUSABLE};
 
 #[test]
 fn wrong_usage() {
@@ -138,7 +138,7 @@ fn models_that_are_not_there() {
 #[test]
 fn models_that_are_broken() {
     let sandbox = Sandbox::new();
-    sandbox.write("fan.off", NON_MANIFOLD);
+    sandbox.write("fan.off", UNUSABLE);
     sandbox.write("cut.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n");
     sandbox.write("word.obj", "v 0 0 0\nv 1 zero 0\n");
     sandbox.write("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n");
@@ -149,7 +149,7 @@ fn models_that_are_broken() {
         "distance --source 0 -o x.csv",
     ] {
         for (model, element) in [
-            ("fan.off", "vertices 0 and 1 in faces 0, 1, 2"),
+            ("fan.off", "vertices 0 and 1: 1.000e99"),
             ("cut.off", "line"),
             ("word.obj", "line 2"),
             ("index.off", "vertex 7"),

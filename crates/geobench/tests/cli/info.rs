@@ -1,6 +1,6 @@
 //! `geobench info`.
 
-use crate::support::{NON_MANIFOLD, Sandbox};
+use crate::support::{Sandbox, UNUSABLE};
 
 #[test]
 fn counts_and_measures() {
@@ -49,14 +49,14 @@ fn counts_and_measures() {
 #[test]
 fn a_broken_model_shows_its_defects_and_the_others_are_still_shown() {
     let sandbox = Sandbox::with_square();
-    sandbox.write("fan.off", NON_MANIFOLD);
+    sandbox.write("fan.off", UNUSABLE);
     let outcome = sandbox.call("info fan.off square.off");
     assert_eq!(outcome.code, 2);
     assert!(outcome.stderr.starts_with("geobench: error: fan.off: "));
     assert!(
         outcome
             .stdout
-            .contains("defect (fatal): 1 edge belongs to more than two faces")
+            .contains("defect (fatal): 2 edges have lengths that cannot be computed with")
     );
     assert!(outcome.stdout.contains("square  (square.off)\n"));
 }
@@ -64,7 +64,7 @@ fn a_broken_model_shows_its_defects_and_the_others_are_still_shown() {
 #[test]
 fn as_json_every_model_is_an_object() {
     let sandbox = Sandbox::with_square();
-    sandbox.write("bad.off", NON_MANIFOLD);
+    sandbox.write("bad.off", UNUSABLE);
     let outcome = sandbox.call("info square.off bad.off --format json");
     assert_eq!(outcome.code, 2);
     let list: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();

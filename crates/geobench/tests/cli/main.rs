@@ -17,6 +17,7 @@ mod instructions;
 mod isolation;
 mod isolines;
 mod jobs;
+mod junctions;
 mod merge;
 mod outside;
 mod path;

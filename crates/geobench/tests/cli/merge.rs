@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{NON_MANIFOLD, Sandbox};
+use crate::support::{Sandbox, UNUSABLE};
 
 /// A suite with two groups, an unusable model, and fewer sources than shards in places, so that
 /// some shards lack a group or model.
@@ -27,7 +27,7 @@ const RUN: &str = "run --config suite.toml --quiet --isolate none";
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
     sandbox.write("suite.toml", SUITE);
-    sandbox.write("bad.off", NON_MANIFOLD);
+    sandbox.write("bad.off", UNUSABLE);
     sandbox
 }
 

@@ -1,4 +1,4 @@
-use crate::support::{NON_MANIFOLD, Sandbox};
+use crate::support::{Sandbox, UNUSABLE};
 
 /// A sandbox with a small result, `r.json`.
 fn with_result() -> Sandbox {
@@ -148,7 +148,7 @@ fn what_cannot_be_reported_is_refused() {
 #[test]
 fn a_result_in_which_all_failed_can_be_read() {
     let sandbox = Sandbox::new();
-    sandbox.write("broken.off", NON_MANIFOLD);
+    sandbox.write("broken.off", UNUSABLE);
     let outcome = sandbox.call("run broken.off --algo mmp,vtp -o r.json --quiet");
     assert_eq!(outcome.code, 2);
     sandbox.succeed("report r.json -o r.html");

@@ -3,7 +3,7 @@
 use geobench_window::simd::Instructions;
 use serde_json::{Value, json};
 
-use crate::support::{NON_MANIFOLD, SQUARE, Sandbox};
+use crate::support::{SQUARE, Sandbox, UNUSABLE};
 
 /// Every documented field of a result file, as a dotted path.
 const FIELDS: &str = "
@@ -189,7 +189,7 @@ fn a_directory_is_searched_and_names_stay_apart() {
 #[test]
 fn one_broken_model_does_not_lose_the_others() {
     let sandbox = Sandbox::new();
-    sandbox.write("m/bad.off", NON_MANIFOLD);
+    sandbox.write("m/bad.off", UNUSABLE);
     sandbox.write("m/good.off", SQUARE);
     let outcome = sandbox.call("run m --algo mmp --quiet -o r.json");
     assert_eq!(outcome.code, 2);

@@ -9,9 +9,8 @@ use tempfile::TempDir;
 /// A triangulated unit square, 4 vertices and 2 faces.
 pub(crate) const SQUARE: &str = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n";
 
-/// Three faces along the edge from vertex 0 to vertex 1.
-pub(crate) const NON_MANIFOLD: &str =
-    "OFF\n5 3 0\n0 0 0\n1 0 0\n0 1 0\n0 -1 0\n0 0 1\n3 0 1 2\n3 1 0 3\n3 0 1 4\n";
+/// A mesh that is refused: an edge from vertex 0 to vertex 1 that is too long.
+pub(crate) const UNUSABLE: &str = "OFF\n3 1 0\n0 0 0\n1e99 0 0\n0 1 0\n3 0 1 2\n";
 
 /// An empty directory in which the program is called.
 pub(crate) struct Sandbox(TempDir);

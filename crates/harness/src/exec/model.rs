@@ -424,6 +424,7 @@ impl ModelRef {
             faces: Some(measures.faces as u64),
             edges: Some(measures.edges as u64),
             boundary_edges: Some(measures.boundary_edges as u64),
+            junctions: Some(measures.junctions as u64).filter(|&count| count > 0),
             components: Some(measures.components as u64),
             genus: Some(measures.genus as u64),
             saddles: Some(measures.saddles as u64),

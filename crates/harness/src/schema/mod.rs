@@ -257,6 +257,10 @@ pub struct ModelRecord {
     pub edges: Option<u64>,
     /// Number of edges with one face only.
     pub boundary_edges: Option<u64>,
+    /// Number of edges with more than two faces, or with two whose orientations contradict each
+    /// other. Null if there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub junctions: Option<u64>,
     /// Number of connected components, that is, parts without a common vertex. Isolated vertices do
     /// not count.
     pub components: Option<u64>,

@@ -49,7 +49,9 @@ fn check(mesh: &Mesh, refined: &Refined) -> Result<(), String> {
     )?;
     same("saddles", coarse.saddles, finer.saddles)?;
     for v in fine.vertices().skip(mesh.vertex_count()) {
-        if fine.is_saddle(v) || fine.is_pinched(v) {
+        let mut sides = fine.outgoing(v).iter().flat_map(|h| [*h, h.prev()]);
+        let is_on_junction = sides.any(|h| !fine.junction(h).is_empty());
+        if fine.is_saddle(v) || fine.is_pinched(v) != is_on_junction {
             return Err(format!("{v:?} is not flat"));
         }
         let measured: f64 = fine
@@ -90,6 +92,65 @@ fn check(mesh: &Mesh, refined: &Refined) -> Result<(), String> {
         return Err("the boundary has another length".to_owned());
     }
     Ok(())
+}
+
+/// Three sheets on a line of edges, one of them turned over, and a Möbius strip.
+fn with_junctions() -> [Mesh; 2] {
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    for x in [0.0, 1.0, 2.0] {
+        positions.extend([[x, 0.0, 0.0], [x, 1.0, 0.0], [x, -1.0, 0.0], [x, 0.0, 1.0]]);
+    }
+    for sheet in 1..4 {
+        for i in [0, 4] {
+            let [a, b, c, d] = [i, i + 4, i + sheet, i + 4 + sheet];
+            triangles.extend([[a, b, c], [b, d, c]].map(|[p, q, r]| match sheet {
+                3 => [q, p, r],
+                _ => [p, q, r],
+            }));
+        }
+    }
+    let strip = [[0, 1, 2], [1, 2, 3], [2, 3, 4], [3, 4, 0], [4, 0, 1]];
+    let of_strip = (0..5_u32).map(|i| [f64::from(i), f64::from(i * i), f64::from(i % 2)]);
+    [
+        Mesh::new(positions, triangles).unwrap(),
+        Mesh::new(of_strip.collect(), strip.to_vec()).unwrap(),
+    ]
+}
+
+#[test]
+fn a_refined_mesh_has_the_same_junctions() {
+    for mesh in with_junctions() {
+        assert!(mesh.has_junctions());
+        for seed in 0..200 {
+            let mut random = SplitMix64::new(seed);
+            let count = [1, 2, 5, 40][random.below(4)];
+            let points: Vec<SurfacePoint> = (0..count)
+                .map(|_| any_point(&mesh, mesh.face_count(), &mut random))
+                .collect();
+            let refined = mesh.with_points(&points).unwrap();
+            check(&mesh, &refined).unwrap();
+            let length = |mesh: &Mesh| -> f64 {
+                let sides = mesh.junction_sides();
+                let edges = sides.filter(|&h| mesh.edge_of(h) == h);
+                edges.map(|h| mesh.length(h)).sum()
+            };
+            let lengths = [&mesh, &refined.mesh].map(length);
+            assert!((lengths[0] - lengths[1]).abs() < 1e-12 * lengths[0]);
+            for h in refined.mesh.junction_sides() {
+                let parents = refined
+                    .mesh
+                    .junction(h)
+                    .iter()
+                    .map(|h| refined.parent(h.face()));
+                let count = refined.mesh.junction(h).len();
+                assert_eq!(
+                    parents.collect::<std::collections::BTreeSet<_>>().len(),
+                    count
+                );
+            }
+        }
+    }
 }
 
 #[test]

@@ -139,7 +139,8 @@ pub(crate) fn judge(
     expected: &Expected,
     work: Option<u64>,
 ) -> Verdict {
-    if !variants::can_finish(selection, case) {
+    let refuses = mesh.has_junctions() && !selection.crosses_junctions();
+    if refuses || !variants::can_finish(selection, case) {
         return Verdict::LeftOut;
     }
     let work = work.filter(|_| variants::is_limited(selection, case.limited));

@@ -89,7 +89,7 @@ class Mesh:
         *,
         radius: float | None = None,
         targets: _Points | None = None,
-        algorithm: str = "vtp-fast",
+        algorithm: str | None = None,
     ) -> NDArray[np.float64]: ...
     def distances(
         self,
@@ -98,13 +98,13 @@ class Mesh:
         threads: int = 1,
         radius: float | None = None,
         targets: _Points | None = None,
-        algorithm: str = "vtp-fast",
+        algorithm: str | None = None,
     ) -> NDArray[np.float64]: ...
     def path(
-        self, source: _Points, target: _Point, *, algorithm: str = "vtp-fast"
+        self, source: _Points, target: _Point, *, algorithm: str | None = None
     ) -> Path | None: ...
     def paths(
-        self, source: _Points, targets: _Points, *, algorithm: str = "vtp-fast"
+        self, source: _Points, targets: _Points, *, algorithm: str | None = None
     ) -> list[Path | None]: ...
     def isolines(
         self,
@@ -122,7 +122,7 @@ class Solver:
     def __new__(
         cls,
         mesh: Mesh,
-        algorithm: str = "vtp-fast",
+        algorithm: str | None = None,
         *,
         threads: int | None = None,
         simd: Literal["auto", "scalar", "avx2", "avx512"] = "auto",

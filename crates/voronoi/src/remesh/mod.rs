@@ -150,11 +150,14 @@ impl Remeshed {
 ///
 /// # Errors
 ///
-/// When the mesh has no coordinates, there are fewer vertices than sites, or no triangulation was
+/// When the mesh has no coordinates or has a [junction](Mesh::junction), there are fewer vertices than sites, or no triangulation was
 /// found.
 pub fn remesh(mesh: &Mesh, options: &RemeshOptions) -> Result<Remeshed, RemeshError> {
     if mesh.positions().is_empty() || mesh.face_count() == 0 {
         return Err(RemeshError::NoSurface);
+    }
+    if let Some(error) = SolveError::at_junctions(mesh) {
+        return Err(error.into());
     }
     let measures = MeshMeasures::of(mesh);
     let vertices = measures.vertices - measures.isolated_vertices;

@@ -1,0 +1,58 @@
+//! Which algorithms solve meshes with junctions.
+
+use geobench_mesh::{Mesh, VertexId};
+use geobench_registry::{algorithms, certificate, select_one, usual};
+use geobench_window::{SolveError, Solver};
+
+/// Three triangles on one edge, and a strip of five triangles with its ends joined after half a
+/// turn.
+fn meshes() -> [Mesh; 2] {
+    let book = vec![
+        [0.0; 3],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [0.0, 0.0, 1.0],
+    ];
+    let strip = (0..5).map(f64::from).map(|x| [x, x * x, x * x * x]);
+    let of_strip = vec![[0, 1, 2], [1, 2, 3], [2, 3, 4], [3, 4, 0], [4, 0, 1]];
+    [
+        Mesh::new(book, vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]]).unwrap(),
+        Mesh::new(strip.collect(), of_strip).unwrap(),
+    ]
+}
+
+#[test]
+fn algorithms_solve_meshes_with_junctions_or_say_that_they_do_not() {
+    for mesh in meshes() {
+        let refusal = SolveError::at_junctions(&mesh);
+        assert!(refusal.is_some());
+        let source = [VertexId::new(2)];
+        let expected = usual(&mesh).build(&mesh).solve(&source).unwrap().distances;
+        for algorithm in algorithms() {
+            let selection = select_one(algorithm.name).unwrap();
+            let found = selection.build(&mesh).solve(&source);
+            match found {
+                Ok(found) => {
+                    assert!(selection.crosses_junctions(), "{}", algorithm.name);
+                    let is_right = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-12 * b || a == b;
+                    let mut pairs = found.distances.iter().zip(&expected);
+                    assert!(
+                        !algorithm.exact || pairs.all(is_right),
+                        "{}",
+                        algorithm.name
+                    );
+                }
+                Err(error) => {
+                    assert!(!selection.crosses_junctions(), "{}", algorithm.name);
+                    assert_eq!(Some(error), refusal, "{}", algorithm.name);
+                }
+            }
+            if let Some(mut field) = selection.field_solver(&mesh) {
+                assert_eq!(field.field(&source).err(), refusal, "{}", algorithm.name);
+            }
+        }
+        let certified = certificate(1e-9).build(&mesh).solve(&source).unwrap();
+        assert_eq!(certified.distances.len(), expected.len());
+    }
+}

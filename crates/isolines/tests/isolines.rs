@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 
 use geobench_isolines::{DistanceField, Isoline, Line};
 use geobench_mesh::{Mesh, SplitMix64, SurfacePoint, TriangleSoup, VertexId};
+use geobench_mmp::mmp_fast;
+use geobench_oracle::nasty::Kind;
 use geobench_oracle::{Geometry, Model, nasty, zoo};
 use geobench_vtp::VtpFast;
 use geobench_window::Solver;
@@ -309,7 +311,12 @@ fn distances_along(
                 points.push(mesh.point_in_face(arc.face, weights).unwrap());
                 let refined = mesh.with_points(&points).unwrap();
                 let (from, to) = refined.vertices.split_at(sources.len());
-                let distances = VtpFast::new(&refined.mesh).solve(from).unwrap().distances;
+                let mut solver: Box<dyn Solver> = if mesh.has_junctions() {
+                    Box::new(mmp_fast(&refined.mesh))
+                } else {
+                    Box::new(VtpFast::new(&refined.mesh))
+                };
+                let distances = solver.solve(from).unwrap().distances;
                 found.push(distances[to[0].index()]);
             }
         }
@@ -336,7 +343,7 @@ fn faults(
         .half_edges()
         .map(|h| mesh.length(h))
         .fold(0.0, f64::max);
-    let has_boundary = mesh.vertices().any(|v| mesh.is_boundary(v));
+    let has_boundary = mesh.half_edges().any(|h| mesh.twin(h).is_none());
     let mut faults = Vec::new();
     for k in 1..=levels {
         let r = farthest * k as f64 / (levels as f64 + 0.5);
@@ -402,6 +409,23 @@ fn isolines_of_random_meshes_are_closed_and_at_their_distance() {
         };
         let sources: Vec<SurfacePoint> = nasty.model.sources.iter().map(|&v| v.into()).collect();
         all.extend(faults(&nasty.model.name, &mesh, &sources, 4, 1e-5));
+    }
+    report(&all);
+}
+
+#[test]
+fn isolines_go_on_beyond_junctions() {
+    let mut all = Vec::new();
+    for &kind in Kind::JOINED {
+        for seed in 0..20 {
+            let nasty = kind.mesh(seed);
+            let Some(mesh) = mesh_of(&nasty.model).filter(Mesh::has_junctions) else {
+                continue;
+            };
+            let sources = nasty.model.sources.iter().map(|&v| v.into());
+            let sources: Vec<SurfacePoint> = sources.collect();
+            all.extend(faults(&nasty.model.name, &mesh, &sources, 4, 1e-5));
+        }
     }
     report(&all);
 }

@@ -38,6 +38,16 @@ impl Batch {
         batch
     }
 
+    /// The same windows, except those that `drops` names.
+    pub(super) fn without(&self, drops: impl Fn(&Window) -> bool) -> Self {
+        let mut batch = Self::default();
+        for (k, w) in self.windows.iter().enumerate().filter(|(_, w)| !drops(w)) {
+            batch.windows.push(*w);
+            batch.levels.extend(self.levels.get(k));
+        }
+        batch
+    }
+
     /// The same windows, [mirrored](Window::mirrored); `l` is the length of the edge.
     pub(super) fn mirrored(&self, l: f64) -> Self {
         let mut batch = Self::default();

@@ -331,14 +331,23 @@ impl<Q: Discipline> RunState<Q> {
     /// those at a gate passed on.
     #[cold]
     fn arrive_late<P: Probe>(&mut self, h: HalfEdgeId, batch: &Batch, probe: &mut P) -> u64 {
+        let before = batch.windows.len();
         if let Some(entrances) = self.surface.faces().beyond(h) {
             // A path may enter any of the faces, and from which of the others a shorter path has
             // come does not matter. So the lists there are merged separately.
-            let mirrored = batch.mirrored(self.surface.faces().length(h));
             let entrances = entrances.to_vec();
+            let edge = self.surface.edge(h);
+            // As beside thin faces, the filter is always on. Windows that turn back into another
+            // sheet would go all the way back.
+            let filter = self.prefilter.beside_thin_face();
+            let drops = |w: &Window| filter.drops(w, edge.length, [edge.tail, edge.head]);
+            let batch = batch.without(drops);
+            let dropped = before - batch.windows.len();
+            probe.add(Counter::Filtered, dropped as u64);
+            let mirrored = batch.mirrored(edge.length);
             let mut kept = 0;
             for entrance in entrances {
-                let own = if entrance.mirrored { &mirrored } else { batch };
+                let own = if entrance.mirrored { &mirrored } else { &batch };
                 kept = kept.max(self.arrive(entrance.half_edge, own, probe));
             }
             return kept;

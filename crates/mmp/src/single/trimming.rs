@@ -109,8 +109,14 @@ impl Trimming {
         queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
         probe: &mut P,
     ) -> Option<bool> {
+        let entrances = surface.faces().beyond(arrival.h)?;
+        // Without the filter, windows that turn back into another sheet would go all the way back.
+        if self.is_beaten(arrival) {
+            probe.add(Counter::Filtered, 1);
+            return Some(false);
+        }
         let mut kept = false;
-        for entrance in surface.faces().beyond(arrival.h)? {
+        for entrance in entrances {
             let own = Arrival {
                 h: entrance.half_edge,
                 ..*arrival

@@ -9,12 +9,13 @@ use crate::defect::{Defect, DefectKind, LONGEST_EDGE, SHORTEST_EDGE, Severity};
 /// ```
 /// use geobench_mesh::{DefectKind, Mesh};
 ///
-/// // The edge from 0 to 1 has three faces.
-/// let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]];
-/// let invalid = Mesh::new(positions, vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]]).unwrap_err();
+/// // An edge is too long, and one vertex does not exist.
+/// let positions = vec![[0.0; 3], [1e99, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let invalid = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 7]]).unwrap_err();
 /// assert!(invalid.report.is_fatal());
 /// let kinds: Vec<_> = invalid.report.defects.iter().map(|defect| defect.kind()).collect();
-/// assert_eq!(kinds, [DefectKind::NonManifoldEdge]);
+/// let [long, missing] = [DefectKind::LengthOutOfRange, DefectKind::IndexOutOfRange];
+/// assert_eq!(kinds, [missing, long, long]);
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {

@@ -158,8 +158,8 @@ fn windows_over_different_sheets_do_not_split_each_other() {
     // a vertex of C.
     let [a, b, apex, beyond] = [[-3.0, 0.0], [3.0, 0.0], [0.0, 1.0], [-2.41, 0.21]];
     let [s, m, n, p] = [[0.0, -1.4], [-0.02, -0.7], [0.02, -0.7], [0.01, -1.0]];
-    let cos = (1.4 * 1.4 + 1.0 + 0.01 * 0.01 - 0.25) / (2.0 * 1.4);
-    let sin = (1.0 - cos * cos as f64).sqrt();
+    let cos: f64 = (1.4 * 1.4 + 1.0 + 0.01 * 0.01 - 0.25) / (2.0 * 1.4);
+    let sin = (1.0 - cos * cos).sqrt();
     let flat = |[x, y]: [f64; 2]| [x, y, 0.0];
     let raised = |[x, y]: [f64; 2]| [x, y * cos, y * sin];
     let positions = [

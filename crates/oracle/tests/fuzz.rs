@@ -124,6 +124,17 @@ fn seeds_that_failed_once_are_solved_right() {
     assert_eq!(judged, SEEDS_THAT_FAILED.len());
 }
 
+#[test]
+fn meshes_with_junctions_are_solved_right() {
+    let case = |&kind: &Kind| {
+        (0..6).map(move |seed| {
+            let mesh = kind.mesh(seed);
+            (mesh.model.name.clone(), mesh.into(), None)
+        })
+    };
+    assert!(check(Kind::JOINED.iter().flat_map(case).collect()) > 35);
+}
+
 /// Far vertices: distances around them were too short, and not in doubt. The oracle lost half of its
 /// digits on 78 and 138.
 const BUILT_THAT_FAILED: [(Kind, u64); 5] = [

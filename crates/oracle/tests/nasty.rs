@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_oracle::nasty::{self, Kind, Nasty};
-use geobench_oracle::{DoubleDouble, Model, Search, rounded, search};
+use geobench_oracle::{DoubleDouble, Model, Search, rounded, search, steiner_distances};
 
 /// The mesh with its faces oriented consistently; `None` if it is invalid.
 fn usable(nasty: &Nasty) -> Option<Model> {
@@ -69,6 +69,37 @@ fn most_meshes_of_each_kind_can_be_used() {
         used.insert(kind, usable.count() as u32);
     }
     assert!(used.values().all(|&count| count > 20), "{used:?}");
+}
+
+/// Two bounds on either side: paths over points on edges, which know nothing of unfolding, and the
+/// search with lines from every vertex.
+#[test]
+fn searches_across_edges_of_many_triangles_are_between_their_bounds() {
+    let mut compared = 0;
+    for &kind in Kind::JOINED {
+        let plain = (0..200).map(|seed| kind.mesh(seed).model);
+        let plain = plain.filter(|model| !model.name.contains(','));
+        for model in plain.take(8) {
+            let surface = model.surface::<f64>();
+            let plan = Search::pruned(20_000);
+            let found = search(&surface, &model.sources, plan);
+            let everywhere = search(&surface, &model.sources, plan.from_everywhere());
+            let (Ok(found), Ok(everywhere)) = (found, everywhere) else {
+                continue;
+            };
+            let above = steiner_distances(&surface, &model.sources, 40);
+            let (found, everywhere) = (rounded(&found), rounded(&everywhere));
+            for (v, &d) in found.iter().enumerate() {
+                let is_same = d == everywhere[v] || (d - everywhere[v]).abs() < 1e-12 * d;
+                assert!(is_same, "{}: vertex {v}", model.name);
+                let is_between =
+                    d == above[v] || d < above[v] * (1.0 + 1e-12) && above[v] < 1.01 * d;
+                assert!(is_between, "{}: vertex {v}: {d} {}", model.name, above[v]);
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 300, "{compared}");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::env;
 use std::path::PathBuf;
 
 use geobench_mesh::{Mesh, SplitMix64, TriangleSoup};
-use geobench_oracle::nasty;
+use geobench_oracle::nasty::{self, Kind};
 
 use crate::judged::{check, mesh_of, report};
 
@@ -23,6 +23,20 @@ fn nasty_meshes() {
         let model = nasty::mesh(seed).model;
         if let Some(mesh) = mesh_of(&model) {
             check(&model.name, &mesh, &model.sources, &mut failures);
+        }
+    }
+    report(&failures);
+}
+
+#[test]
+fn meshes_with_junctions() {
+    let mut failures = Vec::new();
+    for &kind in Kind::JOINED {
+        for seed in number("FROM", 0)..number("TO", 30) {
+            let model = kind.mesh(seed).model;
+            if let Some(mesh) = mesh_of(&model) {
+                check(&model.name, &mesh, &model.sources, &mut failures);
+            }
         }
     }
     report(&failures);

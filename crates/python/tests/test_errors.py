@@ -32,7 +32,6 @@ def nan_at(vertex):
         (V, [[0, 1, 2], [0, 2, 2**40]], gb.MeshError, f"face 1 names vertex {2**40}"),
         (V, [[0, 1, 1], [2, 3, 3]], gb.MeshError, "it has no faces.*face 0.*vertex 1"),
         (nan_at(2), F, gb.MeshError, "vertex 2"),
-        (np.vstack([V, V[:1] + 3]), [[0, 1, 2], [0, 2, 3], [2, 0, 4]], gb.MeshError, "0 and 2"),
         (np.zeros((0, 3)), np.zeros((0, 3), int), gb.MeshError, "vert"),
         (V, [], gb.MeshError, "face"),
     ],
@@ -40,6 +39,17 @@ def nan_at(vertex):
 def test_meshes(vertices, faces, error, text):
     with pytest.raises(error, match=text):
         gb.Mesh(vertices, faces)
+
+
+def test_what_crosses_no_edges_of_many_faces_says_so():
+    mesh = gb.Mesh(np.vstack([V, V[:1] + 3]), [[0, 1, 2], [0, 2, 3], [2, 0, 4]])
+    assert "more than two faces" in mesh.defects[0]
+    assert np.array_equal(mesh.distance(1), mesh.distance(1, algorithm="mmp"))
+    assert gb.Solver(mesh).algorithm == "mmp-fast"
+    with pytest.raises(ValueError, match="edges with more than two faces: use mmp-fast"):
+        mesh.distance(1, algorithm="vtp")
+    with pytest.raises(ValueError, match="edges with more than two faces"):
+        mesh.voronoi([1, 3])
 
 
 def test_defects_are_listed():

@@ -89,13 +89,11 @@ pub fn find(name: &str) -> Option<&'static Algorithm> {
 
 /// The algorithm for distances and paths on `mesh` where none is named: the fastest on one thread.
 pub fn usual(mesh: &Mesh) -> Selection {
-    let named = |name| algorithms().iter().find(|algorithm| algorithm.name == name);
-    let name = if mesh.has_junctions() {
-        "mmp-fast"
+    let algorithm = if mesh.has_junctions() {
+        &mmp::FAST[0]
     } else {
-        "vtp-fast"
+        &vtp::FAST[0]
     };
-    let algorithm = named(name).expect("both are in the table");
     Selection::new(algorithm, Values::default())
 }
 

@@ -344,16 +344,6 @@ impl Faces {
         Some(&self.beyond[start..end])
     }
 
-    /// Number of half-edges and gates.
-    pub fn number_count(&self) -> usize {
-        self.half_edges.len()
-    }
-
-    /// Number of half-edges, which is the number of the first gate.
-    pub fn half_edge_count(&self) -> usize {
-        self.first_gate as usize
-    }
-
     /// The number here of half-edge `h` of the mesh.
     #[inline]
     pub fn number(&self, h: HalfEdgeId) -> HalfEdgeId {

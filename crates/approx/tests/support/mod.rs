@@ -60,7 +60,8 @@ fn mesh_of(model: &Model) -> Option<Mesh> {
         }
         Geometry::Lengths(lengths) => Mesh::from_lengths(model.vertex_count, &triangles, lengths),
     };
-    Some(built.ok()?.0)
+    let mesh = built.ok().map(|(mesh, _)| mesh);
+    mesh.filter(|mesh| !mesh.has_junctions())
 }
 
 impl Case {

@@ -266,8 +266,12 @@ fn triangulate(
 
 /// The components, holes and handles of a surface, in words.
 fn topology(measures: &MeshMeasures) -> String {
+    let junctions = match measures.junctions {
+        0 => String::new(),
+        count => format!(", {count} edges at which it is no surface with two sides"),
+    };
     format!(
-        "{} components, genus {}, {} boundary loops",
+        "{} components, genus {}, {} boundary loops{junctions}",
         measures.components, measures.genus, measures.boundary_loops
     )
 }

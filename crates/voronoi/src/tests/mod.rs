@@ -21,7 +21,8 @@ pub(super) fn try_mesh_of(model: &Model) -> Option<Mesh> {
         }
         Geometry::Lengths(lengths) => Mesh::from_lengths(model.vertex_count, &triangles, lengths),
     };
-    built.ok().map(|(mesh, _)| mesh)
+    let mesh = built.ok().map(|(mesh, _)| mesh);
+    mesh.filter(|mesh| !mesh.has_junctions())
 }
 
 pub(super) fn mesh_of(model: &Model) -> Mesh {

@@ -2,9 +2,45 @@
 
 use std::process::Command;
 
+use geobench_harness::schema::RepositoryRecord;
+
 /// Standard output of `git` with these arguments, run in the current directory. `None` if it fails.
 pub(crate) fn git(arguments: &[&str]) -> Option<String> {
     let output = Command::new("git").args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     output.status.success().then_some(text)
+}
+
+/// The state of the repository; `None` outside of one, and before its first commit.
+pub(crate) fn repository() -> Option<RepositoryRecord> {
+    let mut line = first_parents("HEAD", RepositoryRecord::FIRST_PARENTS + 1)?;
+    let changes = git(&["status", "--porcelain", "--untracked-files=no"])?;
+    Some(RepositoryRecord {
+        commit: line.remove(0),
+        dirty: !changes.is_empty(),
+        ancestors: line,
+    })
+}
+
+/// The hashes of a commit and its first parents, the newest first, at most `count`. `None` if the
+/// commit is unknown.
+pub(crate) fn first_parents(commit: &str, count: usize) -> Option<Vec<String>> {
+    let count = format!("--max-count={count}");
+    let text = git(&[
+        "rev-list",
+        "--first-parent",
+        &count,
+        "--end-of-options",
+        commit,
+    ])?;
+    let line: Vec<String> = text.lines().map(str::to_owned).collect();
+    (!line.is_empty()).then_some(line)
+}
+
+/// The full hash of a commit. `None` if it is unknown.
+pub(crate) fn full_hash(commit: &str) -> Option<String> {
+    let commit = format!("{commit}^{{commit}}");
+    let arguments = ["rev-parse", "--verify", "--quiet", "--end-of-options"];
+    let hash = git(&[&arguments[..], &[&commit]].concat())?;
+    Some(hash.trim().to_owned())
 }

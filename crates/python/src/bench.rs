@@ -178,6 +178,7 @@ fn result(plan: &Plan, command: Vec<String>, mut listener: UntilStopped) -> anyh
             &Snapshot::take(Path::new("/")),
         )),
         plan: Some(record),
+        repository: None,
         algorithms: Vec::new(),
         sessions: vec![SessionRecord {
             shard: None,

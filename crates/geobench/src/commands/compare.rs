@@ -6,11 +6,14 @@ use anyhow::bail;
 use clap::Args;
 use geobench_export::{json_lines, output};
 use geobench_harness::schema::result_file;
+use geobench_harness::usage::files_in;
 use geobench_report::history::compare::{self as comparing, BaselineComparisons, Rules};
-use geobench_report::history::{gate, records};
+use geobench_report::history::gate;
+use geobench_report::history::records::Record;
 use geobench_report::table::{self, ComparisonFormat, Look};
 
-use crate::git::git;
+use super::trend::ordered;
+use crate::git::{full_hash, git};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -21,7 +24,8 @@ const RULES_HELP: &str = "A rule is NAME=LIMIT, such as time=10%,propagated=0,he
     propagated=+0, only not grow by more. `instructions` and the memories papers_bytes, \
     windows_peak_bytes, heap_peak_bytes and rss_peak_bytes may shrink. `missing` is broken if the new file lacks \
     more than this share of the cells of the old one. Exit status: 0 nothing is worse; 1 \
-    something is worse; 2 a file cannot be used.";
+    something is worse; 2 a file cannot be used, or nothing could be compared. With --against, until records of \
+    three of the commits exist: 0, learning.";
 
 #[derive(Args, Debug)]
 #[command(after_help = RULES_HELP)]
@@ -34,10 +38,18 @@ pub(crate) struct CompareOptions {
     #[arg(long, value_name = "FILE", conflicts_with = "against")]
     pub(crate) baseline: Option<PathBuf>,
 
-    /// Compare the newest record of a history with those of these commits, such as main~10..main;
+    /// Compare the record of a commit in a history with those of these commits, such as HEAD~10..HEAD;
     /// the noise of a time is that from commit to commit
-    #[arg(long, value_name = "RANGE", conflicts_with = "output")]
+    #[arg(long, value_name = "RANGE")]
     pub(crate) against: Option<String>,
+
+    /// The commit to judge [default: the one that is checked out, else the last one recorded]
+    #[arg(long, value_name = "HASH", requires = "against")]
+    pub(crate) commit: Option<String>,
+
+    /// Only records of machines with this in their description
+    #[arg(long, value_name = "TEXT", requires = "against")]
+    pub(crate) machine: Option<String>,
 
     /// What counts as a regression, separated by commas; without any, only a cell that does not end
     /// well any more
@@ -93,21 +105,79 @@ pub(crate) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Ve
 
 /// `compare --against`: compares the newest record of a history with those of a range of commits.
 fn against(options: &CompareOptions, range: &str, look: Look) -> anyhow::Result<Verdict> {
-    let [history] = &options.files[..] else {
+    let [directory] = &options.files[..] else {
         bail!("--against compares within one history; give its directory alone");
     };
-    let records = records::read_all(history)?;
-    let Some(commits) = git(&["rev-list", "--end-of-options", range]) else {
-        bail!("--against {range}: not a range of commits of the git repository here");
-    };
-    let commits: Vec<String> = commits.lines().map(str::to_owned).collect();
+    let outputs = output::prepare::<ComparisonFormat>(&options.output)?;
+    let read = files_in(directory, "json")?;
+    output::check_files(outputs.iter().map(|(_, file)| file), read)?;
+    let head = options.commit.as_deref();
+    let history = ordered(directory, head, options.machine.as_deref())?;
+    terminal::notes(&history.notes);
+    let mut records = history.records;
+    let head = head.unwrap_or("HEAD");
+    // Without a repository the last record is judged.
+    if let Some(hash) = full_hash(head) {
+        let is_of_head = |record: &Record| hash.starts_with(&record.commit);
+        let Some(last) = records.iter().rposition(is_of_head) else {
+            bail!(
+                "{}: no record of {head} ({}); add it with `geobench record`, or name another \
+                 commit with --commit",
+                directory.display(),
+                &hash[..12]
+            );
+        };
+        records.truncate(last + 1);
+    }
+    let commits = commits_of(range)?;
     let rules = options.fail_on.clone().unwrap_or_default();
     let gate = gate::gate(&records, &commits, &rules)?;
-    let table = || table::gate(&gate, look);
-    terminal::print_rendered(&match options.format {
-        ComparisonFormat::Json => json_lines(&gate)?,
-        ComparisonFormat::Table => table(),
-        ComparisonFormat::Markdown => format!("```text\n{}```\n", table()),
-    })?;
+    let render = |format: ComparisonFormat, look: Look| match format {
+        ComparisonFormat::Json => json_lines(&gate),
+        ComparisonFormat::Table => Ok(table::gate(&gate, look)),
+        ComparisonFormat::Markdown => Ok(table::gate_in_markdown(&gate)),
+    };
+    for (format, file) in &outputs {
+        file.write(render(*format, Look::default())?.as_bytes())?;
+    }
+    if outputs.iter().all(|(_, file)| !file.is_standard_output()) {
+        terminal::print_rendered(&render(options.format, look)?)?;
+    }
+    if gate.has_compared_nothing() {
+        bail!("nothing could be compared");
+    }
     Ok(Verdict::of(!gate.is_worse()))
+}
+
+/// The commits of a range, full hashes. A range that begins before the first commit begins there,
+/// with a note.
+fn commits_of(range: &str) -> anyhow::Result<Vec<String>> {
+    let list = |range: &str| git(&["rev-list", "--end-of-options", range]);
+    let mut found = list(range);
+    // `HEAD~10` where `HEAD` has fewer commits before it.
+    let is_before_all = |begin: &str| {
+        let commit = begin.split(['~', '^']).next();
+        commit.is_some_and(|commit| commit != begin && full_hash(commit).is_some())
+    };
+    if let (None, Some((begin, end))) = (&found, range.split_once(".."))
+        && is_before_all(begin)
+    {
+        if git(&["rev-parse", "--is-shallow-repository"]).is_some_and(|text| text.trim() == "true")
+        {
+            bail!(
+                "--against {range}: this clone is shallow and has no such beginning; fetch more of it"
+            );
+        }
+        let end = if end.is_empty() { "HEAD" } else { end };
+        found = list(end);
+        if found.is_some() {
+            terminal::notes(&[format!(
+                "--against {range}: the repository here has no such beginning; all commits up to {end}"
+            )]);
+        }
+    }
+    let Some(found) = found else {
+        bail!("--against {range}: not a range of commits of the git repository here");
+    };
+    Ok(found.lines().map(str::to_owned).collect())
 }

@@ -5,10 +5,10 @@ use std::time::{Duration, SystemTime};
 
 use anyhow::{Context, bail};
 use clap::Args;
-use geobench_harness::schema::result_file;
+use geobench_harness::schema::{RepositoryRecord, ResultFile, result_file};
 use geobench_report::history::records::{self, Record};
 
-use crate::git::git;
+use crate::git::{first_parents, full_hash, git};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -22,13 +22,17 @@ pub(crate) struct RecordOptions {
     #[arg(long, value_name = "DIR")]
     pub(crate) into: PathBuf,
 
-    /// The commit that was measured [default: that of the result file]
+    /// The commit that was measured [default: that of the repository in which the run was started]
     #[arg(long, value_name = "HASH")]
     pub(crate) commit: Option<String>,
 
     /// The time of a commit that the repository here does not know, such as 2025-03-04T05:06:07Z
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub(crate) date: Option<String>,
+
+    /// Record also what was measured with changes that no commit has
+    #[arg(long)]
+    pub(crate) dirty: bool,
 
     /// The suite; records of different suites are not compared [default: the name of the suite file]
     #[arg(long, value_name = "NAME")]
@@ -43,21 +47,8 @@ pub(crate) fn record(options: &RecordOptions) -> anyhow::Result<Verdict> {
     let mut all = Vec::new();
     for path in &options.results {
         let file = result_file::read(path)?;
-        // All records of a commit have its full hash, so that they are joined.
-        let named = options.commit.as_deref();
-        let named = named.map(|name| full_hash(name).unwrap_or_else(|| name.to_owned()));
-        let commit = named.as_deref().or(file.tool.commit.as_deref());
-        let committed = options.date.clone().or_else(|| commit.and_then(time_of));
-        if let (Some(commit), None) = (commit, &committed) {
-            bail!(
-                "{}: the repository here does not know the commit {commit}; give the one that was \
-                 measured with --commit, or its time with --date",
-                path.display()
-            );
-        }
-        let suite = options.suite.clone().or_else(|| file.suite());
-        let record = Record::new(&file, named.as_deref(), committed, suite);
-        all.push(record.with_context(|| path.display().to_string())?);
+        let record = of_file(&file, options).with_context(|| path.display().to_string())?;
+        all.push(record);
     }
     for record in all {
         let path = records::add(&options.into, record)?;
@@ -68,6 +59,62 @@ pub(crate) fn record(options: &RecordOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
+/// The record of a result file.
+fn of_file(file: &ResultFile, options: &RecordOptions) -> anyhow::Result<Record> {
+    let suite = options.suite.clone().or_else(|| file.suite());
+    let measured = measured(file, options)?;
+    // All records of a commit have its full hash, so that they are joined.
+    let mut line = first_parents(&measured, RepositoryRecord::FIRST_PARENTS + 1);
+    if line.is_none() {
+        let stored = file.repository.iter();
+        let mut stored = stored.filter(|stored| stored.commit == measured);
+        line = stored.next().map(|stored| {
+            let commit = std::iter::once(stored.commit.clone());
+            commit.chain(stored.ancestors.iter().cloned()).collect()
+        });
+    }
+    let committed = options.date.clone().or_else(|| time_of(&measured));
+    if line.is_none() && committed.is_none() {
+        bail!(
+            "neither the file nor the repository here knows the commit {measured}; give the one \
+             that was measured with --commit, or its time with --date"
+        );
+    }
+    let mut line = line.unwrap_or_else(|| vec![measured]);
+    let commit = line.remove(0);
+    Record::new(file, &commit, line, committed, suite)
+}
+
+/// The commit that was measured: that of `--commit`; else the one that the program was built from,
+/// if the repository here has it, so that it is the repository of geobench; else the one that was
+/// checked out where the run was started.
+fn measured(file: &ResultFile, options: &RecordOptions) -> anyhow::Result<String> {
+    let built = file.tool.commit.clone();
+    if let Some(commit) = &options.commit {
+        return Ok(commit.clone());
+    }
+    if let Some(commit) = built.as_ref().filter(|commit| full_hash(commit).is_some()) {
+        return Ok(commit.clone());
+    }
+    if let Some(repository) = &file.repository {
+        if repository.dirty && !options.dirty {
+            bail!(
+                "it was measured with changes that {} does not have; commit them and run again, or \
+                 record it all the same with --dirty",
+                repository.commit
+            );
+        }
+        return Ok(repository.commit.clone());
+    }
+    match built {
+        Some(commit) if options.date.is_some() => Ok(commit),
+        _ => bail!(
+            "the file does not say which commit was measured; give it with --commit, and its time \
+             with --date if no repository here knows it"
+        ),
+    }
+}
+
 /// Parses a time: RFC 3339 in UTC, or a date alone.
 fn time(text: &str) -> Result<String, String> {
     let whole = [text.to_owned(), format!("{text}T00:00:00Z")];
@@ -76,20 +123,6 @@ fn time(text: &str) -> Result<String, String> {
         .find_map(|text| humantime::parse_rfc3339(text).ok());
     let found = found.ok_or("give a time such as 2025-03-04T05:06:07Z, or a date")?;
     Ok(humantime::format_rfc3339_seconds(found).to_string())
-}
-
-/// The full hash of a commit in the repository of the current directory. `None` if it is unknown
-/// there.
-fn full_hash(commit: &str) -> Option<String> {
-    let commit = format!("{commit}^{{commit}}");
-    let hash = git(&[
-        "rev-parse",
-        "--verify",
-        "--quiet",
-        "--end-of-options",
-        &commit,
-    ])?;
-    Some(hash.trim().to_owned())
 }
 
 /// Commit time in the repository of the current directory, RFC 3339 in UTC. `None` if the commit is

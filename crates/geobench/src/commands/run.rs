@@ -32,6 +32,7 @@ use geobench_report::table::{self, Look, ResultFormat};
 use toml::Spanned;
 
 use crate::args::{Algorithms, CsvOptions, MODELS_HELP, algorithms, row, threads, tolerance};
+use crate::git;
 use crate::isolation::IsolationOptions;
 use crate::points::{FarOption, GoalOptions};
 use crate::progress::Progress;
@@ -563,6 +564,7 @@ fn empty(plan: PlanRecord, session: SessionRecord, sessions: Vec<SessionRecord>)
         pairing: None,
         conditions: None,
         plan: Some(plan),
+        repository: git::repository(),
         algorithms: Vec::new(),
         sessions,
     }

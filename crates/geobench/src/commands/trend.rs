@@ -1,16 +1,19 @@
 //! `geobench trend`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use anyhow::bail;
 use clap::Args;
 use geobench_export::json_lines;
 use geobench_export::output::{OutputFile, check_files};
 use geobench_harness::usage::files_in;
+use geobench_report::history::order::OrderedHistory;
 use geobench_report::history::{records, trend};
 use geobench_report::page::trend_page;
 use geobench_report::table::{self, Look};
 
 use crate::args::ListFormat;
+use crate::git::first_parents;
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -24,9 +27,49 @@ pub(crate) struct TrendOptions {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
+    /// The last commit to show [default: that of the repository here, else the last one recorded]
+    #[arg(long, value_name = "HASH")]
+    pub(crate) commit: Option<String>,
+
+    /// Only records of machines with this in their description
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) machine: Option<String>,
+
     /// How to show the change points
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
     pub(crate) format: ListFormat,
+}
+
+/// More commits than any line of first parents has.
+const ALL: usize = 1_000_000_000;
+
+/// The records in `directory` of machines with `machine` in their description, in the order of
+/// `commit` and its first parents. Without `commit`, those of the commit that is checked out, or
+/// else of the last one recorded.
+pub(crate) fn ordered(
+    directory: &Path,
+    commit: Option<&str>,
+    machine: Option<&str>,
+) -> anyhow::Result<OrderedHistory> {
+    let mut records = records::read_all(directory)?;
+    if let Some(machine) = machine {
+        records.retain(|record| record.machine().contains(machine));
+        if records.is_empty() {
+            bail!("--machine {machine}: no record is of such a machine");
+        }
+    }
+    let known = first_parents(commit.unwrap_or("HEAD"), ALL).unwrap_or_default();
+    if let (Some(commit), true) = (commit, known.is_empty()) {
+        let recorded = records
+            .iter()
+            .find(|record| record.commit.starts_with(commit));
+        let Some(recorded) = recorded else {
+            bail!("--commit {commit}: neither the repository here nor a record knows it");
+        };
+        let head = vec![recorded.commit.clone()];
+        return Ok(OrderedHistory::new(records, &head));
+    }
+    Ok(OrderedHistory::new(records, &known))
 }
 
 pub(crate) fn trend(options: &TrendOptions, look: Look) -> anyhow::Result<Verdict> {
@@ -36,11 +79,16 @@ pub(crate) fn trend(options: &TrendOptions, look: Look) -> anyhow::Result<Verdic
         .map(OutputFile::page)
         .transpose()?;
     check_files(&page, files_in(&options.history, "json")?)?;
-    let records = records::read_all(&options.history)?;
-    let series = trend::series(&records);
+    let history = ordered(
+        &options.history,
+        options.commit.as_deref(),
+        options.machine.as_deref(),
+    )?;
+    terminal::notes(&history.notes);
+    let series = trend::series(&history.records);
     let found = trend::change_points(&series);
     if let Some(page) = page {
-        page.write(trend_page(&records, &series, &found).as_bytes())?;
+        page.write(trend_page(&history, &series, &found).as_bytes())?;
         if page.is_standard_output() {
             return Ok(Verdict::Passed);
         }

@@ -104,8 +104,34 @@ fn the_newest_commit_is_held_against_the_noise_of_others() {
     assert!(worse.stdout.contains("! [time=5%]"), "{}", worse.stdout);
     let error = gate("nothing..main").stderr;
     assert!(error.contains("not a range of commits"), "{error}");
-    let error = gate("main~1..main").stderr;
-    assert!(error.contains("no record of these commits"), "{error}");
+    let few = gate("main~1..main --fail-on time=5%");
+    assert_eq!(few.code, 0, "{}", few.stderr);
+    assert!(
+        few.stdout
+            .ends_with("learning, 0 of 3 base commits: nothing is judged yet\n"),
+        "{}",
+        few.stdout
+    );
+    // A range that begins before the first commit.
+    let all = gate("main~40..main~4 --fail-on time=5% -o gate.md -o gate.json");
+    assert_eq!(all.code, 1, "{}", all.stderr);
+    assert!(
+        all.stderr.contains("all commits up to main~4"),
+        "{}",
+        all.stderr
+    );
+    let page = sandbox.read("gate.md");
+    assert!(
+        page.starts_with("### geobench: 2 of 2 figures are worse\n"),
+        "{page}"
+    );
+    assert!(page.contains("| Cell | Figure |"), "{page}");
+    // Another machine is no base.
+    let error = gate("main~15..main --machine none").stderr;
+    assert!(error.contains("no record is of such a machine"), "{error}");
+    // Another commit is judged: the one before the slow one.
+    let before = gate("main~15..main~5 --commit main~4 --fail-on time=5%");
+    assert_eq!(before.code, 0, "{}{}", before.stdout, before.stderr);
 }
 
 #[test]
@@ -183,4 +209,76 @@ fn a_commit_that_is_unknown_here_needs_a_time() {
     let message = sandbox.refuse("record evil.json --into other --commit c0ffee --date 2025-03-04");
     assert!(message.contains("`../../../x` is not a time"), "{message}");
     assert!(!sandbox.path("other").exists());
+}
+
+#[test]
+fn commits_are_ordered_by_git_and_not_by_dates() {
+    let sandbox = Sandbox::with_square();
+    sandbox.succeed("run square.off --algo vtp --repeat 1 --quiet -o r.json");
+    let base = sandbox.json("r.json");
+    git(&sandbox, "init -q -b main .");
+    let commits: Vec<String> = (0..16)
+        .map(|i| {
+            // All commits have one second, as after a rebase.
+            let committed = Command::new("git")
+                .current_dir(sandbox.path(""))
+                .args(["-c", "user.name=n", "-c", "user.email=e@example.org"])
+                .args(["commit", "-q", "--allow-empty", "-m", &i.to_string()])
+                .env("GIT_COMMITTER_DATE", "1700000000 +0000")
+                .env("GIT_CONFIG_GLOBAL", "/dev/null")
+                .status();
+            assert!(committed.unwrap().success());
+            git(&sandbox, "rev-parse HEAD")
+        })
+        .collect();
+    // HEAD is measured first, the others backwards.
+    for i in (0..16).rev() {
+        let mut file = result_of(&base, i, &commits[i]);
+        file["started"] = format!("2025-03-{:02}T00:00:00Z", 20 - i).into();
+        sandbox.write("one.json", &file.to_string());
+        sandbox.succeed("record one.json --into history --suite quick --quiet");
+    }
+    let named = |sandbox: &Sandbox| {
+        let found = sandbox.succeed("trend history --format json");
+        let found: Value = serde_json::from_str(&found).unwrap();
+        let found = found.as_array().unwrap().clone();
+        let of_time = found.iter().filter(|change| change["figure"] == "time");
+        let commits = of_time.map(|change| change["commit"].as_str().unwrap().to_owned());
+        commits.collect::<Vec<_>>()
+    };
+    assert_eq!(named(&sandbox), [&commits[12][..12]]);
+    let slow = sandbox.call("compare history --against HEAD~15..HEAD~4 --fail-on time=5%");
+    assert_eq!(slow.code, 1, "{}{}", slow.stdout, slow.stderr);
+    // The records order themselves where no repository is.
+    std::fs::rename(sandbox.path(".git"), sandbox.path("gone")).unwrap();
+    assert_eq!(named(&sandbox), [&commits[12][..12]]);
+}
+
+#[test]
+fn a_result_is_of_the_repository_in_which_it_was_run() {
+    let sandbox = Sandbox::with_square();
+    git(&sandbox, "init -q -b main .");
+    git(&sandbox, "add square.off");
+    git(
+        &sandbox,
+        "-c user.name=n -c user.email=e@example.org commit -q -m first",
+    );
+    let head = git(&sandbox, "rev-parse HEAD");
+    let run = "run square.off --algo vtp --repeat 1 --quiet -o r.json";
+    sandbox.succeed(run);
+    assert_eq!(sandbox.json("r.json")["repository"]["commit"], head);
+    let path = sandbox.succeed("record r.json --into history");
+    assert!(path.contains(&head[..12]), "{path}");
+    let record = sandbox.json(path.trim_end());
+    assert_eq!(record["commit"], head);
+    assert!(record["version"].is_string());
+    // Changes that no commit has.
+    sandbox.write(
+        "square.off",
+        &(crate::support::SQUARE.to_owned() + "# changed\n"),
+    );
+    sandbox.succeed(run);
+    let message = sandbox.refuse("record r.json --into history");
+    assert!(message.contains("--dirty"), "{message}");
+    sandbox.succeed("record r.json --into history --dirty --quiet");
 }

@@ -93,6 +93,7 @@ pub fn result(records: Records) -> ResultFile {
         pairing: None,
         conditions: None,
         plan: None,
+        repository: None,
         algorithms: Vec::new(),
         sessions: Vec::new(),
     }

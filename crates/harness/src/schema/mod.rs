@@ -60,6 +60,10 @@ pub struct ResultFile {
     /// The plan, with all parameters; null in files of older versions.
     #[serde(default)]
     pub plan: Option<PlanRecord>,
+    /// The git repository of the working directory at the start of the run; null outside of one, and
+    /// in files of older versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repository: Option<RepositoryRecord>,
     /// The parameters of the algorithms, in files joined from several plans. Absent if the file has
     /// a plan.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -151,6 +155,23 @@ pub struct Tool {
     pub profile: String,
     /// Cargo features.
     pub features: Vec<String>,
+}
+
+/// The state of a git repository.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RepositoryRecord {
+    /// The commit that is checked out.
+    pub commit: String,
+    /// Whether files that git tracks differ from that commit.
+    pub dirty: bool,
+    /// The first parents of the commit, the newest first, at most
+    /// [`FIRST_PARENTS`](Self::FIRST_PARENTS). They order results without a clone.
+    pub ancestors: Vec<String>,
+}
+
+impl RepositoryRecord {
+    /// The most first parents that are kept.
+    pub const FIRST_PARENTS: usize = 1000;
 }
 
 /// The machine.

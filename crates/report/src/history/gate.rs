@@ -1,6 +1,8 @@
 //! A regression gate: compares the newest record of a history with earlier ones. The noise of times
 //! is estimated from the variation between commits, not within one run.
 
+use std::collections::HashSet;
+
 use anyhow::bail;
 use geobench_harness::measure::statistics::median;
 use geobench_harness::schema::Status;
@@ -24,6 +26,9 @@ pub struct GateReport {
     pub commit: String,
     /// The commits of the base, the oldest first.
     pub base: Vec<String>,
+    /// The number of base commits with a record while they are too few to judge by, 0 to 2; null
+    /// once they are enough.
+    pub learning: Option<usize>,
     /// The figures that were compared.
     pub lines: Vec<GateLine>,
     /// What could not be compared.
@@ -53,38 +58,31 @@ pub struct GateLine {
 }
 
 impl GateReport {
-    /// Whether a rule is broken.
+    /// Whether a rule is broken. While the history is learning, none is.
     pub fn is_worse(&self) -> bool {
-        self.lines.iter().any(|line| line.broken.is_some())
+        self.learning.is_none() && self.lines.iter().any(|line| line.broken.is_some())
+    }
+
+    /// Whether enough base commits have records, but nothing could be compared.
+    pub fn has_compared_nothing(&self) -> bool {
+        self.learning.is_none() && self.lines.is_empty()
     }
 }
 
-/// Compares the last of `records` with the records of the commits `against`, which are full hashes.
-/// Only records of the same machine class and suite are used.
+/// Compares the last of `records`, which are in the order of their commits, with the records of the
+/// commits `against`, which are full hashes. Only records of the same machine class and suite are
+/// used. While the history has records of fewer than [`FEWEST`] of these commits, whatever the
+/// machine, it is learning.
 ///
 /// # Errors
 ///
-/// When `records` is empty or has no record of these commits apart from the last.
+/// When `records` is empty, or has records of enough of these commits but none that can be compared
+/// with the last.
 pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Result<GateReport> {
     let Some(newest) = records.last() else {
         bail!("the history has no records");
     };
-    let is_base = |record: &&Record| {
-        let is_asked = |commit: &String| commit.starts_with(&record.commit);
-        record.commit != newest.commit
-            && record.machine() == newest.machine()
-            && record.suite == newest.suite
-            && against.iter().any(is_asked)
-    };
-    let base: Vec<&Record> = records.iter().filter(is_base).collect();
-    if base.is_empty() {
-        bail!(
-            "the history has no record of these commits on this class of machine ({}) and suite, \
-             apart from the newest, {}",
-            newest.machine(),
-            newest.short()
-        );
-    }
+    let (base, learning) = base(records, newest, against)?;
     let (mut lines, mut notes) = (Vec::new(), Vec::new());
     for cell in &newest.cells {
         let earlier: Vec<&CellRecord> = base
@@ -151,7 +149,7 @@ pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Re
             });
         }
     }
-    let last = &base[base.len() - 1].cells;
+    let last = base.last().map_or(&[][..], |record| &record.cells);
     let is_left = |cell: &&CellRecord| newest.cells.iter().all(|c| !c.cell.is_same(&cell.cell));
     let missing: Vec<&CellRecord> = last.iter().filter(is_left).collect();
     let rule = rules.on(Subject::Missing);
@@ -165,10 +163,43 @@ pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Re
     Ok(GateReport {
         schema: SCHEMA,
         commit: newest.commit.clone(),
+        learning,
         base: base.iter().map(|r| r.short().to_owned()).collect(),
         lines,
         notes,
     })
+}
+
+/// The records of the commits `against` that can be compared with `newest`, and, while they are too
+/// few to judge by, of how many commits there are records.
+///
+/// # Errors
+///
+/// As [`gate`].
+fn base<'r>(
+    records: &'r [Record],
+    newest: &Record,
+    against: &[String],
+) -> anyhow::Result<(Vec<&'r Record>, Option<usize>)> {
+    let is_asked = |record: &&Record| {
+        let mut asked = against.iter();
+        record.commit != newest.commit && asked.any(|commit| commit.starts_with(&record.commit))
+    };
+    let asked: Vec<&Record> = records.iter().filter(is_asked).collect();
+    let commits: HashSet<&str> = asked.iter().map(|record| record.commit.as_str()).collect();
+    let learning = (commits.len() < FEWEST).then_some(commits.len());
+    let is_base =
+        |record: &&Record| record.machine() == newest.machine() && record.suite == newest.suite;
+    let base: Vec<&Record> = asked.into_iter().filter(is_base).collect();
+    if base.is_empty() && learning.is_none() {
+        bail!(
+            "the history has no record of these commits on this class of machine ({}) and suite, \
+             apart from the newest, {}",
+            newest.machine(),
+            newest.short()
+        );
+    }
+    Ok((base, learning))
 }
 
 /// Compares the time of a cell with the medians of the base commits. The interval is the 95 %
@@ -312,7 +343,17 @@ mod tests {
         let gate_of_two = compared(&records[..3], "time=5%");
         assert!(gate_of_two.notes[0].contains("the noise needs 3 base commits"));
         assert!(gate_of_two.lines.is_empty());
-        let none = gate(&records, &[], &Rules::default()).unwrap_err();
-        assert!(none.to_string().contains("no record of these commits"));
+        assert_eq!(gate_of_two.learning, Some(2));
+        let of_none = gate(&records, &[], &Rules::default()).unwrap();
+        assert_eq!(of_none.learning, Some(0));
+        assert!(!of_none.is_worse() && !of_none.has_compared_nothing());
+        // A slow commit is not judged by two others.
+        assert!(!compared(&records[10..13], "time=5%").is_worse());
+        // From three on, another machine is an error.
+        let mut records = records[..4].to_vec();
+        records[3].host.cores = 64;
+        let all: Vec<String> = records.iter().map(|r| r.commit.clone()).collect();
+        let error = gate(&records, &all, &Rules::default()).unwrap_err();
+        assert!(error.to_string().contains("no record of these commits"));
     }
 }

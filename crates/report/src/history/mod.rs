@@ -4,6 +4,7 @@ pub mod changes;
 pub mod compare;
 pub mod gate;
 pub mod join;
+pub mod order;
 pub mod pool;
 pub mod records;
 pub mod trend;

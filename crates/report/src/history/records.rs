@@ -1,6 +1,6 @@
 //! A history: a directory with a small file for each commit, machine class and suite.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::history::compare::{CellKey, Measure};
+#[cfg(doc)]
+use crate::history::order::OrderedHistory;
 
 /// The schema of a record.
 pub const SCHEMA: &str = "geobench-record/1";
@@ -23,6 +25,13 @@ pub struct Record {
     pub schema: String,
     /// The commit that was measured.
     pub commit: String,
+    /// First parents of the commit, the newest first, up to one that had a record before this one.
+    /// Empty if unknown, and in older records.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ancestors: Vec<String>,
+    /// The version of geobench that measured; null in older records.
+    #[serde(default)]
+    pub version: Option<String>,
     /// The time of the commit, RFC 3339 in UTC; null if unknown.
     pub committed: Option<String>,
     /// When the first run started, RFC 3339 in UTC.
@@ -60,22 +69,19 @@ pub struct CellRecord {
 }
 
 impl Record {
-    /// The record of a result file of `suite`. `commit` overrides the commit that the file names;
-    /// `committed` is the time of the commit.
+    /// The record of a result file of `suite`, measured at `commit`, of which `ancestors` are first
+    /// parents, the newest first, and `committed` is the time.
     ///
     /// # Errors
     ///
-    /// When neither `commit` nor the file names a commit, when the name is not alphanumeric, or when
-    /// a time is not RFC 3339.
+    /// When the name of the commit is not alphanumeric, or a time is not RFC 3339.
     pub fn new(
         file: &ResultFile,
-        commit: Option<&str>,
+        commit: &str,
+        ancestors: Vec<String>,
         committed: Option<String>,
         suite: Option<String>,
     ) -> anyhow::Result<Self> {
-        let Some(commit) = commit.or(file.tool.commit.as_deref()) else {
-            bail!("the file does not say which commit was measured; give it with --commit");
-        };
         if commit.is_empty() || !commit.chars().all(|c| c.is_ascii_alphanumeric()) {
             bail!("`{commit}` is not a commit; give its hash");
         }
@@ -90,6 +96,8 @@ impl Record {
         Ok(Self {
             schema: SCHEMA.to_owned(),
             commit: commit.to_owned(),
+            ancestors,
+            version: Some(file.tool.version.clone()),
             committed,
             started: file.started.clone(),
             host: file.host.clone(),
@@ -103,7 +111,7 @@ impl Record {
         self.host.in_words()
     }
 
-    /// The time by which records are ordered: that of the commit if known, else that of the run.
+    /// The time of the commit if known, else that of the run.
     pub fn time(&self) -> &str {
         self.committed.as_deref().unwrap_or(&self.started)
     }
@@ -138,6 +146,10 @@ impl Record {
     /// other vector instructions, the later cell is kept. Samples that the record has already,
     /// because a file is recorded again, are not repeated.
     fn merge(&mut self, later: Self) {
+        if self.ancestors.is_empty() {
+            self.ancestors = later.ancestors;
+        }
+        self.version = later.version.or(self.version.take());
         for cell in later.cells {
             let same = |known: &&mut CellRecord| known.cell.is_same(&cell.cell);
             match self.cells.iter_mut().find(same) {
@@ -187,12 +199,19 @@ fn record(file: &ResultFile, cell: &Cell) -> CellRecord {
 /// # Errors
 ///
 /// When the directory cannot be written to, or the file of that name is not a record.
-pub fn add(directory: &Path, record: Record) -> anyhow::Result<PathBuf> {
+pub fn add(directory: &Path, mut record: Record) -> anyhow::Result<PathBuf> {
     let shown = directory.display();
     let failed = || format!("{shown}: cannot be written");
     fs::create_dir_all(directory).with_context(failed)?;
     let lock = File::create(directory.join(".lock")).with_context(failed)?;
     lock.lock().with_context(failed)?;
+    // The commits before the first recorded one are behind its record.
+    let names = files_in(directory, "json")?;
+    let recorded: HashSet<&str> = names.iter().filter_map(|path| commit_of(path)).collect();
+    let is_recorded = |commit: &String| commit.get(..12).is_some_and(|c| recorded.contains(c));
+    if let Some(first) = record.ancestors.iter().position(is_recorded) {
+        record.ancestors.truncate(first + 1);
+    }
     let mut path = directory.join(record.file_name(record.short()));
     let mut known = path.exists().then(|| read(&path)).transpose()?;
     // Another commit whose first digits agree.
@@ -215,6 +234,12 @@ pub fn add(directory: &Path, record: Record) -> anyhow::Result<PathBuf> {
     Ok(path)
 }
 
+/// The first digits of the commit in the name of a record's file.
+fn commit_of(path: &Path) -> Option<&str> {
+    let name = path.file_name()?.to_str()?;
+    name.split('-').nth(3)?.get(..12)
+}
+
 /// Reads a record.
 fn read(path: &Path) -> anyhow::Result<Record> {
     let shown = path.display();
@@ -235,7 +260,7 @@ fn read(path: &Path) -> anyhow::Result<Record> {
     Ok(record)
 }
 
-/// All records in `directory`, the oldest first.
+/// All records in `directory`, by the names of their files; see [`OrderedHistory`] for their order.
 ///
 /// # Errors
 ///
@@ -243,15 +268,13 @@ fn read(path: &Path) -> anyhow::Result<Record> {
 pub fn read_all(directory: &Path) -> anyhow::Result<Vec<Record>> {
     let paths = files_in(directory, "json")?;
     let records = paths.iter().map(|path| read(path));
-    let mut records = records.collect::<anyhow::Result<Vec<Record>>>()?;
+    let records = records.collect::<anyhow::Result<Vec<Record>>>()?;
     if records.is_empty() {
         bail!(
             "{}: no records in this directory; add some with `geobench record`",
             directory.display()
         );
     }
-    // RFC 3339 times sort as text.
-    records.sort_by(|a, b| (a.time(), &a.started).cmp(&(b.time(), &b.started)));
     Ok(records)
 }
 
@@ -266,7 +289,8 @@ mod tests {
         let committed = Some("2025-03-04T05:06:07Z".to_owned());
         Record::new(
             &result(records),
-            Some(commit),
+            commit,
+            Vec::new(),
             committed,
             Some("quick".into()),
         )
@@ -376,16 +400,11 @@ mod tests {
         );
         let records = run_mock(&plan(&["horse"], "mmp", "0"), &MockBackend::default());
         let file = result(records);
-        let refused = |commit| {
-            Record::new(&file, commit, None, None)
-                .unwrap_err()
-                .to_string()
-        };
-        assert!(refused(None).contains("give it with --commit"));
-        assert!(refused(Some("../x")).contains("is not a commit"));
+        let error = Record::new(&file, "../x", Vec::new(), None, None).unwrap_err();
+        assert!(error.to_string().contains("is not a commit"), "{error}");
         let mut file = file;
         file.started = "../../../x".to_owned();
-        let error = Record::new(&file, Some("c0ffee"), None, None).unwrap_err();
+        let error = Record::new(&file, "c0ffee", Vec::new(), None, None).unwrap_err();
         assert!(error.to_string().contains("is not a time"), "{error}");
     }
 }

@@ -70,7 +70,7 @@ const FIGURES: [(&str, f64); 5] = [
     ("kept", 1e-4),
 ];
 
-/// All series of `records`, which are sorted by time, with their change points.
+/// All series of `records`, which are in the order of their commits, with their change points.
 pub fn series(records: &[Record]) -> Vec<TrendSeries> {
     let mut all: Vec<TrendSeries> = Vec::new();
     for record in records {
@@ -172,7 +172,7 @@ pub(crate) mod tests {
             .map(|i| {
                 let committed = Some(format!("2025-03-{:02}T00:00:00Z", i + 1));
                 let commit = format!("{i:012x}");
-                let mut record = Record::new(&file, Some(&commit), committed, None).unwrap();
+                let mut record = Record::new(&file, &commit, Vec::new(), committed, None).unwrap();
                 for cell in &mut record.cells {
                     let slower = if cell.cell.algorithm == "vtp" && i >= 12 {
                         1.15

@@ -6,6 +6,7 @@ use geobench_harness::measure::statistics::range_of;
 
 use super::html::{STYLE, head};
 use crate::history::compare::{exact, percent};
+use crate::history::order::OrderedHistory;
 use crate::history::records::Record;
 use crate::history::trend::{ChangePoint, TrendSeries};
 use crate::table::{self, Table, table_of_changes};
@@ -28,8 +29,9 @@ const TOP: f64 = 14.0;
 const BOTTOM: f64 = 26.0;
 
 /// The page of a history: a table of the change points, then a chart for each series.
-pub fn page(records: &[Record], series: &[TrendSeries], found: &[ChangePoint]) -> String {
+pub fn page(history: &OrderedHistory, series: &[TrendSeries], found: &[ChangePoint]) -> String {
     let mut html = head("Trend of run times", "", [STYLE, CHARTS]) + "<main>\n";
+    let records = &history.records;
     let ends = [records.first(), records.last()].map(|r| r.map_or("none", Record::short));
     html += &format!(
         "<p>{} records, from commit {} to {}. Dashed lines are change points: the first commits of \
@@ -38,6 +40,9 @@ pub fn page(records: &[Record], series: &[TrendSeries], found: &[ChangePoint]) -
         escape(ends[0]),
         escape(ends[1])
     );
+    for note in &history.notes {
+        html += &format!("<p>{}</p>\n", escape(note));
+    }
     html += "<section id=\"changes\">\n<h2>Change points</h2>\n";
     if found.is_empty() {
         html += "<p>No figure has changed its level.</p>\n";
@@ -191,7 +196,11 @@ mod tests {
     fn every_cell_has_its_charts_and_changes_are_named() {
         let records = history();
         let all = series(&records);
-        let html = page(&records, &all, &change_points(&all));
+        let history = OrderedHistory {
+            records,
+            ..OrderedHistory::default()
+        };
+        let html = page(&history, &all, &change_points(&all));
         assert_eq!(html.matches("<svg class=\"trend\"").count(), all.len());
         assert!(html.contains(">00000000000c</th><td>horse, vtp, source 0</td><td>time</td>"));
         assert_eq!(html.matches("class=\"change\"").count(), 3);

@@ -1,10 +1,12 @@
 //! Tables of histories: change points, and the comparison of the newest commit with earlier ones.
 
-use geobench_harness::measure::number::decimals;
+use geobench_export::escape::markdown as escape;
+use geobench_harness::measure::number::{counted, decimals};
 
 use crate::history::compare::{exact, percent};
-use crate::history::gate::GateReport;
+use crate::history::gate::{FEWEST, GateReport};
 use crate::history::trend::ChangePoint;
+use crate::table::markdown;
 use crate::table::model::{Column, Entry, Mark, Table};
 use crate::table::terminal::{self, Look};
 
@@ -43,8 +45,8 @@ pub fn change_points(found: &[ChangePoint], look: Look) -> String {
     terminal::grid(&table, &table.parts[0].rows, look) + "\n"
 }
 
-/// The comparison of the newest commit with the base, for the terminal.
-pub fn gate(gate: &GateReport, look: Look) -> String {
+/// The comparison of the newest commit with the base: its table, and lines before and after it.
+fn gate_parts(gate: &GateReport) -> (String, Table, Vec<String>) {
     let rows = gate.lines.iter().map(|line| {
         let mark = match line.broken {
             Some(_) => Mark::Failed,
@@ -65,26 +67,51 @@ pub fn gate(gate: &GateReport, look: Look) -> String {
         ]
     });
     let rows: Vec<Vec<Entry>> = rows.collect();
-    let worse = gate.lines.iter().filter(|l| l.broken.is_some()).count();
     let head = format!(
-        "new: {}; base: {} commits, {}",
+        "new: {}; base: {}, {}",
         gate.commit,
-        gate.base.len(),
+        counted(gate.base.len(), "commit"),
         gate.base.join(", ")
     );
-    let table = Table::new(
-        Column::of(["Cell", "Figure"], ["Base", "New", "Change"]),
-        rows,
-    );
+    let columns = Column::of(["Cell", "Figure"], ["Base", "New", "Change"]);
+    let worse = gate.lines.iter().filter(|l| l.broken.is_some()).count();
+    let mut notes = gate.notes.clone();
+    notes.push(match gate.learning {
+        Some(known) => format!("learning, {known} of {FEWEST} base commits: nothing is judged yet"),
+        None => format!("{worse} of {} figures are worse", gate.lines.len()),
+    });
+    (head, Table::new(columns, rows), notes)
+}
+
+/// The comparison of the newest commit with the base, for the terminal.
+pub fn gate(gate: &GateReport, look: Look) -> String {
+    let (head, table, mut notes) = gate_parts(gate);
+    let last = notes.pop();
     let mut lines = vec![terminal::line_in(look, "", &head), String::new()];
     if !gate.lines.is_empty() {
         lines.push(terminal::grid(&table, &table.parts[0].rows, look));
     }
-    lines.extend(
-        gate.notes
-            .iter()
-            .map(|note| terminal::line_in(look, "  ", note)),
-    );
-    lines.push(format!("{worse} of {} figures are worse", gate.lines.len()));
+    lines.extend(notes.iter().map(|note| terminal::line_in(look, "  ", note)));
+    lines.extend(last);
+    lines.join("\n") + "\n"
+}
+
+/// The comparison of the newest commit with the base, in Markdown.
+pub fn gate_in_markdown(gate: &GateReport) -> String {
+    let (head, table, mut notes) = gate_parts(gate);
+    let last = notes.pop().unwrap_or_default();
+    let mut lines = vec![
+        format!("### geobench: {last}"),
+        String::new(),
+        escape(&head),
+    ];
+    if !gate.lines.is_empty() {
+        lines.push(String::new());
+        lines.extend(markdown::grid(&table));
+    }
+    if !notes.is_empty() {
+        lines.push(String::new());
+        lines.extend(notes.iter().map(|note| format!("- {}", escape(note))));
+    }
     lines.join("\n") + "\n"
 }

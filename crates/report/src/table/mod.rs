@@ -23,7 +23,7 @@ pub(crate) mod tests;
 pub use bars::model_bars;
 pub use comparison::ComparisonFormat;
 pub(crate) use history::table_of_changes;
-pub use history::{change_points, gate};
+pub use history::{change_points, gate, gate_in_markdown};
 pub use model::{Column, Entry, Mark, Note, Part, Table};
 pub use terminal::Look;
 

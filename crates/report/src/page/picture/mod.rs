@@ -127,6 +127,17 @@ pub(crate) fn picture(
     }
 }
 
+/// Checks that a model that a result file names is a regular file of a usual size. A result file may
+/// come from anywhere, and a pipe or a device would never end.
+fn check_file(path: &Path) -> Result<(), String> {
+    let shown = path.display();
+    let found = fs::metadata(path).map_err(|error| format!("{shown}: {error}"))?;
+    if found.is_file() && found.len() <= MOST_BYTES {
+        return Ok(());
+    }
+    Err(format!("{shown} is not a file of a usual size"))
+}
+
 fn of_model(
     result: &ResultFile,
     name: &str,
@@ -136,17 +147,7 @@ fn of_model(
     let error = |problem: &dyn Display| UsageError(format!("no picture of {name}: {problem}"));
     let record = result.models.iter().find(|m| m.name == name);
     let record = record.ok_or_else(|| error(&"it is not in the result"))?;
-    // A result file may come from anywhere, and a pipe or a device would never end.
-    let check = |path: &Path| {
-        let found = fs::metadata(path).map_err(|e| error(&format!("{}: {e}", path.display())))?;
-        if found.is_file() && found.len() <= MOST_BYTES {
-            return Ok(());
-        }
-        Err(error(&format!(
-            "{} is not a file of a usual size",
-            path.display()
-        )))
-    };
+    let check = |path: &Path| check_file(path).map_err(|problem| error(&problem));
     if !Spec::is_spec(&record.path) {
         check(Path::new(&record.path))?;
     }

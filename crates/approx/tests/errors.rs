@@ -224,10 +224,10 @@ mod heat {
     /// vertices. Distances there are 0, and counted.
     #[test]
     fn negative_values_are_counted_and_there_are_none_by_default() {
-        let n = 30;
+        let n: u32 = 30;
         let places =
             (0..=n).flat_map(|j| (0..=n).map(move |i| [f64::from(i + 6 * j), f64::from(j), 0.0]));
-        let corner = |i, j| (j * (n + 1) + i) as u32;
+        let corner = |i, j| j * (n + 1) + i;
         let faces = (0..n)
             .flat_map(|j| (0..n).map(move |i| (i, j)))
             .flat_map(|(i, j)| {

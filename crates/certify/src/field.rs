@@ -153,12 +153,12 @@ impl EdgeField<'_> {
         };
         oriented.clear();
         let pieces = pieces.enumerate();
-        if !is_turned {
-            oriented.extend(pieces.map(|p| turn(p, [p.1.from, p.1.to, p.1.image[0]])));
-        } else {
+        if is_turned {
             let turned = |x: f64| length - x;
             let pieces = pieces.rev();
             oriented.extend(pieces.map(|p| turn(p, [p.1.to, p.1.from, p.1.image[0]].map(turned))));
+        } else {
+            oriented.extend(pieces.map(|p| turn(p, [p.1.from, p.1.to, p.1.image[0]])));
         }
     }
 

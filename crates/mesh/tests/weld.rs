@@ -5,7 +5,7 @@ mod validate_support;
 use std::path::Path;
 
 use geobench_mesh::{
-    Defect, DefectKind, Mesh, MeshMeasures, SplitMix64, TriangleSoup, VertexId, Weld, io,
+    Defect, DefectKind, MeshMeasures, SplitMix64, TriangleSoup, VertexId, Weld, io,
 };
 use validate_support::{cube, grid, mesh_of};
 

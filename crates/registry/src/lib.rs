@@ -81,12 +81,6 @@ fn by_name_only() -> impl Iterator<Item = &'static Algorithm> {
     certificate::CERTIFIED.iter().chain(failing)
 }
 
-/// The algorithm of this name, be it one that is selected by name only.
-pub fn find(name: &str) -> Option<&'static Algorithm> {
-    let mut all = algorithms().iter().chain(by_name_only());
-    all.find(|algorithm| algorithm.name == name)
-}
-
 /// The algorithm for distances and paths on `mesh` where none is named: the fastest on one thread.
 pub fn usual(mesh: &Mesh) -> Selection {
     let algorithm = if mesh.has_junctions() {
@@ -95,6 +89,12 @@ pub fn usual(mesh: &Mesh) -> Selection {
         &vtp::FAST[0]
     };
     Selection::new(algorithm, Values::default())
+}
+
+/// The algorithm of this name, be it one that is selected by name only.
+pub fn find(name: &str) -> Option<&'static Algorithm> {
+    let mut all = algorithms().iter().chain(by_name_only());
+    all.find(|algorithm| algorithm.name == name)
 }
 
 /// A solver that takes one window at a time, with its threshold and vector instructions.
@@ -115,6 +115,10 @@ pub type BuildField = fn(&Mesh, &Values) -> Box<dyn FieldSolver>;
 
 /// A registered algorithm. Its JSON form is the output of `geobench algos`.
 #[derive(Clone, Copy, Debug, Serialize)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a property of its own"
+)]
 pub struct Algorithm {
     /// Its name, in lower case.
     pub name: &'static str,

@@ -2,7 +2,7 @@
 
 use geobench_mesh::{Mesh, VertexId};
 use geobench_registry::{algorithms, certificate, select_one, usual};
-use geobench_window::{SolveError, Solver};
+use geobench_window::SolveError;
 
 /// Three triangles on one edge, and a strip of five triangles with its ends joined after half a
 /// turn.

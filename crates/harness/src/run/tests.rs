@@ -12,7 +12,7 @@ use crate::plan::sampling::Sampling;
 use crate::plan::{Plan, Reference};
 use crate::run::mock::{NullListener, plan, run_mock};
 use crate::run::{Records, run};
-use crate::schema::{Cell, Precision, Status};
+use crate::schema::{Cell, PhaseSeconds, Precision, Status};
 
 fn cell<'c>(cells: &'c [Cell], algorithm: &str) -> &'c Cell {
     cells.iter().find(|c| c.algorithm == algorithm).unwrap()
@@ -302,7 +302,7 @@ fn essence(cells: &[Cell]) -> Vec<Cell> {
             samples: vec![0.0; cell.time.samples.len()],
             ..Default::default()
         },
-        phases: Default::default(),
+        phases: PhaseSeconds::default(),
         ..cell.clone()
     };
     cells.iter().map(timeless).collect()

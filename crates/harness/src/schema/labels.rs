@@ -132,7 +132,7 @@ mod tests {
 
     use super::*;
 
-    fn of(label: &str, parameters: Value) -> String {
+    fn of(label: &str, parameters: &Value) -> String {
         let one = json!({"label": label, "parameters": parameters});
         let one: PlannedAlgorithm = serde_json::from_value(one).unwrap();
         super::label(&one.label, &one.parameters)
@@ -141,26 +141,29 @@ mod tests {
     #[test]
     fn a_label_names_what_differs_from_the_defaults_of_today() {
         let new = |queue| json!({"queue": queue, "crossing": "single", "threshold": "none"});
-        assert_eq!(of("ich", new("heap")), "ich");
-        assert_eq!(of("ich", new("calendar")), "ich{queue=calendar}");
-        assert_eq!(of("ich{queue=calendar}", new("heap")), "ich");
-        assert_eq!(of("ext:other", json!({"command": []})), "ext:other");
-        assert_eq!(of("no-such", json!({"a": 1})), "no-such");
+        assert_eq!(of("ich", &new("heap")), "ich");
+        assert_eq!(of("ich", &new("calendar")), "ich{queue=calendar}");
+        assert_eq!(of("ich{queue=calendar}", &new("heap")), "ich");
+        assert_eq!(of("ext:other", &json!({"command": []})), "ext:other");
+        assert_eq!(of("no-such", &json!({"a": 1})), "no-such");
         let threads = json!({"threads": 4, "bucket": 0.5, "queue": "buckets", "crossing": "list"});
-        assert_eq!(of("pvtp", threads.clone()), "pvtp{bucket=0.5}");
-        assert_eq!(of("pvtp{threads=4}", threads), "pvtp{threads=4,bucket=0.5}");
+        assert_eq!(of("pvtp", &threads), "pvtp{bucket=0.5}");
+        assert_eq!(
+            of("pvtp{threads=4}", &threads),
+            "pvtp{threads=4,bucket=0.5}"
+        );
         // The queue does nothing where lists are taken.
         let lists = json!({"turn": "list", "queue": "fifo", "crossing": "single"});
-        assert_eq!(of("mmp{turn=list}", lists), "mmp{turn=list}");
+        assert_eq!(of("mmp{turn=list}", &lists), "mmp{turn=list}");
         assert_eq!(
-            of("fwp-mmp", json!({"width": 3, "crossing": "single"})),
+            of("fwp-mmp", &json!({"width": 3, "crossing": "single"})),
             "fwp-mmp{width=3}"
         );
     }
 
     #[test]
     fn without_the_new_keys_queues_are_calendars_and_eight_windows_cross_at_once() {
-        let old = |label, parameters| of(label, parameters);
+        let old = |label, parameters: Value| of(label, &parameters);
         assert_eq!(
             old("mmp", json!({"queue": "priority", "turn": "window"})),
             "mmp{queue=calendar}"

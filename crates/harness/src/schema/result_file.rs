@@ -58,13 +58,11 @@ pub fn parse(path: &Path, text: &str) -> anyhow::Result<ResultFile> {
     let mut json = serde_json::Deserializer::from_str(text);
     let mut file: ResultFile = serde_path_to_error::deserialize(&mut json)
         .map_err(|error| anyhow!("{shown}: field `{}`: {}", error.path(), error.inner()))?;
-    match negative_time(&file) {
-        Some((field, problem)) => bail!("{shown}: field `{field}`: {problem}"),
-        None => {
-            labels::renew(&mut file);
-            Ok(file)
-        }
+    if let Some((field, problem)) = negative_time(&file) {
+        bail!("{shown}: field `{field}`: {problem}");
     }
+    labels::renew(&mut file);
+    Ok(file)
 }
 
 /// The field of the first negative sample, and the error message.

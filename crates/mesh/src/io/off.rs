@@ -207,7 +207,7 @@ fn header(lines: &mut Content<'_>) -> Result<OffHeader, Flaw> {
     }
 }
 
-/// The keyword of a word, and what follows: many files of ModelNet have no blank between keyword and
+/// The keyword of a word, and what follows: many files of `ModelNet` have no blank between keyword and
 /// counts, as in `OFF490 518 0`.
 fn split_keyword(word: &[u8]) -> (&[u8], &[u8]) {
     let is_glued = |w: &[u8]| w[0].eq_ignore_ascii_case(&b'f') && w[1].is_ascii_digit();

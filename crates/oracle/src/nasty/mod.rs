@@ -62,10 +62,10 @@ impl Kind {
     /// The mesh of this kind for `seed`.
     pub fn mesh(self, seed: u64) -> Nasty {
         let mut random = Random::new(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
-        if !Self::BUILT.contains(&self) {
-            self.made(seed, 0, MOST_FACES, &mut random)
-        } else {
+        if Self::BUILT.contains(&self) {
             self.built(seed, [10, MOST_BUILT], random)
+        } else {
+            self.made(seed, 0, MOST_FACES, &mut random)
         }
     }
 

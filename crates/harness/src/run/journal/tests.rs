@@ -13,7 +13,8 @@ use crate::plan::{Plan, Reference};
 use crate::run::mock::{NullListener, plan};
 use crate::run::{Records, run};
 use crate::schema::{
-    Cell, Host, InstructionCount, IsolationRecord, ModelRecord, SessionRecord, Status, Tool,
+    Cell, Host, InstructionCount, IsolationRecord, ModelRecord, PhaseSeconds, SessionRecord,
+    Status, Tool,
 };
 use geobench_registry as registry;
 use tempfile::TempDir;
@@ -125,7 +126,7 @@ fn essence(records: &Records) -> String {
             places: cell.time.places.clone(),
             ..Default::default()
         };
-        cell.phases = Default::default();
+        cell.phases = PhaseSeconds::default();
     }
     serde_json::to_string(&records.cells).unwrap()
 }

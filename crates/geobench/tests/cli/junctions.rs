@@ -83,7 +83,7 @@ fn what_does_not_cross_them_says_so() {
         ),
     ] {
         for algorithm in ["vtp", "ich", "heat", "svg"] {
-            let command = format!("distance {model} --algo {algorithm} -o d.csv");
+            let command = format!("distance {model} --source 0 --algo {algorithm} -o d.csv");
             let error = sandbox.call(&command).stderr;
             assert!(error.contains(&format!("{algorithm}: {why}")), "{error}");
         }

@@ -12,7 +12,7 @@ use geobench_report::history::gate;
 use geobench_report::history::records::Record;
 use geobench_report::table::{self, ComparisonFormat, Look};
 
-use super::trend::ordered;
+use super::trend::{LineOptions, ordered};
 use crate::git::{full_hash, git};
 use crate::terminal;
 use crate::verdict::Verdict;
@@ -43,13 +43,8 @@ pub(crate) struct CompareOptions {
     #[arg(long, value_name = "RANGE")]
     pub(crate) against: Option<String>,
 
-    /// The commit to judge [default: the one that is checked out, else the last one recorded]
-    #[arg(long, value_name = "HASH", requires = "against")]
-    pub(crate) commit: Option<String>,
-
-    /// Only records of machines with this in their description
-    #[arg(long, value_name = "TEXT", requires = "against")]
-    pub(crate) machine: Option<String>,
+    #[command(flatten)]
+    pub(crate) line: LineOptions,
 
     /// What counts as a regression, separated by commas; without any, only a cell that does not end
     /// well any more
@@ -68,6 +63,9 @@ pub(crate) struct CompareOptions {
 pub(crate) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Verdict> {
     if let Some(range) = &options.against {
         return against(options, range, look);
+    }
+    if options.line.commit.is_some() || options.line.machine.is_some() {
+        bail!("--commit and --machine choose among the records of a history; add --against");
     }
     let outputs = output::prepare::<ComparisonFormat>(&options.output)?;
     let mut paths = options.files.clone();
@@ -111,8 +109,8 @@ fn against(options: &CompareOptions, range: &str, look: Look) -> anyhow::Result<
     let outputs = output::prepare::<ComparisonFormat>(&options.output)?;
     let read = files_in(directory, "json")?;
     output::check_files(outputs.iter().map(|(_, file)| file), read)?;
-    let head = options.commit.as_deref();
-    let history = ordered(directory, head, options.machine.as_deref())?;
+    let history = ordered(directory, &options.line)?;
+    let head = options.line.commit.as_deref();
     terminal::notes(&history.notes);
     let mut records = history.records;
     let head = head.unwrap_or("HEAD");

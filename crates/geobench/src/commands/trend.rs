@@ -27,32 +27,36 @@ pub(crate) struct TrendOptions {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
-    /// The last commit to show [default: that of the repository here, else the last one recorded]
-    #[arg(long, value_name = "HASH")]
-    pub(crate) commit: Option<String>,
-
-    /// Only records of machines with this in their description
-    #[arg(long, value_name = "TEXT")]
-    pub(crate) machine: Option<String>,
+    #[command(flatten)]
+    pub(crate) line: LineOptions,
 
     /// How to show the change points
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
     pub(crate) format: ListFormat,
 }
 
+/// Which records of a history count.
+#[derive(Args, Debug)]
+pub(crate) struct LineOptions {
+    /// The last commit that counts [default: the one that is checked out, else the last one
+    /// recorded]
+    #[arg(long, value_name = "HASH")]
+    pub(crate) commit: Option<String>,
+
+    /// Only records of machines with this in their description
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) machine: Option<String>,
+}
+
 /// More commits than any line of first parents has.
 const ALL: usize = 1_000_000_000;
 
-/// The records in `directory` of machines with `machine` in their description, in the order of
-/// `commit` and its first parents. Without `commit`, those of the commit that is checked out, or
-/// else of the last one recorded.
-pub(crate) fn ordered(
-    directory: &Path,
-    commit: Option<&str>,
-    machine: Option<&str>,
-) -> anyhow::Result<OrderedHistory> {
+/// The records in `directory` that count by `options`, in the order of the last commit and its first
+/// parents.
+pub(crate) fn ordered(directory: &Path, options: &LineOptions) -> anyhow::Result<OrderedHistory> {
     let mut records = records::read_all(directory)?;
-    if let Some(machine) = machine {
+    let commit = options.commit.as_deref();
+    if let Some(machine) = &options.machine {
         records.retain(|record| record.machine().contains(machine));
         if records.is_empty() {
             bail!("--machine {machine}: no record is of such a machine");
@@ -79,11 +83,7 @@ pub(crate) fn trend(options: &TrendOptions, look: Look) -> anyhow::Result<Verdic
         .map(OutputFile::page)
         .transpose()?;
     check_files(&page, files_in(&options.history, "json")?)?;
-    let history = ordered(
-        &options.history,
-        options.commit.as_deref(),
-        options.machine.as_deref(),
-    )?;
+    let history = ordered(&options.history, &options.line)?;
     terminal::notes(&history.notes);
     let series = trend::series(&history.records);
     let found = trend::change_points(&series);

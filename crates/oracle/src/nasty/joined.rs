@@ -111,11 +111,11 @@ pub(super) fn lenses(random: &mut Random) -> Draft {
 
 /// The vertices of a grid in space, numbered as they are used.
 #[derive(Default)]
-struct Lattice {
+struct SheetLattice {
     numbers: HashMap<[u32; 3], u32>,
 }
 
-impl Lattice {
+impl SheetLattice {
     fn at(&mut self, draft: &mut Draft, place: [u32; 3]) -> u32 {
         *(self.numbers.entry(place)).or_insert_with(|| draft.add(place.map(f64::from)))
     }
@@ -152,7 +152,7 @@ pub(super) fn touching(random: &mut Random) -> Draft {
         cells.filter(|_| random.below(one_in) == 0).collect()
     };
     let mut draft = Draft::default();
-    let mut lattice = Lattice::default();
+    let mut lattice = SheetLattice::default();
     let mut all: Vec<[i64; 3]> = filled.iter().copied().collect();
     all.sort_unstable();
     if all.is_empty() {
@@ -183,7 +183,7 @@ pub(super) fn membranes(random: &mut Random) -> Draft {
     let size = [0; 3].map(|_| random.whole(1, 2));
     let one_in = random.whole(2, 5);
     let mut draft = Draft::default();
-    let mut lattice = Lattice::default();
+    let mut lattice = SheetLattice::default();
     for axis in 0..3 {
         for x in 0..=size[0] {
             for y in 0..=size[1] {

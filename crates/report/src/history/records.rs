@@ -12,8 +12,6 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::history::compare::{CellKey, Measure};
-#[cfg(doc)]
-use crate::history::order::OrderedHistory;
 
 /// The schema of a record.
 pub const SCHEMA: &str = "geobench-record/1";
@@ -260,7 +258,7 @@ fn read(path: &Path) -> anyhow::Result<Record> {
     Ok(record)
 }
 
-/// All records in `directory`, by the names of their files; see [`OrderedHistory`] for their order.
+/// All records in `directory`, by the names of their files; see [`OrderedHistory`](super::order::OrderedHistory) for their order.
 ///
 /// # Errors
 ///

@@ -37,15 +37,15 @@ pub struct Heap<T>(Shaped<T>);
 
 #[derive(Clone, Debug)]
 enum Shaped<T> {
-    Binary(BinaryHeap<Entry<T>>),
+    Binary(BinaryHeap<HeapItem<T>>),
     Quaternary(QuaternaryHeap<T, true>),
 }
 
 /// A labelled item. The greatest entry is the one that comes first.
 #[derive(Clone, Copy, Debug)]
-struct Entry<T>(f64, T);
+struct HeapItem<T>(f64, T);
 
-impl<T: Ord> Ord for Entry<T> {
+impl<T: Ord> Ord for HeapItem<T> {
     #[inline]
     fn cmp(&self, other: &Self) -> Ordering {
         // Labels are not NaN.
@@ -54,20 +54,20 @@ impl<T: Ord> Ord for Entry<T> {
     }
 }
 
-impl<T: Ord> PartialOrd for Entry<T> {
+impl<T: Ord> PartialOrd for HeapItem<T> {
     #[inline]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl<T: Ord> PartialEq for Entry<T> {
+impl<T: Ord> PartialEq for HeapItem<T> {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl<T: Ord> Eq for Entry<T> {}
+impl<T: Ord> Eq for HeapItem<T> {}
 
 impl<T: Copy + Ord> Default for Heap<T> {
     /// An empty binary heap.
@@ -89,7 +89,7 @@ impl<T: Copy + Ord> Heap<T> {
     #[inline]
     pub fn push(&mut self, label: f64, item: T) {
         match &mut self.0 {
-            Shaped::Binary(heap) => heap.push(Entry(label, item)),
+            Shaped::Binary(heap) => heap.push(HeapItem(label, item)),
             Shaped::Quaternary(heap) => heap.push(label, item),
         }
     }
@@ -98,7 +98,7 @@ impl<T: Copy + Ord> Heap<T> {
     #[inline]
     pub fn pop(&mut self) -> Option<(f64, T)> {
         match &mut self.0 {
-            Shaped::Binary(heap) => heap.pop().map(|Entry(label, item)| (label, item)),
+            Shaped::Binary(heap) => heap.pop().map(|HeapItem(label, item)| (label, item)),
             Shaped::Quaternary(heap) => heap.pop(),
         }
     }
@@ -107,7 +107,7 @@ impl<T: Copy + Ord> Heap<T> {
     #[inline]
     pub fn peek(&self) -> Option<(f64, T)> {
         match &self.0 {
-            Shaped::Binary(heap) => heap.peek().map(|&Entry(label, item)| (label, item)),
+            Shaped::Binary(heap) => heap.peek().map(|&HeapItem(label, item)| (label, item)),
             Shaped::Quaternary(heap) => heap.peek(),
         }
     }
@@ -139,7 +139,7 @@ impl<T: Copy + Ord> Heap<T> {
             .flat_map(QuaternaryHeap::iter)
             .copied();
         binary
-            .map(|&Entry(label, item)| (label, item))
+            .map(|&HeapItem(label, item)| (label, item))
             .chain(quaternary)
     }
 

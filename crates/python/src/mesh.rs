@@ -275,7 +275,7 @@ impl PyMesh {
     /// The number of a vertex near the position `(x, y, z)`: the nearest corner of the face that
     /// contains the nearest point of the surface. Another vertex can be nearer to the position.
     fn nearest_vertex(&self, x: f64, y: f64, z: f64) -> PyResult<u32> {
-        let spec = crate::points::at(x, y, z)?.0;
+        let spec = crate::points::at(x, y, z, true)?.0;
         let found = Finder::new(&self.mesh).find(spec, "position")?;
         if let Place::Vertex(v) = found.place() {
             return Ok(v.raw());

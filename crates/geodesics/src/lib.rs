@@ -241,7 +241,7 @@ pub trait Distances {
     /// in the units of the mesh; infinite where no path leads.
     ///
     /// Sets up [`VtpFast`] for this one query, which adds about a third to the time; on a mesh with
-    /// [junctions](Mesh::junction) [`mmp_fast`](solvers::mmp_fast).
+    /// [junctions](Mesh::junction) [`mmp_fast`].
     ///
     /// # Errors
     ///

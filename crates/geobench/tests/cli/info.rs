@@ -11,6 +11,7 @@ fn counts_and_measures() {
       faces                2
       edges                5
       boundary edges       4
+      junctions            0
       boundary loops       1
       components           1
       genus                0
@@ -30,6 +31,7 @@ fn counts_and_measures() {
       faces                4,096
       edges                6,144
       boundary edges       0
+      junctions            0
       boundary loops       0
       components           1
       genus                0

@@ -15,9 +15,8 @@
 //!
 //! All forms find the same distances, because these do not depend on the order in which windows are
 //! taken. Only the number of windows depends on it. [`Trimming`] is the policy of the single form,
-//! and [`Batched`] the solver of the other. Each runs under any
-//! [`Discipline`](geobench_window::queue::Discipline); `geobench-fwp` makes its algorithms that
-//! way.
+//! and [`Batched`] the solver of the other. Each runs under any [`Discipline`];
+//! `geobench-fwp` makes its algorithms that way.
 //!
 //! # Parts
 //!

@@ -205,7 +205,7 @@ pub fn lock(path: &Path) -> io::Result<fs::File> {
     loop {
         let file = fs::File::open(path)?;
         file.lock()?;
-        // Whoever had the lock may have replaced the file, so that this lock is one of the old file.
+        // The process that had the lock may have replaced the file. Then this lock is on the old one.
         if FileIdentity::of_open(&file)? == FileIdentity::of(path) {
             return Ok(file);
         }

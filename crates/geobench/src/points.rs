@@ -18,7 +18,8 @@ use crate::terminal;
 #[derive(Args, Debug)]
 pub(crate) struct SourcesOptions {
     /// The source: first, largest (the first vertex of the largest component), a vertex number,
-    /// random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W, at:X,Y,Z or a list of these; may be repeated. Of several sources the nearest counts
+    /// random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W, at:X,Y,Z or a list of these; may be
+    /// repeated. Of several sources the nearest counts
     #[arg(
         long,
         value_name = "SRC",

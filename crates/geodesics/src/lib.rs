@@ -113,8 +113,8 @@
 //! * [`solvers`]: all solvers, with the names of the papers.
 //! * [`Paths`]: the shortest paths to many vertices, from one run of a solver.
 //! * [`Diagram`]: geodesic Voronoi diagrams. [`remesh`]: new meshes; [`Quality`] and
-//!   [`SurfaceDeviation`] measure them. [`Certificate`]: proofs of distances. [`DistanceField`]: the distance of every
-//!   point of a surface, for isolines.
+//!   [`SurfaceDeviation`] measure them. [`Certificate`]: proofs of distances. [`DistanceField`]:
+//!   the distance of every point of a surface, for isolines.
 //! * [`Solver`]: the interface of all solvers. It also counts windows and samples phases.
 //! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`], [`paths`], [`isolines`],
 //!   [`voronoi`], [`certify`]: the crates of the suite, with the parts from which solvers are

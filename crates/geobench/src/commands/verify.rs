@@ -42,8 +42,8 @@ pub(crate) struct VerifyOptions {
     algo: Option<Algorithms>,
 
     /// Sources: first, largest (the first vertex of the largest component), a vertex number,
-    /// random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W, at:X,Y,Z or a list of these; may be repeated. Vertices for which distances are stored
-    /// (MODEL.sSOURCE.csv) are added
+    /// random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W, at:X,Y,Z or a list of these; may be
+    /// repeated. Vertices for which distances are stored (MODEL.sSOURCE.csv) are added
     #[arg(
         long,
         value_name = "SRC",

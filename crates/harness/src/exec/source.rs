@@ -50,8 +50,9 @@ enum SourcePart {
     All,
 }
 
-/// Sources as a user gives them: `first`, `largest`, a vertex number, `random:N[,seed=S]`, `all`, points of
-/// the surface, or a list of these. Vertices and faces are numbered from 0 in the file's order.
+/// Sources as a user gives them: `first`, `largest`, a vertex number, `random:N[,seed=S]`, `all`,
+/// points of the surface, or a list of these. Vertices and faces are numbered from 0 in the file's
+/// order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceSpec(Vec<SourcePart>);
 

@@ -3,10 +3,10 @@
 //! A mesh starts as one of [`Kind::GENERAL`]: slivers, exact ties, faces without area, needle tips
 //! and so on; or as one of [`Kind::BUILT`]: chains of near ties, combs, graded edges, parts of
 //! solid modellers and so on, small ([`Kind::mesh`]) or of up to 20,000 faces
-//! ([`Kind::large_mesh`]); or as one of [`Kind::JOINED`], with edges of any number of faces. Some are changed further: edges are split, flipped or shortened to
-//! almost nothing, points are inserted on edges, faces are removed. The whole mesh may be
-//! stretched, scaled, moved away from the origin, renumbered, turned inside out or joined with
-//! another one.
+//! ([`Kind::large_mesh`]); or as one of [`Kind::JOINED`], with edges of any number of faces. Some
+//! are changed further: edges are split, flipped or shortened to almost nothing, points are
+//! inserted on edges, faces are removed. The whole mesh may be stretched, scaled, moved away from
+//! the origin, renumbered, turned inside out or joined with another one.
 //!
 //! A mesh may have a defect that no program accepts, such as an edge without length. The mesh
 //! builder under test must detect it.

@@ -258,7 +258,8 @@ fn read(path: &Path) -> anyhow::Result<Record> {
     Ok(record)
 }
 
-/// All records in `directory`, by the names of their files; see [`OrderedHistory`](super::order::OrderedHistory) for their order.
+/// All records in `directory`, by the names of their files; see
+/// [`OrderedHistory`](super::order::OrderedHistory) for their order.
 ///
 /// # Errors
 ///

@@ -150,8 +150,8 @@ impl Remeshed {
 ///
 /// # Errors
 ///
-/// When the mesh has no coordinates or has a [junction](Mesh::junction), there are fewer vertices than sites, or no triangulation was
-/// found.
+/// When the mesh has no coordinates or has a [junction](Mesh::junction), there are fewer vertices
+/// than sites, or no triangulation was found.
 pub fn remesh(mesh: &Mesh, options: &RemeshOptions) -> Result<Remeshed, RemeshError> {
     if mesh.positions().is_empty() || mesh.face_count() == 0 {
         return Err(RemeshError::NoSurface);

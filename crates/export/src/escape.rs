@@ -71,8 +71,26 @@ fn code(shown: &mut String, c: char) {
     };
 }
 
-/// `text` as one line of Markdown without markup: no HTML, no link, no end of a table cell.
+/// `text` as a line of Markdown or the beginning of one, as [`markdown`], and no heading, list or
+/// quotation.
+pub fn markdown_line(text: &str) -> String {
+    let text = printable(text);
+    let text = text.trim_start();
+    let marker = text.trim_start_matches(|c: char| c.is_ascii_digit());
+    let number = &text[..text.len() - marker.len()];
+    if !number.is_empty() && marker.starts_with(['.', ')']) {
+        return format!("{number}\\{}", markdown(marker));
+    }
+    let is_block = text.starts_with(['#', '-', '+', '>', '=']);
+    let start = if is_block { "\\" } else { "" };
+    format!("{start}{}", markdown(text))
+}
+
+/// `text` within a line of Markdown, without markup: no HTML, no link, no end of a table cell, and
+/// on GitHub no mention of a user and no reference to an issue.
 pub fn markdown(text: &str) -> String {
+    /// Invisible. Letters behind it are no name of a user, and digits no number of an issue.
+    const BREAK: &str = "&#8203;";
     let text = printable(text);
     let mut escaped = String::with_capacity(text.len());
     let mut last = ' ';
@@ -83,6 +101,8 @@ pub fn markdown(text: &str) -> String {
             '<' => escaped.push_str("&lt;"),
             '&' => escaped.push_str("&amp;"),
             '\\' | '|' | '`' | '*' | '~' => escaped.extend(['\\', c]),
+            '@' if next.is_alphanumeric() => escaped.extend(["@", BREAK]),
+            '#' if next.is_ascii_digit() => escaped.extend(["#", BREAK]),
             // Within a word an underscore is no markup.
             '_' if !(last.is_alphanumeric() && next.is_alphanumeric()) => escaped.push_str("\\_"),
             // Here a bracket ends the text of a link.
@@ -95,7 +115,8 @@ pub fn markdown(text: &str) -> String {
 }
 
 /// `text` with the special characters of XML and HTML escaped, for attributes and content.
-/// Characters that XML cannot hold are left out.
+/// Characters that XML cannot hold are left out, and those that change the direction of text become
+/// their codes.
 pub fn xml(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -107,6 +128,7 @@ pub fn xml(text: &str) -> String {
             '\'' => escaped.push_str("&#39;"),
             '\n' | '\t' => escaped.push(' '),
             c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => {}
+            c if steers(c) => code(&mut escaped, c),
             c => escaped.push(c),
         }
     }
@@ -176,7 +198,26 @@ mod tests {
     }
 
     #[test]
+    fn nothing_is_a_heading_or_a_list_and_nobody_is_called() {
+        for (text, escaped) in [
+            ("# head", "\\# head"),
+            ("  - item", "\\- item"),
+            ("===", "\\==="),
+            ("> q", "\\> q"),
+            ("12. x", "12\\. x"),
+            ("12.5 x", "12\\.5 x"),
+            ("12 x", "12 x"),
+            ("hi @everyone a@ b", "hi @&#8203;everyone a@ b"),
+            ("horse #2 # x", "horse #&#8203;2 # x"),
+        ] {
+            assert_eq!(markdown_line(text), escaped);
+        }
+        assert_eq!(markdown("-3.0 %"), "-3.0 %");
+    }
+
+    #[test]
     fn nothing_is_an_element() {
+        assert_eq!(xml("a\u{202e}b"), "a\\u{202e}b");
         assert_eq!(
             xml("<a href=\"x\">'&\u{1}</a>"),
             "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&lt;/a&gt;"

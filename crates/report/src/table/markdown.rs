@@ -1,6 +1,6 @@
 //! Tables in Markdown.
 
-use geobench_export::escape::markdown as escape;
+use geobench_export::escape::{markdown as escape, markdown_line};
 
 use crate::table::model::{Entry, Mark, Table};
 
@@ -11,7 +11,7 @@ pub(crate) fn table(table: &Table) -> String {
         lines.extend([format!("## {}", escape(&table.title)), String::new()]);
     }
     if !table.caption.is_empty() {
-        lines.extend(table.caption.lines().map(escape));
+        lines.extend(table.caption.lines().map(markdown_line));
         lines.push(String::new());
     }
     lines.extend(grid(table));
@@ -19,8 +19,8 @@ pub(crate) fn table(table: &Table) -> String {
     for part in &table.parts {
         let remarks: Vec<&str> = part.remarks().collect();
         if !remarks.is_empty() {
-            let [title, remarks] = [&part.title, &remarks.join("; ")].map(|text| escape(text));
-            lines.push(format!("- {title}: {remarks}"));
+            let remarks = format!("{}: {}", part.title, remarks.join("; "));
+            lines.push(format!("- {}", markdown_line(&remarks)));
         }
     }
     lines.join("\n") + "\n"

@@ -13,8 +13,8 @@ use geobench_export::output::{OutputFile, check_files, prepare_one};
 use geobench_export::picture::{Paint, Scene};
 use geobench_export::{FileFormat, no_coordinates};
 use geobench_harness::schema::SourceLabel;
-use geobench_mesh::VertexId;
 use geobench_mesh::io as mesh_io;
+use geobench_mesh::{TriangleSoup, VertexId};
 use geobench_registry::{self as registry, Selection};
 use geobench_voronoi::Diagram;
 
@@ -112,51 +112,64 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
         diagram: &diagram,
         stage_seconds: [windows, extraction],
     };
-    // All outputs are computed before any is written, so that a failure leaves no partial set.
-    let contents = if format.is_picture() {
-        picture(&file, &sources, format == DiagramFormat::Png)?
-    } else {
-        format.render(&file)?
-    };
-    let borders = match borders {
-        Some((format, output)) => Some((format.render(&file)?, output)),
-        None => None,
-    };
-    let labels = labels.map(|(format, output)| (format.render(&file), output));
-    let mut summary = coinciding(&points.sources);
-    summary.push_str(&summary_of(&options.output, &file));
-    let dual = match &dual_file {
-        Some((path, ..)) => {
-            let dual = diagram.dual();
-            let positions = diagram.mesh().positions();
-            if positions.is_empty() {
-                return Err(no_coordinates(path.display()));
-            }
-            let corners = sources.iter().map(|s| positions[s.index()]).collect();
-            let soup = dual.triangulation(corners);
-            let soup = soup.with_context(|| path.display().to_string())?;
-            let _ = writeln!(
-                summary,
-                "{}: {} triangles, {} Voronoi vertices of more than three cells split",
-                path.display(),
-                dual.triangles.len(),
-                dual.split.len()
-            );
-            Some(soup)
+    // Each output is complete or not written, whatever happens to the others.
+    let mut failed = None;
+    let mut note = |done: anyhow::Result<()>| {
+        if let Err(error) = done {
+            failed.get_or_insert(error);
         }
-        None => None,
     };
-    output.write(&contents)?;
-    for (contents, output) in [borders, labels].into_iter().flatten() {
+    let contents = if format.is_picture() {
+        picture(&file, &sources, format == DiagramFormat::Png)
+    } else {
+        format.render(&file)
+    };
+    let mut summary = coinciding(&points.sources);
+    note(contents.and_then(|contents| {
         output.write(&contents)?;
+        summary.push_str(&summary_of(&options.output, &file));
+        Ok(())
+    }));
+    if let Some((format, output)) = borders {
+        note(format.render(&file).and_then(|text| output.write(&text)));
     }
-    if let (Some(soup), Some((_, ending, output))) = (dual, dual_file) {
-        output.write_with(ending, |path| Ok(mesh_io::write(path, &soup)?))?;
+    if let Some((format, output)) = labels {
+        note(output.write(&format.render(&file)));
+    }
+    if let Some((path, ending, output)) = dual_file {
+        let made = dual(path, &diagram, &sources);
+        note(made.and_then(|(soup, line)| {
+            summary.push_str(&line);
+            output.write_with(ending, |path| Ok(mesh_io::write(path, &soup)?))
+        }));
     }
     if !options.quiet && options.output != Path::new("-") {
         terminal::print(&summary)?;
     }
-    Ok(Verdict::Passed)
+    failed.map_or(Ok(Verdict::Passed), Err)
+}
+
+/// The dual triangulation for the file `path`, and a line about it.
+fn dual(
+    path: &Path,
+    diagram: &Diagram,
+    sources: &[VertexId],
+) -> anyhow::Result<(TriangleSoup, String)> {
+    let dual = diagram.dual();
+    let positions = diagram.mesh().positions();
+    if positions.is_empty() {
+        return Err(no_coordinates(path.display()));
+    }
+    let corners = sources.iter().map(|s| positions[s.index()]).collect();
+    let soup = dual.triangulation(corners);
+    let soup = soup.with_context(|| path.display().to_string())?;
+    let line = format!(
+        "{}: {} triangles, {} Voronoi vertices of more than three cells split\n",
+        path.display(),
+        dual.triangles.len(),
+        dual.split.len()
+    );
+    Ok((soup, line))
 }
 
 /// The error that `algorithm` keeps no windows of which a diagram could be made.

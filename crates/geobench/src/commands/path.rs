@@ -125,6 +125,9 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     for (target, vertex) in targets {
         match paths.to(vertex) {
             Ok(path) => {
+                if path.is_none() {
+                    verdict = Verdict::Failed;
+                }
                 let path = path.map(|path| points.told(mesh, path));
                 totals.add(&target, path.as_ref());
                 if keeps_all {

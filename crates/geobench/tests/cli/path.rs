@@ -13,7 +13,10 @@ const STRIP: &str = "OFF\n13 9 0\n0 0 0\n1 0 0\n2 0 0\n3 0 0\n4 0 0\n0 1 0\n1 1 
 fn json_has_points_edges_and_lengths() {
     let sandbox = Sandbox::new();
     sandbox.write("strip.off", STRIP);
-    let said = sandbox.succeed("path strip.off --source 5 --target 4 --target 10 -o p.json");
+    let outcome = sandbox.call("path strip.off --source 5 --target 4 --target 10 -o p.json");
+    // A target is unreachable.
+    assert_eq!(outcome.code, 1);
+    let said = outcome.stdout;
     assert!(
         said.starts_with("vertex 5 to 4: length 4.123105625617"),
         "{said}"

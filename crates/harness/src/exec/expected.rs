@@ -6,7 +6,7 @@ use std::{fmt, fs};
 use geobench_registry::UsageError;
 
 use crate::schema::SourceLabel;
-use crate::usage::read_text;
+use crate::usage::{first_field, quoted, read_text};
 
 /// Where stored distances are looked up.
 ///
@@ -170,7 +170,7 @@ pub(crate) fn parse(
     let mut distances = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();
-        if line.is_empty() || (index == 0 && line.eq_ignore_ascii_case("vertex,distance")) {
+        if line.is_empty() || (distances.is_empty() && is_header(line)) {
             continue;
         }
         let parsed = parse_line(line, vertices);
@@ -185,32 +185,39 @@ pub(crate) fn parse(
     })
 }
 
+/// Whether a line names the columns of distances.
+fn is_header(line: &str) -> bool {
+    let (first, rest) = first_field(line);
+    let second = rest.map(|rest| first_field(rest).0);
+    ["vertex", "target"]
+        .iter()
+        .any(|name| first.eq_ignore_ascii_case(name))
+        && second.is_some_and(|second| second.eq_ignore_ascii_case("distance"))
+}
+
 /// Parses `vertex,distance`. The distance is `inf` if the vertex is unreachable.
 fn parse_line(line: &str, vertices: usize) -> Result<(usize, f64), String> {
-    let (vertex, distance) = line
-        .split_once(',')
-        .ok_or_else(|| format!("`{}` is not of the form vertex,distance", shown(line)))?;
+    let (vertex, rest) = first_field(line);
+    let rest =
+        rest.ok_or_else(|| format!("`{}` is not of the form vertex,distance", quoted(line)))?;
+    let (distance, rest) = first_field(rest);
+    if rest.is_some() {
+        return Err(format!(
+            "`{}` is not of the form vertex,distance",
+            quoted(line)
+        ));
+    }
     let vertex: usize = vertex
-        .trim()
         .parse()
-        .map_err(|_| format!("`{}` is not a vertex number", shown(vertex)))?;
+        .map_err(|_| format!("`{}` is not a vertex number", quoted(&vertex)))?;
     if vertex >= vertices {
         return Err(format!(
             "vertex {vertex} does not exist: the model has {vertices} vertices, numbered from 0"
         ));
     }
-    match distance.trim().parse::<f64>() {
+    match distance.parse::<f64>() {
         Ok(value) if value >= 0.0 => Ok((vertex, value)),
-        _ => Err(format!("`{}` is not a distance", shown(distance))),
-    }
-}
-
-/// The start of a text, for messages.
-fn shown(text: &str) -> String {
-    const MOST: usize = 40;
-    match text.char_indices().nth(MOST) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text.to_owned(),
+        _ => Err(format!("`{}` is not a distance", quoted(&distance))),
     }
 }
 

@@ -8,6 +8,7 @@ use geobench_mesh::{Mesh, NearestPoint, Place, SplitMix64, SurfacePoint, VertexI
 use geobench_registry::UsageError;
 
 use crate::schema::SourceLabel;
+use crate::usage::quoted;
 
 /// Seed of `random:N` where none is given.
 const DEFAULT_SEED: u64 = 1;
@@ -412,7 +413,8 @@ impl SourceSpec {
     fn parse(text: &str, noun: &str) -> Result<Self, UsageError> {
         let takes_largest = noun == "source";
         let more = if takes_largest { ", or `largest`" } else { "" };
-        let syntax = || UsageError(format!("`{text}` is not a {noun}: {FORMS}{more}"));
+        let shown = quoted(text);
+        let syntax = || UsageError(format!("`{shown}` is not a {noun}: {FORMS}{more}"));
         let lower = text.trim().to_lowercase();
         let mut words = lower.split(',').map(str::trim).peekable();
         let mut forms = Vec::new();
@@ -452,7 +454,7 @@ impl SourceSpec {
                     let count = count.trim().parse().map_err(|_| syntax())?;
                     if count == 0 {
                         return Err(UsageError(format!(
-                            "`{text}` asks for no {noun}; ask for at least one"
+                            "`{shown}` asks for no {noun}; ask for at least one"
                         )));
                     }
                     let mut seed = DEFAULT_SEED;

@@ -2,6 +2,7 @@
 
 mod args;
 mod commands;
+mod examples;
 mod git;
 mod isolation;
 mod points;
@@ -14,7 +15,7 @@ use std::ffi::{OsStr, OsString};
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use geobench_harness::exec::model::standard_input;
 use geobench_harness::exec::{interrupt, isolate};
 use geobench_harness::measure::instructions;
@@ -22,7 +23,7 @@ use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAlloc};
 
 use commands::{
     algos, certify, claims, cluster, compare, count_one_solve, distance, generate, info, isolines,
-    merge, path, pool, record, remesh, report, run, shell, trend, verify, voronoi,
+    merge, path, pool, record, remesh, report, run, shell, suites, trend, verify, voronoi,
 };
 use terminal::ColorChoice;
 use verdict::Verdict;
@@ -86,6 +87,8 @@ enum Command {
     Remesh(remesh::RemeshingOptions),
     /// Prove distances right, or say where they are not
     Certify(certify::CertifyOptions),
+    /// List the suites that are part of the program (`run --suite NAME`)
+    Suites(suites::SuitesOptions),
     /// Write a generated model to a file
     Gen(generate::GenOptions),
     /// Show counts, defects, genus and anisotropy of models
@@ -119,10 +122,16 @@ enum Command {
     CountOneSolve(count_one_solve::CountOneSolveOptions),
 }
 
+/// The definition of the command line.
+fn program() -> clap::Command {
+    examples::add_to(Arguments::command())
+}
+
 /// Runs the command that the arguments of the process name, and returns its exit status.
 fn main() -> ExitCode {
     report_panics_in_one_line();
-    match Arguments::try_parse() {
+    let arguments = program().try_get_matches();
+    match arguments.and_then(|found| Arguments::from_arg_matches(&found)) {
         Ok(Arguments {
             command: Command::Cell { model, settings },
             ..
@@ -167,14 +176,15 @@ fn command(arguments: Arguments) -> ExitCode {
         Command::Certify(options) => certify::certify(&options),
         Command::Gen(options) => generate::generate(&options),
         Command::Info(options) => info::info(&options),
+        Command::Suites(options) => suites::suites(&options, look),
         Command::Algos(options) => algos::algos(&options, look),
         Command::Merge(options) => merge::merge(&options),
         Command::Cluster(options) => cluster::cluster(&options, look),
         Command::Pool(options) => pool::pool(&options),
         Command::Record(options) => record::record(&options),
         Command::Trend(options) => trend::trend(&options, look),
-        Command::Completions(options) => shell::completions(&options, Arguments::command()),
-        Command::Man(options) => shell::man(&options, Arguments::command()),
+        Command::Completions(options) => shell::completions(&options, program()),
+        Command::Man(options) => shell::man(&options, program()),
         Command::Cell { .. } => Ok(Verdict::Passed), // Served above.
         Command::CountOneSolve(options) => {
             count_one_solve::count_one_solve(&options).map(|()| Verdict::Passed)
@@ -228,6 +238,6 @@ mod tests {
 
     #[test]
     fn the_arguments_are_consistent() {
-        Arguments::command().debug_assert();
+        program().debug_assert();
     }
 }

@@ -102,8 +102,16 @@ pub(crate) fn notes_on(model: &str, messages: &[String]) {
     }
 }
 
+/// Maximum number of characters of a message. Longer ones quote a file or a program at length.
+const MOST_CHARACTERS: usize = 2000;
+
 fn note(kind: &str, message: &str) {
+    let cut = message.char_indices().nth(MOST_CHARACTERS);
+    let (message, more) = match cut {
+        Some((end, _)) => (&message[..end], "..."),
+        None => (message, ""),
+    };
     let message = printable(message);
     // Write errors are ignored: there is no other place to report them.
-    let _ = writeln!(io::stderr(), "geobench: {kind}: {message}");
+    let _ = writeln!(io::stderr(), "geobench: {kind}: {message}{more}");
 }

@@ -138,15 +138,15 @@ fn all() -> &'static [Figure] {
     static ALL: LazyLock<Vec<Figure>> = LazyLock::new(|| {
         let (cost, note) = (Figure::cost, Figure::note);
         let mut all = vec![
-            cost("time", "Time (s)", Decimals(6), |c| c.time.median),
-            cost("outside_time", "Time from outside (s)", Decimals(6), |c| {
+            cost("time", "Time (s)", Decimals(9), |c| c.time.median),
+            cost("outside_time", "Time from outside (s)", Decimals(9), |c| {
                 median(&c.time.outside)
             }),
-            note("claimed_time", "Time it claims (s)", Decimals(6), |c| {
+            note("claimed_time", "Time it claims (s)", Decimals(9), |c| {
                 median(&c.time.claimed)
             }),
-            cost("setup", "Set-up (s)", Decimals(6), |c| c.time.setup),
-            cost("extraction", "Stage 2, diagram (s)", Decimals(6), |c| {
+            cost("setup", "Set-up (s)", Decimals(9), |c| c.time.setup),
+            cost("extraction", "Stage 2, diagram (s)", Decimals(9), |c| {
                 c.time.extraction
             }),
             cost(
@@ -192,16 +192,16 @@ fn all() -> &'static [Figure] {
             cost(
                 "phase_propagation",
                 "Propagation, sampled (s)",
-                Decimals(6),
+                Decimals(9),
                 |c| c.phases.propagation,
             ),
-            cost("phase_pruning", "Pruning, sampled (s)", Decimals(6), |c| {
+            cost("phase_pruning", "Pruning, sampled (s)", Decimals(9), |c| {
                 c.phases.pruning
             }),
             cost(
                 "phase_management",
                 "Management, sampled (s)",
-                Decimals(6),
+                Decimals(9),
                 |c| c.phases.management,
             ),
             note(

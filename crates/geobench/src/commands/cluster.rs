@@ -22,8 +22,8 @@ use crate::verdict::Verdict;
 #[derive(Args, Debug)]
 #[command(
     after_help = "Every part of the plan is a job of an array, and one job more joins their files. DIR must be on a \
-    file system that all nodes see; it gets the scripts, journals, logs and the result. Cores, memory and time \
-    follow from --threads, --memory-limit and --timeout of the plan. A part that is started again on the same \
+    file system that all nodes see; it gets the scripts, journals, logs and the result. Cores and memory \
+    follow from --threads and --memory-limit of the plan, the time from the sizes of the models. A part that is started again on the same \
     node goes on from its journal; on another it starts anew, so that ratios are of one node."
 )]
 #[expect(
@@ -47,7 +47,7 @@ pub(crate) struct ClusterOptions {
     #[arg(long)]
     pub(crate) exclusive: bool,
 
-    /// Time limit of each part [default: all its runs at their time limit]
+    /// Time limit of each part [default: what its runs take on models of such sizes]
     #[arg(long, value_name = "DUR")]
     pub(crate) time: Option<humantime::Duration>,
 

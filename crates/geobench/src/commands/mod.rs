@@ -18,6 +18,7 @@ pub(crate) mod remesh;
 pub(crate) mod report;
 pub(crate) mod run;
 pub(crate) mod shell;
+pub(crate) mod suites;
 pub(crate) mod trend;
 pub(crate) mod verify;
 pub(crate) mod voronoi;

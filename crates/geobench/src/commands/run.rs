@@ -1,6 +1,6 @@
 //! `geobench run`.
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 use geobench_harness::exec::source::SourceSpec;
 use geobench_harness::plan::sampling::{Seconds, Share};
 use geobench_registry as registry;
@@ -18,7 +18,7 @@ use geobench_harness::exec::{InstructionCounter, Listener, Step, interrupt};
 use geobench_harness::measure::conditions::{self, Snapshot};
 use geobench_harness::measure::{host, instructions};
 use geobench_harness::plan::suite::{
-    self, Library, MOST_RUNS, ModelChoice, Plans, Settings, Suite, WantedModel,
+    self, EmbeddedSuite, Library, MOST_RUNS, ModelChoice, Plans, Settings, Suite, WantedModel,
 };
 use geobench_harness::plan::{self, Plan, Reference};
 use geobench_harness::run::journal::{Journal, JournalHeader};
@@ -41,14 +41,19 @@ use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
 #[command(after_help = MODELS_HELP)]
+#[command(group = ArgGroup::new("which_suite").args(["config", "suite"]))]
 pub(crate) struct RunOptions {
-    /// Models; without any, those of the suite file, or a built-in suite of generated ones
+    /// Models; without any, those of the suite, or a built-in suite of generated ones
     #[arg(value_name = "MODEL")]
     pub(crate) models: Vec<String>,
 
     /// Suite file with models, algorithms and settings in groups; options override it
-    #[arg(long, value_name = "SUITE.toml")]
+    #[arg(help_heading = "What runs", long, value_name = "SUITE.toml")]
     pub(crate) config: Option<PathBuf>,
+
+    /// Suite that is part of the program; `geobench suites` lists them
+    #[arg(help_heading = "What runs", long, value_name = "NAME", value_parser = EmbeddedSuite::named)]
+    pub(crate) suite: Option<EmbeddedSuite>,
 
     #[command(flatten)]
     pub(crate) scale: ScaleOptions,
@@ -56,115 +61,135 @@ pub(crate) struct RunOptions {
     /// Algorithms by name, by family, or exact, or all; separated by commas; with parameters as
     /// name{key=value,...} [default: mmp,ich,fwp-mmp,fwp-ch,vtp with --simd scalar, and mmp-fast,
     /// ich-fast,vtp,vtp-fast with the widest instructions for the fast forms]
-    #[arg(long, value_name = "LIST", value_parser = algorithms)]
+    #[arg(help_heading = "What runs", long, value_name = "LIST", value_parser = algorithms)]
     pub(crate) algo: Option<Algorithms>,
 
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Sources and targets")]
     pub(crate) source: RunSourceOptions,
 
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Sources and targets")]
     pub(crate) goal: GoalOptions,
 
     /// Timed runs of each cell [default: 5 to 100, as many as --precision needs]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_RUNS)))]
+    #[arg(help_heading = "Repetitions", long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_RUNS)))]
     pub(crate) repeat: Option<u32>,
 
     /// Repeat until the 95 % interval of the median time lies within this share of the median; short
     /// solves are timed in batches [default: 3%]
-    #[arg(long, value_name = "P", conflicts_with = "repeat")]
+    #[arg(
+        help_heading = "Repetitions",
+        long,
+        value_name = "P",
+        conflicts_with = "repeat"
+    )]
     pub(crate) precision: Option<Share>,
 
     /// Least time that the timed runs of a cell take together, such as 1s [default: 0.2s]
-    #[arg(long, value_name = "T", conflicts_with = "repeat")]
+    #[arg(
+        help_heading = "Repetitions",
+        long,
+        value_name = "T",
+        conflicts_with = "repeat"
+    )]
     pub(crate) min_time: Option<Seconds>,
 
     /// Time after which no timed run of a cell starts, such as 1m [default: 20s; 1s for the
     /// built-in suite]
-    #[arg(long, value_name = "T", conflicts_with = "repeat")]
+    #[arg(
+        help_heading = "Repetitions",
+        long,
+        value_name = "T",
+        conflicts_with = "repeat"
+    )]
     pub(crate) max_time: Option<Seconds>,
 
     /// Untimed runs of each cell before the timed ones [default: 1]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(..=i64::from(MOST_RUNS)))]
+    #[arg(help_heading = "Repetitions", long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(..=i64::from(MOST_RUNS)))]
     pub(crate) warmup: Option<u32>,
 
     /// What answers must agree with: an algorithm, certificate (mmp with a proof of its distances),
     /// none, file (MODEL.sSOURCE.csv beside the model or in a folder named expected there or beside
     /// its folder), or the path of such a file
     /// [default: mmp-fast if it runs, else the first exact algorithm]
-    #[arg(long, value_name = "REF")]
+    #[arg(help_heading = "Checks", long, value_name = "REF")]
     pub(crate) check: Option<String>,
 
     /// Largest relative difference that passes [default: 1e-9]
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = tolerance)]
+    #[arg(help_heading = "Checks", long, value_name = "T", allow_negative_numbers = true, value_parser = tolerance)]
     pub(crate) tolerance: Option<f64>,
 
     /// Seed of the order in which the algorithms take turns [default: 1]
-    #[arg(long, value_name = "N")]
+    #[arg(help_heading = "Repetitions", long, value_name = "N")]
     pub(crate) seed: Option<u64>,
 
     /// Threads of the parallel algorithms (pvtp, pch), of the set-up of svg, and of outside programs
     /// whose command has {threads} [default: 1]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = threads())]
+    #[arg(help_heading = "What runs", long, value_name = "N", allow_negative_numbers = true, value_parser = threads())]
     pub(crate) threads: Option<u32>,
 
     /// Instructions of every algorithm: auto (scalar for the algorithms of papers, the widest of the
     /// processor for the fast forms), scalar, avx2 or avx512; narrower ones where the processor lacks
     /// them. Distances and counts do not depend on it [default: auto]
-    #[arg(long, value_name = "SIMD")]
+    #[arg(help_heading = "What runs", long, value_name = "SIMD")]
     pub(crate) simd: Option<SimdChoice>,
 
     /// Cells that run at the same time; more than 1 disturbs the times, and tables and files say so
-    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
+    #[arg(help_heading = "Processes", long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
     pub(crate) jobs: u32,
 
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Processes")]
     pub(crate) isolation: IsolationOptions,
 
     /// Rows of tables: time, propagated and any other counter, generated, valid, ...; separated by
     /// commas [default: time, propagations and two measures of memory]
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = row)]
+    #[arg(help_heading = "Output", long, value_name = "LIST", value_delimiter = ',', value_parser = row)]
     pub(crate) rows: Option<Vec<String>>,
 
     /// Show the ratio of each algorithm to this one as well; of times, the median of the ratios run
     /// by run
-    #[arg(long, value_name = "A", value_parser = registry::select_one)]
+    #[arg(help_heading = "Output", long, value_name = "A", value_parser = registry::select_one)]
     pub(crate) ratios_to: Option<Selection>,
 
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Output")]
     pub(crate) extras: ExtraOptions,
 
     /// What goes to standard output
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ResultFormat::Table)]
+    #[arg(help_heading = "Output", long, value_name = "FORMAT", value_enum, default_value_t = ResultFormat::Table)]
     pub(crate) format: ResultFormat,
 
     /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(help_heading = "Output", short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
 
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Output")]
     pub(crate) csv_rows: CsvOptions,
 
     /// Journal that notes every run as it ends; runs that it holds are not repeated, so the same
     /// command continues where it was interrupted
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Parts and continuation", long, value_name = "FILE")]
     pub(crate) resume: Option<PathBuf>,
 
     /// Result file (.json) to add to; it keeps its cells and gets the others of this run, and the
     /// timed runs that a cell lacks
-    #[arg(long, value_name = "FILE", conflicts_with = "shard")]
+    #[arg(
+        help_heading = "Parts and continuation",
+        long,
+        value_name = "FILE",
+        conflicts_with = "shard"
+    )]
     pub(crate) add_to: Option<PathBuf>,
 
     /// Run only part I of N of the plan, such as 2/3; every machine splits alike, and `geobench
     /// merge` joins the parts
-    #[arg(long, value_name = "I/N")]
+    #[arg(help_heading = "Parts and continuation", long, value_name = "I/N")]
     pub(crate) shard: Option<Shard>,
 
     /// Print no progress and no warnings
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     pub(crate) quiet: bool,
 
     /// Show no progress bar
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     pub(crate) no_progress: bool,
 }
 
@@ -189,14 +214,19 @@ pub(crate) struct RunSourceOptions {
     /// one), a vertex number, random:N[,seed=S], all, edge:A-B,T (from vertex A the
     /// fraction T of the way to B), face:F,U,V,W (barycentric coordinates), at:X,Y,Z (the nearest
     /// point), or a list of these; may be repeated [default: largest]
-    #[arg(long, value_name = "SRC", allow_negative_numbers = true)]
+    #[arg(
+        help_heading = "Sources and targets",
+        long,
+        value_name = "SRC",
+        allow_negative_numbers = true
+    )]
     pub(crate) source: Vec<SourceSpec>,
 
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Sources and targets")]
     pub(crate) far: FarOption,
 
     /// Run once from all sources together, with distances from the nearest, not once from each
-    #[arg(long)]
+    #[arg(help_heading = "Sources and targets", long)]
     pub(crate) sources_together: bool,
 }
 
@@ -213,15 +243,16 @@ impl RunSourceOptions {
 pub(crate) struct ScaleOptions {
     /// Directory of models that replace the stand-ins of the suite with the same names
     #[arg(
+        help_heading = "What runs",
         long = "models",
         value_name = "DIR",
-        requires = "config",
+        requires = "which_suite",
         conflicts_with = "models"
     )]
     pub(crate) library: Option<PathBuf>,
 
     /// Run the suite in the sizes of the paper, which takes hours and a large machine
-    #[arg(long, requires = "config")]
+    #[arg(help_heading = "What runs", long, requires = "which_suite")]
     pub(crate) full: bool,
 }
 
@@ -229,12 +260,12 @@ pub(crate) struct ScaleOptions {
 #[derive(Args, Debug)]
 pub(crate) struct ExtraOptions {
     /// Keep samples of the wavefront of each counted run, for the plots of `geobench report`
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     pub(crate) wavefront: bool,
 
     /// Count the instructions of one solve of each cell under Valgrind, which takes some fifty times
     /// as long as the solve (row `instructions`)
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     pub(crate) instructions: bool,
 }
 
@@ -306,7 +337,7 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
             options.jobs as usize,
         )?;
         listener.end(&plan.group)?;
-        let checked = !matches!(plan.reference, Reference::None);
+        let checked = plan.reference.is_required();
         verdicts.push(Tally::of(checked, &outcome.cells));
     }
     let mut conditions = conditions::between(&before, &Snapshot::take(Path::new("/")));
@@ -333,18 +364,19 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     }
     let verdict = verdict(&verdicts);
     if interrupt::requested() {
-        let (done, all) = (result.cells.len(), cells(&plans));
-        terminal::error(&format!("interrupted: {done} of {all} cells are done"));
+        let done = result.cells.len();
+        let all = cells(&plans).map_or_else(String::new, |all| format!(" of {all}"));
+        terminal::error(&format!("interrupted: {done}{all} cells are done"));
         return Ok(Verdict::Interrupted);
     }
     Ok(verdict)
 }
 
-/// Number of cells of all plans together. `all` counts as one source, because the number of
-/// vertices is not known here.
-fn cells(plans: &[Plan]) -> usize {
+/// Number of cells of all plans together. `None` if it depends on the models.
+fn cells(plans: &[Plan]) -> Option<usize> {
     let cells = plans.iter().map(|plan| plan.runs() / plan.runs_per_cell());
-    cells.fold(0, usize::saturating_add)
+    let is_known = plans.iter().all(|plan| !plan.is_open());
+    is_known.then(|| cells.fold(0, usize::saturating_add))
 }
 
 /// Counts of the cells of a plan by result.
@@ -404,7 +436,11 @@ pub(crate) fn verdict(tallies: &[Tally]) -> Verdict {
 
 /// The plans of the suite file, with the settings of the options, which take precedence.
 fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
-    let suite = options.config.as_deref().map(Suite::read).transpose()?;
+    let suite = match (&options.config, options.suite) {
+        (Some(config), _) => Some(Suite::read(config)?),
+        (None, Some(suite)) => Some(suite.read()?),
+        (None, None) => None,
+    };
     let mut programs = options.isolation.programs()?;
     if let Some(suite) = &suite {
         programs = programs.or(&suite.programs);
@@ -959,7 +995,8 @@ fn rescue(json: &str) -> String {
     }
 }
 
-/// The current time, RFC 3339 in UTC.
+/// The current time, RFC 3339 in UTC; the first second of 1970 if the clock is before it.
 pub(crate) fn now() -> String {
-    humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
+    let now = SystemTime::now().max(SystemTime::UNIX_EPOCH);
+    humantime::format_rfc3339_seconds(now).to_string()
 }

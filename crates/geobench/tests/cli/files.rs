@@ -96,11 +96,12 @@ const COMMANDS: [Files; 12] = [
 
 /// Commands that write no file of which the user chooses the name. `record` names its files itself,
 /// `cluster` fills a directory of its own.
-const OTHERS: [&str; 8] = [
+const OTHERS: [&str; 9] = [
     "verify",
     "certify",
     "info",
     "algos",
+    "suites",
     "record",
     "cluster",
     "completions",

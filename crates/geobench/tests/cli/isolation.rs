@@ -146,11 +146,20 @@ fn an_allocation_that_cannot_be_had_is_out_of_memory() {
 }
 
 #[test]
-fn a_model_that_cannot_be_loaded_within_the_limits_is_refused() {
+fn a_limit_that_is_exceeded_while_loading_is_the_status() {
     let sandbox = Sandbox::new();
-    let message = sandbox.refuse("run gen:sphere,subdiv=6 --algo vtp --memory-limit 4MiB --quiet");
-    assert!(message.starts_with("gen:sphere,subdiv=6"), "{message}");
-    assert!(message.ends_with("(loading the model)"), "{message}");
+    for (limit, status) in [
+        ("--memory-limit 4MiB", "out_of_memory"),
+        ("--timeout 1ms", "timeout"),
+    ] {
+        let run = format!("run gen:sphere,subdiv=6 --algo vtp {limit} --quiet -o r.json");
+        assert_eq!(sandbox.call(&run).code, 1);
+        let cell = &sandbox.json("r.json")["cells"][0];
+        assert_eq!(cell["status"], status);
+        let message = cell["message"].as_str().unwrap();
+        assert!(message.starts_with("gen:sphere,subdiv=6"), "{message}");
+        assert!(message.ends_with("(loading the model)"), "{message}");
+    }
 }
 
 #[test]

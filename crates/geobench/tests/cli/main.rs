@@ -31,6 +31,7 @@ mod resume;
 mod run;
 mod shell;
 mod simd;
+mod suites;
 mod support;
 mod threads;
 mod tolerance;

@@ -272,9 +272,24 @@ fn stored_distances_are_a_reference() {
 }
 
 #[test]
-fn an_algorithm_alone_is_not_said_to_be_checked() {
+fn an_algorithm_alone_is_checked_by_another_that_has_no_row() {
     let sandbox = Sandbox::with_square();
-    let table = sandbox.succeed("run square.off --algo ich --repeat 1");
+    for (algorithm, reference) in [("ich", "mmp-fast"), ("mmp-fast", "ich-fast")] {
+        let run = format!("run square.off --algo {algorithm} --repeat 1 -o r.json");
+        let table = sandbox.succeed(&run);
+        assert!(
+            table.contains(&format!("checked against {reference}: ")),
+            "{table}"
+        );
+        let cells = &sandbox.json("r.json")["cells"];
+        assert_eq!(cells.as_array().unwrap().len(), 1);
+        assert_eq!(cells[0]["check"]["reference"], reference);
+    }
+    let outcome = sandbox.call("run square.off --algo test-wrong --repeat 1");
+    assert_eq!(outcome.code, 1, "{}", outcome.stderr);
+    let table = sandbox.succeed("run square.off --algo ich --repeat 1 --check none");
+    assert!(table.contains("not checked\n"), "{table}");
+    let table = sandbox.succeed("run square.off --algo ich --repeat 1 --check ich");
     assert!(table.contains("not checked: ich is its own reference"));
     let table = sandbox.succeed("run square.off --algo ich --repeat 1 --check vtp");
     assert!(table.contains("checked against vtp"));

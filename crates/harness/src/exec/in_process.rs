@@ -121,6 +121,7 @@ impl InProcess {
     /// If the model is unusable.
     pub(crate) fn open(model: &ModelRef, limit: DecompressionLimit) -> Result<Self, Refusal> {
         let loaded = model.load(limit).map_err(|error| Refusal {
+            status: Status::Refused,
             message: error.to_string(),
         })?;
         Ok(Self {

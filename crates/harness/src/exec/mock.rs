@@ -47,6 +47,7 @@ impl Backend for MockBackend {
     fn open<'b>(&'b self, model: &'b ModelRef) -> Result<Box<dyn Session + 'b>, Refusal> {
         if self.refuse.contains(&model.name.as_str()) {
             return Err(Refusal {
+                status: Status::Refused,
                 message: format!("{}: edge 3-7 has 3 faces", model.path),
             });
         }

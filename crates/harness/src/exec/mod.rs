@@ -182,6 +182,8 @@ pub trait Backend: Sync {
 /// A model that cannot be used.
 #[derive(Clone, Debug)]
 pub struct Refusal {
+    /// The status of its cells: refused, unless loading exceeded a limit or crashed.
+    pub status: Status,
     /// The cause, as a single line that names the file and the element.
     pub message: String,
 }

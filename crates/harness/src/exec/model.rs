@@ -120,7 +120,7 @@ pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelErr
         };
         if fs::metadata(path).map_err(missing)?.is_dir() {
             let mut found = Vec::new();
-            search(path, &mut found).map_err(missing)?;
+            search(path, &mut found);
             if found.is_empty() {
                 return Err(ModelError::Unreadable(format!(
                     "{argument}: no mesh file (OBJ, PLY, OFF, STL, also .gz) in this directory or below it"
@@ -141,18 +141,29 @@ pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelErr
 
 /// Adds the mesh files in `directory` and below it, sorted by name. Links to directories are not
 /// followed: they could lead in a circle.
-fn search(directory: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
-    let mut entries = fs::read_dir(directory)?.collect::<io::Result<Vec<_>>>()?;
+///
+/// Whatever has the ending of a mesh file is added, also a link to nothing or a pipe, and so is a
+/// directory that cannot be read: [`ModelRef::load`] tells why it cannot be used. Without them a
+/// data set that is not there in full would give a smaller table.
+fn search(directory: &Path, found: &mut Vec<PathBuf>) {
+    let entries = fs::read_dir(directory).and_then(Iterator::collect::<io::Result<Vec<_>>>);
+    let Ok(mut entries) = entries else {
+        found.push(directory.to_owned());
+        return;
+    };
     entries.sort_unstable_by_key(fs::DirEntry::file_name);
     for entry in entries {
         let path = entry.path();
-        if entry.file_type()?.is_dir() {
-            search(&path, found)?;
-        } else if mesh_io::is_mesh_file(&path) && path.is_file() {
+        let before = found.len();
+        let is_directory = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        if is_directory {
+            search(&path, found);
+        }
+        let is_mesh = mesh_io::is_mesh_file(&path);
+        if is_mesh && (!is_directory || found.len() == before) {
             found.push(path);
         }
     }
-    Ok(())
 }
 
 /// Models of the same name get their whole path as name, and a number if that is the same too.
@@ -320,6 +331,25 @@ impl ModelRef {
         }
     }
 
+    /// An upper bound of its number of faces, by its spec or the size of its file; `None` if unknown.
+    pub fn faces_at_most(&self) -> Option<f64> {
+        /// Bytes of a face and half a vertex in a compact binary PLY.
+        const BYTES: f64 = 19.0;
+        /// Ratio by which gzip makes mesh files smaller.
+        const COMPRESSED: f64 = 4.0;
+        match &self.origin {
+            ModelOrigin::Memory(mesh) => Some(mesh.face_count() as f64),
+            ModelOrigin::Generated(spec) => spec.face_count().map(|faces| faces as f64),
+            ModelOrigin::File(path) => {
+                let size = fs::metadata(path).ok()?.len() as f64;
+                let is_compressed = path
+                    .extension()
+                    .is_some_and(|e| e.eq_ignore_ascii_case("gz"));
+                Some(size / BYTES * if is_compressed { COMPRESSED } else { 1.0 })
+            }
+        }
+    }
+
     /// SHA-256 of its [source file](Self::source_file); none if there is no such file or it cannot
     /// be read.
     pub fn file_sha256(&self) -> Option<String> {
@@ -483,7 +513,27 @@ pub fn largest_component(mesh: &Mesh) -> Option<LargestComponent> {
         })
 }
 
+/// Why the path is not that of a file that can be read as often as needed; `None` if it is, or does
+/// not exist.
+fn not_a_file(path: &Path) -> Option<String> {
+    let kind = fs::metadata(path).ok()?.file_type();
+    let problem = if kind.is_dir() {
+        match fs::read_dir(path) {
+            Err(error) => format!("the directory cannot be searched: {error}"),
+            Ok(_) => "a directory, and no mesh file is in it".to_owned(),
+        }
+    } else if kind.is_file() {
+        return None;
+    } else {
+        "not a regular file; `-` reads a model from standard input".to_owned()
+    };
+    Some(format!("{}: {problem}", path.display()))
+}
+
 fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, ModelError> {
+    if let Some(problem) = not_a_file(path) {
+        return Err(ModelError::Unreadable(problem));
+    }
     let read = options.read(path).map_err(|error| match error {
         mesh_io::FileError::TooLarge {
             path,
@@ -501,8 +551,11 @@ fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, ModelErr
     read.map_err(ModelError::Unreadable)
 }
 
-/// SHA-256 of a file's bytes in hexadecimal.
+/// SHA-256 of the bytes of a regular file in hexadecimal.
 fn hash_file(path: &Path) -> io::Result<String> {
+    if !fs::metadata(path)?.is_file() {
+        return Err(io::ErrorKind::InvalidInput.into());
+    }
     let mut hash = Sha256::new();
     io::copy(&mut File::open(path)?, &mut HashWriter(&mut hash))?;
     Ok(hexadecimal(hash))
@@ -574,6 +627,37 @@ mod tests {
             names(&[path("")]),
             ["a".to_owned(), path("b.off"), path("b.off.gz")]
         );
+    }
+
+    #[test]
+    fn what_looks_like_a_model_and_cannot_be_read_is_named() {
+        let root = tempfile::tempdir().unwrap();
+        let path = |name: &str| root.path().join(name);
+        fs::write(path("a.off"), FACE).unwrap();
+        std::os::unix::fs::symlink("/no/such.off", path("b.off")).unwrap();
+        fs::create_dir(path("c.off")).unwrap();
+        fs::create_dir(path("d.off")).unwrap();
+        fs::write(path("d.off/e.off"), FACE).unwrap();
+        rustix::fs::mkfifoat(rustix::fs::CWD, path("f.off"), 0o600.into()).unwrap();
+        let models = collect(&[root.path().display().to_string()]).unwrap();
+        let outcomes = models.iter().map(|model| {
+            let loaded = model.load(DecompressionLimit::default());
+            let problem = loaded.map_or_else(|error| error.to_string(), |_| String::new());
+            (model.name.as_str(), problem)
+        });
+        let outcomes: Vec<_> = outcomes.collect();
+        for ((name, problem), (wanted, text)) in outcomes.iter().zip([
+            ("a", ""),
+            ("b", "no such file"),
+            ("c", "a directory, and no mesh file is in it"),
+            ("e", ""),
+            ("f", "not a regular file"),
+        ]) {
+            assert_eq!(*name, wanted);
+            assert!(problem.contains(text), "{name}: {problem}");
+            assert_eq!(problem.is_empty(), text.is_empty(), "{name}: {problem}");
+        }
+        assert_eq!(models[4].file_sha256(), None);
     }
 
     #[test]

@@ -8,6 +8,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::time::{Instant, SystemTime};
 
 use crate::measure::host::{kibibytes, load, text};
 use crate::schema::Conditions;
@@ -48,7 +49,31 @@ pub fn between(start: &Snapshot, end: &Snapshot) -> Conditions {
         warnings: Vec::new(),
     };
     conditions.warnings = doubts(&conditions);
+    conditions.warnings.extend(clock_jump(start, end));
     conditions
+}
+
+/// Smallest difference in seconds between the clock of the system and a steady one that counts as a
+/// jump. Synchronised clocks are slewed by less during a run of hours.
+const JUMP: f64 = 1.0;
+
+/// A warning if the clock of the system was set between two snapshots. Times do not depend on it,
+/// but the dates of the result file do.
+fn clock_jump(start: &Snapshot, end: &Snapshot) -> Option<String> {
+    let ((wall_before, before), (wall_after, after)) = (start.clocks?, end.clocks?);
+    let passed = after.duration_since(before).as_secs_f64();
+    let shown = match wall_after.duration_since(wall_before) {
+        Ok(passed) => passed.as_secs_f64(),
+        Err(back) => -back.duration().as_secs_f64(),
+    };
+    let jump = shown - passed;
+    (jump.abs() > JUMP + 1e-4 * passed).then(|| {
+        let direction = if jump > 0.0 { "forward" } else { "back" };
+        format!(
+            "the clock was set {direction} by {:.0} s, so the dates of the result are off",
+            jump.abs()
+        )
+    })
 }
 
 /// Combines the conditions of several runs, in order: the worst of each figure, and all warnings
@@ -139,6 +164,8 @@ const TICKS_PER_SECOND: u64 = 100;
 /// The state of the system at one moment. Values that the system does not report are absent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
+    /// The clock of the system and one that nobody sets.
+    clocks: Option<(SystemTime, Instant)>,
     ticks: Option<Ticks>,
     /// Ticks of this process and of its children that have been waited for.
     own: Option<u64>,
@@ -180,6 +207,7 @@ impl Snapshot {
         };
         let (cgroup_throttles, cgroup_throttled_seconds) = cgroup(root);
         Self {
+            clocks: Some((SystemTime::now(), Instant::now())),
             ticks: ticks(root),
             own: own_ticks(root),
             governors: governors(&of_each("cpufreq/scaling_governor")),

@@ -57,14 +57,19 @@ pub struct Plan {
     pub limits: Limits,
 }
 
+/// The greatest number of faces on which a reference runs that nobody asked for.
+pub const MOST_FACES_UNASKED: u64 = 1_000_000;
+
 /// The answers with which others are compared.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "there is one in a plan")]
 pub enum Reference {
     /// No comparison.
     None,
     /// The answers of an algorithm, which need not be one that is measured.
     Algorithm(Selection),
+    /// The answers of an algorithm that checks the only measured one, without being asked for. It
+    /// has no row, does not run above [`MOST_FACES_UNASKED`] faces, and its failure fails nothing.
+    Unasked(Selection),
     /// Stored distances.
     Files(Expected),
 }
@@ -72,16 +77,36 @@ pub enum Reference {
 impl Reference {
     /// The default: `mmp-fast` if it is measured; otherwise the first exact algorithm; otherwise
     /// `mmp-fast`, which then runs for the check only. Never an approximate algorithm, which would
-    /// make correct answers count as wrong.
+    /// make correct answers count as wrong. The only exact algorithm of a run is compared with
+    /// another one.
     pub fn usual(algorithms: &[Selection]) -> Self {
         const USUAL: &str = "mmp-fast";
+        const OTHER: &str = "ich-fast";
         let usual = algorithms.iter().find(|a| a.label() == USUAL);
         let exact = usual.or_else(|| algorithms.iter().find(|a| a.is_exact()));
+        let named = |name| registry::select_one(name);
         match (exact, algorithms) {
+            (Some(_), [one]) if one.algorithm().name == USUAL => {
+                named(OTHER).map_or(Self::None, Self::Unasked)
+            }
+            (Some(_), [_]) => named(USUAL).map_or(Self::None, Self::Unasked),
             (Some(selection), _) => Self::Algorithm(selection.clone()),
             (None, []) => Self::None,
-            (None, _) => registry::select_one(USUAL).map_or(Self::None, Self::Algorithm),
+            (None, _) => named(USUAL).map_or(Self::None, Self::Algorithm),
         }
+    }
+
+    /// The algorithm whose answers are the reference.
+    pub const fn algorithm(&self) -> Option<&Selection> {
+        match self {
+            Self::Algorithm(one) | Self::Unasked(one) => Some(one),
+            Self::None | Self::Files(_) => None,
+        }
+    }
+
+    /// Whether a cell fails that could not be compared with it.
+    pub const fn is_required(&self) -> bool {
+        matches!(self, Self::Algorithm(_) | Self::Files(_))
     }
 
     /// Resolves the path of a file relative to `directory`.
@@ -210,7 +235,7 @@ impl Plan {
     }
 
     /// Whether the number of units depends on the models.
-    fn is_open(&self) -> bool {
+    pub fn is_open(&self) -> bool {
         self.sources.has_all() && !self.sources_together
     }
 
@@ -326,7 +351,9 @@ fn group(plan: &Plan) -> PlannedGroup {
         warmup: plan.warmup,
         reference: match &plan.reference {
             Reference::None => "none".to_owned(),
-            Reference::Algorithm(selection) => selection.label().to_owned(),
+            Reference::Algorithm(selection) | Reference::Unasked(selection) => {
+                selection.label().to_owned()
+            }
             Reference::Files(files) => files.to_string(),
         },
         tolerance: plan.tolerance,

@@ -56,16 +56,14 @@ impl Sampling {
     }
 
     /// The greatest number of seconds that the timed runs of a cell take together if a run takes up
-    /// to `limit` seconds.
-    pub fn longest(&self, limit: u64) -> u64 {
-        let runs = (self.fewest() as u64).saturating_mul(limit);
+    /// to `run` seconds.
+    pub fn longest(&self, run: f64) -> f64 {
+        let runs = self.fewest() as f64 * run;
         match self {
             Self::Fixed(_) => runs,
+            // Another run may start just before the end.
             Self::UntilPrecise(precision) => {
-                // Another run may start just before the end.
-                let time = precision.max_time.max(precision.min_time).ceil();
-                #[expect(clippy::cast_sign_loss, reason = "times are positive")]
-                runs.max((time as u64).saturating_add(limit))
+                runs.max(precision.max_time.max(precision.min_time) + run)
             }
         }
     }

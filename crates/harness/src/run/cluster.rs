@@ -11,7 +11,6 @@ use std::fmt::Write as _;
 use std::fs;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Component, Path, PathBuf};
-use std::time::Duration;
 
 use anyhow::{Context, bail};
 use geobench_export::escape::shell;
@@ -20,6 +19,7 @@ use geobench_export::output::OutputFile;
 use geobench_registry::Selection;
 use serde::{Deserialize, Serialize};
 
+use crate::exec::model::ModelRef;
 use crate::exec::slurm::{self, QueuedPart};
 use crate::measure::number::ranges;
 use crate::plan::Plan;
@@ -41,8 +41,9 @@ pub struct Resources {
     /// for those that wait, plus the memory of the program itself. Null if some cells have no limit;
     /// then Slurm's default applies.
     pub memory_bytes: Option<u64>,
-    /// Time in seconds that the largest part takes if everything takes its time limit. Null
-    /// if some runs have no limit or their number is not known; then Slurm's default applies.
+    /// Time in seconds for the largest part, by the sizes of its models. Null if the number of its
+    /// runs is not known, or neither the size of a model nor a time limit; then Slurm's default
+    /// applies.
     pub seconds: Option<u64>,
 }
 
@@ -50,32 +51,19 @@ impl Resources {
     /// The resources that each of `parts` parts of `plans` needs at most, with one cell at a time.
     pub fn of(plans: &[Plan], parts: u32) -> Self {
         let algorithms = plans.iter().flat_map(|plan| &plan.algorithms);
-        let limit = |plan: &Plan| plan.limits.timeout.0;
         let seconds_of = |index| {
             let mut parted = plans.to_vec();
             let count = parts;
             crate::plan::restrict(&mut parted, Shard { index, count });
-            parted.iter().try_fold(0_u64, |sum, plan| {
-                let units: u128 = (0..plan.models.len())
-                    .map(|model| plan.units_of_model(model))
-                    .sum();
-                let units = u64::try_from(units).unwrap_or(u64::MAX);
-                match (units, limit(plan)) {
-                    (0, _) => Some(sum),
-                    // The number of vertices is not known yet.
-                    _ if plan.sources.has_all() && !plan.sources_together => None,
-                    (_, None) => None,
-                    (_, Some(limit)) => {
-                        let limit = whole_seconds(limit);
-                        // Each cell loads its model. The reference may run once more.
-                        let untimed = plan.runs_per_cell() - plan.sampling.fewest() + 1;
-                        let cell = (untimed as u64).saturating_mul(limit);
-                        let cell = cell.saturating_add(plan.sampling.longest(limit));
-                        let cells = (plan.algorithms.len() as u64).saturating_mul(cell);
-                        let unit = cells.saturating_add(2 * limit);
-                        Some(sum.saturating_add(units.saturating_mul(unit)))
-                    }
-                }
+            let models = parted.iter().flat_map(|plan| {
+                let models = plan.models.iter().enumerate();
+                models.map(move |(number, model)| (plan, model, plan.units_of_model(number)))
+            });
+            let mut models = models.filter(|(_, _, units)| *units > 0);
+            models.try_fold(RESERVE, |sum, (plan, model, units)| {
+                // Otherwise the number of vertices would have to be known.
+                let unit = seconds_of_unit(plan, model).filter(|_| !plan.is_open())?;
+                Some(sum + units as f64 * unit)
             })
         };
         let memory = plans
@@ -86,7 +74,8 @@ impl Resources {
             memory_bytes: memory.map(|bytes| bytes.saturating_mul(2).saturating_add(OWN_MEMORY)),
             seconds: (1..=parts)
                 .map(seconds_of)
-                .try_fold(0, |most, seconds| Some(most.max(seconds?))),
+                .try_fold(0.0, |most: f64, seconds| Some(most.max(seconds?)))
+                .map(whole_seconds),
         }
     }
 
@@ -103,8 +92,44 @@ impl Resources {
     }
 }
 
-fn whole_seconds(duration: Duration) -> u64 {
-    duration.as_secs() + u64::from(duration.subsec_nanos() > 0)
+#[expect(clippy::cast_sign_loss, reason = "times are positive")]
+fn whole_seconds(seconds: f64) -> u64 {
+    seconds.ceil() as u64
+}
+
+/// Seconds that a part gets in addition to its runs: for a slow file system, and for one run that
+/// takes the usual time limit.
+const RESERVE: f64 = 900.0;
+
+/// Seconds for starting a process and loading a model, in addition to the time per face.
+const START: f64 = 1.0;
+
+/// An upper bound of the seconds per face that solvers take on models of 10,000 faces. It grows with
+/// the square root of the number of faces.
+const SECONDS_PER_FACE: f64 = 1e-4;
+
+/// Seconds for all runs of a model and source. A part that takes longer is ended by Slurm, and goes
+/// on from its journal. `None` if neither the size of the model nor a limit is known.
+fn seconds_of_unit(plan: &Plan, model: &ModelRef) -> Option<f64> {
+    let limit = plan.limits.timeout.0.map(|limit| limit.as_secs_f64());
+    let faces = model.faces_at_most();
+    let run = |algorithm: &Selection| {
+        let of_size = faces.map(|faces| match algorithm.algorithm().name {
+            "ch" => 1e-7 * faces * faces,
+            _ => SECONDS_PER_FACE * faces * (faces / 1e4).max(1.0).sqrt(),
+        });
+        let seconds = of_size.into_iter().chain(limit).reduce(f64::min);
+        Some(seconds?.max(0.01))
+    };
+    let cell = |algorithm: &Selection| {
+        let run = run(algorithm)?;
+        // The profiled and the counted run, and one more of the reference.
+        let untimed = plan.warmup as f64 + 3.0;
+        Some(2.0 * START + untimed * run + plan.sampling.longest(run))
+    };
+    plan.algorithms
+        .iter()
+        .try_fold(0.0, |sum, algorithm| Some(sum + cell(algorithm)?))
 }
 
 /// A submission: the parts, their job array and the merge job.

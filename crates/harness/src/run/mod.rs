@@ -31,7 +31,7 @@ use geobench_registry::UsageError;
 use rayon::ThreadPoolBuilder;
 
 use crate::exec::source::SourceSpec;
-use crate::exec::{Backend, Listener, Pass, Session};
+use crate::exec::{Backend, Listener, Pass, Refusal, Session};
 use crate::lock::lock;
 use crate::plan::Plan;
 use crate::run::each::each;
@@ -221,7 +221,7 @@ impl Benchmark<'_, '_> {
             Err(_) if self.log.interrupted() => Ok((model.record(), Vec::new())),
             Err(refusal) => {
                 let record = model.record();
-                let cells = self.refused(&refusal.message);
+                let cells = self.without_model(&refusal);
                 Ok((record, cells))
             }
         }
@@ -298,7 +298,10 @@ impl Benchmark<'_, '_> {
         let sources = match sources(self.plan, self.model_index, &model) {
             Ok(sources) => sources,
             Err(error) => {
-                let cells = self.refused(&format!("{}: {error}", model.path));
+                let cells = self.without_model(&Refusal {
+                    status: Status::Refused,
+                    message: format!("{}: {error}", model.path),
+                });
                 return Ok((model, cells));
             }
         };
@@ -367,10 +370,9 @@ impl Benchmark<'_, '_> {
         Ok(found.clone())
     }
 
-    /// Refused cells of a model that is unusable or lacks a requested source. Sources that depend
-    /// on the mesh, such as random ones, are unknown then: all sources share one cell per
-    /// algorithm.
-    fn refused(&self, message: &str) -> Vec<Cell> {
+    /// The cells of a model that is unusable or lacks a requested source. Sources that depend on the
+    /// mesh, such as random ones, are unknown then: all sources share one cell per algorithm.
+    fn without_model(&self, refusal: &Refusal) -> Vec<Cell> {
         let plan = self.plan;
         let runs = plan.runs_of_model(self.model_index);
         self.log.listener().skipped(runs);
@@ -391,8 +393,8 @@ impl Benchmark<'_, '_> {
                 group: plan.group.name.clone(),
                 source,
                 goal: plan.goal.label(),
-                status: Status::Refused,
-                message: Some(message.to_owned()),
+                status: refusal.status,
+                message: Some(refusal.message.clone()),
                 threads: algorithm.threads(),
                 approximate: algorithm.is_approximate(),
                 simd: algorithm.simd(),

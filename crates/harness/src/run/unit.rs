@@ -11,8 +11,8 @@ use crate::exec::model::ModelRef;
 use crate::exec::source::SourceSpec;
 use crate::exec::{Backend, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::lock::lock;
-use crate::measure::number::scientific;
-use crate::plan::{Plan, Reference};
+use crate::measure::number::{grouped, scientific};
+use crate::plan::{MOST_FACES_UNASKED, Plan, Reference};
 use crate::run::agreement;
 use crate::run::answer_layout::AnswerLayout;
 use crate::run::cell_runs::{CellRuns, summary};
@@ -315,7 +315,7 @@ impl<'p> UnitPlan<'p> {
         }
         for cell in cells.iter_mut().filter(|cell| !cell.is_complete()) {
             let outcome = RunOutcome {
-                failure: Some(Failure::new(Status::Refused, &refusal.message)),
+                failure: Some(Failure::new(refusal.status, &refusal.message)),
                 ..RunOutcome::default()
             };
             self.keep(cell, Pass::Warmup, 0, outcome, log)?;
@@ -440,7 +440,14 @@ impl<'p> UnitPlan<'p> {
                 }
                 return Ok(None);
             }
-            Reference::Algorithm(reference) => reference,
+            Reference::Unasked(_) if self.model.faces > Some(MOST_FACES_UNASKED) => {
+                context.check().unchecked = Some(format!(
+                    "the model has more than {} faces; --check mmp-fast compares its distances",
+                    grouped(MOST_FACES_UNASKED)
+                ));
+                return Ok(None);
+            }
+            Reference::Algorithm(reference) | Reference::Unasked(reference) => reference,
         };
         let run = self.run_id(reference, Pass::Warmup, 0);
         let failed = |failure: &Failure| {
@@ -585,8 +592,8 @@ impl<'p> UnitPlan<'p> {
         let is_named = |name: &str| check.answer.as_ref().is_some_and(|a| a.name == name);
         let certificate = registry::certificate(self.plan.tolerance);
         let [_, greatest] = registry::proven_bounds();
-        let algorithm = match &self.plan.reference {
-            Reference::Algorithm(reference) if is_named(reference.label()) => reference,
+        let algorithm = match self.plan.reference.algorithm() {
+            Some(reference) if is_named(reference.label()) => reference,
             _ if is_named(proof::BOUNDS) => &greatest,
             // It takes the place of a refuted reference. A file is not run.
             _ => &certificate,
@@ -717,7 +724,7 @@ impl<'p> UnitPlan<'p> {
         &self,
         context: &mut RunContext<'_, '_>,
     ) -> Result<Option<NearestSources>, Interrupted> {
-        let Reference::Algorithm(reference) = &self.plan.reference else {
+        let Some(reference) = self.plan.reference.algorithm() else {
             return Ok(None);
         };
         let vertices = self.model.vertex_count();

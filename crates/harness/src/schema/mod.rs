@@ -92,20 +92,31 @@ impl ResultFile {
         all
     }
 
-    /// Name of the suite: the file name after `--config` in the command, without its extension.
-    /// `None` without a suite file.
+    /// Name of the suite: the file name after `--config` in the command, without its extension, or
+    /// the name after `--suite`. `None` without a suite.
     pub fn suite(&self) -> Option<String> {
         let mut words = self.command.iter();
         let given = words.find_map(|word| {
-            let rest = word.strip_prefix("--config")?;
+            let rest = word.strip_prefix("--config");
+            let rest = rest.or_else(|| word.strip_prefix("--suite"))?;
             (rest.is_empty() || rest.starts_with('=')).then_some(rest)
         })?;
         let path = match given.strip_prefix('=') {
             Some(path) => path,
             None => words.next()?,
         };
-        let stem = Path::new(path).file_stem()?;
-        Some(stem.to_string_lossy().into_owned())
+        // The names of embedded suites may have dots.
+        let name = Path::new(path).file_name()?.to_string_lossy().into_owned();
+        let stem = name.strip_suffix(".toml").map(str::to_owned);
+        Some(stem.unwrap_or(name))
+    }
+
+    /// Name of the suite if the models are its own, so that its text and the numbers of its paper
+    /// apply.
+    pub fn suite_with_its_models(&self) -> Option<String> {
+        // Groups whose models were replaced have no text.
+        let has_text = self.groups.iter().any(|group| group.shows.is_some());
+        self.suite().filter(|_| has_text)
     }
 
     /// The machine that measured `cell`: the machine of its shard, or of the whole file if the plan

@@ -1,6 +1,6 @@
 //! Writes comparisons of two result files as tables, Markdown and JSON.
 
-use geobench_export::escape::{markdown as escape, printable};
+use geobench_export::escape::{markdown as escape, markdown_line, printable};
 use geobench_export::{FileFormat, json_lines};
 use geobench_harness::figures::capitalised;
 use geobench_harness::measure::number::decimals;
@@ -97,7 +97,7 @@ impl ComparisonFormat {
                 let mut lines = markdown::grid(&table);
                 lines.push(String::new());
                 let remarks = sides.iter().map(|s| side(s)).chain(notes);
-                lines.extend(remarks.map(|text| format!("- {}", escape(&text))));
+                lines.extend(remarks.map(|text| format!("- {}", markdown_line(&text))));
                 lines.join("\n") + "\n"
             }
         })
@@ -146,7 +146,7 @@ fn ratios(several: &BaselineComparisons) -> Table {
         });
         let first = first.map_or_else(
             || "-".to_owned(),
-            |median| format!("1 ({median:.*} s)", decimals([median], 6)),
+            |median| format!("1 ({median:.*} s)", decimals([median], 9)),
         );
         let entries = several.comparisons.iter().map(of);
         let head = [Entry::new(cell.cell.to_string()), Entry::new(first)];
@@ -193,7 +193,7 @@ fn in_markdown(comparison: &FileComparison) -> String {
     let bullets = |lines: &[String]| -> Vec<String> {
         lines
             .iter()
-            .map(|line| format!("- {}", escape(line)))
+            .map(|line| format!("- {}", markdown_line(line)))
             .collect()
     };
     let worse = worse(comparison);
@@ -398,7 +398,7 @@ fn figures(comparison: &FileComparison) -> Table {
             );
         };
         if let Some(time) = &change.time {
-            let digits = decimals(time.medians, 6);
+            let digits = decimals(time.medians, 9);
             let how = match (time.method, time.p) {
                 (TimeMethod::Paired, _) => format!("{} pairs", time.samples[0]),
                 (_, Some(p)) => format!("p {p:.4}"),

@@ -1,6 +1,6 @@
 //! Tables of histories: change points, and the comparison of the newest commit with earlier ones.
 
-use geobench_export::escape::markdown as escape;
+use geobench_export::escape::markdown_line;
 use geobench_harness::measure::number::{counted, decimals};
 
 use crate::history::compare::{exact, percent};
@@ -13,7 +13,7 @@ use crate::table::terminal::{self, Look};
 /// A value of a figure: seconds, or a number with all digits.
 fn shown(figure: &str, value: f64) -> String {
     match figure {
-        "time" => format!("{value:.*}", decimals([value], 6)),
+        "time" => format!("{value:.*}", decimals([value], 9)),
         _ => exact(value),
     }
 }
@@ -103,7 +103,7 @@ pub fn gate_in_markdown(gate: &GateReport) -> String {
     let mut lines = vec![
         format!("### geobench: {last}"),
         String::new(),
-        escape(&head),
+        markdown_line(&head),
     ];
     if !gate.lines.is_empty() {
         lines.push(String::new());
@@ -111,7 +111,11 @@ pub fn gate_in_markdown(gate: &GateReport) -> String {
     }
     if !notes.is_empty() {
         lines.push(String::new());
-        lines.extend(notes.iter().map(|note| format!("- {}", escape(note))));
+        lines.extend(
+            notes
+                .iter()
+                .map(|note| format!("- {}", markdown_line(note))),
+        );
     }
     lines.join("\n") + "\n"
 }

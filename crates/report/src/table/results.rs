@@ -119,7 +119,9 @@ pub(super) fn part(group: &GroupCells<'_>, model: &ModelRecord) -> Part {
         title: model.name.clone(),
         detail: match (model.vertices, model.faces) {
             (Some(v), Some(f)) => format!("V: {}, F: {}", grouped(v), grouped(f)),
-            _ => "refused".to_owned(),
+            _ => cells
+                .first()
+                .map_or_else(String::new, |cell| cell.status.in_words()),
         },
         sources: if have_same_sources(&columns) {
             sources(columns.iter().find(|column| !column.is_empty()))
@@ -383,6 +385,13 @@ fn notes(cells: &[&Cell], vertices: Option<u64>) -> Vec<Note> {
                 scientific(largest)
             )
         });
+    }
+    let is_answer = |cell: &&&Cell| cell.status == Status::Ok;
+    let is_unchecked = |cell: &Cell| cell.check.reference.is_none() && cell.message.is_none();
+    if cells.iter().any(|cell| is_answer(&cell))
+        && cells.iter().filter(is_answer).all(|c| is_unchecked(c))
+    {
+        notes.push("not checked".to_owned());
     }
     notes.extend(notes_on_times(cells));
     notes.extend(note_on_simd(cells));

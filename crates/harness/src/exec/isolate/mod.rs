@@ -93,6 +93,7 @@ impl Backend for Isolated {
             pool.here = Some(here);
         } else {
             let (child, record) = pool.load().map_err(|failure| Refusal {
+                status: failure.status,
                 message: match failure.status {
                     Status::Refused => failure.message,
                     _ => format!("{}: {}", model.path, failure.message),

@@ -23,10 +23,12 @@ use crate::plan::{Plan, Reference};
 use crate::schema::GroupRecord;
 use crate::usage::DocumentError;
 
+mod embedded;
 mod file;
 mod programs;
 mod settings;
 
+pub use embedded::{EmbeddedSuite, SUITES};
 pub use file::{Suite, SuiteGroup};
 pub use programs::read_programs;
 pub use settings::{Settings, WantedModel, tolerance};
@@ -64,7 +66,7 @@ impl Plans {
                     };
                     files.extend(plan.models.iter().filter_map(of_model).flatten());
                 }
-                Reference::None | Reference::Algorithm(_) => {}
+                Reference::None | Reference::Algorithm(_) | Reference::Unasked(_) => {}
             }
         }
         files
@@ -202,7 +204,8 @@ pub fn plans(
         }
         let record = GroupRecord {
             name: Some(group.name.clone()),
-            shows: group.shows.clone(),
+            // The text is about the models of the suite.
+            shows: group.shows.clone().filter(|_| asked.models.is_none()),
             ..GroupRecord::default()
         };
         done.add(&settings, models, record)?;

@@ -93,7 +93,7 @@ impl Tables {
         let names = match self {
             Self::None => Vec::new(),
             Self::Named(names) => names.clone(),
-            Self::OfSuite => result.suite().into_iter().collect(),
+            Self::OfSuite => result.suite_with_its_models().into_iter().collect(),
         };
         let wanted = |file: &str| names.iter().any(|n| n == file.trim_end_matches(RATIOS));
         FILES
@@ -322,7 +322,16 @@ mod tests {
             "000-table-1"
         );
         assert_eq!(of("geobench run x.obj --config"), None);
-        let result = result("geobench run --config 002-table-1.toml");
+        assert_eq!(
+            of("geobench run --suite 000-section-6.2").unwrap(),
+            "000-section-6.2"
+        );
+        let mut result = result("geobench run --suite 002-table-1");
+        assert_eq!(Tables::OfSuite.of(&result).len(), 0);
+        result.groups = vec![geobench_harness::schema::GroupRecord {
+            shows: Some("text".into()),
+            ..Default::default()
+        }];
         assert_eq!(Tables::OfSuite.of(&result).len(), 2);
         assert_eq!(Tables::None.of(&result).len(), 0);
         let error = "000-table-9".parse::<Tables>().unwrap_err().to_string();

@@ -163,10 +163,10 @@ impl Pch {
         probe.enter(Phase::Propagation);
         steps.clear();
         steps.resize(windows.len(), Examination::default());
-        let (surface, angles) = (&self.surface, &self.angles);
+        let (surface, angles, kept) = (&self.surface, &self.angles, &self.kept);
         let reach = |(windows, steps): (&[WaitingWindow], &mut [Examination])| {
             for (window, step) in windows.iter().zip(steps) {
-                *step = Examination::of(window, surface, angles);
+                *step = Examination::of(window, surface, angles, kept);
             }
         };
         match &self.pool {
@@ -302,9 +302,9 @@ struct Examination {
 
 impl Examination {
     /// Step 1 of a round.
-    fn of(waiting: &WaitingWindow, surface: &Surface, angles: &Angles) -> Self {
+    fn of(waiting: &WaitingWindow, surface: &Surface, angles: &Angles, kept: &KeptWindows) -> Self {
         let WaitingWindow { h, window, lineage } = waiting;
-        if is_stale(window.sigma, lineage, surface, angles) {
+        if is_stale(*h, window, lineage, surface, angles, kept) {
             return Self::default();
         }
         let view = surface.faces().face_view(*h);

@@ -74,17 +74,26 @@ impl Splitting {
     }
 }
 
-/// Whether a window is stale: its root has been reached by a shorter path, or a better window has
-/// occupied the angle above it.
+/// Whether `window` on `h` is stale: its root has been reached by a shorter path, or a
+/// better window has occupied the angle above it.
 ///
 /// A window that has been stored beside a thin face is not, nor are those below it: windows equal
 /// to it have been dropped for it, maybe those of the shorter path to its root, or the one that
-/// occupied the angle.
+/// occupied the angle. It is stale if others have [replaced](KeptWindows::has_replaced) it.
 #[inline]
 #[allow(clippy::needless_bitwise_bool)] // Neither is likely: one branch for both.
-pub(crate) fn is_stale(sigma: f64, lineage: &Lineage, surface: &Surface, angles: &Angles) -> bool {
-    ((surface.distance(lineage.root) < sigma) | angles.cuts_off(&lineage.guard))
-        && !lineage.level.goes_on()
+pub(crate) fn is_stale(
+    h: HalfEdgeId,
+    window: &Window,
+    lineage: &Lineage,
+    surface: &Surface,
+    angles: &Angles,
+    kept: &KeptWindows,
+) -> bool {
+    if lineage.level.goes_on() {
+        return kept.has_replaced(h.index(), window);
+    }
+    (surface.distance(lineage.root) < window.sigma) | angles.cuts_off(&lineage.guard)
 }
 
 /// Whether a beaten window is beaten by more than the doubt beside thin faces.
@@ -212,13 +221,13 @@ impl<const JOINT: bool> Policy for Splitting<JOINT> {
     #[inline]
     fn take<P: Probe>(
         &mut self,
-        _: HalfEdgeId,
+        h: HalfEdgeId,
         id: u32,
         surface: &Surface,
         probe: &mut P,
     ) -> Dequeued<Lineage> {
         let window = *self.leaves.window(id);
-        match self.release(id, surface, probe) {
+        match self.release(h, id, surface, probe) {
             Some(lineage) => Dequeued::Propagate(window, lineage),
             None => Dequeued::Stale,
         }
@@ -226,9 +235,15 @@ impl<const JOINT: bool> Policy for Splitting<JOINT> {
 
     #[inline(always)]
     #[allow(clippy::inline_always)] // Called in one place; keeps its values in registers.
-    fn release<P: Probe>(&mut self, id: u32, surface: &Surface, probe: &mut P) -> Option<Lineage> {
-        let (sigma, lineage) = self.leaves.remove(id);
-        if is_stale(sigma, &lineage, surface, &self.angles) {
+    fn release<P: Probe>(
+        &mut self,
+        h: HalfEdgeId,
+        id: u32,
+        surface: &Surface,
+        probe: &mut P,
+    ) -> Option<Lineage> {
+        let Leaf { window, lineage } = self.leaves.remove(id);
+        if is_stale(h, &window, &lineage, surface, &self.angles, &self.kept) {
             probe.add(Counter::Filtered, 1);
             return None;
         }

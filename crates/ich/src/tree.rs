@@ -141,15 +141,15 @@ impl Leaves {
         }
     }
 
-    /// Frees a slot; returns the σ and the lineage of its window.
+    /// Frees a slot; returns what it held.
     #[inline]
-    pub(crate) fn remove(&mut self, slot: u32) -> (f64, Lineage) {
+    pub(crate) fn remove(&mut self, slot: u32) -> Leaf {
         let place = &mut self.nodes[slot as usize];
-        let (sigma, lineage) = (place.window.sigma, place.lineage);
+        let leaf = *place;
         place.lineage.level = Level(self.free);
         self.free = slot;
         self.len -= 1;
-        (sigma, lineage)
+        leaf
     }
 
     /// The window in a slot.

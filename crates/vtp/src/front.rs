@@ -2,6 +2,7 @@
 
 use geobench_window::Window;
 use geobench_window::queue::MinHeap;
+use geobench_window::trimming::KeptWindows;
 
 use crate::engine::layout::{half_edge, parts};
 use crate::engine::store::{Block, COLUMNS, Columns, NO_LIST, WindowStore};
@@ -198,6 +199,18 @@ impl Front {
     pub(crate) fn first(&self, h: u32) -> u32 {
         let (face, corner) = parts(h);
         self.places[face].lists[corner][0]
+    }
+
+    /// Removes the windows from the lists on `h` that `kept` has replaced since they arrived.
+    #[cold]
+    pub(crate) fn drop_replaced(&mut self, h: u32, kept: &KeptWindows) {
+        let (face, corner) = parts(h);
+        for list in &mut self.places[face].lists[corner] {
+            if *list != NO_LIST {
+                let left = self.store.drop_replaced(kept, h, *list);
+                *list = self.store.set_len(*list, left);
+            }
+        }
     }
 
     /// Removes the lists from `h`.

@@ -15,7 +15,7 @@ use crate::engine::layout::{FaceLayout, MeshLayout, NO_TWIN, half_edge, next, pa
 use crate::engine::levels::Levels;
 use crate::engine::prefetch::prefetch;
 use crate::engine::sent::Sent;
-use crate::engine::store::{NO_LIST, admit};
+use crate::engine::store::{Columns, NO_LIST, admit};
 use crate::exits::{Exits, ListCrossing};
 use crate::front::{ChildSide, Front};
 use crate::merge::Merge;
@@ -249,8 +249,11 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             longest: self.layout.longest_edge,
         };
         probe.enter(Phase::Pruning);
+        let arrived: usize = self.front.lists(h).iter().map(Columns::len).sum();
+        if self.kept.holds(h as usize) {
+            self.front.drop_replaced(h, &self.kept);
+        }
         let lists = self.front.lists(h);
-        let arrived = lists[0].len() + lists[1].len();
         let program = Inspect::<P>::new(lists, &mut self.active, &self.layout, h, &gate);
         let found = self.simd.run(program);
         self.front.clear(h);

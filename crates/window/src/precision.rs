@@ -155,8 +155,10 @@
 //! more than the whole region. They count as thin.
 //!
 //! Of two equal windows, the one that is dropped may be that of a better path to a root, or of the
-//! occupant of an angle. So a window that has been stored there is never stale, nor are its
-//! descendants. Elsewhere windows are given up as usual, on the same mesh.
+//! occupant of an angle. So a window that has been stored there is not stale, nor are its
+//! descendants. Elsewhere windows are given up as usual, on the same mesh. Only windows that shorter
+//! ones [have replaced](crate::trimming::KeptWindows::has_replaced) altogether do not cross: what is
+//! stored instead crosses, and stands for the same windows.
 //!
 //! [`Crossing::bent_distance`]: crate::Crossing::bent_distance
 

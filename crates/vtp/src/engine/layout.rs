@@ -322,6 +322,14 @@ impl MeshLayout {
         let kept = KeptWindows::new(mesh, 4 * mesh.face_count(), |h| {
             number(numbering, h) as usize
         });
+        if !kept.is_empty() {
+            // Stored windows are found by their images, which coalescing changes.
+            for (f, face) in faces.iter_mut().enumerate() {
+                for (corner, flat) in face.flat.iter_mut().enumerate() {
+                    *flat &= !kept.holds(half_edge(f as u32, corner) as usize);
+                }
+            }
+        }
         let is_long = |f: &FaceLayout| f.length.iter().any(|&l| l > LONG * typical_length);
         let mut by_distance = Vec::new();
         if !kept.is_empty() || faces.iter().any(is_long) {

@@ -101,22 +101,32 @@ pub(crate) struct WindowStore {
     waiting: usize,
 }
 
-/// The part of a window arriving at half-edge `h` that `kept` admits.
-#[cold]
-pub(crate) fn admit(
-    kept: &mut KeptWindows,
-    h: u32,
-    [b0, b1, px, py, sigma]: [f64; COLUMNS],
-) -> Option<[f64; COLUMNS]> {
-    let window = Window {
+/// The window of a row.
+fn as_window([b0, b1, px, py, sigma]: [f64; COLUMNS]) -> Window {
+    Window {
         b0,
         b1,
         px,
         py,
         sigma,
-    };
-    let part = kept.admit(h as usize, &window)?;
-    Some([part.b0, part.b1, px, py, sigma])
+    }
+}
+
+/// The part of a window arriving at half-edge `h` that `kept` admits.
+#[cold]
+pub(crate) fn admit(
+    kept: &mut KeptWindows,
+    h: u32,
+    window: [f64; COLUMNS],
+) -> Option<[f64; COLUMNS]> {
+    let Window {
+        b0,
+        b1,
+        px,
+        py,
+        sigma,
+    } = kept.admit(h as usize, &as_window(window))?;
+    Some([b0, b1, px, py, sigma])
 }
 
 impl WindowStore {
@@ -335,22 +345,28 @@ impl WindowStore {
         left
     }
 
+    /// Removes the windows from `list`, on half-edge `h`, that `kept` has replaced since they
+    /// arrived. Returns the number of windows left.
+    #[cold]
+    pub(crate) fn drop_replaced(&mut self, kept: &KeptWindows, h: u32, list: u32) -> usize {
+        let mut left = 0;
+        for i in 0..self.len(list) {
+            let window = self.get(list, i);
+            if !kept.has_replaced(h as usize, &as_window(window)) {
+                self.put(list, left, window);
+                left += 1;
+            }
+        }
+        left
+    }
+
     /// The windows of `list` with indices in `places`.
     pub(crate) fn windows_at(
         &self,
         list: u32,
         places: Range<usize>,
     ) -> impl Iterator<Item = Window> {
-        places.map(move |i| {
-            let [b0, b1, px, py, sigma] = self.get(list, i);
-            Window {
-                b0,
-                b1,
-                px,
-                py,
-                sigma,
-            }
-        })
+        places.map(move |i| as_window(self.get(list, i)))
     }
 
     /// All waiting windows.

@@ -98,6 +98,7 @@ impl Handoff {
             let (f, corner) = parts(h);
             let list = wavefront.store.append(view.list(f, corner), columns);
             view.set_list(f, corner, list);
+            wavefront.kept.receive(h as usize);
             wavefront.make_ready(view, f, corner);
         }
     }

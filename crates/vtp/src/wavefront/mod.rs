@@ -598,6 +598,9 @@ impl Wavefront {
         let arrived = self.store.len(list);
         let mut len = arrived;
         probe.enter(Phase::Pruning);
+        if self.kept.holds(h as usize) {
+            len = self.store.drop_replaced(&self.kept, h, list);
+        }
         if self.compared.takes(h, len) {
             let block = self.store.padded_block(list);
             let blur = blur(state.layout().longest_edge);

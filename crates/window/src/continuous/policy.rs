@@ -199,11 +199,12 @@ pub trait Policy: Send {
     #[inline]
     fn release<P: Probe>(
         &mut self,
+        h: HalfEdgeId,
         id: u32,
         surface: &Surface,
         probe: &mut P,
     ) -> Option<Self::Lineage> {
-        let _ = (id, surface, probe);
+        let _ = (h, id, surface, probe);
         None
     }
 

@@ -572,7 +572,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             }
             EventKind::Window(h, id) => {
                 if let Some(lane) = self.foresee(h, id, probe) {
-                    if let Some(lineage) = self.policy.release(id, &self.surface, probe) {
+                    if let Some(lineage) = self.policy.release(h, id, &self.surface, probe) {
                         self.cross_ahead(h, lane, lineage, probe);
                     }
                     return;

@@ -75,11 +75,12 @@ impl<W: Policy> Policy for Relaying<W> {
     #[inline]
     fn release<P: Probe>(
         &mut self,
+        h: HalfEdgeId,
         id: u32,
         surface: &Surface,
         probe: &mut P,
     ) -> Option<Self::Lineage> {
-        self.0.release(id, surface, probe)
+        self.0.release(h, id, surface, probe)
     }
 
     #[inline]

@@ -51,6 +51,15 @@ pub struct KeptWindows {
 struct KeptList {
     length: f64,
     windows: Vec<Window>,
+    /// Whether windows wait on the half-edge that have not been admitted here.
+    has_received: bool,
+}
+
+impl KeptList {
+    fn clear(&mut self) {
+        self.windows.clear();
+        self.has_received = false;
+    }
 }
 
 const NO_LIST: u32 = u32::MAX;
@@ -73,6 +82,7 @@ impl KeptWindows {
             kept.kept.push(KeptList {
                 length: mesh.length(h),
                 windows: Vec::new(),
+                has_received: false,
             });
         }
         kept
@@ -116,15 +126,20 @@ impl KeptWindows {
 
     /// Removes all windows.
     pub fn clear(&mut self) {
-        for list in &mut self.kept {
-            list.windows.clear();
-        }
+        self.kept.iter_mut().for_each(KeptList::clear);
     }
 
     /// Removes the windows of half-edge number `h`.
     pub fn clear_at(&mut self, h: usize) {
         if self.holds(h) {
-            self.kept[self.lists[h] as usize].windows.clear();
+            self.kept[self.lists[h] as usize].clear();
+        }
+    }
+
+    /// Notes that windows wait on half-edge number `h` which were admitted elsewhere.
+    pub fn receive(&mut self, h: usize) {
+        if self.holds(h) {
+            self.kept[self.lists[h] as usize].has_received = true;
         }
     }
 
@@ -140,6 +155,7 @@ impl KeptWindows {
         let Some(KeptList {
             length,
             windows: list,
+            ..
         }) = self.kept.get_mut(list as usize)
         else {
             return Some(*new);
@@ -193,6 +209,31 @@ impl KeptWindows {
         }
         // The range between two parts is not needed, but harmless.
         parts.map(|[b0, b1]| Window { b0, b1, ..*new })
+    }
+
+    /// Whether later windows have replaced all of `waiting`, which waits on half-edge number `h`.
+    /// False if `h` is not beside a thin face, and where windows [were received](Self::receive).
+    /// O(k) for k windows stored there.
+    ///
+    /// It then need not cross. The windows in its place are shorter, and cross instead, unless they
+    /// are replaced in turn. Windows that were dropped because they tied with it are no shorter
+    /// than those by more than a tie, so nothing adds up.
+    ///
+    /// A part that is left does not tell that the rest is needed, but the window crosses as a whole.
+    #[cold]
+    pub fn has_replaced(&self, h: usize, waiting: &Window) -> bool {
+        if !self.holds(h) {
+            return false;
+        }
+        let list = &self.kept[self.lists[h] as usize];
+        if list.has_received {
+            return false;
+        }
+        let first = list.windows.partition_point(|w| w.b1 <= waiting.b0);
+        let mut met = list.windows[first..]
+            .iter()
+            .take_while(|w| w.b0 < waiting.b1);
+        !met.any(|w| w.source() == waiting.source() && w.sigma == waiting.sigma)
     }
 }
 
@@ -293,6 +334,26 @@ mod tests {
             assert_eq!(kept.admit(0, &sent), Some(sent));
             sent.sigma = sent.sigma.next_down();
         }
+    }
+
+    /// On strips of needles, windows once crossed faces after shorter ones had taken their places,
+    /// and so did all that came of them.
+    #[test]
+    fn a_window_is_replaced_once_nothing_of_it_is_left() {
+        let mut kept = kept(&mesh(1e-5));
+        let shorter = Window {
+            sigma: 0.5,
+            ..WINDOW
+        };
+        assert_eq!(kept.admit(0, &WINDOW), Some(WINDOW));
+        kept.admit(0, &Window { b1: 0.5, ..shorter });
+        assert!(!kept.has_replaced(0, &WINDOW));
+        kept.admit(0, &Window { b0: 0.5, ..shorter });
+        assert!(kept.has_replaced(0, &WINDOW) && !kept.has_replaced(0, &shorter));
+        kept.receive(0);
+        assert!(!kept.has_replaced(0, &WINDOW));
+        let away = (0..6).find(|&h| !kept.holds(h)).unwrap();
+        assert!(!kept.has_replaced(away, &WINDOW));
     }
 
     #[test]

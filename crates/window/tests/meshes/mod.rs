@@ -127,6 +127,30 @@ pub(crate) fn check_spikes(solvers: impl Fn(&Mesh) -> Solvers) {
     }
 }
 
+/// Checks the distances and the work of all `solvers` on a flat strip of `faces` faces, each a
+/// millionth as wide as it is long, from a corner.
+pub(crate) fn check_strip(faces: u32, most: u64, solvers: impl Fn(&Mesh) -> Solvers) {
+    let at = |k: u32| [f64::from(k) * 1e-6, f64::from(k % 2), 0.0];
+    let positions: Vec<[f64; 3]> = (0..faces + 2).map(at).collect();
+    let expected: Vec<f64> = positions.iter().map(|[x, y, _]| x.hypot(*y)).collect();
+    let turned = |k: u32| {
+        if k.is_multiple_of(2) {
+            [k, k + 2]
+        } else {
+            [k + 2, k]
+        }
+    };
+    let corners = |k| [turned(k)[0], turned(k)[1], k + 1];
+    let mesh = mesh(positions, (0..faces).map(corners).collect());
+    let rule = Tolerance::on(&mesh, &expected);
+    for (name, mut solver) in solvers(&mesh) {
+        let (solution, counters) = solver.count(&[VertexId::new(0)]).unwrap();
+        assert_eq!(wrong(&solution.distances, &expected, &rule), None, "{name}");
+        let propagated = counters.get(Counter::Propagated).unwrap();
+        assert!(propagated <= most, "{name}: {propagated} windows");
+    }
+}
+
 /// A mesh with one thin face, and without it: a face of a terrain is split beside the middle of its
 /// first edge. The last vertex is in one of them only.
 pub(crate) fn terrains_with_and_without_a_sliver() -> [Mesh; 2] {

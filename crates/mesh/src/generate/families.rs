@@ -4,7 +4,9 @@ use std::fmt::{self, Write as _};
 
 use super::keys::{Key, Kind, Params};
 use super::modifiers::MODIFIER_KEYS;
-use super::{GenerateError, anisotropic, block, knot, plate, revolve, solid, terrain, torus};
+use super::{
+    GenerateError, anisotropic, block, corridor, knot, plate, revolve, solid, terrain, torus,
+};
 use crate::soup::TriangleSoup;
 
 /// A family of models: one line of the table.
@@ -82,6 +84,14 @@ pub const FAMILIES: &[Family] = &[
         keys: plate::STRIP_KEYS,
         seeding: Seeding::Never,
         shape: shape!(plate::strip_faces, plate::strip),
+    },
+    Family {
+        name: "corridor",
+        aliases: &[],
+        summary: "flat corridor that reaches the bounds: n^2 windows, and n^3 with holes and no order",
+        keys: corridor::KEYS,
+        seeding: Seeding::Never,
+        shape: shape!(corridor::faces, corridor::build),
     },
     Family {
         name: "terrain",

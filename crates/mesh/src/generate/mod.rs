@@ -31,6 +31,7 @@
 
 mod anisotropic;
 mod block;
+mod corridor;
 mod error;
 mod families;
 mod keys;

@@ -13,6 +13,7 @@ const PINNED: &[(&str, u64)] = &[
     ("grid", 0x7554_f5e9_1dc6_7dc7),
     ("holes", 0x3edd_78cb_73eb_5409),
     ("strip", 0x2f1e_874f_ad37_a8f1),
+    ("corridor", 0x8ee1_5560_9a8d_647e),
     ("terrain", 0xe5fe_b37c_55ce_d3dd),
     ("tetrahedron", 0x79f4_991a_95d2_b539),
     ("cube", 0x5a21_9860_2fb9_59a0),
@@ -29,6 +30,7 @@ const PINNED: &[(&str, u64)] = &[
     ("grid,jitter=0.2", 0x2832_476d_0a1f_7b8b),
     ("torus,faces=50000,bump=0.1,seed=7", 0xf0ba_eb2e_b596_0698),
     ("terrain,n=100,seed=1", 0x2c76_71e6_ddd9_8205),
+    ("corridor,holes=9", 0xf387_a4d5_46a5_692e),
     ("cone,angle=400,ends=capped", 0x80b4_48b2_3685_9afd),
     ("anisotropic,g=1.1", 0xbee6_ccdc_6201_c29e),
     (

@@ -18,6 +18,13 @@ const SHAPES: &[(&str, i64, usize)] = &[
     ("strip", 1, 3002),
     ("strip,n=1", 1, 3),
     ("strip,n=10,aspect=1e6", 1, 12),
+    ("corridor", 1, 2 * (1 + 512 + 16) + 3),
+    ("corridor,levels=1", 1, 2 * (1 + 4 + 2) + 3),
+    (
+        "corridor,levels=3,holes=9",
+        1 - 9,
+        2 * (9 + 1 + 16 + 6) + 3 + 5 * 9,
+    ),
     ("terrain", 1, 200),
     ("terrain,n=1", 1, 4),
     ("terrain,n=33,roughness=1,height=5,seed=9", 1, 132),

@@ -11,21 +11,23 @@ use crate::engine::kernels::{Carried, Gate, Measured, Target, Triangle, carry, m
 use crate::engine::layout::MeshLayout;
 use crate::engine::store::Columns;
 use crate::pruning::Pairs;
+use crate::tally::Tally;
 use geobench_window::simd::Lanes;
 use geobench_window::simd::SimdProgram;
 
 /// Applies the vertex filter and pairwise comparisons to the windows of a half-edge, makes the
 /// result the active list, and measures it.
-pub(crate) struct Inspect<'a, P> {
+pub(crate) struct Inspect<'a, P, T> {
     lists: [Columns<'a>; 2],
     active: &'a mut ActiveList,
     layout: &'a MeshLayout,
     h: u32,
     gate: &'a Gate,
+    tally: &'a mut T,
     pairs: PhantomData<P>,
 }
 
-impl<'a, P> Inspect<'a, P> {
+impl<'a, P, T> Inspect<'a, P, T> {
     /// For the lists on half-edge `h`.
     #[inline]
     pub(crate) fn new(
@@ -34,6 +36,7 @@ impl<'a, P> Inspect<'a, P> {
         layout: &'a MeshLayout,
         h: u32,
         gate: &'a Gate,
+        tally: &'a mut T,
     ) -> Self {
         Self {
             lists,
@@ -41,20 +44,39 @@ impl<'a, P> Inspect<'a, P> {
             layout,
             h,
             gate,
+            tally,
             pairs: PhantomData,
         }
     }
 }
 
-impl<P: Pairs> SimdProgram for Inspect<'_, P> {
+impl<P: Pairs, T: Tally> SimdProgram for Inspect<'_, P, T> {
     type Output = Measured;
 
     #[inline(always)]
     fn run<L: Lanes>(self, simd: L::Token) -> Measured {
-        let Self { active, gate, .. } = self;
+        let Self {
+            active,
+            gate,
+            tally,
+            ..
+        } = self;
+        let mut seam = 0;
+        if T::COUNTS {
+            active.take::<L>(simd, [self.lists[0], Columns::new(&[], 0, 0)], gate);
+            seam = active.len;
+        }
         active.take::<L>(simd, self.lists, gate);
-        P::prune::<L>(simd, active, self.layout, self.h);
-        active.measure::<L>(simd, gate)
+        if T::COUNTS {
+            tally.start(seam, active.len);
+        }
+        P::prune::<L, T>(simd, active, self.layout, self.h, tally);
+        let measured = active.measure::<L>(simd, gate);
+        if T::COUNTS {
+            let kept = active.keep[..active.len.div_ceil(L::COUNT)].iter();
+            tally.cross(kept.map(|bits| bits.count_ones() as usize).sum());
+        }
+        measured
     }
 }
 

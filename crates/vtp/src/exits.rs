@@ -46,6 +46,10 @@ pub trait Exits: Send {
     where
         Self: 'a;
 
+    /// Whether exits are closed by rule 1 alone.
+    #[doc(hidden)]
+    const IS_RULE_1: bool = false;
+
     /// Sets up for a mesh with this number of faces.
     fn new(faces: usize) -> Self;
 
@@ -79,6 +83,8 @@ pub struct OneAngleTwoSides;
 
 impl Exits for OneAngleTwoSides {
     type Rule<'a> = BestPath;
+
+    const IS_RULE_1: bool = true;
 
     fn new(_: usize) -> Self {
         Self

@@ -64,6 +64,7 @@ mod precision;
 mod propagation;
 mod pruning;
 mod schedule;
+mod tally;
 mod trim;
 mod variants;
 mod wavefront;

@@ -21,6 +21,7 @@ use crate::front::{ChildSide, Front};
 use crate::merge::Merge;
 use crate::pruning::Pairs;
 use crate::schedule::{Schedule, Scheduled};
+use crate::tally::PairTally;
 use geobench_window::simd::{Instructions, Simd};
 
 /// An algorithm that propagates whole lists of windows, on one mesh. Faces join in the order of
@@ -254,8 +255,16 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             self.front.drop_replaced(h, &self.kept);
         }
         let lists = self.front.lists(h);
-        let program = Inspect::<P>::new(lists, &mut self.active, &self.layout, h, &gate);
-        let found = self.simd.run(program);
+        let (active, layout) = (&mut self.active, &self.layout);
+        let mut tally = PairTally::default();
+        let found = if B::COUNTS {
+            let program = Inspect::<P, _>::new(lists, active, layout, h, &gate, &mut tally);
+            self.simd.run(program)
+        } else {
+            let mut none = ();
+            let program = Inspect::<P, _>::new(lists, active, layout, h, &gate, &mut none);
+            self.simd.run(program)
+        };
         self.front.clear(h);
         probe.enter(Phase::Propagation);
         // Comparisons may split a window into several.
@@ -273,6 +282,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             probe.raise(Counter::PeakWavefront, alive);
         }
         if B::COUNTS {
+            tally.add_to(probe);
             // Only windows that start at the vertex behind the edge have their source there.
             let behind = self.layout.behind(h);
             let children = self.active.iter().filter(|w| w.source() != behind);
@@ -298,7 +308,13 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 (half_edge(f as u32, prev(corner)), way)
             };
             self.offer(apex, distance, way, probe);
-            self.send_children(h, &face, gate, best, distance, found.bound, probe);
+            let tried = self.send_children(h, &face, gate, best, distance, found.bound, probe);
+            if B::COUNTS {
+                let exits = self.layout.exits(h);
+                let open = exits.iter().filter(|exit| **exit != NO_TWIN).count();
+                let closed = (open * tally.crossing).saturating_sub(tried);
+                probe.add(Counter::Rule1, closed as u64);
+            }
         }
         if B::COUNTS {
             self.levels.forget(h);
@@ -309,7 +325,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     }
 
     /// Propagates the active list through the exits that are open to each window; `bound` limits
-    /// the numbers of children.
+    /// the numbers of children. Returns the number of children tried.
     #[allow(clippy::too_many_arguments)] // Private, and one step of `cross`.
     #[inline]
     fn send_children<B: Probe>(
@@ -321,7 +337,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         distance: f64,
         bound: [usize; 2],
         probe: &mut B,
-    ) {
+    ) -> usize {
         let (f, corner) = parts(h);
         let exits = self.layout.exits(h);
         let arrivals = [ChildSide::AsLeftChild, ChildSide::AsRightChild];
@@ -405,6 +421,16 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             Counter::Secondary
         };
         probe.add(counter, tried);
+        if B::COUNTS && !is_new && self.is_near_the_border(face) {
+            probe.add(Counter::SecondaryNear, tried);
+        }
+        carried.tried
+    }
+
+    /// Whether a vertex of `face` lies on the border of the traversed area.
+    fn is_near_the_border(&self, face: &FaceLayout) -> bool {
+        let mut around = face.vertex.iter().flat_map(|&v| self.layout.ring(v));
+        around.any(|&h| !self.front.contains(parts(h).0))
     }
 
     /// Called after windows have been inserted into the list on `h`, which waits.
@@ -434,7 +460,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
 
 impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S, M, P, E> {
     fn counters() -> Vec<Counter> {
-        vec![
+        let mut counters = vec![
             Counter::Propagated,
             Counter::Parents,
             Counter::Children,
@@ -450,7 +476,11 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S,
             Counter::PseudoSources,
             Counter::Prime,
             Counter::Secondary,
-        ]
+            Counter::SecondaryNear,
+        ];
+        counters.extend(P::COUNTERS);
+        counters.extend(E::IS_RULE_1.then_some(Counter::Rule1));
+        counters
     }
 
     fn mesh(&self) -> &Mesh {

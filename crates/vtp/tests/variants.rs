@@ -465,6 +465,42 @@ fn counts_fit_together_in_every_algorithm() {
             "{name}: secondary propagations are few"
         );
         assert!(counters.wavefront_deviation.unwrap() > 0.0, "{name}");
+        assert!(
+            get(Counter::SecondaryNear) <= get(Counter::Secondary),
+            "{name}"
+        );
+    }
+}
+
+/// Proposition 5.1 of Qin et al. 2016: rule 2 is linear. All pairs are not.
+#[test]
+fn neighbours_are_compared_at_most_twice_for_each_window() {
+    let mesh = scaled(soup_of("gen:knot,faces=3000"), 1.0);
+    for (name, counters) in counts(&mesh) {
+        let checks = counters.get(Counter::PairChecks);
+        assert_eq!(checks.is_none(), name == "vtp-no-rules23", "{name}");
+        let Some(checks) = checks else { continue };
+        let windows = counters.get(Counter::ComparedWindows).unwrap();
+        assert!(checks > windows / 2, "{name}: {checks} of {windows}");
+        assert_eq!(
+            checks > 2 * windows,
+            name == "vtp-exhaustive",
+            "{name}: {checks} of {windows}"
+        );
+        let Some(pruned) = counters.get(Counter::Case1) else {
+            continue;
+        };
+        let others = [
+            Counter::Case2,
+            Counter::Case3,
+            Counter::Case4,
+            Counter::Case5,
+            Counter::Case6,
+        ];
+        let pruned = others
+            .into_iter()
+            .fold(pruned, |sum, case| sum + counters.get(case).unwrap());
+        assert!(0 < pruned && pruned < 2 * checks, "{name}: {pruned}");
     }
 }
 
@@ -496,6 +532,10 @@ fn every_choice_leaves_its_mark_on_the_counts() {
     let doubled = get("vtp-no-rule1", Counter::Propagated);
     assert_eq!(doubled, 2 * get("vtp-no-rule1", Counter::Parents));
     assert!(children("vtp-no-rule1") > vtp);
+    // Rule 1 closes an exit of each window that crosses, where both lead somewhere.
+    let closed = get("vtp", Counter::Rule1) + get("vtp", Counter::Propagated);
+    assert!(closed <= 2 * get("vtp", Counter::Parents));
+    assert!(2 * get("vtp", Counter::Rule1) > get("vtp", Counter::Propagated));
     assert!(children("vtp-no-rules23") > vtp);
     assert!(children("vtp-exhaustive") < vtp);
     assert!(children("edge-based") <= vtp);

@@ -84,6 +84,29 @@ counters! {
     Prime = "prime",
     /// Child windows tried in faces that were in the traversed area already.
     Secondary = "secondary",
+    /// Of the secondary ones, those in faces with a vertex on the border of the traversed area.
+    SecondaryNear = "secondary_near",
+    /// Windows in the lists whose neighbours rules 2 and 3 compare: N in proposition 5.1 of Qin et
+    /// al. 2016.
+    ComparedWindows = "compared_windows",
+    /// Pairs of windows of one list that are compared, each as often as it is.
+    PairChecks = "pair_checks",
+    /// Exits that rule 1 closed to windows before a child was tried.
+    Rule1 = "rule_1",
+    /// Windows that lost rays to a neighbour in case 1 of Qin et al. 2016: they overlap, in the
+    /// order of the list, and came through one edge (rule 2).
+    Case1 = "case_1",
+    /// The same in case 2: they overlap, in the opposite order, and came through one edge.
+    Case2 = "case_2",
+    /// The same in case 3: they are apart, and came through one edge.
+    Case3 = "case_3",
+    /// The same in case 4: they overlap, in the order of the list, and came through two edges (rule
+    /// 3).
+    Case4 = "case_4",
+    /// The same in case 5: they overlap, in the opposite order, and came through two edges.
+    Case5 = "case_5",
+    /// The same in case 6: they are apart, and came through two edges.
+    Case6 = "case_6",
     /// Bytes of the graph that set-up builds and the run searches.
     GraphBytes = "graph_bytes",
     /// Vertices, sources aside, whose distance an approximate algorithm found negative, and set to

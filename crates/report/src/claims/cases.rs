@@ -7,7 +7,7 @@ use geobench_harness::measure::statistics::{FEWEST_FOR_FIT, FEWEST_FOR_INTERVAL,
 use geobench_harness::schema::{
     Cell, ModelRecord, PhaseSeconds, PlannedAlgorithm, ResultFile, SourceLabel, Status,
 };
-use geobench_registry::Selection;
+use geobench_registry::{Selection, Value, select_one};
 
 use super::expression::{Expression, ExpressionLeaves, Quantity};
 use super::file::{
@@ -21,6 +21,48 @@ use crate::table::group::{Estimate, distinct};
 pub(super) struct Results<'r> {
     pub(super) result: &'r ResultFile,
     pub(super) test: &'r Test,
+    pub(super) programs: Programs,
+}
+
+/// Which programs a test is computed with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Programs {
+    /// Ours, as the test names them.
+    Named,
+    /// Ours, with the second heap in place of the first one.
+    SecondHeap,
+    /// Those of the authors.
+    Authors,
+}
+
+/// Public programs of authors, as outside algorithms, by the names of the algorithms here.
+const AUTHORS: [(&str, &str); 2] = [("vtp", "ext:vtp"), ("mmp", "ext:kirsanov")];
+
+/// The value of the parameter `queue` for a binary heap, and for the heap of four children a node.
+const HEAPS: [&str; 2] = ["heap", "heap4"];
+
+/// Whether `cell` is of an outside program in [`AUTHORS`].
+pub(super) fn is_authors(cell: &Cell) -> bool {
+    AUTHORS.iter().any(|(_, label)| cell.algorithm == *label)
+}
+
+/// Whether the algorithm takes windows from a binary heap.
+fn has_heap(selection: &Selection) -> bool {
+    let mut settings = selection.settings();
+    settings.any(|(name, value)| name == "queue" && value == Value::Word(HEAPS[0]))
+}
+
+/// The same algorithm with the second heap, if it has a heap.
+fn with_second_heap(selection: &Selection) -> Option<Selection> {
+    let label = selection.label();
+    let (name, rest) = label.split_once('{').unwrap_or((label, "}"));
+    let rest = if rest == "}" {
+        rest.to_owned()
+    } else {
+        format!(",{rest}")
+    };
+    let other = select_one(&format!("{name}{{queue={}{rest}", HEAPS[1])).ok()?;
+    has_heap(selection).then(|| other.with_threads(1))
 }
 
 /// The reason why there is no value.
@@ -48,19 +90,34 @@ impl<'r> Results<'r> {
         let groups = distinct(cells.map(|cell| cell.group.as_deref()));
         let wanted = |group: Option<&str>| {
             let wanted = &self.test.groups;
-            wanted.is_empty() || group.is_some_and(|name| wanted.iter().any(|one| one == name))
+            self.programs == Programs::Authors
+                || wanted.is_empty()
+                || group.is_some_and(|name| wanted.iter().any(|one| one == name))
         };
         groups.into_iter().filter(|group| wanted(*group)).collect()
     }
 
-    /// The models of a group that the test selects.
+    /// The models of a group that the test selects, and that are like those of the claim.
     fn models(&self, group: Option<&str>) -> Vec<&'r ModelRecord> {
+        let models = self.selected(group).into_iter();
+        let is_like = |model: &&ModelRecord| {
+            let sources = self.sources(group, model).unwrap_or(1.0) as u64;
+            let least = (self.test.at_least_faces).max(self.test.faces_per_source * sources);
+            least == 0 || model.faces.is_some_and(|faces| faces >= least)
+        };
+        models.filter(is_like).collect()
+    }
+
+    /// The models of a group that the test selects.
+    fn selected(&self, group: Option<&str>) -> Vec<&'r ModelRecord> {
         let models = self.result.models.iter().filter(|model| {
             let mut cells = self.result.cells.iter();
             let patterns = &self.test.models;
             let named = |pattern: &String| is_like(pattern, &model.name);
             cells.any(|cell| cell.group.as_deref() == group && cell.model == model.name)
-                && (patterns.is_empty() || patterns.iter().any(named))
+                && (self.programs == Programs::Authors
+                    || patterns.is_empty()
+                    || patterns.iter().any(named))
         });
         models.collect()
     }
@@ -80,8 +137,20 @@ impl<'r> Results<'r> {
 
     /// The label of `selection` in the cells of a group: that of the planned algorithm with the
     /// same name and exactly the same parameters. Labels cannot be compared directly: they omit
-    /// default values, and defaults change between versions.
+    /// default values, and defaults change between versions. Outside programs have fixed labels.
     fn label(&self, group: Option<&str>, selection: &Selection) -> Result<&str, Reason> {
+        if self.programs == Programs::Authors {
+            let mut known = AUTHORS.iter();
+            let program = known.find(|(name, _)| *name == selection.label());
+            let program = program.map(|(_, label)| *label);
+            return program
+                .ok_or_else(|| format!("no program of authors is {}", selection.label()));
+        }
+        let second = match self.programs {
+            Programs::SecondHeap => with_second_heap(selection),
+            _ => None,
+        };
+        let selection = second.as_ref().unwrap_or(selection);
         let missing = |why: &str| Err(format!("{} {why}", selection.label()));
         if self.result.plan.is_none() {
             return missing("cannot be told from others: the result does not hold its plan");
@@ -129,7 +198,9 @@ impl<'r> Results<'r> {
         if is_timed(figure) && self.result.tool.profile != "release" {
             return Err("it was measured with a debug build".to_owned());
         }
-        if is_timed(figure) && self.test.simd == SimdFilter::Scalar {
+        let may_be_vectors =
+            self.test.simd == SimdFilter::Any || self.programs == Programs::Authors;
+        if is_timed(figure) && !may_be_vectors {
             // A ratio of vector code to scalar code would compare implementations, not algorithms.
             let simd = match figure.key {
                 "instructions" if cell.instructions.is_none() => Some("scalar"),
@@ -180,7 +251,8 @@ impl<'r> Results<'r> {
             let has_all = |group: Option<&str>| {
                 let all = operand.algorithms.iter();
                 let mut all = all.chain(self.test.to.iter().flat_map(|to| &to.algorithms));
-                all.all(|selection| self.namesakes(group, selection).next().is_some())
+                self.programs == Programs::Authors
+                    || all.all(|selection| self.namesakes(group, selection).next().is_some())
             };
             let able: Vec<_> = groups
                 .iter()
@@ -188,15 +260,13 @@ impl<'r> Results<'r> {
                 .filter(|group| has_all(*group))
                 .collect();
             let groups = if able.is_empty() { groups } else { able };
-            cases.extend(match (self.test.ends, self.test.combine) {
+            let mut own = match (self.test.ends, self.test.combine) {
                 (Some(ends), _) => self.endings(operand, &groups, ends),
                 (None, Combine::Each) if self.test.over.is_some() => {
                     let series = self.series(&groups).into_iter();
                     series
                         .map(|(on, pairs)| {
-                            self.case(operand, on, None, |figure| {
-                                self.growth(operand, &pairs, figure)
-                            })
+                            self.case(operand, on, |figure| self.growth(operand, &pairs, figure))
                         })
                         .collect()
                 }
@@ -205,7 +275,7 @@ impl<'r> Results<'r> {
                     .flat_map(|group| {
                         self.models(*group).into_iter().map(|model| {
                             let on = self.place(model, *group, &groups);
-                            self.case(operand, &on, Some(model), |figure| {
+                            self.case(operand, &on, |figure| {
                                 let mut leaves = ExpressionLeaves::default();
                                 let node = self.on(operand, *group, model, figure, &mut leaves)?;
                                 Ok(Built {
@@ -220,13 +290,46 @@ impl<'r> Results<'r> {
                 (None, combine) => {
                     let models = groups.iter().map(|group| self.models(*group).len());
                     let on = format!("{} of {} models", words(combine), models.sum::<usize>());
-                    vec![self.case(operand, &on, None, |figure| {
+                    vec![self.case(operand, &on, |figure| {
                         self.combined(operand, &groups, figure, combine)
                     })]
                 }
-            });
+            };
+            if own.is_empty() {
+                own.extend(self.unlike(operand));
+            }
+            self.judge_sizes(operand, &mut own);
+            cases.extend(own);
         }
         cases
+    }
+
+    /// The case that tells why no model is like those of the claim, if there are models at all.
+    fn unlike(&self, operand: &Operand) -> Option<ClaimCase> {
+        let groups = self.groups().into_iter();
+        let models =
+            groups.flat_map(|group| self.selected(group).into_iter().map(move |m| (group, m)));
+        let (group, greatest) = models.max_by_key(|(_, model)| model.faces)?;
+        let faces = grouped(greatest.faces?);
+        let (least, per) = (self.test.at_least_faces, self.test.faces_per_source);
+        let reason = if per > 0 {
+            let sources = self.sources(group, greatest).unwrap_or(1.0) as u64;
+            format!(
+                "the largest model has {faces} faces for {} sources, the claim is about {} faces for each",
+                grouped(sources),
+                grouped(per)
+            )
+        } else {
+            format!(
+                "the largest model has {faces} faces, the claim is about {}",
+                grouped(least)
+            )
+        };
+        Some(ClaimCase {
+            reason: Some(reason),
+            of: labels(&operand.algorithms),
+            ..ClaimCase::open(self.test.figure.key, "no model")
+        })
     }
 
     /// The name of a model in a case: with its group if several of `groups` have the model.
@@ -249,7 +352,6 @@ impl<'r> Results<'r> {
         &self,
         operand: &Operand,
         on: &str,
-        model: Option<&ModelRecord>,
         build: impl Fn(&'static Figure) -> Result<Built, Reason>,
     ) -> ClaimCase {
         let mut first: Option<ClaimCase> = None;
@@ -260,11 +362,8 @@ impl<'r> Results<'r> {
         let figures = std::iter::once(&self.test.figure).chain(&self.test.others);
         for (index, &figure) in figures.enumerate() {
             let mut case = blank(figure.key);
-            match build(figure).map(|built| self.decide(&built, figure, &mut case)) {
-                Ok(Ok(())) if index == 0 => {
-                    case.fits = self.fits(operand, model, case.value.unwrap_or(f64::NAN));
-                    return case;
-                }
+            match build(figure).map(|built| self.decide(&built, operand, figure, &mut case)) {
+                Ok(Ok(())) if index == 0 => return case,
                 Ok(Ok(())) => {
                     // The paper's numbers are values of the first figure. Another figure can
                     // confirm only the direction, so the size counts as not fitting.
@@ -285,13 +384,37 @@ impl<'r> Results<'r> {
 
     /// Decides whether the claim holds for the value of an expression, and stores value and outcome
     /// in `case`. Returns the reason if the value does not decide.
-    fn decide(&self, built: &Built, figure: &Figure, case: &mut ClaimCase) -> Result<(), Reason> {
+    fn decide(
+        &self,
+        built: &Built,
+        operand: &Operand,
+        figure: &Figure,
+        case: &mut ClaimCase,
+    ) -> Result<(), Reason> {
         let Some(value) = built.leaves.value(&built.node) else {
             return Err(format!("`{}` is 0", figure.key));
         };
         (case.value, case.ci95) = (Some(value.value), value.interval);
         case.range = built.range;
-        let holds = self.test.holds.ok_or("the claim is about how runs end")?;
+        let Some(holds) = self.test.holds else {
+            // The sizes decide.
+            return Ok(());
+        };
+        let is_small = |width: f64| {
+            let printed = self.test.printed(operand).into_iter();
+            let limits = [holds.least, holds.most]
+                .into_iter()
+                .filter(|limit| limit.is_finite());
+            let differences = printed.flat_map(|number| {
+                limits
+                    .clone()
+                    .map(move |limit| (number.value - limit).abs())
+            });
+            differences
+                .max_by(f64::total_cmp)
+                .is_some_and(|claimed| claimed < width)
+        };
+        let too_small = || "the claimed difference is smaller than the 95 % interval".to_owned();
         let sure = match value {
             Estimate {
                 interval: Some([low, high]),
@@ -306,6 +429,7 @@ impl<'r> Results<'r> {
                 let same = [low, high].map(|end| holds.holds(end));
                 match same {
                     [true, true] => true,
+                    _ if is_small(high - low) => return Err(too_small()),
                     [false, false] if !holds.touches([low, high]) => false,
                     _ => return Err("the 95 % interval holds both sides".to_owned()),
                 }
@@ -323,24 +447,56 @@ impl<'r> Results<'r> {
         Ok(())
     }
 
-    /// Whether `value` is within a third of the paper's numbers; `None` if there are none. For a
-    /// figure of one algorithm with numbers per model, only the number of the same model counts.
-    /// Otherwise the range of all numbers counts.
-    fn fits(&self, operand: &Operand, model: Option<&ModelRecord>, value: f64) -> Option<bool> {
-        let mut printed = self.test.printed(operand);
-        if self.test.to.is_none() && printed.iter().any(|(of, _)| of.is_some()) {
-            printed.retain(|(of, _)| {
-                let same = |(name, faces): &(String, u64)| {
-                    let model = model?;
-                    let ours = model.faces?;
-                    let close = ours.abs_diff(*faces) * 100 <= *faces;
-                    Some(close && model.name.to_lowercase().contains(name))
-                };
-                of.as_ref().and_then(same).unwrap_or(false)
-            });
+    /// Sets whether the sizes of the cases of an expression agree with the paper's numbers. Figures of
+    /// the paper's own models must be within 5 %. Otherwise the range of our values, with their
+    /// intervals, must meet that of the paper's numbers, with their deviations; a single value
+    /// without an interval counts with 5 %.
+    fn judge_sizes(&self, operand: &Operand, cases: &mut [ClaimCase]) {
+        const CLOSE: f64 = 0.05;
+        let printed = self.test.printed(operand);
+        let first = |case: &ClaimCase| case.figure == self.test.figure.key && case.value.is_some();
+        let of_models =
+            self.test.to.is_none() && printed.iter().any(|number| number.place.is_some());
+        let ends = |case: &ClaimCase| {
+            let value = case.value.unwrap_or(f64::NAN);
+            case.ci95.unwrap_or([value; 2])
+        };
+        let mut agrees = None;
+        if !of_models
+            && let Some([mut low, mut high]) =
+                range_of(cases.iter().filter(|c| first(c)).flat_map(ends))
+        {
+            if low == high {
+                (low, high) = (low - CLOSE * low.abs(), high + CLOSE * high.abs());
+            }
+            let ends = printed
+                .iter()
+                .flat_map(|n| [n.value - n.deviation, n.value + n.deviation]);
+            agrees = range_of(ends).map(|[least, most]| low <= most && high >= least);
         }
-        let [low, high] = range_of(printed.iter().map(|(_, number)| *number))?;
-        Some(value >= low - low.abs() / 3.0 && value <= high + high.abs() / 3.0)
+        for case in cases.iter_mut().filter(|case| first(case)) {
+            case.fits = agrees;
+            if of_models {
+                let mut models = self.result.models.iter();
+                let model = models.find(|model| model.name == case.on);
+                let own = printed.iter().find(|number| {
+                    let same = |(name, faces): &(String, u64)| {
+                        let (model, ours) = (model?, model?.faces?);
+                        let close = ours.abs_diff(*faces) * 100 <= *faces;
+                        Some(close && model.name.to_lowercase().contains(name))
+                    };
+                    number.place.as_ref().and_then(same).unwrap_or(false)
+                });
+                let value = case.value.unwrap_or(f64::NAN);
+                case.fits = own.map(|own| (value - own.value).abs() <= CLOSE * own.value.abs());
+            }
+            if self.test.holds.is_none() && self.test.ends.is_none() {
+                case.holds = case.fits;
+                if case.fits.is_none() {
+                    case.reason = Some("it is not a model of the paper".to_owned());
+                }
+            }
+        }
     }
 
     /// The expression on one model: the median over its sources.
@@ -397,7 +553,7 @@ impl<'r> Results<'r> {
             }
         };
         Ok(match self.test.show {
-            Show::Value => node,
+            Show::Value | Show::Exponent => node,
             Show::Saving => Expression::Saving(Box::new(node)),
         })
     }
@@ -442,13 +598,16 @@ impl<'r> Results<'r> {
     }
 
     /// The series over which a growth is computed. A series is the models of one group. If the axis
-    /// is the number of sources, it is one model in all groups.
+    /// is the number of sources, it is one model in all groups. If each group has one model, it is
+    /// those of all groups.
     fn series(&self, groups: &[Option<&'r str>]) -> Vec<(&'r str, Vec<GroupModel<'r>>)> {
         let all = groups.iter().flat_map(|&group| {
             let models = self.models(group).into_iter();
             models.map(move |model| GroupModel { group, model })
         });
+        let are_single = groups.iter().all(|group| self.models(*group).len() == 1);
         let of_series = |pair: &GroupModel<'r>| match self.test.over {
+            _ if are_single => "all models",
             Some(GrowthAxis::Sources) => pair.model.name.as_str(),
             _ => pair.group.unwrap_or("all models"),
         };
@@ -466,17 +625,18 @@ impl<'r> Results<'r> {
         let GroupModel { group, model } = pair;
         match self.test.over {
             Some(GrowthAxis::Anisotropy) => model.anisotropy,
-            Some(GrowthAxis::Sources) => {
-                let mut cells = self.result.cells.iter();
-                let same = |c: &&Cell| c.group.as_deref() == group && c.model == model.name;
-                match cells.find(same)?.source.as_ref()? {
-                    SourceLabel::Vertex(_) => Some(1.0),
-                    SourceLabel::Other(text) => {
-                        Some(text.parse::<SourceSpec>().ok()?.count() as f64)
-                    }
-                }
-            }
+            Some(GrowthAxis::Sources) => self.sources(group, model),
             _ => model.faces.map(|faces| faces as f64),
+        }
+    }
+
+    /// The number of sources of each run on a model.
+    fn sources(&self, group: Option<&str>, model: &ModelRecord) -> Option<f64> {
+        let mut cells = self.result.cells.iter();
+        let same = |c: &&Cell| c.group.as_deref() == group && c.model == model.name;
+        match cells.find(same)?.source.as_ref()? {
+            SourceLabel::Vertex(_) => Some(1.0),
+            SourceLabel::Other(text) => Some(text.parse::<SourceSpec>().ok()?.count() as f64),
         }
     }
 
@@ -511,7 +671,10 @@ impl<'r> Results<'r> {
         Ok(Built {
             range: range_of(points.iter().map(|(x, _)| *x)),
             leaves,
-            node: Expression::Growth(points),
+            node: match self.test.show {
+                Show::Exponent => Expression::Exponent(points),
+                _ => Expression::Growth(points),
+            },
         })
     }
 
@@ -550,14 +713,9 @@ impl<'r> Results<'r> {
         let mut cases = Vec::new();
         for &group in groups {
             let models = self.models(group).into_iter();
-            let large = |model: &&ModelRecord| {
-                let least = self.test.at_least_faces;
-                least == 0 || model.faces.is_some_and(|faces| faces >= least)
-            };
-            for (model, one) in models
-                .filter(large)
-                .flat_map(|model| operand.algorithms.iter().map(move |one| (model, one)))
-            {
+            let models =
+                models.flat_map(|model| operand.algorithms.iter().map(move |one| (model, one)));
+            for (model, one) in models {
                 let found = self.cells(group, one, &model.name);
                 let found = found.map(|cells| cells.iter().any(|cell| cell.status == ends));
                 cases.push(ClaimCase {
@@ -568,20 +726,21 @@ impl<'r> Results<'r> {
                 });
             }
         }
-        if cases.is_empty() && self.test.at_least_faces > 0 {
-            let greatest = groups.iter().flat_map(|group| self.models(*group));
-            let greatest = greatest.filter_map(|model| model.faces).max().unwrap_or(0);
-            cases.push(ClaimCase {
-                reason: Some(format!(
-                    "the largest model has {} faces, the claim is about {}",
-                    grouped(greatest),
-                    grouped(self.test.at_least_faces),
-                )),
-                of: labels(&operand.algorithms),
-                ..ClaimCase::open("status", "no model")
-            });
-        }
         cases
+    }
+
+    /// Whether the test is on times of programs, so that it rests on the queue if one of its
+    /// algorithms has a heap.
+    pub(super) fn rests_on_the_queue(&self) -> bool {
+        let figures = std::iter::once(&self.test.figure).chain(&self.test.others);
+        let operands = self.test.of.iter().chain(&self.test.to);
+        let mut algorithms = operands.flat_map(|operand| &operand.algorithms);
+        figures.into_iter().any(|figure| is_timed(figure)) && algorithms.any(has_heap)
+    }
+
+    /// Whether the test can be computed from programs of authors: they report times alone.
+    pub(super) fn can_be_checked(&self) -> bool {
+        self.test.figure.key == "time" && self.test.over.is_none() && self.test.best.is_none()
     }
 
     /// The expression of an operand in words.

@@ -38,6 +38,8 @@ pub(super) enum Expression {
     /// The factor by which a power law grows from the least to the greatest x. The law is fitted to
     /// the points (x, value) by least squares on logarithms.
     Growth(Vec<(f64, Self)>),
+    /// The power of that law.
+    Exponent(Vec<(f64, Self)>),
 }
 
 impl Expression {
@@ -65,13 +67,18 @@ impl Expression {
             }
             Self::Growth(points) => {
                 let [least, most] = range_of(points.iter().map(|(x, _)| *x)).unwrap_or_default();
-                let points = points.iter().map(|(x, node)| [*x, node.of(values)]);
-                let exponent = exponent_of_growth(points);
                 // `powf` would give 1 for a range of one point, where the exponent is NaN.
-                libm::exp(exponent.unwrap_or(f64::NAN) * libm::log(most / least))
+                libm::exp(exponent(points, values) * libm::log(most / least))
             }
+            Self::Exponent(points) => exponent(points, values),
         }
     }
+}
+
+/// The power of the law that fits the points.
+fn exponent(points: &[(f64, Expression)], values: &[f64]) -> f64 {
+    let points = points.iter().map(|(x, node)| [*x, node.of(values)]);
+    exponent_of_growth(points).unwrap_or(f64::NAN)
 }
 
 fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
@@ -229,6 +236,8 @@ mod tests {
         // The values 4, 1 and 16 at x = 2, 1 and 4 are x²; the range is 1 to 4.
         let growth = value(Expression::Growth(beside([2.0, 1.0, 4.0])));
         assert!((growth - 16.0).abs() < 1e-9, "{growth}");
+        let exponent = value(Expression::Exponent(beside([2.0, 1.0, 4.0])));
+        assert!((exponent - 2.0).abs() < 1e-9, "{exponent}");
     }
 
     #[test]

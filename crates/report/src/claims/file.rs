@@ -42,6 +42,10 @@ pub struct PaperClaim {
     pub awaits: Option<String>,
     /// An explanation for readers, in addition to the numbers.
     pub remark: Option<String>,
+    /// How the paper's counts differ from ours. If set, it is the cause where the claim fails.
+    pub counting: Option<String>,
+    /// What a judgement would take, if models or sizes are unlike the paper's.
+    pub takes: Option<String>,
     #[serde(default, rename = "test")]
     tests: Vec<Spanned<Test>>,
 }
@@ -71,13 +75,18 @@ pub(super) struct Test {
     pub(super) show: Show,
     /// If set, the value is this parameter of the algorithm with the least figure.
     pub(super) best: Option<Spanned<String>>,
-    /// The values for which the claim holds. Either this or `ends` is set.
+    /// The values for which the claim holds. Without this and `ends`, the paper's numbers are the
+    /// claim.
     pub(super) holds: Option<Range>,
     pub(super) paper: Option<Spanned<Paper>>,
     /// The status with which runs must end. Such a test has no expression.
     pub(super) ends: Option<Status>,
+    /// Smaller models are unlike those of the claim.
     #[serde(default)]
     pub(super) at_least_faces: u64,
+    /// Models with fewer faces for each source are unlike those of the claim.
+    #[serde(default)]
+    pub(super) faces_per_source: u64,
     #[serde(default)]
     pub(super) simd: SimdFilter,
 }
@@ -141,6 +150,8 @@ pub(super) enum Show {
     Value,
     /// One minus the ratio.
     Saving,
+    /// Of a growth, the power of the axis instead of the factor.
+    Exponent,
 }
 
 /// The values for which a claim holds: `> 1`, `< 2` or `0.9 to 1.1`.
@@ -339,8 +350,18 @@ fn check_test(document: &TomlDocument<'_>, test: &Spanned<Test>) -> Result<(), D
     if test.of.is_empty() {
         return error("of", "at least one algorithm is expected");
     }
-    if test.holds.is_some() == test.ends.is_some() {
-        return error("holds", "a test has either `holds` or `ends`");
+    if (
+        test.holds.is_some(),
+        test.ends.is_some(),
+        test.paper.is_some(),
+    ) == (false, false, false)
+        || (test.holds.is_some() && test.ends.is_some())
+    {
+        let problem = "a test has `holds` or `ends`, or a `paper` whose numbers are the claim";
+        return error("holds", problem);
+    }
+    if test.show == Show::Exponent && test.over.is_none() {
+        return error("show", "only a growth, `over` an axis, has an exponent");
     }
     if test.over.is_some() && test.combine != Combine::Each {
         return error("over", "growth has one value; leave `combine` out");
@@ -369,6 +390,16 @@ fn check_test(document: &TomlDocument<'_>, test: &Spanned<Test>) -> Result<(), D
         return Err(document.error_at("paper", Some(paper.span()), &problem));
     }
     Ok(())
+}
+
+/// A number of a paper.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct PaperNumber {
+    /// The model in lower case and its number of faces, if known.
+    pub(super) place: Option<(String, u64)>,
+    pub(super) value: f64,
+    /// The standard deviation of a mean, else 0.
+    pub(super) deviation: f64,
 }
 
 impl Operand {
@@ -407,18 +438,22 @@ pub(super) fn labels(selections: &[Selection]) -> String {
 }
 
 impl Test {
-    /// The paper's numbers for `operand`, each with the model in lower case and its number of faces
-    /// if known. Rows of tables are found by the label of the algorithm, or by its name if no row
-    /// has the label.
-    pub(super) fn printed(&self, operand: &Operand) -> Vec<(Option<(String, u64)>, f64)> {
+    /// The paper's numbers for `operand`. Rows of tables are found by the label of the algorithm, or
+    /// by its name if no row has the label.
+    pub(super) fn printed(&self, operand: &Operand) -> Vec<PaperNumber> {
         let saved = |number: f64| match self.show {
-            Show::Value => number,
+            Show::Value | Show::Exponent => number,
             Show::Saving => 1.0 - number,
         };
         let table = match self.paper.as_ref().map(Spanned::get_ref) {
             None => return Vec::new(),
             Some(Paper::Numbers(numbers)) => {
-                return numbers.iter().map(|&number| (None, number)).collect();
+                let number = |&value: &f64| PaperNumber {
+                    place: None,
+                    value,
+                    deviation: 0.0,
+                };
+                return numbers.iter().map(number).collect();
             }
             Some(Paper::Table(table)) => table,
         };
@@ -438,11 +473,14 @@ impl Test {
             let rows = rows.filter(|row| row.to.is_none() && row.figure.key == figure.key);
             rows.filter(|row| is(&row.algorithm, selection)).collect()
         };
-        let place =
-            |row: &crate::page::papers::Printed| Some((row.model.to_lowercase(), row.faces?));
+        let number = |row: &crate::page::papers::Printed, value: f64| PaperNumber {
+            place: row.faces.map(|faces| (row.model.to_lowercase(), faces)),
+            value,
+            deviation: row.deviation.unwrap_or(0.0),
+        };
         let own = of(over, operand.figure(self.figure)).into_iter();
         let Some(to) = &self.to else {
-            return own.map(|row| (place(row), row.value)).collect();
+            return own.map(|row| number(row, row.value)).collect();
         };
         let [under] = &to.algorithms[..] else {
             return Vec::new();
@@ -450,13 +488,13 @@ impl Test {
         let bases = of(under, to.figure(self.figure));
         let ratios = own.filter_map(|row| {
             let base = bases.iter().find(|base| base.model == row.model)?;
-            Some((place(row), saved(row.value / base.value)))
+            Some(number(row, saved(row.value / base.value)))
         });
         let printed = table.printed.iter().filter(|row| {
             let to = row.to.as_deref().is_some_and(|label| is(label, under));
             to && is(&row.algorithm, over) && row.figure.key == self.figure.key
         });
-        let printed = printed.map(|row| (place(row), saved(row.value)));
+        let printed = printed.map(|row| number(row, saved(row.value)));
         ratios.chain(printed).collect()
     }
 }

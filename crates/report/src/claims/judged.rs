@@ -8,10 +8,11 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ClaimVerdict {
-    /// It holds in every case, and each value is within a third of the paper's numbers, if the
-    /// paper has some.
+    /// It holds in every case, and the sizes agree with the paper's numbers, if the paper has some.
     Confirmed,
-    /// It holds in most cases. Some cases, or the size of some values, do not agree.
+    /// It holds in every case. Some sizes differ from the paper's.
+    DirectionOnly,
+    /// It holds in most cases. The others fail or are open.
     Partly,
     /// It holds in at most half of the cases.
     Not,
@@ -20,15 +21,48 @@ pub enum ClaimVerdict {
 }
 
 impl ClaimVerdict {
-    pub(super) const ALL: [Self; 4] = [Self::Confirmed, Self::Partly, Self::Not, Self::Unjudged];
+    pub(super) const ALL: [Self; 5] = [
+        Self::Confirmed,
+        Self::DirectionOnly,
+        Self::Partly,
+        Self::Not,
+        Self::Unjudged,
+    ];
 
     /// In words.
     pub const fn in_words(self) -> &'static str {
         match self {
             Self::Confirmed => "confirmed",
+            Self::DirectionOnly => "direction only",
             Self::Partly => "partly",
             Self::Not => "not",
             Self::Unjudged => "cannot be judged",
+        }
+    }
+}
+
+/// Why a claim does not hold, or not in size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ClaimCause {
+    /// The authors' programs do not confirm it either.
+    Paper,
+    /// The authors' programs confirm it.
+    Implementation,
+    /// The paper counts something else than we do.
+    Counting,
+    /// Unknown.
+    Open,
+}
+
+impl ClaimCause {
+    /// In words.
+    pub const fn in_words(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Implementation => "implementation",
+            Self::Counting => "counting",
+            Self::Open => "open",
         }
     }
 }
@@ -48,6 +82,8 @@ pub struct JudgedClaim {
     pub quote: String,
     /// The verdict.
     pub verdict: ClaimVerdict,
+    /// The cause of the verdicts `not` and `direction_only`; null for others.
+    pub cause: Option<ClaimCause>,
     /// The cases by name.
     pub values: BTreeMap<String, ClaimCase>,
     /// Why the verdict is not better, or which figures decided instead of the first; empty if there
@@ -62,6 +98,10 @@ pub struct JudgedClaim {
     pub(super) shown: String,
     #[serde(skip)]
     pub(super) remark: Option<String>,
+    #[serde(skip)]
+    pub(super) counting: Option<String>,
+    #[serde(skip)]
+    pub(super) takes: Option<String>,
 }
 
 /// The claims of a paper with their verdicts.
@@ -97,7 +137,7 @@ pub struct ClaimCase {
     pub ci95: Option<[f64; 2]>,
     /// Whether the claim holds; null if the value does not decide.
     pub holds: Option<bool>,
-    /// Whether the value is within a third of the paper's numbers; null if there are none.
+    /// Whether the size agrees with the paper's numbers; null if there are none.
     pub fits: Option<bool>,
     /// Why the first figure did not decide; null if it did.
     pub reason: Option<String>,

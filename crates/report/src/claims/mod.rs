@@ -22,11 +22,14 @@ mod judged;
 mod page;
 #[cfg(test)]
 mod tests;
+mod topics;
 
-use self::cases::Results;
+use self::cases::{Programs, Results, is_authors};
 use self::file::path;
 pub use self::file::{ClaimsFile, PaperClaim};
-pub use self::judged::{ClaimCase, ClaimVerdict, ClaimsReport, JudgedClaim, JudgedPaper};
+pub use self::judged::{
+    ClaimCase, ClaimCause, ClaimVerdict, ClaimsReport, JudgedClaim, JudgedPaper,
+};
 pub use self::page::ClaimsFormat;
 
 /// The name and the content of a file of `bench-configs/papers/claims`.
@@ -67,21 +70,29 @@ pub fn known() -> Result<Vec<ClaimsFile>, geobench_harness::DocumentError> {
 ///
 /// # Errors
 ///
-/// When two results are of the same suite.
+/// When two results are of the same suite, unless one of them is at the sizes of the papers.
 pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<ClaimsReport, UsageError> {
-    let mut of_suite: BTreeMap<String, &Input> = BTreeMap::new();
-    let mut notes = Vec::new();
+    // By suite, and whether at the sizes of the papers.
+    let mut of_suite: BTreeMap<(String, bool), &Input> = BTreeMap::new();
+    let (mut notes, mut authors) = (Vec::new(), Vec::new());
     let wanted = |suite: &String| {
         let mut claims = files.iter().flat_map(ClaimsFile::claims);
         claims.any(|claim| claim.suite.as_ref() == Some(suite))
     };
     for input in results {
         let shown = input.path.display();
+        let has_authors = input.result.cells.iter().any(is_authors);
+        if has_authors {
+            authors.push(&input.result);
+        }
         let Some(suite) = input.result.suite().filter(|s| wanted(s)) else {
-            notes.push(format!("{shown}: no claim is decided by its suite"));
+            if !has_authors {
+                notes.push(format!("{shown}: no claim is decided by its suite"));
+            }
             continue;
         };
-        if let Some(other) = of_suite.insert(suite.clone(), input) {
+        let is_full = input.result.command.iter().any(|word| word == "--full");
+        if let Some(other) = of_suite.insert((suite.clone(), is_full), input) {
             return Err(UsageError(format!(
                 "{} and {shown} are both results of the suite {suite}; give one of them",
                 other.path.display()
@@ -90,7 +101,7 @@ pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<ClaimsReport, Us
     }
     // Suites that ran on one machine with one program share a line.
     let mut sources: BTreeMap<String, Vec<&str>> = BTreeMap::new();
-    for (suite, input) in &of_suite {
+    for ((suite, _), input) in &of_suite {
         sources
             .entry(source(&input.result))
             .or_default()
@@ -105,8 +116,24 @@ pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<ClaimsReport, Us
         claims: file
             .claims()
             .map(|claim| {
-                let input = claim.suite.as_ref().and_then(|suite| of_suite.get(suite));
-                judged(&file.paper, claim, input.map(|input| &input.result))
+                // A record at the sizes of the paper comes first, unless it does not decide.
+                let suite = claim.suite.clone().unwrap_or_default();
+                let found = [true, false].map(|is_full| of_suite.get(&(suite.clone(), is_full)));
+                let judge = |input: Option<&&Input>| {
+                    judged(
+                        &file.paper,
+                        claim,
+                        input.map(|input| &input.result),
+                        &authors,
+                    )
+                };
+                let of_full = found[0].map(|input| judge(Some(input)));
+                let decides = |claim: &JudgedClaim| claim.verdict != ClaimVerdict::Unjudged;
+                match (of_full, found[1]) {
+                    (Some(claim), None) => claim,
+                    (Some(claim), _) if decides(&claim) => claim,
+                    (_, input) => judge(input),
+                }
             })
             .collect(),
     });
@@ -133,8 +160,13 @@ fn source(result: &ResultFile) -> String {
     )
 }
 
-fn judged(paper: &str, claim: &PaperClaim, result: Option<&ResultFile>) -> JudgedClaim {
-    let mut cases = Vec::new();
+fn judged(
+    paper: &str,
+    claim: &PaperClaim,
+    result: Option<&ResultFile>,
+    authors: &[&ResultFile],
+) -> JudgedClaim {
+    let (mut cases, mut others) = (Vec::new(), None);
     let mut unjudged = None;
     match (&claim.awaits, &claim.suite, result) {
         (Some(what), _, _) => unjudged = Some(format!("not available yet: {what}")),
@@ -143,15 +175,34 @@ fn judged(paper: &str, claim: &PaperClaim, result: Option<&ResultFile>) -> Judge
             unjudged = Some(format!("there is no result of the suite {suite}"));
         }
         (None, _, Some(result)) => {
-            for test in claim.tests() {
-                cases.extend(Results { result, test }.cases());
+            cases = cases_with(Programs::Named, claim, result);
+            let named = |test| Results {
+                result,
+                test,
+                programs: Programs::Named,
+            };
+            if claim.tests().any(|test| named(test).rests_on_the_queue()) {
+                others = Some(cases_with(Programs::SecondHeap, claim, result));
             }
         }
     }
-    let (verdict, reason) = match unjudged {
+    let (mut verdict, mut reason) = match unjudged {
         Some(reason) => (ClaimVerdict::Unjudged, reason),
-        None => verdict(&cases),
+        None => verdict_on(&cases),
     };
+    if let Some(others) = others.filter(|cases| cases.iter().any(|case| case.holds.is_some())) {
+        let (second, _) = verdict_on(&others);
+        if ![verdict, second].contains(&ClaimVerdict::Unjudged) && second != verdict {
+            reason = format!(
+                "it rests on the queue: {} with a binary heap, {} with one of four children a node",
+                verdict.in_words(),
+                second.in_words()
+            );
+            verdict = ClaimVerdict::Unjudged;
+        }
+    }
+    let cause = matches!(verdict, ClaimVerdict::Not | ClaimVerdict::DirectionOnly)
+        .then(|| cause(claim, authors));
     let mut values = BTreeMap::new();
     for case in &cases {
         let mut name = format!("{}, {}", case.of, case.on);
@@ -167,17 +218,55 @@ fn judged(paper: &str, claim: &PaperClaim, result: Option<&ResultFile>) -> Judge
         claim: claim.claim.clone(),
         quote: claim.quote.clone(),
         verdict,
+        cause,
         values,
         reason,
         suite: claim.suite.clone(),
         printed: page::printed(claim.tests()),
         shown: page::cases(&cases),
         remark: claim.remark.clone(),
+        counting: claim.counting.clone(),
+        takes: claim
+            .takes
+            .clone()
+            .filter(|_| verdict == ClaimVerdict::Unjudged),
+    }
+}
+
+/// The cases of all tests of a claim.
+fn cases_with(programs: Programs, claim: &PaperClaim, result: &ResultFile) -> Vec<ClaimCase> {
+    let of = |test| Results {
+        result,
+        test,
+        programs,
+    };
+    claim.tests().flat_map(|test| of(test).cases()).collect()
+}
+
+/// Why a claim does not hold, or not in size.
+fn cause(claim: &PaperClaim, authors: &[&ResultFile]) -> ClaimCause {
+    if claim.counting.is_some() {
+        return ClaimCause::Counting;
+    }
+    let all = authors.iter().flat_map(|&result| {
+        let of = move |test| Results {
+            result,
+            test,
+            programs: Programs::Authors,
+        };
+        let checked = claim.tests().filter(move |test| of(test).can_be_checked());
+        checked.flat_map(move |test| of(test).cases())
+    });
+    let decided: Vec<ClaimCase> = all.filter(|case| case.holds.is_some()).collect();
+    match verdict_on(&decided).0 {
+        _ if decided.is_empty() => ClaimCause::Open,
+        ClaimVerdict::Confirmed => ClaimCause::Implementation,
+        _ => ClaimCause::Paper,
     }
 }
 
 /// The verdict on a claim from all its cases, and the reason.
-fn verdict(cases: &[ClaimCase]) -> (ClaimVerdict, String) {
+fn verdict_on(cases: &[ClaimCase]) -> (ClaimVerdict, String) {
     let held: Vec<&ClaimCase> = cases.iter().filter(|c| c.holds == Some(true)).collect();
     let failed: Vec<&ClaimCase> = cases.iter().filter(|c| c.holds == Some(false)).collect();
     let open: Vec<&ClaimCase> = cases.iter().filter(|c| c.holds.is_none()).collect();
@@ -190,10 +279,12 @@ fn verdict(cases: &[ClaimCase]) -> (ClaimVerdict, String) {
         ClaimVerdict::Unjudged
     } else if failed.len() >= held.len() {
         ClaimVerdict::Not
-    } else if failed.is_empty() && open.is_empty() && off.is_empty() {
+    } else if !failed.is_empty() || !open.is_empty() {
+        ClaimVerdict::Partly
+    } else if off.is_empty() {
         ClaimVerdict::Confirmed
     } else {
-        ClaimVerdict::Partly
+        ClaimVerdict::DirectionOnly
     };
     let mut reasons = Vec::new();
     let mut push = |what: &str, named: &[&ClaimCase]| {
@@ -207,8 +298,8 @@ fn verdict(cases: &[ClaimCase]) -> (ClaimVerdict, String) {
         "it does not hold for"
     };
     push(fails, &failed);
-    if verdict == ClaimVerdict::Partly {
-        push("sizes beyond a third of the paper's", &off);
+    if matches!(verdict, ClaimVerdict::Partly | ClaimVerdict::DirectionOnly) {
+        push("sizes unlike the paper's", &off);
     }
     // First the undecided cases by their reasons, then those that another figure decided.
     for wanted in [None, Some(())] {

@@ -6,7 +6,8 @@ use geobench_harness::measure::statistics::range_of;
 use toml::Spanned;
 
 use super::file::{Paper, Test};
-use super::judged::{ClaimCase, ClaimVerdict, ClaimsReport, JudgedClaim, JudgedPaper};
+use super::judged::{ClaimCase, ClaimCause, ClaimVerdict, ClaimsReport, JudgedClaim, JudgedPaper};
+use super::topics::topics;
 use crate::table::group::distinct;
 use crate::table::terminal::listing;
 use crate::table::{Column, Entry, Look, Mark, Table, csv, markdown};
@@ -43,11 +44,17 @@ const MOST_NAMED: usize = 6;
 const HOW_TO_READ: &str = "\
 A verdict is computed from the results. [The rules](../docs/claims.md), in short:
 
-- **confirmed**: the claim holds in every case, and each value is within a third of the paper's \
-numbers, where the paper has some.
-- **partly**: it holds in most cases. The size, or some cases, do not.
+- **confirmed**: the claim holds in every case, and the sizes agree: our range over the models meets \
+the paper's; counts on the paper's own models are within 5 %.
+- **direction only**: it holds in every case; sizes differ.
+- **partly**: it holds in most cases; others fail or are open.
 - **not**: it holds in at most half of the cases.
-- **cannot be judged**: for at least half of the cases the results do not tell, for the reason given.
+- **cannot be judged**: at least half of the cases are open; or the verdicts with the two kinds of heap \
+differ; or models and sizes are unlike the paper's. The page says what it would take.
+
+The cause of *not* and *direction only*, by rule: **counting** if the claim's file says what the paper \
+counts otherwise; else, where results of the authors' programs are given, **paper** if these do not \
+confirm the claim either, **implementation** if they do; else **open**.
 
 A case is one algorithm, or one ratio of two, on one model, or over all models. A value of times \
 decides only if its 95 % interval, in parentheses, lies on one side of the limit. Times of different \
@@ -83,7 +90,7 @@ fn text(report: &ClaimsReport, look: Look) -> String {
                 .map(|claim| {
                     [
                         format!("{}: {}", claim.id, claim.claim),
-                        claim.verdict.in_words().to_owned(),
+                        with_cause(claim),
                         claim.shown.clone(),
                         why(claim),
                     ]
@@ -103,9 +110,47 @@ fn text(report: &ClaimsReport, look: Look) -> String {
     papers + &listing(&summary(report), look)
 }
 
+/// What holds, what does not, and why it matters: a line for each topic.
+fn digest(report: &ClaimsReport) -> String {
+    let claims: Vec<&JudgedClaim> = report
+        .papers
+        .iter()
+        .flat_map(|paper| &paper.claims)
+        .collect();
+    let topics = topics();
+    let of = |claim: &JudgedClaim| topics.iter().position(|topic| topic.is_of(&claim.id));
+    let lines = topics.iter().enumerate().filter_map(|(place, topic)| {
+        let own: Vec<&&JudgedClaim> = claims
+            .iter()
+            .filter(|claim| of(claim) == Some(place))
+            .collect();
+        let all = own.len();
+        let counts = ClaimVerdict::ALL.into_iter().filter_map(|verdict| {
+            let with: Vec<_> = own
+                .iter()
+                .filter(|claim| claim.verdict == verdict)
+                .collect();
+            (!with.is_empty()).then(|| format!("{} {}", with.len(), verdict.in_words()))
+        });
+        let counts = counts.collect::<Vec<_>>().join(", ");
+        let failed = own
+            .iter()
+            .filter(|claim| claim.verdict == ClaimVerdict::Not);
+        let failed = distinct(failed.map(|claim| format!("{} {}", claim.paper, claim.place)));
+        let failed = match failed.len() {
+            0 => String::new(),
+            _ => format!(" Not: {}.", failed.join("; ")),
+        };
+        let (number, says, matters) = (place + 1, &topic.says, &topic.matters);
+        (all > 0).then(|| format!("{number}. **{says}**: of {all}, {counts}.{failed} {matters}\n"))
+    });
+    lines.collect()
+}
+
 fn in_markdown(report: &ClaimsReport) -> String {
     let mut page = format!(
-        "# The papers' claims, one by one\n\n{HOW_TO_READ}\n{}\n\n",
+        "# The papers' claims, one by one\n\n{}\n{}\n\n{HOW_TO_READ}\n",
+        digest(report),
         markdown::table(&summary(report)).trim_end()
     );
     page +=
@@ -128,7 +173,7 @@ fn in_markdown(report: &ClaimsReport) -> String {
                 Entry::new(paper.join(" ")),
                 Entry::new(&claim.shown),
                 Entry {
-                    text: claim.verdict.in_words().to_owned(),
+                    text: with_cause(claim),
                     mark: match claim.verdict {
                         ClaimVerdict::Not => Mark::Best,
                         _ => Mark::None,
@@ -153,7 +198,8 @@ fn in_markdown(report: &ClaimsReport) -> String {
 /// A row for each claim.
 fn rows(report: &ClaimsReport) -> Table {
     let heads = [
-        "id", "paper", "place", "claim", "quote", "printed", "suite", "verdict", "values", "reason",
+        "id", "paper", "place", "claim", "quote", "printed", "suite", "verdict", "cause", "values",
+        "reason",
     ];
     let row = |claim: &JudgedClaim| {
         [
@@ -165,6 +211,7 @@ fn rows(report: &ClaimsReport) -> Table {
             &claim.printed,
             claim.suite.as_deref().unwrap_or_default(),
             claim.verdict.in_words(),
+            claim.cause.map_or("", ClaimCause::in_words),
             &claim.shown,
             &claim.reason,
         ]
@@ -198,9 +245,24 @@ fn summary(report: &ClaimsReport) -> Table {
     Table::new(Column::of(["claims of"], verdicts), rows)
 }
 
-/// The reason and the remark of a claim, as sentences.
+/// The verdict, with the cause if it has one.
+fn with_cause(claim: &JudgedClaim) -> String {
+    let cause = claim.cause.map(|cause| format!(" ({})", cause.in_words()));
+    format!("{}{}", claim.verdict.in_words(), cause.unwrap_or_default())
+}
+
+/// The reason and what explains it, as sentences.
 fn why(claim: &JudgedClaim) -> String {
-    let texts = [Some(claim.reason.as_str()), claim.remark.as_deref()];
+    let takes = claim
+        .takes
+        .as_ref()
+        .map(|takes| format!("it would take {takes}"));
+    let texts = [
+        Some(claim.reason.as_str()),
+        takes.as_deref(),
+        claim.counting.as_deref(),
+        claim.remark.as_deref(),
+    ];
     let texts = texts.into_iter().flatten().filter(|text| !text.is_empty());
     let texts: Vec<String> = texts
         .map(|text| format!("{}.", text.trim().trim_end_matches('.')))
@@ -216,9 +278,9 @@ pub(super) fn printed<'t>(tests: impl Iterator<Item = &'t Test>) -> String {
             let mut printed = test.printed(operand);
             if test.to.is_none() && !test.models.is_empty() {
                 let wanted = |name: &String| test.models.iter().any(|model| model.contains(name));
-                printed.retain(|(of, _)| of.as_ref().is_none_or(|(name, _)| wanted(name)));
+                printed.retain(|of| of.place.as_ref().is_none_or(|(name, _)| wanted(name)));
             }
-            let numbers = printed.into_iter().map(|(_, number)| number);
+            let numbers = printed.into_iter().map(|number| number.value);
             let Some([least, most]) = range_of(numbers) else {
                 continue;
             };

@@ -130,7 +130,7 @@ fn latex() {
 #[test]
 fn csv() {
     insta::assert_snapshot!(ResultFormat::Csv.render(&mixed()).unwrap(), @r#"
-    model,algorithm,source,goal,threads,approximate,status,message,time_samples,time_median,time_min,time_mad,time_ci95,time_note,time_setup,time_extraction,time_outliers,time_places,time_solves,time_precision,time_outside,time_claimed,time_doubted,counters_propagated,counters_parents,counters_children,counters_kept,counters_spawned,counters_reinserted,counters_trimmed,counters_filtered,counters_peak_windows,counters_peak_wavefront,counters_stored_windows,counters_window_bytes,counters_queue_pushes,counters_queue_peak,counters_iterations,counters_k_peak,counters_levels,counters_pseudo_sources,counters_prime,counters_secondary,counters_graph_bytes,counters_negative,counters_wavefront_deviation,memory_papers_bytes,memory_windows_peak_bytes,memory_heap_peak_bytes,memory_rss_peak_bytes,phases_propagation,phases_pruning,phases_management,phases_samples,check_reference,check_max_abs,check_max_rel,check_unreachable,check_compared,check_worst_vertex,check_mean_rel,check_rms_rel,check_edge_excess,check_doubt,check_cluster,check_wrong_labels,check_least_tolerance,check_proven,check_proof,check_replaced,group,instructions,instructions_simd,shard,simd,vertices,faces,edges,machine
+    model,algorithm,source,goal,threads,approximate,status,message,time_samples,time_median,time_min,time_mad,time_ci95,time_note,time_setup,time_extraction,time_outliers,time_places,time_solves,time_precision,time_outside,time_claimed,time_doubted,counters_propagated,counters_parents,counters_children,counters_kept,counters_spawned,counters_reinserted,counters_trimmed,counters_filtered,counters_peak_windows,counters_peak_wavefront,counters_stored_windows,counters_window_bytes,counters_queue_pushes,counters_queue_peak,counters_iterations,counters_k_peak,counters_levels,counters_pseudo_sources,counters_prime,counters_secondary,counters_secondary_near,counters_compared_windows,counters_pair_checks,counters_rule_1,counters_case_1,counters_case_2,counters_case_3,counters_case_4,counters_case_5,counters_case_6,counters_graph_bytes,counters_negative,counters_wavefront_deviation,memory_papers_bytes,memory_windows_peak_bytes,memory_heap_peak_bytes,memory_rss_peak_bytes,phases_propagation,phases_pruning,phases_management,phases_samples,check_reference,check_max_abs,check_max_rel,check_unreachable,check_compared,check_worst_vertex,check_mean_rel,check_rms_rel,check_edge_excess,check_doubt,check_cluster,check_wrong_labels,check_least_tolerance,check_proven,check_proof,check_replaced,group,instructions,instructions_simd,shard,simd,vertices,faces,edges,machine
     horse,mmp,0,,1,false,ok,,1.209859375;1.2118125;1.2147421875;1.2166953125;1.219625,1.2147421875,1.209859375,0.0029296875,1.209859375;1.219625,,0.125,,0,2;1;1;0;0,,,,,false,3000009,,,,,,,,10,,1000003,64,,,,,,,,,,,,80000240,640,100000300000,1073741824,0.6941383928571428,0.3470691964285714,0.1735345982142857,1000,mmp,0,0,1,4,,0,0,,,0,,0,,,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
     horse,ich,0,,1,false,ok,,1.2088828125;1.2127890625;1.213765625;1.217671875;1.221578125,1.213765625,1.2088828125,0.00390625,1.2088828125;1.221578125,,0.125,,0,1;2;0;1;2,,,,,false,9,,,,,,,,10,,3,64,,,,,,,,,,,,800,640,300000,1073741824,0.693580357142857,0.3467901785714285,0.17339508928571426,1000,mmp,0,0,1,4,,0,0,,,0,,0,,,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
     horse,vtp,0,,1,false,ok,,0.33290625;0.3358359375;0.34071875;0.3436484375;0.3456015625,0.34071875,0.33290625,0.0048828125,0.33290625;0.3456015625,,0.125,,0,0;0;2;2;1,,,,,false,9,,,,,,,,10,,3,64,,,,,,,,,,,,800,640,300000,1073741824,0.19469642857142858,0.09734821428571429,0.048674107142857144,1000,mmp,0,0,1,4,,0,0,,,0,,0,,,,,,,,scalar,4,96966,5,"unknown processor, 2 cores, some system"
@@ -257,6 +257,16 @@ fn json() {
             "pseudo_sources": null,
             "prime": null,
             "secondary": null,
+            "secondary_near": null,
+            "compared_windows": null,
+            "pair_checks": null,
+            "rule_1": null,
+            "case_1": null,
+            "case_2": null,
+            "case_3": null,
+            "case_4": null,
+            "case_5": null,
+            "case_6": null,
             "graph_bytes": null,
             "negative": null,
             "wavefront_deviation": null

@@ -8,6 +8,7 @@ use super::trim::trim;
 use crate::engine::store::PaddedBlock;
 use crate::pairs::{BLURRED, INSIDE, SharedEdge};
 use crate::precision::{CLEARANCE, WINS};
+use crate::tally::Tally;
 
 /// Compares neighbours among the first `len` windows of `block`, cuts each by its losses, drops
 /// windows that have lost everything, compares new neighbours, and so on. Returns the number of
@@ -25,13 +26,15 @@ use crate::precision::{CLEARANCE, WINS};
 /// if the winner is cut elsewhere. The pairs of windows that are compared are the same.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // As in `geobench_window::simd`, without iterators.
-pub(crate) fn settle<L: Lanes, const TRIM: bool>(
+#[allow(clippy::too_many_arguments)] // The parts of one list, which its caller holds apart.
+pub(crate) fn settle<L: Lanes, T: Tally, const TRIM: bool>(
     simd: L::Token,
     mut block: PaddedBlock<'_>,
     mut len: usize,
     edge: impl Fn() -> SharedEdge,
     cuts: &mut Cuts,
     again: &mut Vec<u8>,
+    tally: &mut T,
 ) -> (usize, bool) {
     if len < 2 {
         return (len, true);
@@ -53,6 +56,9 @@ pub(crate) fn settle<L: Lanes, const TRIM: bool>(
             let left = if pairs.any() {
                 let (left, apart) = losses::<L>(simd, &a, &b, pairs, edge.blur);
                 let left = crossings::<L>(simd, &a, &b, apart, &edge, left);
+                if T::COUNTS {
+                    report::<L>(&a, &b, [pairs, apart], &left, register * L::COUNT, tally);
+                }
                 if TRIM {
                     let (left, anew) = trim::<L>(simd, &a, &b, pairs, edge.l, left);
                     if anew.any() {
@@ -75,6 +81,9 @@ pub(crate) fn settle<L: Lanes, const TRIM: bool>(
             let [b0, b1] = cuts.left::<L>(simd, register);
             let listed = list.listed::<L>(simd, register);
             let alive = b0.lt(b1) & listed;
+            if T::COUNTS {
+                tally.keep(register * L::COUNT, alive.bits());
+            }
             if alive.count() < listed.count() {
                 died = true;
                 bring_together::<L>(alive, listed.count(), list.kept(), again);
@@ -82,10 +91,32 @@ pub(crate) fn settle<L: Lanes, const TRIM: bool>(
             list.keep(alive, Windows { b0, b1, ..w }.rows());
         }
         len = list.kept();
+        if T::COUNTS {
+            tally.turn();
+        }
         if !died || len < 2 {
             return (len, true);
         }
     }
+}
+
+/// Tells what was compared from window `first` on: the `pairs`, those of them that are `apart`, and
+/// what was `left`.
+#[inline(always)]
+fn report<L: Lanes>(
+    a: &Windows<L>,
+    b: &Windows<L>,
+    [pairs, apart]: [L::Mask; 2],
+    left: &[[L; 2]; 2],
+    first: usize,
+    tally: &mut impl Tally,
+) {
+    let overlap = pairs & !apart;
+    let swapped = b.b0.lt(a.b0);
+    let cases = [overlap & !swapped, overlap & swapped, apart];
+    let loses = |w: &Windows<L>, [b0, b1]: [L; 2]| (w.b0.lt(b0) | b1.lt(w.b1)).bits();
+    let losers = [loses(a, left[0]), loses(b, left[1])];
+    tally.compare(first, pairs.bits(), cases.map(|case| case.bits()), losers);
 }
 
 /// Sets the bits of windows whose right neighbours were deleted. Of the `listed` windows of a
@@ -234,13 +265,14 @@ mod tests {
             }
         }
         let (mut cuts, mut again) = (Cuts::default(), Vec::new());
-        let (len, settled) = settle::<Scalar, TRIM>(
+        let (len, settled) = settle::<Scalar, (), TRIM>(
             (),
             PaddedBlock::new(&mut lines, column as u32),
             list.len(),
             || EDGE,
             &mut cuts,
             &mut again,
+            &mut (),
         );
         let at =
             |c: usize, i: usize| lines[c * column + i / CacheLine::LANES].0[i % CacheLine::LANES];

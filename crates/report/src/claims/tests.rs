@@ -922,9 +922,12 @@ fn causes_come_from_the_authors_programs() {
     };
     assert_eq!(judged(test, None), (DirectionOnly, Some(ClaimCause::Open)));
     let cause = |authors: &ResultFile| judged(test, Some(authors)).1;
+    for model in MODELS {
+        scale(&mut authors, "ext:kirsanov", model, 2.0);
+    }
     assert_eq!(cause(&authors), Some(ClaimCause::Paper));
     for model in MODELS {
-        scale(&mut authors, "ext:kirsanov", model, 6.0);
+        scale(&mut authors, "ext:kirsanov", model, 3.0);
     }
     assert_eq!(cause(&authors), Some(ClaimCause::Implementation));
     let confirmed = test.replace("paper = 6", "paper = 3");

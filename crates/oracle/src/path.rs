@@ -1,5 +1,6 @@
 //! A judge of shortest paths.
 
+use std::collections::{HashMap, HashSet};
 use std::error::Error;
 use std::f64::consts::PI;
 use std::fmt;
@@ -17,6 +18,9 @@ const STRAIGHT: f64 = 1e-11;
 /// Rounding of a position on a side, as a fraction of the longest side: of those that the path meets
 /// where it is to be straight, of all sides where it is to be as long as a distance.
 const PLACE: f64 = 1e-15;
+
+/// Most steps of ways around a vertex that are tried. Only junctions have more ways than two.
+const MOST_TURNS: usize = 100_000;
 
 /// A point of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,6 +81,20 @@ struct StraightPiece<S> {
     longest: S,
     /// The triangles crossed.
     triangles: Vec<usize>,
+}
+
+/// A way around a vertex, up to an edge.
+struct Turn {
+    /// The edge, named by its other end.
+    edge: usize,
+    /// The angle from the direction where the way begins.
+    angle: f64,
+    /// How far the nearest vertex is between that direction and the edge.
+    nearest: f64,
+    /// The corner through which the way has come to the edge.
+    through: usize,
+    /// Number of edges before this one.
+    before: usize,
 }
 
 /// What a path could be moved by at a vertex that it passes.
@@ -380,61 +398,86 @@ impl<S: RealNumber> PreciseSurface<S> {
     }
 
     /// The room at a vertex. `directions` are those of the pieces before and after it, and `lengths`
-    /// their lengths. There is none if they are in different fans.
+    /// their lengths.
+    ///
+    /// A way from one direction to the other turns around the vertex from edge to edge, within
+    /// triangles, and from an edge of several triangles into each of them. Of all ways of less than
+    /// π, up to [`MOST_TURNS`] steps of them, the one with the most room counts.
     fn room(&self, directions: [(usize, f64); 2], lengths: [f64; 2]) -> Room {
-        let start = directions[0].0;
-        // Back to the first triangle of the fan, or once around it.
-        let mut first = start;
-        let mut is_open = true;
-        while let Some(twin) = self.sides[first].twin {
-            first = next(twin);
-            if first == start {
-                is_open = false;
+        let [(start, at_start), (end, at_end)] = directions;
+        let corners = &self.leaving[self.sides[start].tail];
+        // Edges are named by their other ends.
+        let mut at_edge: HashMap<usize, Vec<usize>> = HashMap::new();
+        let mut spokes: HashMap<usize, f64> = HashMap::new();
+        for &corner in corners {
+            let edges = [
+                (self.head(corner), corner),
+                (self.third(corner), prev(corner)),
+            ];
+            for (edge, side) in edges {
+                at_edge.entry(edge).or_default().push(corner);
+                spokes.insert(edge, self.sides[side].length.to_f64());
+            }
+        }
+        let longest = spokes.values().copied().fold(0.0, f64::max);
+        let free = lengths[0].min(lengths[1]);
+        let mut most = 0.0_f64;
+        if start == end {
+            most = (PI - (at_start - at_end).abs()) * free;
+        }
+        let first = |edge, angle| Turn {
+            edge,
+            angle,
+            nearest: free,
+            through: start,
+            before: 0,
+        };
+        let last = self.angle(start) - at_start;
+        let mut ways = vec![
+            first(self.head(start), at_start),
+            first(self.third(start), last),
+        ];
+        let mut way: Vec<usize> = Vec::new();
+        let mut passed: HashSet<usize> = HashSet::new();
+        for _ in 0..MOST_TURNS {
+            let Some(turn) = ways.pop() else {
                 break;
+            };
+            for edge in way.drain(turn.before..) {
+                passed.remove(&edge);
+            }
+            if turn.angle >= PI || !passed.insert(turn.edge) {
+                continue;
+            }
+            way.push(turn.edge);
+            let beyond = if turn.angle > 0.0 {
+                turn.nearest.min(spokes[&turn.edge])
+            } else {
+                turn.nearest
+            };
+            for &corner in at_edge[&turn.edge].iter().filter(|&&c| c != turn.through) {
+                let is_first = self.head(corner) == turn.edge;
+                let angle = self.angle(corner);
+                if corner == end {
+                    let rest = if is_first { at_end } else { angle - at_end };
+                    let nearest = if rest > 0.0 { beyond } else { turn.nearest };
+                    most = most.max((PI - turn.angle - rest) * nearest);
+                }
+                ways.push(Turn {
+                    edge: if is_first {
+                        self.third(corner)
+                    } else {
+                        self.head(corner)
+                    },
+                    angle: turn.angle + angle,
+                    nearest: beyond,
+                    through: corner,
+                    before: way.len(),
+                });
             }
         }
-        // Each edge of the fan: the angle to it, and its length.
-        let mut spokes = Vec::new();
-        let mut found = [None; 2];
-        let mut turned = 0.0;
-        let mut side = first;
-        loop {
-            spokes.push((turned, self.sides[side].length.to_f64()));
-            for (found, (of, angle)) in found.iter_mut().zip(directions) {
-                if of == side {
-                    *found = Some(turned + angle);
-                }
-            }
-            turned += self.angle(side);
-            let last = self.sides[prev(side)];
-            match last.twin {
-                Some(onward) if onward != first => side = onward,
-                Some(_) => break,
-                None => {
-                    spokes.push((turned, last.length.to_f64()));
-                    break;
-                }
-            }
-        }
-        let longest = spokes.iter().map(|&(_, length)| length).fold(0.0, f64::max);
-        let [Some(a), Some(b)] = found else {
-            return Room { room: 0.0, longest };
-        };
-        let (low, high) = (a.min(b), a.max(b));
-        let room = |angle: f64, is_inside: &dyn Fn(f64) -> bool| {
-            let inside = spokes.iter().filter(|&&(at, _)| is_inside(at));
-            let nearest = inside.map(|&(_, length)| length);
-            let nearest = nearest.fold(lengths[0].min(lengths[1]), f64::min);
-            (PI - angle).max(0.0) * nearest
-        };
-        let between = room(high - low, &|at| low < at && at < high);
-        let around = if is_open {
-            0.0
-        } else {
-            room(turned - (high - low), &|at| at < low || at > high)
-        };
         Room {
-            room: between.max(around),
+            room: most,
             longest,
         }
     }
@@ -551,5 +594,25 @@ mod tests {
         );
         let inside = [1, 0, 2].map(JudgedPoint::Vertex);
         assert_eq!(judge_path(&corner, &inside, &[1], 2, [2.0; 2]), Ok(()));
+    }
+
+    /// Regression test: directions at a vertex were compared within one fan of triangles only.
+    #[test]
+    fn a_shortcut_may_lead_across_an_edge_of_three_triangles() {
+        // Three triangles at the edge from 0 to 1, each with a corner of 60 degrees at 0.
+        let (out, up) = (0.75_f64.sqrt(), 0.5);
+        let book = surface(
+            &[
+                [0.0; 3],
+                [1.0, 0.0, 0.0],
+                [up, out, 0.0],
+                [up, -0.5 * out, 0.75],
+                [up, -0.5 * out, -0.75],
+            ],
+            &[[0, 1, 2], [0, 1, 3], [0, 1, 4]],
+        );
+        let around = [2, 0, 3].map(JudgedPoint::Vertex);
+        let flaw = judge_path(&book, &around, &[2], 3, [2.0; 2]);
+        assert!(matches!(flaw, Err(PathFlaw::Bent(1, by)) if (by - PI / 3.0).abs() < 1e-12));
     }
 }

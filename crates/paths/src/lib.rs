@@ -31,8 +31,9 @@
 //!
 //! The length of a path equals the distance of its target to 1e-12 and the rounding of the longest
 //! edge. A path is straight across every edge and bends only at vertices, with an angle of at least
-//! π on both sides, up to rounding. It crosses no face twice. If a vertex has several shortest
-//! paths, the path is the one that the solver found first.
+//! π on both sides, up to rounding; at an edge of several faces, on every way around the vertex
+//! from face to face. It crosses no face twice. If a vertex has several shortest paths, the path is
+//! the one that the solver found first.
 
 mod lines;
 mod onto;

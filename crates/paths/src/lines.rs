@@ -419,26 +419,34 @@ impl LineSearch<'_> {
                 (window, from)
             };
             let ([px, py], [x, y]) = (window.source(), from_here);
-            let at = (y * px - py * x) / (y - py);
+            // The line meets the edge between the feet of its ends. Beside a face without height,
+            // rounding may put an end on the wrong side of the edge: it counts as on the edge.
+            let (above, below) = (y.max(0.0), (-py).max(0.0));
+            let part = below / (above + below);
             // NaN: both are on the line of the edge.
-            let at = if at.is_nan() { px } else { at };
+            let at = if part.is_nan() {
+                px
+            } else {
+                px + part * (x - px)
+            };
             let at = at.clamp(window.b0, window.b1);
             let ends = [mesh.tail(out), mesh.head(out)];
             crossings.push(Point::on_edge(out, ends, (l - at) / l));
             next = parent;
-            let Some(i) = parent else {
-                let end = window.source();
-                at_end = LineDirection::new(out.prev(), sub([l, 0.0], end), sub(from_here, end));
-                break;
-            };
-            // From the frame of the exit to that of the entrance.
-            let view = FaceView::of(mesh, self.beams[i].h);
-            let ([ux, uy], [x0, y0]) = if out == self.beams[i].h.prev() {
+            // The half-edge through which the line entered the face before; in the first face, the
+            // one from the end to the tail of `out`. Its frame gives the direction at the end: in
+            // that of the exit, which may be long, the end errs by more than it is away from there.
+            let entry = parent.map_or(out.prev(), |i| self.beams[i].h);
+            let view = FaceView::of(mesh, entry);
+            let ([ux, uy], [x0, y0]) = if out == entry.prev() {
                 (view.frame.left, [0.0; 2])
             } else {
                 (view.frame.right, [view.frame.cx, view.frame.cy])
             };
             from = [x0 + ux * x - uy * y, y0 + uy * x + ux * y];
+            if parent.is_none() {
+                at_end = LineDirection::new(entry, [1.0, 0.0], from);
+            }
         }
         crossings.reverse();
         Some(StraightLine {

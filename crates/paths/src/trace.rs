@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::PI;
 
-use geobench_mesh::vector::{norm, sub};
+use geobench_mesh::vector::{cross_2d, dot, norm, sub};
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 use geobench_window::{Goal, Origin, Origins, SolveError, Solver, Sources};
 
@@ -40,6 +40,11 @@ const MOST_TRIES: usize = 2_000;
 /// [`glide`](Paths::glide) accepts; the greatest is its inverse. Unfolding a thinner face moves
 /// vertices too far.
 const THIN: f64 = 1e-7;
+
+/// Least length of an edge, as a fraction of the line up to it, that [`glide`](Paths::glide)
+/// accepts. The ends of the edge err by ε of the line, so the faces beyond are turned by ε over this
+/// fraction, 1e-11.
+const SHORT: f64 = 1e-5;
 
 /// Why a path cannot be traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -264,49 +269,8 @@ impl Paths {
     /// Whether a path is straight at the vertex from which line `there` comes and where line `back`
     /// ends, up to `bend`: no shortcut exists on either side.
     fn is_straight(&self, there: &StraightLine, back: &StraightLine, bend: f64) -> bool {
-        let mesh = &self.mesh;
         let ends = [there.directions[1], back.directions[0]];
-        // The angles from the first edge of the fan.
-        let mut angles = [None; 2];
-        let (mut turned, mut longest) = (0.0, 0.0_f64);
-        let mut is_open = false;
-        let ring = mesh.outgoing(there.from);
-        let mut first = 0;
-        for (i, &corner) in ring.iter().enumerate() {
-            if i == first {
-                (turned, longest) = (0.0, mesh.length(corner));
-                is_open = mesh.twin(corner).is_none();
-            }
-            for (angle, end) in angles.iter_mut().zip(ends) {
-                if end.corner == corner {
-                    *angle = Some(turned + end.angle);
-                }
-            }
-            let [x, y] = mesh.apex(corner);
-            turned += y.atan2(x);
-            longest = longest.max(mesh.length(corner.prev()));
-            // The last face of its fan.
-            if mesh
-                .twin(corner.prev())
-                .is_none_or(|twin| twin == ring[first])
-            {
-                match angles {
-                    [None, None] => first = i + 1,
-                    [Some(_), Some(_)] => break,
-                    // In different fans, between which a path may pass.
-                    _ => return true,
-                }
-            }
-        }
-        let [Some(a), Some(b)] = angles else {
-            return false;
-        };
-        let between = (a - b).abs();
-        let angle = if is_open {
-            between
-        } else {
-            between.min(turned - between)
-        };
+        let (angle, longest) = angle_between(&self.mesh, there.from, ends);
         let short = there.length.min(back.length);
         (PI - angle) * short <= bend * (there.length + back.length) + PLACE * longest
     }
@@ -472,13 +436,18 @@ impl Paths {
                 return None;
             }
             let edge = sub(a, b);
+            if norm(edge) < SHORT * x {
+                return None;
+            }
             let apex = [
                 b[0] + along * edge[0] - across * edge[1],
                 b[1] + along * edge[1] + across * edge[0],
             ];
             let from = self.tail(g.prev());
             if meets(apex, from) {
-                let at_from = LineDirection::new(g.prev(), sub(b, apex), apex.map(|x| -x));
+                let back = apex.map(|x| -x);
+                let to = [dot(edge, back), cross_2d(edge, back)];
+                let at_from = LineDirection::new(g.prev(), [-along, -across], to);
                 return Some(StraightLine {
                     from,
                     length: norm(apex),
@@ -499,6 +468,49 @@ impl Paths {
         }
         None
     }
+}
+
+/// The least angle between two directions at `v`, and the longest edge there.
+///
+/// A way from one to the other turns around `v` from edge to edge, within faces: on either side of a
+/// vertex inside the surface, on one side at the boundary, and from an edge of several faces into
+/// each of them. If there is no way, a path may bend at `v` anyhow, and the angle is infinite.
+fn angle_between(mesh: &Mesh, v: VertexId, [a, b]: [LineDirection; 2]) -> (f64, f64) {
+    // The edges on both sides of a corner, each named by its other end, and the angle between.
+    let sides = |corner| {
+        let [x, y] = mesh.apex(corner);
+        let ends = [mesh.head(corner), mesh.apex_vertex(corner)];
+        (ends, y.atan2(x))
+    };
+    let corners: Vec<_> = mesh.outgoing(v).iter().map(|&h| sides(h)).collect();
+    // The angle from `a` to each edge.
+    let mut turned: HashMap<VertexId, f64> = HashMap::new();
+    let ([first, second], angle) = sides(a.corner);
+    turned.insert(first, a.angle);
+    turned.insert(second, angle - a.angle);
+    let mut is_done = false;
+    while !is_done {
+        is_done = true;
+        // Once around in each direction is enough where no edge has more than two faces.
+        for &([first, second], angle) in corners.iter().chain(corners.iter().rev()) {
+            for [from, to] in [[first, second], [second, first]] {
+                let known = |edge| turned.get(edge).copied().unwrap_or(f64::INFINITY);
+                let by_corner = known(&from) + angle;
+                if by_corner < known(&to) {
+                    turned.insert(to, by_corner);
+                    is_done = false;
+                }
+            }
+        }
+    }
+    let ([first, second], angle) = sides(b.corner);
+    let from_edge = |edge: &VertexId, angle| turned.get(edge).map_or(f64::INFINITY, |t| t + angle);
+    let mut least = from_edge(&first, b.angle).min(from_edge(&second, angle - b.angle));
+    if a.corner == b.corner {
+        least = least.min((a.angle - b.angle).abs());
+    }
+    let lengths = mesh.neighbours(v).map(|(_, length)| length);
+    (least, lengths.fold(0.0, f64::max))
 }
 
 /// Whether no face is crossed twice.

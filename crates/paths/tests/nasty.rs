@@ -42,6 +42,33 @@ fn meshes_with_junctions() {
     report(&failures);
 }
 
+/// Regression test: meshes of the fuzzer on which paths were bent.
+///
+/// * `comb`: a line was unfolded across an edge a millionth as long as the line.
+/// * `corridor`, `lenses`: the direction of a line at the vertex where it ends was measured on the
+///   far side of a face a millionth as wide as long.
+/// * `book`, `touching`, `tee`: a path along an edge of several faces turned by less than π in one
+///   of them.
+/// * `rolled`: the ends of a line were on one side of a face without height.
+#[test]
+fn seeds_that_failed() {
+    let mut failures = Vec::new();
+    for (kind, seed) in [
+        (Kind::Comb, 2236),
+        (Kind::Corridor, 542),
+        (Kind::Lenses, 22213),
+        (Kind::Book, 27531),
+        (Kind::Touching, 19244),
+        (Kind::Tee, 18292),
+        (Kind::Rolled, 9114),
+    ] {
+        let model = kind.mesh(seed).model;
+        let mesh = mesh_of(&model).unwrap();
+        check(&model.name, &mesh, &model.sources, &mut failures);
+    }
+    report(&failures);
+}
+
 /// A closed fan of `rings` rings around vertex 0; the edges of each ring are `factor` times as long
 /// as those of the next one. The rings are not round, and not flat.
 fn graded(corners: u32, rings: u32, factor: f64, seed: u64) -> Mesh {

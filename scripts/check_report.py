@@ -59,6 +59,17 @@ for (const table of document.querySelectorAll('main table')) {
 return problems;
 """
 
+# The headline and the first rows of the matrix are on the first screen.
+FIRST_SCREEN = """
+const late = [];
+const headline = document.querySelector('.headline'), matrix = document.querySelector('table[data-columns=algorithm]');
+for (const [what, node] of [['headline', headline], ['matrix', matrix?.tBodies[0].rows[0]]]) {
+    const box = node?.getBoundingClientRect();
+    if (!box || box.bottom > Math.min(innerHeight, 844)) late.push(`${what} ends at ${box?.bottom} px`);
+}
+return late;
+"""
+
 # Effects of clicks on tables and charts: sorting, filters, hidden columns.
 EXPLORED = """
 const problems = [];
@@ -92,6 +103,11 @@ if (algorithms) {
     box(algorithms, name).click();
     expect('the table follows the filter of algorithms', !names().includes(name));
     expect('charts follow the filter of algorithms', charts().split(name).length < all);
+    const matrix = document.querySelector('table[data-columns=algorithm]');
+    const column = [...matrix.tHead.rows[0].cells].findIndex(cell => nameIn(cell) === name);
+    expect('the matrix follows the filter of algorithms', column > 0 && [...matrix.rows].every(r => r.cells[column].hidden));
+    const said = [...document.querySelectorAll('.headline')].filter(p => p.checkVisibility());
+    expect('the headline follows the filter', said.length && said.every(p => ![p.dataset.faster, p.dataset.slower].includes(name)));
     expect('the address keeps the filter', new URLSearchParams(location.hash.slice(1)).get('hidden-algorithm') === name);
     const hidden = hiddenByAddress();
     expect('the address is read', hidden.algorithm.has(name) && hidden.algorithm.size === 1 && !hidden.model.size);
@@ -318,6 +334,7 @@ def check_layout(browser, scheme):
     red = int(seen["paper"].split("(")[1].split(",")[0])
     dark = scheme == "dark"
     browser.expect(f"the ground is {seen['paper']}", seen["dark"] == dark and (red < 128) == dark)
+    browser.wrong(*(f"not on the first screen: {what}" for what in browser.run(FIRST_SCREEN)))
     browser.wrong(*browser.run(CUT_OFF))
     # Menus must also stay in the window.
     for number in range(browser.run("return document.querySelectorAll('details.menu').length;")):

@@ -746,7 +746,8 @@ impl Reporter {
     /// Ends a group: prints its table of ratios.
     pub(crate) fn end(&mut self, group: &GroupRecord) -> anyhow::Result<()> {
         let look = self.look;
-        self.show(&table::ratio_table(group, &self.result, look))
+        self.show(&table::ratio_table(group, &self.result, look))?;
+        self.show(&table::matrix_table(group, &self.result, look))
     }
 
     /// Prints text of a table above the progress, if the format of standard output is a table.

@@ -1,6 +1,6 @@
 use crate::support::Sandbox;
 
-/// Five runs of two algorithms, stored as `name`.
+/// Six runs of two algorithms, stored as `name`.
 fn stored(sandbox: &Sandbox, name: &str) {
     sandbox.succeed(&format!(
         "run square.off gen:cube,n=3 --algo mmp,vtp -o {name} --quiet"

@@ -168,7 +168,7 @@ fn several_files_have_a_column_each() {
 fn services_get_their_forms() {
     let sandbox = Sandbox::with_square();
     sandbox.succeed(
-        "run square.off --algo mmp --repeat 5 --quiet -o r.json -o r.bmf.json -o r.gab.json",
+        "run square.off --algo mmp --repeat 6 --quiet -o r.json -o r.bmf.json -o r.gab.json",
     );
     let cell = &sandbox.json("r.json")["cells"][0];
     let median = cell["time"]["median"].as_f64().unwrap();

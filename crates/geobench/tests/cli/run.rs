@@ -152,7 +152,7 @@ fn a_few_samples_have_no_interval_and_the_file_says_why() {
     assert_eq!(time["ci95"], Value::Null);
     assert_eq!(
         time["note"],
-        "no confidence interval from fewer than 5 samples"
+        "no confidence interval from fewer than 6 samples"
     );
 }
 

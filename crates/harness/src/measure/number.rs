@@ -20,6 +20,22 @@ pub fn seconds(seconds: f64, most: u8) -> String {
     format!("{seconds:.decimals$}")
 }
 
+/// A time with three significant digits and its unit, from nanoseconds to seconds.
+pub fn with_unit(seconds: f64) -> String {
+    const UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("\u{b5}s", 1e-6), ("ns", 1e-9)];
+    if seconds <= 0.0 {
+        return "0 s".to_owned();
+    }
+    // The bounds are those of rounding: 0.9996 ms is 1.00 ms.
+    let mut units = UNITS.into_iter();
+    let unit = units.find(|(_, size)| seconds >= 0.9995 * size);
+    let (unit, size) = unit.unwrap_or(UNITS[UNITS.len() - 1]);
+    let value = seconds / size;
+    let bounds = [99.95, 9.995, 0.9995];
+    let decimals = bounds.iter().filter(|bound| value < **bound).count();
+    format!("{value:.decimals$} {unit}")
+}
+
 /// A count with thousands separators.
 pub fn grouped(count: u64) -> String {
     group(&count.to_string())
@@ -100,6 +116,19 @@ mod tests {
                 "5.00",
                 "99.9",
                 "1235"
+            ]
+        );
+    }
+
+    #[test]
+    fn units_leave_three_digits() {
+        assert_eq!(
+            [
+                0.0, 2.5e-10, 1.5e-7, 0.001_234, 0.099_99, 0.999_6, 99.94, 1234.7
+            ]
+            .map(with_unit),
+            [
+                "0 s", "0.250 ns", "150 ns", "1.23 ms", "100 ms", "1.00 s", "99.9 s", "1235 s"
             ]
         );
     }

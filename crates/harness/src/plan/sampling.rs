@@ -105,17 +105,10 @@ impl Sampling {
             return true;
         }
         spent >= precision.min_time
-            && is_checkpoint(samples.len())
             && statistics::time(samples.to_vec(), None)
                 .half_width()
                 .is_some_and(|width| width <= precision.relative)
     }
-}
-
-/// Whether the interval is computed at this number of samples. The bootstrap takes milliseconds, so
-/// it is computed at each number up to 20 and then at ever larger steps of about a tenth.
-fn is_checkpoint(samples: usize) -> bool {
-    samples <= 20 || samples.is_multiple_of(samples / 10)
 }
 
 /// A share such as `3%` or `0.03`, above 0 and at most 1.
@@ -183,8 +176,8 @@ mod tests {
 
     #[test]
     fn equal_samples_need_the_least_number_and_time() {
-        assert!(!USUAL.is_enough(&[1.0; 4], 4.0));
-        assert!(USUAL.is_enough(&[1.0; 5], 5.0));
+        assert!(!USUAL.is_enough(&[1.0; 5], 5.0));
+        assert!(USUAL.is_enough(&[1.0; 6], 6.0));
         assert!(!USUAL.is_enough(&[0.01; 19], 0.19));
         assert!(USUAL.is_enough(&[0.01; 20], 0.2));
     }

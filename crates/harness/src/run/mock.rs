@@ -37,7 +37,7 @@ pub fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
         sources: sources.parse().unwrap(),
         sources_together: false,
         goal: GoalSpec::default(),
-        sampling: Sampling::Fixed(5),
+        sampling: Sampling::Fixed(6),
         warmup: 1,
         tolerance: 1e-9,
         simd,

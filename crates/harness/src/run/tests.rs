@@ -59,7 +59,7 @@ fn without_a_number_each_cell_repeats_until_it_is_precise() {
     };
     let records = run_mock(&plan, &backend);
     let time = |name| &cell(&records.cells, name).time;
-    assert_eq!(time("mmp").samples.len(), 5);
+    assert_eq!(time("mmp").samples.len(), 6);
     assert!(time("mmp").solves.is_empty() && !time("mmp").is_imprecise());
     // The maximum time of 20 s is reached before the maximum number of runs.
     let spent: f64 = time("ich").samples.iter().sum();
@@ -77,7 +77,7 @@ fn without_a_number_each_cell_repeats_until_it_is_precise() {
     for round in first.chunks(3) {
         assert!(round[0] != round[1] && round[1] != round[2] && round[0] != round[2]);
     }
-    assert_eq!(time("mmp").places.len(), 5);
+    assert_eq!(time("mmp").places.len(), 6);
     assert_eq!(time("vtp").places.len(), 20);
 }
 
@@ -209,7 +209,7 @@ fn any_number_of_random_sources_is_refused_at_once() {
 fn figures_come_from_the_runs_that_are_meant_for_them() {
     let records = run_mock(&plan(&["cow"], "mmp,vtp", "0"), &MockBackend::default());
     let (mmp, vtp) = (&records.cells[0], &records.cells[1]);
-    assert_eq!(mmp.time.samples.len(), 5);
+    assert_eq!(mmp.time.samples.len(), 6);
     assert_eq!(mmp.time.setup, Some(0.125));
     assert_eq!(
         mmp.memory.papers_bytes,
@@ -277,9 +277,9 @@ fn who_asks_to_stop_gets_what_is_done() {
         (records.models.len(), cells.join(", "))
     };
     let cow = "cow mmp ok, cow ich crashed, cow vtp ok";
-    // Three warm-ups, one round of three runs, four rounds of two, two profiled and two counting
+    // Three warm-ups, one round of three runs, five rounds of two, two profiled and two counting
     // runs.
-    let runs_of_cow = 3 + 3 + 4 * 2 + 2 + 2;
+    let runs_of_cow = 3 + 3 + 5 * 2 + 2 + 2;
     for (runs, models, cells) in [
         (runs_of_cow, 1, cow.to_owned()),
         (runs_of_cow + 2, 1, cow.to_owned()),

@@ -507,7 +507,7 @@ pub struct Time {
     pub min: Option<f64>,
     /// Median absolute deviation of the samples, unscaled.
     pub mad: Option<f64>,
-    /// 95 % bootstrap interval of the median; null for fewer than five samples.
+    /// 95 % interval of the median; null for fewer than six samples.
     pub ci95: Option<[f64; 2]>,
     /// Why there is no interval.
     pub note: Option<String>,
@@ -518,7 +518,7 @@ pub struct Time {
     #[serde(default)]
     pub extraction: Option<f64>,
     /// Number of outliers: samples that lie more than ten standard deviations (estimated from the
-    /// MAD) from the median. All figures include them. Null for fewer than five samples.
+    /// MAD) from the median. All figures include them. Null for fewer than six samples.
     #[serde(default)]
     pub outliers: Option<usize>,
     /// For each sample, its position in the order of its round, failed algorithms included.

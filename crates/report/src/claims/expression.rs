@@ -250,8 +250,8 @@ mod tests {
     }
 
     #[test]
-    fn times_have_an_interval_from_five_samples_on_and_pairs_are_divided_first() {
-        let drifting = [1.0, 2.0, 3.0, 4.0, 5.0];
+    fn times_have_an_interval_from_six_samples_on_and_pairs_are_divided_first() {
+        let drifting = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
         let double = drifting.map(|x| 2.0 * x);
         let of = |over: &[f64], under: &[f64]| {
             let mut leaves = ExpressionLeaves::default();
@@ -262,11 +262,11 @@ mod tests {
         let (value, samples) = of(&double, &drifting);
         assert_eq!(
             (value.value, value.interval, samples),
-            (2.0, Some([2.0, 2.0]), 5)
+            (2.0, Some([2.0, 2.0]), 6)
         );
         let (value, samples) = of(&double[..1], &drifting[..1]);
         assert_eq!((value.value, value.interval, samples), (2.0, None, 1));
-        let (value, _) = of(&double, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        let (value, _) = of(&double, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
         let [low, high] = value.interval.unwrap();
         assert!(low < 1.0 && high > 2.0, "{low} {high}");
     }

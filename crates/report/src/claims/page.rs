@@ -172,13 +172,13 @@ fn in_markdown(report: &ClaimsReport) -> String {
                 Entry::new(&claim.place),
                 Entry::new(paper.join(" ")),
                 Entry::new(&claim.shown),
-                Entry {
-                    text: with_cause(claim),
-                    mark: match claim.verdict {
+                Entry::marked(
+                    with_cause(claim),
+                    match claim.verdict {
                         ClaimVerdict::Not => Mark::Best,
                         _ => Mark::None,
                     },
-                },
+                ),
                 Entry::new(why(claim)),
             ]
         };

@@ -34,7 +34,7 @@ fn made_up(algorithms: &str) -> ResultFile {
         model.anisotropy = Some(f64::from(1 << i));
     }
     for cell in &mut made.cells {
-        cell.time = time(vec![1.0, 1.1, 0.9, 1.05, 0.95], None);
+        cell.time = time(vec![1.0, 1.1, 0.9, 1.05, 0.95, 1.0], None);
         cell.instructions = None;
         cell.simd = Some("scalar".into());
         cell.instructions_simd = Some("scalar".into());
@@ -209,7 +209,7 @@ fn times_decide_by_their_interval_else_instructions_do() {
     assert_eq!(judged.values["ich to vtp, small"].ci95, Some([2.0, 2.0]));
 
     // The median is longer, but the interval includes 1.
-    let wide = [0.9, 1.3, 0.8, 1.2, 1.0].to_vec();
+    let wide = [0.9, 1.3, 0.8, 1.2, 1.0, 1.05].to_vec();
     cell(&mut result, "ich", "large").time = time(wide.clone(), None);
     assert_eq!(
         verdict_of(test, &result),
@@ -258,7 +258,7 @@ fn a_claim_without_data_is_unjudged() {
     for cell in &mut few.cells {
         cell.time = time(vec![1.0], None);
     }
-    assert_eq!(why(&few, time_test), "1 sample; an interval takes 5");
+    assert_eq!(why(&few, time_test), "1 sample; an interval takes 6");
     let mut debug = made_up("ich,vtp");
     debug.tool.profile = "debug".into();
     assert_eq!(why(&debug, time_test), "it was measured with a debug build");

@@ -169,7 +169,7 @@ mod tests {
     fn samples_follow_each_other_and_are_summarised_anew() {
         // All rounds share a backend, so that the mock times keep increasing.
         let backend = MockBackend::default();
-        let rounds: Vec<ResultFile> = (0..5).map(|_| round(&backend)).collect();
+        let rounds: Vec<ResultFile> = (0..6).map(|_| round(&backend)).collect();
         let samples: Vec<f64> = rounds.iter().map(|r| r.cells[1].time.samples[0]).collect();
         assert!(rounds[0].cells[1].time.ci95.is_none() && rounds[0].cells[1].time.note.is_some());
 
@@ -178,7 +178,7 @@ mod tests {
         assert_eq!(joined.cells.len(), 2);
         let time = &joined.cells[1].time;
         assert_eq!(time.samples, samples);
-        assert_eq!(time.median, Some(samples[2]));
+        assert_eq!(time.median, Some(f64::midpoint(samples[2], samples[3])));
         assert!(time.ci95.is_some() && time.note.is_none());
     }
 

@@ -345,7 +345,7 @@ mod tests {
             assert_eq!(add(&history, second.clone()).unwrap(), path);
         }
         let grown = &read_all(&history).unwrap()[0];
-        assert_eq!(grown.cells[0].samples.len(), 10);
+        assert_eq!(grown.cells[0].samples.len(), 12);
         assert_eq!(grown.cells.len(), 2);
     }
 

@@ -3,6 +3,7 @@
 use sha2::{Digest, Sha256};
 
 use super::chart::Chart;
+use super::headline::Headline;
 use crate::table::{Note, Table};
 
 /// A whole report.
@@ -26,8 +27,8 @@ pub(crate) struct Section {
 /// An item of a section.
 #[derive(Clone, Debug)]
 pub(crate) enum SectionItem {
-    /// The outcome of each group, one sentence each.
-    Headlines(Vec<String>),
+    /// The outcome of a group, after its name if there are several groups.
+    Headline(Option<String>, Headline),
     /// Reasons to doubt the times.
     Warnings(Vec<String>),
     /// A paragraph.

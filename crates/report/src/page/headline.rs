@@ -1,91 +1,120 @@
-//! The outcome of a group in one sentence, and warnings about its times.
+//! The outcome of a group in one or two sentences, and warnings about its times.
 
-use geobench_harness::figures::capitalised;
-use geobench_harness::figures::time;
-use geobench_harness::measure::statistics::{Variable, interval_of, median};
-use geobench_harness::schema::{Cell, ResultFile, Status};
+use geobench_harness::figures::{capitalised, time};
+use geobench_harness::measure::number::{counted, grouped, ratio};
+use geobench_harness::measure::statistics::{FEWEST_FOR_INTERVAL, range_of};
+use geobench_harness::schema::{ModelRecord, ResultFile};
 
+use super::scaling;
 use crate::table::disturbance;
-use crate::table::group::{GroupCells, distinct, is_same_problem, pairs};
+use crate::table::group::{Estimate, GroupCells, distinct, geometric_mean};
 
 /// The largest relative difference from the reference, beyond rounding, that counts as exact.
 pub(super) const EXACT: f64 = 1e-6;
 
-/// Names the algorithm that is fastest on most models, and its speed-up over the base of ratios. If
-/// it is the base itself, or the base is not exact, the speed-up is over the next fastest
-/// algorithm. `None` if no model has the times of two exact algorithms.
+/// The comparison of two exact algorithms in one sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Sentence {
+    /// The label of the algorithm that is faster on average.
+    pub(crate) faster: String,
+    /// The label of the other one.
+    pub(crate) slower: String,
+    /// Whether it says that the first is the fastest, and the other the next.
+    pub(crate) of_next: bool,
+    pub(crate) text: String,
+}
+
+/// What a group says about the fastest algorithm.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Headline {
+    /// Labels of exact algorithms, the fastest first, one for each name.
+    pub(crate) ranking: Vec<String>,
+    /// The base of ratios, if it is exact.
+    pub(crate) base: Option<String>,
+    /// The sentences without any selection. The fastest algorithm is compared with the next, and
+    /// with the fastest outside program, or with the base if there is none.
+    pub(crate) shown: Vec<Sentence>,
+    /// Sentences that pages show when some algorithms are hidden.
+    pub(crate) others: Vec<Sentence>,
+}
+
+/// The most ranked algorithms for which a page has the sentences of all pairs.
+const MOST_PAIRED: usize = 12;
+
+/// The headline of a group; `None` if no two exact algorithms solved the same problem.
 ///
-/// Models on which fewer than two exact algorithms ran are ignored: there is nothing to win there.
-/// Approximate algorithms are ignored. The speed-up is the geometric mean over all models and
-/// sources that both solved. Its interval is a bootstrap over the samples of each.
-pub(crate) fn headline(group: &GroupCells<'_>) -> Option<String> {
-    let exact: Vec<&str> = group
-        .algorithms
-        .iter()
-        .copied()
-        .filter(|name| is_exact(group, name))
-        .collect();
-    let ran = |model: &str, name: &str| {
-        let mut cells = group.cells.iter();
-        cells.any(|cell| cell.model == model && cell.algorithm == name)
+/// Algorithms that differ only in parameters or instructions count as one: the form that is faster
+/// than most others stands for it. Approximate algorithms are ignored. The ranking is by the number
+/// of algorithms that each is faster than, in the geometric mean over all problems that both solved.
+pub(crate) fn headline(group: &GroupCells<'_>) -> Option<Headline> {
+    let names = group.algorithms.iter().copied();
+    let exact: Vec<&str> = names.filter(|name| is_exact(group, name)).collect();
+    let series = scaling::series(group);
+    let compare = |slower: &str, faster: &str| Comparison::of(group, &series, slower, faster);
+    let mut ranked: Vec<(&str, usize)> = exact.iter().map(|name| (*name, 0)).collect();
+    for (i, first) in exact.iter().enumerate() {
+        for (j, second) in exact.iter().enumerate().skip(i + 1) {
+            if let Some(found) = compare(first, second) {
+                let winner = if found.factor > 1.0 { j } else { i };
+                ranked[winner].1 += 1;
+            }
+        }
+    }
+    ranked.sort_by_key(|(_, wins)| std::cmp::Reverse(*wins));
+    let mut ranking: Vec<&str> = Vec::new();
+    for (label, _) in ranked {
+        if ranking.iter().all(|other| name_of(other) != name_of(label)) {
+            ranking.push(label);
+        }
+    }
+    let base = group.record.ratios_to.as_deref();
+    let base = base.filter(|base| ranking.contains(base));
+    // As the next, and as another.
+    let sentences = |faster: &str, slower: &str| {
+        let found = compare(slower, faster)?;
+        Some([true, false].map(|of_next| Sentence {
+            faster: faster.to_owned(),
+            slower: slower.to_owned(),
+            of_next,
+            text: found.in_words(faster, slower, of_next),
+        }))
     };
-    // For each model: its exact algorithms that have a time, the fastest first.
-    let ranked: Vec<Vec<&str>> = group
-        .models
-        .iter()
-        .filter(|model| exact.iter().filter(|name| ran(&model.name, name)).count() > 1)
-        .map(|model| {
-            let names = exact.iter().copied();
-            let mut times: Vec<(&str, f64)> = names
-                .filter_map(|name| Some((name, group.value(time(), &model.name, name)?.value)))
-                .collect();
-            times.sort_by(|a, b| a.1.total_cmp(&b.1));
-            times.into_iter().map(|(name, _)| name).collect()
-        })
+    let (best, next) = (*ranking.first()?, *ranking.get(1)?);
+    let is_outside = |label: &&&str| label.starts_with(OUTSIDE) != best.starts_with(OUTSIDE);
+    let rival = ranking[1..].iter().find(is_outside).copied();
+    let rival = rival.or(base).filter(|rival| ![best, next].contains(rival));
+    let of_next = sentences(best, next).map(|[of_next, _]| of_next);
+    let of_rival = rival.and_then(|rival| sentences(best, rival));
+    let shown: Vec<Sentence> = of_next
+        .into_iter()
+        .chain(of_rival.map(|[_, of_rival]| of_rival))
         .collect();
-    if ranked.iter().all(|names| names.len() < 2) {
+    if shown.is_empty() {
         return None;
     }
-    let wins = |place: usize, name: &str| {
-        ranked
-            .iter()
-            .filter(|names| names.get(place) == Some(&name))
-            .count()
-    };
-    let most = |place: usize, but: Option<&str>| {
-        let names = exact.iter().copied().filter(|name| Some(*name) != but);
-        // `max_by_key` returns the last of several maxima, which is the first in the original
-        // order.
-        names
-            .rev()
-            .max_by_key(|name| wins(place, name))
-            .filter(|name| wins(place, name) > 0)
-    };
-    let best = most(0, None)?;
-    let models = match ranked.len() {
-        1 => "the only model".to_owned(),
-        all => format!("{} of {all} models", wins(0, best)),
-    };
-    let base = group.record.ratios_to.as_deref();
-    let base = base.filter(|name| *name != best && exact.contains(name));
-    let (other, which) = match base {
-        Some(base) => (base, ""),
-        None => (
-            most(1, Some(best)).or_else(|| most(0, Some(best)))?,
-            ", the next",
-        ),
-    };
-    let mut text = format!("{best} is fastest on {models}");
-    if let Some((factor, interval)) = factor(group, other, best) {
-        let interval = interval.map_or_else(String::new, |[low, high]| {
-            format!(" [{}, {}]", times(low), times(high))
-        });
-        text += &format!(
-            ", {}{interval} times as fast as {other}{which}",
-            times(factor)
-        );
+    let mut others = Vec::new();
+    if ranking.len() <= MOST_PAIRED {
+        for (i, faster) in ranking.iter().enumerate() {
+            for slower in &ranking[i + 1..] {
+                let both = sentences(faster, slower).into_iter().flatten();
+                others.extend(both.filter(|one| !shown.contains(one)));
+            }
+        }
     }
-    Some(text + ".")
+    Some(Headline {
+        base: base.map(str::to_owned),
+        ranking: ranking.into_iter().map(str::to_owned).collect(),
+        shown,
+        others,
+    })
+}
+
+/// The beginning of the labels of outside programs.
+const OUTSIDE: &str = "ext:";
+
+/// The name in a label, without parameters.
+fn name_of(label: &str) -> &str {
+    label.split('{').next().unwrap_or(label)
 }
 
 /// Whether an algorithm is exact: not marked as approximate, and within [`EXACT`] of the reference
@@ -103,43 +132,175 @@ fn is_exact(group: &GroupCells<'_>, algorithm: &str) -> bool {
     })
 }
 
-/// The geometric mean of the time ratios of `over` to `under`, with its 95 % interval if each cell
-/// has enough samples.
-fn factor(group: &GroupCells<'_>, over: &str, under: &str) -> Option<(f64, Option<[f64; 2]>)> {
-    let solved = |name: &str| -> Vec<&Cell> {
-        let cells = group.cells.iter().copied();
-        cells
-            .filter(|c| c.algorithm == name && c.status == Status::Ok)
-            .collect()
-    };
-    let below = solved(under);
-    let ratios: Vec<Vec<f64>> = solved(over)
-        .into_iter()
-        .filter_map(|cell| {
-            let same = below.iter().find(|other| is_same_problem(other, cell));
-            let (above, below) = pairs(cell, same?);
-            let ratios = above.iter().zip(below).map(|(a, b)| a / b);
-            let ratios: Vec<f64> = ratios.filter(|r| r.is_finite() && *r > 0.0).collect();
-            (!ratios.is_empty()).then_some(ratios)
-        })
-        .collect();
-    let mean = |values: &[f64]| {
-        let logarithms: f64 = values.iter().copied().map(libm::log).sum();
-        libm::exp(logarithms / values.len() as f64)
-    };
-    let medians: Option<Vec<f64>> = ratios.iter().map(|ratios| median(ratios)).collect();
-    let medians = medians.filter(|medians| !medians.is_empty())?;
-    let variables: Vec<Variable<'_>> = ratios.iter().map(|r| Variable::Samples(r)).collect();
-    Some((mean(&medians), interval_of(&variables, mean)))
+/// The ratios of the times of a slower algorithm to those of a faster one.
+struct Comparison {
+    /// The geometric mean over the models.
+    factor: f64,
+    /// Its 95 % interval; `None` if a model has too few samples.
+    interval: Option<[f64; 2]>,
+    /// The least and the greatest ratio of a model.
+    range: [f64; 2],
+    /// The number of models.
+    models: usize,
+    /// The number of those on which the first algorithm takes less time.
+    lost: usize,
+    /// The geometric means over the largest and the smallest models of series over size, and the
+    /// faces of the largest and smallest if there is one series and nothing else. `None` without
+    /// series.
+    growth: Option<Growth>,
 }
 
-/// A factor with two or three digits.
-fn times(factor: f64) -> String {
-    match factor {
-        f if f >= 99.5 => format!("{f:.0}"),
-        f if f >= 0.995 => format!("{f:.1}"),
-        f => format!("{f:.2}"),
+/// The ratio in series over size.
+struct Growth {
+    /// The geometric mean of the ratios at the smallest sizes.
+    smallest: f64,
+    /// The least and the greatest number of faces of the only series; `None` if there are several.
+    faces: Option<[u64; 2]>,
+}
+
+impl Comparison {
+    /// Compares the times from all sources of the models that both algorithms solved. Of each series
+    /// over size, only the largest of these models counts.
+    fn of<'r>(
+        group: &GroupCells<'r>,
+        series: &[Vec<&'r ModelRecord>],
+        slower: &str,
+        faster: &str,
+    ) -> Option<Self> {
+        type Compared<'r> = Option<(Estimate, &'r ModelRecord)>;
+        let ratio_of = |model: &&'r ModelRecord| -> Compared<'r> {
+            let ratio = group.ratio(time(), &model.name, slower, faster)?;
+            Some((ratio, *model))
+        };
+        let is_in_series =
+            |model: &&ModelRecord| series.iter().flatten().any(|one| one.name == model.name);
+        let alone = group
+            .models
+            .iter()
+            .copied()
+            .filter(|model| !is_in_series(model));
+        let mut counted: Vec<(Estimate, &ModelRecord)> =
+            alone.filter_map(|m| ratio_of(&m)).collect();
+        let is_only_series = counted.is_empty();
+        let mut ends = Vec::new();
+        for one in series {
+            let solved: Vec<_> = one.iter().filter_map(ratio_of).collect();
+            match solved[..] {
+                [] => {}
+                [only] => counted.push(only),
+                [first, .., last] => {
+                    counted.push(last);
+                    ends.push((first, last));
+                }
+            }
+        }
+        let values: Vec<f64> = counted.iter().map(|(ratio, _)| ratio.value).collect();
+        let factor = geometric_mean(&values)?;
+        let smallest: Vec<f64> = ends.iter().map(|((first, _), _)| first.value).collect();
+        Some(Self {
+            factor,
+            interval: interval_of_mean(factor, counted.iter().map(|(ratio, _)| *ratio)),
+            range: range_of(values.iter().copied())?,
+            models: values.len(),
+            lost: values.iter().filter(|ratio| **ratio < 1.0).count(),
+            growth: geometric_mean(&smallest).map(|smallest| Growth {
+                smallest,
+                faces: match ends[..] {
+                    [(first, last)] if is_only_series && counted.len() == 1 => {
+                        first.1.faces.zip(last.1.faces).map(|(a, b)| [a, b])
+                    }
+                    _ => None,
+                },
+            }),
+        })
     }
+
+    fn in_words(&self, faster: &str, slower: &str, of_next: bool) -> String {
+        let Self {
+            factor, interval, ..
+        } = *self;
+        let factor = ratio(factor);
+        let mut text = match interval {
+            None => {
+                return format!(
+                    "{faster} and {slower}: no difference can be shown from fewer than \
+                     {FEWEST_FOR_INTERVAL} runs; {factor} times as fast{}.",
+                    self.models_in_words()
+                );
+            }
+            Some([low, high]) => {
+                let interval = format!("[{}, {}]", ratio(low), ratio(high));
+                if low > 1.0 && of_next {
+                    format!(
+                        "{faster} is fastest, {factor} {interval} times as fast as the next, {slower}"
+                    )
+                } else if low > 1.0 {
+                    format!("{faster} is {factor} {interval} times as fast as {slower}")
+                } else {
+                    format!(
+                        "{faster} and {slower}: no difference; {factor} {interval} times as fast"
+                    )
+                }
+            }
+        };
+        text += &self.models_in_words();
+        text + "."
+    }
+
+    /// The models, to follow the factor.
+    fn models_in_words(&self) -> String {
+        let Self { models, lost, .. } = *self;
+        let [low, high] = self.range.map(ratio);
+        let largest = if self.growth.is_some() {
+            ", the largest of each size series"
+        } else {
+            ""
+        };
+        let range = match models {
+            1 => String::new(),
+            _ => format!(", {low} to {high}"),
+        };
+        let slower = match lost {
+            0 => String::new(),
+            _ if models == 1 => String::new(),
+            _ => format!("; slower on {lost}"),
+        };
+        match &self.growth {
+            Some(Growth {
+                smallest,
+                faces: Some([few, many]),
+            }) => format!(
+                ", at {} faces, the largest size; {} at {} faces",
+                grouped(*many),
+                ratio(*smallest),
+                grouped(*few)
+            ),
+            Some(Growth { smallest, .. }) => format!(
+                " (geometric mean over {}{largest}{range}{slower}; {} at the smallest sizes)",
+                counted(models, "model"),
+                ratio(*smallest)
+            ),
+            None if models == 1 => ", on the only model".to_owned(),
+            None => format!(" (geometric mean over {models} models{range}{slower})"),
+        }
+    }
+}
+
+/// The 95 % interval of the geometric mean of independent `ratios`, from the interval of each: the
+/// squares of the distances to the ends add up, each side for itself (Zou and Donner 2008,
+/// "Construction of confidence limits about effect measures", equation 3), on logarithms. `None` if
+/// one of them has no interval.
+fn interval_of_mean(mean: f64, ratios: impl Iterator<Item = Estimate>) -> Option<[f64; 2]> {
+    let (mut count, mut below, mut above) = (0.0, 0.0, 0.0);
+    for ratio in ratios {
+        let [low, high] = ratio.interval?;
+        let distance = |end: f64| libm::log(end / ratio.value).powi(2);
+        count += 1.0;
+        below += distance(low);
+        above += distance(high);
+    }
+    let end = |squares: f64, side: f64| mean * libm::exp(side * squares.sqrt() / count);
+    Some([end(below, -1.0), end(above, 1.0)])
 }
 
 /// Reasons to doubt the times of a result, without repetitions.
@@ -185,7 +346,7 @@ pub(crate) fn warnings(result: &ResultFile) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geobench_harness::schema::GroupRecord;
+    use geobench_harness::schema::{Cell, GroupRecord, Status};
 
     /// A result with these times. Each cell has six equal samples, except that the last is 10 %
     /// longer.
@@ -212,86 +373,146 @@ mod tests {
         result
     }
 
-    fn line(times: &[(&str, &str, f64)], base: &str) -> Option<String> {
-        let result = result(times);
+    /// The sentences that are shown, with the base of ratios.
+    fn said(result: &ResultFile, base: &str) -> Vec<String> {
         let record = GroupRecord {
             ratios_to: Some(base.to_owned()),
             ..GroupRecord::default()
         };
-        headline(&GroupCells::new(&record, &result.models, &result.cells))
+        let group = GroupCells::new(&record, &result.models, &result.cells);
+        let shown = headline(&group).map_or_else(Vec::new, |headline| headline.shown);
+        shown.into_iter().map(|sentence| sentence.text).collect()
     }
 
+    /// Times of a series over size, of two algorithms.
+    fn sizes(surface: &str, times: &[(u64, f64, f64)]) -> ResultFile {
+        let name = |faces: u64| format!("{surface}_{faces}");
+        let names: Vec<String> = times.iter().map(|(faces, ..)| name(*faces)).collect();
+        let cells = times.iter().zip(&names).flat_map(|((_, vtp, fast), name)| {
+            [
+                (name.as_str(), "vtp", *vtp),
+                (name.as_str(), "vtp-fast", *fast),
+            ]
+        });
+        let cells: Vec<_> = cells.collect();
+        let mut result = result(&cells);
+        for (model, (faces, ..)) in result.models.iter_mut().zip(times) {
+            model.faces = Some(*faces);
+            model.path = format!("{}.obj", model.name);
+        }
+        result
+    }
+
+    /// Results whose one line was wrong, or could be. Each is reviewed by hand.
     #[test]
-    fn the_fastest_is_compared_with_the_base_or_with_the_next() {
-        let times = [
+    fn awkward_results() {
+        let mut cases: Vec<(&str, Vec<String>)> = Vec::new();
+        let mut case = |what, result: &ResultFile, base| cases.push((what, said(result, base)));
+
+        let clear = [
             ("a", "mmp", 4.0),
             ("a", "vtp", 2.0),
-            ("a", "fast", 1.0),
+            ("a", "vtp-fast", 1.0),
             ("b", "mmp", 16.0),
             ("b", "vtp", 8.0),
-            ("b", "fast", 1.0),
+            ("b", "vtp-fast", 1.0),
         ];
-        // The geometric mean of 2 and 8.
-        assert_eq!(
-            line(&times, "vtp").unwrap(),
-            "fast is fastest on 2 of 2 models, 4.0 [4.0, 4.0] times as fast as vtp."
-        );
-        assert_eq!(
-            line(&times[..2], "vtp").unwrap(),
-            "vtp is fastest on the only model, 2.0 [2.0, 2.0] times as fast as mmp, the next."
-        );
-        let split = [
-            times[0],
-            times[1],
-            ("b", "mmp", 1.0),
-            ("b", "vtp", 2.0),
-            times[2],
+        case("a winner everywhere, with a base", &result(&clear), "mmp");
+        case("the base is the next", &result(&clear), "vtp");
+
+        let mut once = result(&[
+            ("a", "vtp", 1.0),
+            ("a", "vtp-fast", 1.02),
+            ("b", "vtp", 1.02),
+            ("b", "vtp-fast", 1.0),
+        ]);
+        for cell in &mut once.cells {
+            cell.time.samples.truncate(1);
+        }
+        case("one run of each", &once, "vtp");
+
+        let even = [
+            ("a", "vtp", 1.0),
+            ("a", "vtp-fast", 1.04),
+            ("b", "vtp", 1.04),
+            ("b", "vtp-fast", 1.0),
         ];
-        assert!(
-            line(&split, "vtp")
-                .unwrap()
-                .starts_with("mmp is fastest on 1 of 2 models, ")
-        );
-        assert_eq!(line(&times[..1], "vtp"), None);
-    }
+        case("each wins one model", &result(&even), "vtp");
 
-    #[test]
-    fn models_that_one_algorithm_ran_on_counted_as_won() {
-        let times = [("a", "mmp", 4.0), ("a", "vtp", 2.0), ("b", "mmp", 16.0)];
-        assert!(
-            line(&times, "vtp")
-                .unwrap()
-                .starts_with("vtp is fastest on the only model, ")
-        );
-    }
+        let mixed = [
+            ("a", "vtp", 0.95),
+            ("a", "fwp-ch", 1.0),
+            ("b", "vtp", 1.31),
+            ("b", "fwp-ch", 1.0),
+            ("c", "vtp", 1.1),
+            ("c", "fwp-ch", 1.0),
+        ];
+        case("faster on average, slower on one", &result(&mixed), "vtp");
 
-    #[test]
-    fn the_only_algorithm_that_solved_a_model_is_the_fastest_there() {
-        let mut result = result(&[
+        let outside = [
+            ("a", "vtp-fast{simd=scalar}", 1.0),
+            ("a", "vtp-fast", 0.8),
+            ("a", "mmp", 2.0),
+            ("a", "ext:cgal", 12.0),
+            ("a", "ext:authors-vtp", 4.0),
+            ("b", "vtp-fast{simd=scalar}", 0.7),
+            ("b", "vtp-fast", 0.8),
+            ("b", "mmp", 2.0),
+            ("b", "ext:cgal", 9.0),
+            ("b", "ext:authors-vtp", 5.0),
+        ];
+        case(
+            "outside programs, and two forms of one algorithm",
+            &result(&outside),
+            "mmp",
+        );
+
+        let beaten = [("a", "vtp", 3.0), ("a", "mmp", 4.0), ("a", "ext:new", 1.0)];
+        case("an outside program is fastest", &result(&beaten), "vtp");
+
+        let mut failed = result(&[
             ("a", "mmp", 4.0),
             ("a", "vtp", 2.0),
             ("b", "mmp", 16.0),
             ("b", "vtp", 1.0),
         ]);
-        result.cells[3].status = Status::OutOfMemory;
-        result.cells[3].time = geobench_harness::schema::Time::default();
-        let record = GroupRecord::default();
-        let group = GroupCells::new(&record, &result.models, &result.cells);
-        let text = headline(&group).unwrap();
-        assert!(text.contains(" is fastest on 1 of 2 models, "), "{text}");
+        failed.cells[3].status = Status::OutOfMemory;
+        failed.cells[3].time = geobench_harness::schema::Time::default();
+        case("the faster one failed on a model", &failed, "mmp");
+
+        let mut approximate = result(&[("a", "heat", 0.1), ("a", "mmp", 2.0), ("a", "vtp", 1.0)]);
+        approximate.cells[0].check.least_tolerance = Some(0.01);
+        case("an approximate answer is no winner", &approximate, "heat");
+
+        let growing = [(1_000, 0.01, 0.01), (10_000, 0.2, 0.1), (100_000, 6.0, 1.0)];
+        case("a series over size", &sizes("torus", &growing), "vtp");
+        let mut two = sizes("torus", &growing);
+        let other = sizes(
+            "cow",
+            &[(1_000, 0.01, 0.01), (8_000, 0.1, 0.05), (64_000, 8.0, 2.0)],
+        );
+        two.models.extend(other.models);
+        two.cells.extend(other.cells);
+        case("two series over size", &two, "vtp");
+
+        case("one algorithm", &result(&clear[..1]), "mmp");
+        insta::assert_snapshot!(
+            cases
+                .iter()
+                .map(|(what, said)| format!("{what}:\n  {}", said.join("\n  ")))
+                .collect::<Vec<_>>()
+                .join("\n")
+        );
     }
 
     #[test]
-    fn approximate_answers_are_not_the_fastest() {
-        let mut result = result(&[("a", "heat", 0.1), ("a", "mmp", 2.0), ("a", "vtp", 1.0)]);
-        result.cells[0].check.least_tolerance = Some(0.01);
+    fn sentences_for_every_selection_are_in_the_page() {
+        let result = result(&[("a", "mmp", 4.0), ("a", "vtp", 2.0), ("a", "vtp-fast", 1.0)]);
         let record = GroupRecord::default();
-        let group = GroupCells::new(&record, &result.models, &result.cells);
-        let text = headline(&group).unwrap();
-        assert!(
-            text.starts_with("vtp is fastest on the only model, 2.0"),
-            "{text}"
-        );
+        let found = headline(&GroupCells::new(&record, &result.models, &result.cells)).unwrap();
+        assert_eq!(found.ranking, ["vtp-fast", "vtp", "mmp"]);
+        let pairs = |sentences: &[Sentence]| sentences.len();
+        assert_eq!((pairs(&found.shown), pairs(&found.others)), (1, 5));
     }
 
     #[test]

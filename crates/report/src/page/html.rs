@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 use super::BuiltReport;
 use super::chart::Chart;
 use super::document::{Document, Plot, Section, SectionItem};
+use super::headline::Headline;
 use super::tables::by_algorithm;
 use crate::table;
 
@@ -93,11 +94,7 @@ fn section(html: &mut String, section: &Section) {
 
 fn write_block(html: &mut String, block: &SectionItem) {
     match block {
-        SectionItem::Headlines(texts) => {
-            for text in texts {
-                *html += &format!("<p class=\"headline\">{}</p>\n", escape(text));
-            }
-        }
+        SectionItem::Headline(name, headline) => write_headline(html, name.as_deref(), headline),
         SectionItem::Warnings(texts) => {
             html.push_str("<ul class=\"warnings\" aria-label=\"Warnings\">\n");
             for text in texts {
@@ -148,6 +145,33 @@ fn write_block(html: &mut String, block: &SectionItem) {
             html.push_str("</p>\n");
         }
     }
+}
+
+/// The sentences of a headline. Those that are hidden are for the scripts, which show them when the
+/// algorithms of the others are hidden.
+fn write_headline(html: &mut String, name: Option<&str>, headline: &Headline) {
+    let ranking = serde_json::to_string(&headline.ranking).unwrap_or_default();
+    let base = headline.base.as_deref().unwrap_or_default();
+    *html += &format!(
+        "<div class=\"headlines\" data-ranking=\"{}\" data-base=\"{}\">\n",
+        escape(&ranking),
+        escape(base)
+    );
+    if let Some(name) = name {
+        *html += &format!("<p class=\"group\">{}</p>\n", escape(name));
+    }
+    let shown = headline.shown.iter().map(|sentence| (sentence, ""));
+    let others = headline.others.iter().map(|sentence| (sentence, " hidden"));
+    for (sentence, hidden) in shown.chain(others) {
+        *html += &format!(
+            "<p class=\"headline\" data-faster=\"{}\" data-slower=\"{}\" data-next=\"{}\"{hidden}>{}</p>\n",
+            escape(&sentence.faster),
+            escape(&sentence.slower),
+            sentence.of_next,
+            escape(&sentence.text)
+        );
+    }
+    html.push_str("</div>\n");
 }
 
 fn write_plot(html: &mut String, plot: &Plot) {

@@ -40,7 +40,7 @@ use geobench_harness::schema::{Cell, GroupRecord, ResultFile, Status};
 use geobench_registry::UsageError;
 
 use crate::table::group::{GroupCells, algorithms, is_same_problem};
-use crate::table::{Note, ResultFormat, results};
+use crate::table::{Note, ResultFormat, Table, matrix, results};
 use chart::Chart;
 use document::{Document, Download, Plot, Section, SectionItem, slug};
 use setting::Setting;
@@ -204,12 +204,15 @@ fn of_result(
     let name = input.name();
     let groups = results::groups(result);
     let mut head = Vec::new();
-    let headlines: Vec<String> = groups
-        .iter()
-        .filter_map(|group| named(group, groups.len()))
-        .collect();
-    if !headlines.is_empty() {
-        head.push(SectionItem::Headlines(headlines));
+    for (i, group) in groups.iter().enumerate() {
+        let name = group.record.name.clone().filter(|_| groups.len() > 1);
+        let headline = headline::headline(group);
+        head.extend(headline.map(|headline| SectionItem::Headline(name, headline)));
+        let matrix = matrix::matrix(group).map(|matrix| Table {
+            id: format!("{prefix}g{}-matrix", i + 1),
+            ..matrix
+        });
+        head.extend(matrix.map(SectionItem::Table));
     }
     let mut warnings = headline::warnings(result);
     if let Some(joined) = &input.joined {
@@ -275,15 +278,6 @@ fn of_result(
     all
 }
 
-/// The headline of a group, after its name if there are several groups.
-fn named(group: &GroupCells<'_>, groups: usize) -> Option<String> {
-    let text = headline::headline(group)?;
-    Some(match &group.record.name {
-        Some(name) if groups > 1 => format!("{name}: {text}"),
-        _ => text,
-    })
-}
-
 fn of_group(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<SectionItem> {
     let mut blocks = Vec::new();
     if let Some(shows) = &group.record.shows {
@@ -337,7 +331,7 @@ fn reading(result: &ResultFile) -> String {
         (0, _) => "Every answer was compared with the reference that the remarks name; a wrong one has no time.".to_owned(),
         (n, all) => format!("{n} of {all} answers were not compared with a reference."),
     };
-    text + " Intervals are 95 % bootstrap intervals of medians."
+    text + " Intervals are 95 % intervals of medians, from order statistics."
 }
 
 /// Whether the answer of `cell` was compared with another. The reference itself was compared if it

@@ -97,7 +97,7 @@ fn values(group: &GroupCells<'_>, setting: Setting<'_>, figure: &'static Figure)
     let axis = Axis::fitting(&figure.label, drawn(&bands));
     let scale = axis.scale();
     let whiskers = if figure.key == "time" {
-        " Median; whiskers are 95 % intervals where there are five samples or more."
+        " Median; whiskers are 95 % intervals where there are six samples or more."
     } else {
         ""
     };

@@ -99,34 +99,53 @@ pub(super) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
                 .iter()
                 .filter_map(|m| Some((against.of(m)?, *m))),
         );
-        let families = models.iter().filter_map(|(_, model)| against.family(model));
-        let families = distinct(families);
         models.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Lines join only models that differ in this property only, which are those of one family.
-        let mut lines: Vec<(&str, Vec<(f64, &ModelRecord)>)> = Vec::new();
-        for family in &families {
-            let is_own = |m: &ModelRecord| against.family(m).as_ref() == Some(family);
-            let own: Vec<_> = models.iter().filter(|(_, m)| is_own(m)).copied().collect();
-            if differ(&own) >= FEWEST_FOR_FIT && against.varies(&own) {
-                lines.push((family, own));
-            }
-        }
+        let mut lines = families(against, &models);
         let joined = !lines.is_empty();
         if !joined
             && against == Against::Faces
             && differ(&models) >= FEWEST_FOR_FIT
             && against.varies(&models)
         {
-            lines.push(("all models", models));
+            lines.push(("all models".to_owned(), models));
         }
         for (i, (family, models)) in lines.into_iter().enumerate() {
-            let family = (i, family);
+            let family = (i, family.as_str());
             plots.extend(against_plots(
                 group, setting, against, family, &models, joined,
             ));
         }
     }
     plots
+}
+
+/// The series of models that differ in size alone, each in ascending order of size.
+pub(super) fn series<'r>(group: &GroupCells<'r>) -> Vec<Vec<&'r ModelRecord>> {
+    let sized = |model: &&'r ModelRecord| Some((Against::Faces.of(model)?, *model));
+    let mut models: Vec<_> = group.models.iter().filter_map(sized).collect();
+    models.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let series = families(Against::Faces, &models).into_iter();
+    let models = |(_, own): (String, Vec<(f64, &'r ModelRecord)>)| {
+        own.into_iter().map(|(_, model)| model).collect()
+    };
+    series.map(models).collect()
+}
+
+/// The families of `models`, which are sorted by the property, that vary enough in it for a fit.
+fn families<'r>(
+    against: Against,
+    models: &[(f64, &'r ModelRecord)],
+) -> Vec<(String, Vec<(f64, &'r ModelRecord)>)> {
+    let names = models.iter().filter_map(|(_, model)| against.family(model));
+    let own = |family: String| {
+        let is_own = |m: &ModelRecord| against.family(m).as_ref() == Some(&family);
+        let own: Vec<_> = models.iter().filter(|(_, m)| is_own(m)).copied().collect();
+        (family, own)
+    };
+    let families = distinct(names).into_iter().map(own);
+    let varied = families.filter(|(_, own)| differ(own) >= FEWEST_FOR_FIT && against.varies(own));
+    varied.collect()
 }
 
 /// Number of distinct values of the property, by which `models` is sorted.

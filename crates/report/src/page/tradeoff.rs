@@ -374,8 +374,8 @@ pub(super) fn crossings(id: &str, group: &GroupCells<'_>) -> Option<Table> {
             .to_owned(),
         columns: Column::of(["Algorithm"], numbers),
         rows_are: "algorithm",
-        titles: None,
         parts,
+        ..Table::default()
     })
 }
 

@@ -41,6 +41,12 @@ pub(crate) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<
     })
 }
 
+/// The geometric mean of positive `values`; `None` if there are none.
+pub(crate) fn geometric_mean(values: &[f64]) -> Option<f64> {
+    let sum: f64 = values.iter().copied().map(libm::log).sum();
+    (!values.is_empty()).then(|| libm::exp(sum / values.len() as f64))
+}
+
 /// The algorithms of `cells`, in the order in which they first appear.
 pub(crate) fn algorithms<'r>(cells: impl IntoIterator<Item = &'r Cell>) -> Vec<&'r str> {
     distinct(cells.into_iter().map(|cell| cell.algorithm.as_str()))

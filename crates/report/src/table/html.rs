@@ -12,12 +12,17 @@ pub(crate) fn table(html: &mut String, table: &Table) {
     // index, so that it can be scrolled by keyboard. Writing to a string cannot fail.
     let _ = writeln!(
         html,
-        "<p class=\"caption\" id=\"{0}-caption\">{1}</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"{0}-caption\">\n<table id=\"{0}\" aria-labelledby=\"{0}-caption\"{2}>",
+        "<p class=\"caption\" id=\"{0}-caption\">{1}</p>\n<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"{0}-caption\">\n<table id=\"{0}\" aria-labelledby=\"{0}-caption\"{2}{3}>",
         table.id,
         escape(&table.caption),
         match table.rows_are {
             "" => String::new(),
             rows => format!(" data-rows=\"{rows}\""),
+        },
+        if table.columns_are_algorithms {
+            " data-columns=\"algorithm\""
+        } else {
+            ""
         }
     );
     html.push_str("<thead>\n");
@@ -52,7 +57,8 @@ pub(crate) fn table(html: &mut String, table: &Table) {
 }
 
 fn body(html: &mut String, table: &Table, part: &Part) {
-    html.push_str("<tbody>\n");
+    let tag = if part.is_foot { "tfoot" } else { "tbody" };
+    let _ = writeln!(html, "<{tag}>");
     if !part.title.is_empty() {
         let details = match part.details() {
             details if details.is_empty() => details,
@@ -73,7 +79,7 @@ fn body(html: &mut String, table: &Table, part: &Part) {
         });
         row(html, fields);
     }
-    html.push_str("</tbody>\n");
+    let _ = writeln!(html, "</{tag}>");
 }
 
 fn row(html: &mut String, fields: impl Iterator<Item = String>) {
@@ -81,10 +87,11 @@ fn row(html: &mut String, fields: impl Iterator<Item = String>) {
 }
 
 fn entry(entry: &Entry, numeric: bool) -> String {
-    let class = match (entry.mark, numeric) {
-        (Mark::Failed, _) => " class=\"n failed\"",
-        (_, true) => " class=\"n\"",
-        _ => "",
+    let class = match (entry.mark, numeric, entry.heat) {
+        (Mark::Failed, ..) => " class=\"n failed\"".to_owned(),
+        (_, true, 0) => " class=\"n\"".to_owned(),
+        (_, true, heat) => format!(" class=\"n heat-{heat}\""),
+        _ => String::new(),
     };
     // Non-breaking spaces allow line breaks only before the interval of a value.
     let text = if numeric {

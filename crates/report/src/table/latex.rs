@@ -99,6 +99,7 @@ pub(crate) fn escape(text: &str) -> String {
             '~' => escaped.push_str("\\textasciitilde{}"),
             '^' => escaped.push_str("\\textasciicircum{}"),
             '\u{b1}' => escaped.push_str("$\\pm$"),
+            '\u{b5}' => escaped.push_str("$\\mu$"),
             _ => escaped.push(c),
         }
     }

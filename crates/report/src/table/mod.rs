@@ -14,6 +14,7 @@ mod history;
 pub(crate) mod html;
 pub(crate) mod latex;
 pub(crate) mod markdown;
+pub(crate) mod matrix;
 mod model;
 pub(crate) mod results;
 pub mod terminal;
@@ -87,9 +88,15 @@ impl ResultFormat {
     }
 }
 
-/// The tables of all groups, with a note in every part if times are disturbed.
+/// The tables of all groups, with a note in every part if times are disturbed. The matrix of a
+/// group of several models follows its table.
 fn tables(result: &ResultFile) -> Vec<Table> {
-    let mut tables: Vec<Table> = results::groups(result).iter().map(results::table).collect();
+    let with_matrix = |group: &GroupCells<'_>| {
+        let matrix = matrix::matrix(group).filter(|_| group.models.len() > 1);
+        std::iter::once(results::table(group)).chain(matrix)
+    };
+    let groups = results::groups(result);
+    let mut tables: Vec<Table> = groups.iter().flat_map(with_matrix).collect();
     if let Some(disturbance) = disturbance(result) {
         for table in &mut tables {
             let note = Note {
@@ -135,6 +142,13 @@ pub fn ratio_table(group: &GroupRecord, result: &ResultFile, look: Look) -> Stri
     let group = GroupCells::new(group, &result.models, &result.cells);
     let ratios = results::ratios(&group);
     ratios.map_or_else(String::new, |ratios| part(&group, &ratios, look))
+}
+
+/// The matrix of a group of several models, for the terminal; empty if there is none.
+pub fn matrix_table(group: &GroupRecord, result: &ResultFile, look: Look) -> String {
+    let group = GroupCells::new(group, &result.models, &result.cells);
+    let matrix = matrix::matrix(&group).filter(|_| group.models.len() > 1);
+    matrix.map_or_else(String::new, |matrix| terminal::table(&matrix, look))
 }
 
 fn part(group: &GroupCells<'_>, part: &Part, look: Look) -> String {

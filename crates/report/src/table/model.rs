@@ -13,6 +13,8 @@ pub struct Table {
     pub(crate) columns: Vec<Column>,
     /// The subject of a row, by which pages filter: `algorithm`, `model` or empty.
     pub(crate) rows_are: &'static str,
+    /// Whether the columns after the first are algorithms, by which pages filter.
+    pub(crate) columns_are_algorithms: bool,
     /// Header of the column of part titles; `None`: one title row per part.
     pub(crate) titles: Option<&'static str>,
     pub(crate) parts: Vec<Part>,
@@ -40,6 +42,8 @@ pub struct Part {
     pub(crate) sources: String,
     /// Whether the model was refused, so that there are no figures.
     pub(crate) refused: bool,
+    /// Whether the rows summarise those of the parts before.
+    pub(crate) is_foot: bool,
     /// The rows, with one entry per column.
     pub(crate) rows: Vec<Vec<Entry>>,
     /// Remarks below the rows.
@@ -51,6 +55,9 @@ pub struct Part {
 pub struct Entry {
     pub(crate) text: String,
     pub(crate) mark: Mark,
+    /// The intensity of the background on pages, from 1, the best, to [`Self::HOTTEST`]; 0 for
+    /// none.
+    pub(crate) heat: u8,
 }
 
 /// The emphasis of an entry.
@@ -156,8 +163,12 @@ impl Entry {
         Self {
             text: text.into(),
             mark,
+            heat: 0,
         }
     }
+
+    /// The greatest [`Self::heat`].
+    pub(super) const HOTTEST: u8 = 6;
 
     pub(super) fn is_best(&self) -> bool {
         self.mark == Mark::Best

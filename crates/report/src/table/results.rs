@@ -131,6 +131,7 @@ pub(super) fn part(group: &GroupCells<'_>, model: &ModelRecord) -> Part {
         refused,
         rows,
         notes,
+        is_foot: false,
     }
 }
 

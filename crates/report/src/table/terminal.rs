@@ -32,8 +32,12 @@ pub(super) fn heading(title: &str, caption: &str, look: Look) -> String {
     }
 }
 
-/// Heading and parts.
+/// Heading and parts; parts without titles are one grid.
 pub(super) fn table(table: &Table, look: Look) -> String {
+    if table.titles.is_none() {
+        let rows: Vec<Vec<Entry>> = table.rows().cloned().collect();
+        return heading(&table.title, &table.caption, look) + &grid(table, &rows, look) + "\n\n";
+    }
     let parts = table.parts.iter().map(|part| self::part(table, part, look));
     heading(&table.title, &table.caption, look) + &parts.collect::<String>()
 }

@@ -4,8 +4,8 @@
 //! goal, threads and group. Figures are compared by kind:
 //!
 //! * Times vary, so a difference counts only beyond their variation. If the runs of both files took
-//!   turns ([`ResultFile::pairing`]), samples are compared pair by pair. Otherwise the ratio of the
-//!   medians gets a bootstrap interval, and the Mann-Whitney test its p-value. A rule on time is
+//!   turns ([`ResultFile::pairing`]), samples are compared pair by pair. Otherwise the ratio has
+//!   the interval of Mann and Whitney's test, and the test its p-value. A rule on time is
 //!   broken if the whole interval lies beyond its limit.
 //! * Counts do not vary. Any change, up or down, means that the algorithm works differently.
 //!   Instructions and memory are costs, which may decrease.
@@ -601,9 +601,9 @@ pub struct TimeChange {
     pub medians: [f64; 2],
     /// Numbers of old and new samples.
     pub samples: [usize; 2],
-    /// New to old: the median of the ratios of pairs, or the ratio of the medians.
+    /// New to old: the median of the ratios of pairs, or of all new samples to all old ones.
     pub ratio: f64,
-    /// 95 % interval of the ratio; null from fewer than five samples.
+    /// 95 % interval of the ratio; null from fewer than six samples.
     pub ci95: Option<[f64; 2]>,
     /// The p-value of the Mann-Whitney test; null for pairs.
     pub p: Option<f64>,

@@ -7,7 +7,7 @@ use geobench_window::Counter;
 use super::*;
 use crate::table::{ComparisonFormat, Look};
 
-/// Two models and three algorithms, five samples each.
+/// Two models and three algorithms, six samples each.
 fn file() -> ResultFile {
     let plan = plan(&["cow|2", "horse"], "mmp,ich,vtp", "0");
     let mut file = result(run_mock(&plan, &MockBackend::default()));

@@ -1,5 +1,32 @@
 // Brings a report to life: filters by model and algorithm, which tables and charts follow.
 
+/** The sentences about the fastest algorithms, which follow the selection of algorithms. */
+class LiveHeadline {
+  constructor(box) {
+    this.ranking = JSON.parse(box.dataset.ranking);
+    this.base = box.dataset.base;
+    this.sentences = [...box.querySelectorAll(".headline")];
+    this.initial = this.sentences.filter(sentence => !sentence.hidden);
+    this.remark = make("p", { class: "hint", hidden: "" }, "The sentence is about all models.");
+    box.append(this.remark);
+  }
+
+  /** Compares the fastest one that is shown with the next, and with an outside program or the base. */
+  draw(shown, allModels) {
+    const ranking = this.ranking.filter(shown.algorithm), [best, next] = ranking;
+    const outside = name => name.startsWith("ext:");
+    const rival = ranking.find(name => best && outside(name) !== outside(best))
+      ?? ranking.find(name => name === this.base);
+    const whole = ranking.length === this.ranking.length;
+    for (const sentence of this.sentences) {
+      const { faster, slower, next: ofNext } = sentence.dataset;
+      const is = ofNext === "true" ? slower === next : slower === rival && rival !== next;
+      sentence.hidden = !(whole ? this.initial.includes(sentence) : faster === best && is);
+    }
+    this.remark.hidden = allModels;
+  }
+}
+
 /** The names that the address hides, such as `#hidden-model=spot&hidden-algorithm=mmp`. */
 function hiddenByAddress() {
   const words = new URLSearchParams(window.location.hash.slice(1));
@@ -33,7 +60,9 @@ function explore() {
     model: name => !hidden.model.has(name),
     algorithm: name => !hidden.algorithm.has(name),
   };
+  const headlines = [...document.querySelectorAll(".headlines")].map(box => new LiveHeadline(box));
   const draw = () => {
+    for (const headline of headlines) headline.draw(shown, models.every(shown.model));
     for (const table of tables) table.filter(shown, models);
     for (const chart of charts) chart.draw(shown);
   };

@@ -1,18 +1,26 @@
 // Tables: rows sorted by a click on the head of a column, columns and rows that can be hidden.
 
-/** The text of a cell as a number; NaN if it does not start with one. `~` marks a wide interval. */
+const UNITS = { ms: 1e-3, "\u00b5s": 1e-6, ns: 1e-9 };
+
+/**
+ * The text of a cell as a number, in seconds if it has a unit of time; NaN if it does not start with
+ * a number. `~` marks a wide interval.
+ */
 function numberOf(text) {
-  return parseFloat(text.trim().replace(/^~/, "").replace(/(\d),(?=\d{3})/g, "$1"));
+  const plain = text.trim().replace(/^~/, "").replace(/(\d),(?=\d{3})/g, "$1");
+  return parseFloat(plain) * (UNITS[plain.match(/^[\d.]+\s(\S+)/)?.[1]] ?? 1);
 }
 
-/** The name that a row is about, without the mark of approximate algorithms. */
-const nameOf = row => row.cells[0].textContent.replace(/ \(approx\.\)$/, "");
+/** The name in a head of a row or column, without the mark of approximate algorithms. */
+const nameIn = head => head.textContent.replace(/[ \u00a0]\(approx\.\)$/, "");
+const nameOf = row => nameIn(row.cells[0]);
 
 /** A table of the page. */
 class LiveTable {
   constructor(table) {
     this.table = table;
     this.rowsAre = table.dataset.rows;
+    this.columnsAreAlgorithms = table.dataset.columns === "algorithm";
     this.hidden = new Set();
     this.sorted = null;
     this.bodies = [...table.tBodies].map(body => ({
@@ -22,7 +30,7 @@ class LiveTable {
     this.heads = [...table.tHead.rows[table.tHead.rows.length - 1].cells];
     if (this.bodies.some(({ rows }) => rows.length > 1)) this.heads.forEach((head, i) => this.addSort(head, i));
     // Hiding one of several columns under a common head would make that too wide.
-    if (table.tHead.rows.length === 1 && this.heads.length > 3) this.addMenu();
+    if (table.tHead.rows.length === 1 && this.heads.length > 3 && !this.columnsAreAlgorithms) this.addMenu();
   }
 
   addSort(head, i) {
@@ -73,6 +81,11 @@ class LiveTable {
 
   /** Shows the rows of the selected models and algorithms. */
   filter(shown, models) {
+    if (this.columnsAreAlgorithms) {
+      const names = this.heads.map(head => nameIn(head));
+      this.hidden = new Set(names.flatMap((name, i) => i && !shown.algorithm(name) ? [i] : []));
+      this.showColumns();
+    }
     for (const { body, title, rows } of this.bodies) {
       for (const row of rows) {
         const name = nameOf(row);

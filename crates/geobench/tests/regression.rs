@@ -161,6 +161,14 @@ fn what_an_outside_program_had_started_outlived_it() {
                 "hidden",
                 &format!("env -i setsid sh -c 'sleep 600; :' {quiet} &"),
             ),
+            // Joins the process group of the program that measures.
+            leaves(
+                "joined",
+                &format!(
+                    "env -i perl -e 'setpgrp(0, shift); exec \"/bin/sleep\", 600' \
+                     \"$(cut -d ' ' -f 5 /proc/$PPID/stat)\" {quiet} &"
+                ),
+            ),
             // Needs a process of its own as long as it lives, whatever else ends meanwhile.
             (
                 "keeper",
@@ -180,10 +188,30 @@ fn what_an_outside_program_had_started_outlived_it() {
         ));
         assert_eq!(running_in(&sandbox), [""; 0], "{algorithms}");
     };
-    for name in ["session", "orphan", "bare", "hidden", "keeper"] {
+    for name in ["session", "orphan", "bare", "hidden", "joined", "keeper"] {
         run(&format!("ext:{name}"));
     }
-    run("ext:keeper,ext:session,ext:orphan,ext:hidden,ext:bare");
+    run("ext:keeper,ext:session,ext:orphan,ext:hidden,ext:joined,ext:bare");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_memory_of_a_daemon_without_environment_was_not_limited() {
+    let sandbox = Sandbox::with_square();
+    let large = "env -i setsid --fork perl -e '$x = \"a\" x 300_000_000; sleep 600'";
+    let answer = format!("{RIGHT}\necho '{{\"seconds\": 0.1}}'");
+    let script = format!("{large} < /dev/null > /dev/null 2>&1\nsleep 20\n{answer}\n");
+    describe(&sandbox, &[("daemon", "once", script)]);
+    let options = "--algo vtp,ext:daemon --repeat 1 --warmup 0 --memory-limit 100MB";
+    let outcome = sandbox.call(&format!(
+        "run square.off --ext peers.toml {options} -o r.json"
+    ));
+    assert_eq!(outcome.code, 1, "{}", outcome.stderr);
+    let result = sandbox.json("r.json");
+    let cells = result["cells"].as_array().unwrap();
+    let daemon = cells.iter().find(|cell| cell["algorithm"] == "ext:daemon");
+    assert_eq!(daemon.unwrap()["status"], "out_of_memory");
+    assert_eq!(running_in(&sandbox), [""; 0]);
 }
 
 #[cfg(target_os = "linux")]

@@ -5,6 +5,7 @@
 //! external program. [`run`] compares every answer with a reference. [`measure`] summarises the
 //! times. [`schema`] defines the result file and [`figures`] the figures of a cell.
 
+mod children;
 pub mod exec;
 pub mod figures;
 mod lock;

@@ -20,6 +20,7 @@ use geobench_registry::{self as registry, Selection};
 use geobench_window::simd::Instructions;
 use geobench_window::{Goal, Solution, SolveError, Solver};
 
+use crate::children;
 use crate::schema::InstructionCount;
 
 /// The hidden subcommand that solves once under callgrind.
@@ -107,7 +108,8 @@ fn count_with(
     let counts = tempfile::NamedTempFile::new().context(FAILED)?;
     let mut out_file = std::ffi::OsString::from("--callgrind-out-file=");
     out_file.push(counts.path());
-    let mut child = Command::new("valgrind")
+    let mut command = Command::new("valgrind");
+    command
         .args(["--tool=callgrind", "--quiet"])
         .arg(format!("--toggle-collect={COUNTED}"))
         .arg(out_file)
@@ -117,9 +119,9 @@ fn count_with(
         .args(widest.map(|widest| format!("--simd={widest}")))
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .map_err(|error| match error.kind() {
+        .stderr(Stdio::piped());
+    let (mut child, _known) =
+        children::spawn(&mut command).map_err(|error| match error.kind() {
             io::ErrorKind::NotFound => anyhow!(NO_VALGRIND),
             _ => anyhow!("valgrind cannot be started: {error}"),
         })?;

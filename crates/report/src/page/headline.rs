@@ -223,8 +223,8 @@ impl Comparison {
         let mut text = match interval {
             None => {
                 return format!(
-                    "{faster} and {slower}: no difference can be shown from fewer than \
-                     {FEWEST_FOR_INTERVAL} runs; {factor} times as fast{}.",
+                    "{faster} and {slower}: {factor} times as fast{}; no interval from fewer than \
+                     {FEWEST_FOR_INTERVAL} runs of a model.",
                     self.models_in_words()
                 );
             }

@@ -13,7 +13,7 @@ use signal_hook::consts::{SIGABRT, SIGKILL};
 use signal_hook::low_level::signal_name;
 
 use super::system;
-use super::system::Descendants;
+use super::system::{AtWork, Descendants};
 use crate::exec::limits::{Limits, MemoryLimit, Timeout};
 use crate::exec::protocol::Reply;
 use crate::exec::{Failure, affinity, interrupt};
@@ -104,8 +104,7 @@ impl ChildProcess {
 
     /// Resident bytes of the process and its descendants.
     pub(super) fn resident(&self) -> Option<u64> {
-        let own = system::resident(self.process.id())?;
-        Some(own + self.descendants.resident_orphans())
+        self.descendants.resident()
     }
 
     /// Samples the memory peak from now on.
@@ -116,12 +115,12 @@ impl ChildProcess {
     /// Resets the memory peak.
     pub(super) fn reset_peak(&mut self) {
         self.peak = None;
-        system::reset_peak(self.process.id());
+        self.descendants.reset_peak();
     }
 
     /// Peak resident bytes of the process and its descendants.
     pub(super) fn peak(&mut self) -> Option<u64> {
-        self.peak = self.peak.max(system::peak_resident(self.process.id()));
+        self.peak = self.peak.max(self.descendants.peak_resident());
         self.peak
     }
 
@@ -133,6 +132,7 @@ impl ChildProcess {
     /// Waits for the exit of a process that does not reply. Its standard output is discarded, and
     /// its standard input is empty.
     pub(super) fn finish(&mut self) -> Result<(), ChildError> {
+        let _at_work = AtWork::begin();
         let kills = system::kernel_out_of_memory_kills();
         let deadline = self.deadline();
         self.requests = None;
@@ -158,6 +158,7 @@ impl ChildProcess {
     /// Sends `request` as a line, unless it is empty, and waits for a reply of at most `longest`
     /// bytes. The parent sleeps meanwhile, except for memory checks.
     pub(super) fn ask(&mut self, request: &str, longest: usize) -> Result<Reply, ChildError> {
+        let _at_work = AtWork::begin();
         let kills = system::kernel_out_of_memory_kills();
         let error = match self.converse(request, longest) {
             Ok(line) => match Reply::parse(&line) {

@@ -2,17 +2,15 @@
 
 use std::path::Path;
 use std::process::{self, Command};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Mutex, MutexGuard};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use std::{fs, io, thread};
 
 use rustix::process::{
-    Pid, Resource, Rlimit, Signal, WaitId, WaitIdOptions, getpgrp, getppid, kill_process,
-    setrlimit, waitid,
+    Pid, Resource, Rlimit, Signal, WaitId, WaitIdOptions, getppid, kill_process, setrlimit, waitid,
 };
 
-use crate::lock::lock;
+use crate::children::{KnownChild, spawn, started};
 use crate::measure::host::kibibytes;
 
 /// A command that starts this program, even if its executable has been replaced.
@@ -86,7 +84,7 @@ fn group_limit() -> Option<u64> {
 }
 
 /// Resident bytes of a process and its descendants.
-pub(super) fn resident(pid: u32) -> Option<u64> {
+fn resident(pid: u32) -> Option<u64> {
     let pages = fs::read_to_string(format!("/proc/{pid}/statm")).ok()?;
     let pages: u64 = pages.split(' ').nth(1)?.parse().ok()?;
     let own = pages * rustix::param::page_size() as u64;
@@ -95,21 +93,21 @@ pub(super) fn resident(pid: u32) -> Option<u64> {
 }
 
 /// Resets the memory peak of a process and its descendants.
-pub(super) fn reset_peak(pid: u32) {
+fn reset_peak(pid: u32) {
     // Without permission, the peak stays that since the start.
     let _ = fs::write(format!("/proc/{pid}/clear_refs"), "5");
     children(pid).into_iter().for_each(reset_peak);
 }
 
 /// Sum of the peak resident bytes of a process and its current descendants.
-pub(super) fn peak_resident(pid: u32) -> Option<u64> {
+fn peak_resident(pid: u32) -> Option<u64> {
     let own = kibibytes(format!("/proc/{pid}/status"), "VmHWM")?;
     let others: u64 = children(pid).into_iter().filter_map(peak_resident).sum();
     Some(own + others)
 }
 
 /// The child processes of process `pid`.
-pub(super) fn children(pid: u32) -> Vec<u32> {
+fn children(pid: u32) -> Vec<u32> {
     let Ok(threads) = fs::read_dir(format!("/proc/{pid}/task")) else {
         return Vec::new();
     };
@@ -142,9 +140,6 @@ const GRACE: Duration = Duration::from_secs(1);
 /// Whether this process adopts orphans.
 static ADOPTS: AtomicBool = AtomicBool::new(false);
 
-/// Ids of the children that were started and have not been waited for.
-static STARTED: Mutex<Vec<u32>> = Mutex::new(Vec::new());
-
 /// Makes this process the parent of orphaned descendants from now on.
 pub fn adopt_orphans() {
     #[cfg(target_os = "linux")]
@@ -160,16 +155,17 @@ pub fn adopt_orphans() {
 /// subreaper ([`adopt_orphans`]): Linux makes it the parent of such orphans. An orphan is killed
 /// with the child to which it belongs. That child is identified by one of:
 ///
-/// 1. the mark in the environment, which descendants inherit;
-/// 2. the descendants of the child and of its orphans, recorded before these were killed.
+/// 1. the mark in the environment, which descendants inherit unless they replace it;
+/// 2. the descendants of the child and of its orphans, recorded before these were killed;
+/// 3. being the only child at work, which is so without `--jobs`, for an orphan without a mark.
 ///
-/// An orphan with neither is killed when no child is left. Other children of this process are in
-/// its own process group and are left alone. Outside Linux, and in programs that use this library,
-/// nothing is adopted.
+/// By the last, memory is counted; the orphan may be of an idle child and is killed when no child
+/// is left. Children that this process has
+/// started itself are no orphans. Outside Linux, and in programs that use this library, nothing is
+/// adopted.
 #[derive(Debug)]
 pub(super) struct Descendants {
-    child: u32,
-    /// The mark, as `name=value`.
+    child: KnownChild,
     mark: String,
 }
 
@@ -188,14 +184,8 @@ impl Descendants {
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let mark = format!("{}.{count}", process::id());
         command.env(MARK, &mark);
-        // The lock is held so that the child is not taken for an orphan before its id is recorded.
-        let mut started = started();
-        let child = command.spawn()?;
-        started.push(child.id());
-        let descendants = Self {
-            child: child.id(),
-            mark: format!("{MARK}={mark}"),
-        };
+        let (child, known) = spawn(command)?;
+        let descendants = Self { child: known, mark };
         Ok((child, descendants))
     }
 
@@ -203,35 +193,59 @@ impl Descendants {
     pub(super) fn present(&self) -> DescendantList {
         let mut present = DescendantList(Vec::new());
         if ADOPTS.load(Ordering::Relaxed) {
-            present.add_below(self.child);
+            present.add_below(self.child.id());
         }
         present
     }
 
-    /// Resident bytes of the orphans with the mark, and of their descendants.
-    pub(super) fn resident_orphans(&self) -> u64 {
+    /// Resident bytes of the child and its descendants. `None` if the child has ended.
+    pub(super) fn resident(&self) -> Option<u64> {
+        let orphans = self.orphans().into_iter().filter_map(resident);
+        Some(resident(self.child.id())? + orphans.sum::<u64>())
+    }
+
+    /// Sum of the peak resident bytes of the child and its current descendants. `None` if the child
+    /// has ended.
+    pub(super) fn peak_resident(&self) -> Option<u64> {
+        let orphans = self.orphans().into_iter().filter_map(peak_resident);
+        Some(peak_resident(self.child.id())? + orphans.sum::<u64>())
+    }
+
+    /// Resets the memory peak of the child and its descendants.
+    pub(super) fn reset_peak(&self) {
+        reset_peak(self.child.id());
+        self.orphans().into_iter().for_each(reset_peak);
+    }
+
+    /// The orphans that are known to be descendants of the child.
+    fn orphans(&self) -> Vec<u32> {
         if !ADOPTS.load(Ordering::Relaxed) {
-            return 0;
+            return Vec::new();
         }
-        let orphans = orphans(&started());
-        let marked = orphans.into_iter().filter(|orphan| self.marks(*orphan));
-        marked.filter_map(|orphan| resident(orphan.number)).sum()
+        let is_alone = AT_WORK.load(Ordering::Relaxed) == 1;
+        let is_own = |orphan: &Process| match mark(*orphan) {
+            Some(mark) => mark == self.mark,
+            None => is_alone,
+        };
+        let orphans = orphans(&started()).into_iter();
+        orphans.filter(is_own).map(|orphan| orphan.number).collect()
     }
 
     /// Kills all orphans of the child, which has been waited for. `present` lists the descendants
     /// recorded before that.
     pub(super) fn end(&self, mut present: DescendantList) {
         let mut started = started();
-        started.retain(|child| *child != self.child);
+        started.retain(|child| *child != self.child.id());
         if !ADOPTS.load(Ordering::Relaxed) {
             return;
         }
         let deadline = Instant::now() + GRACE;
+        let is_marked = |orphan| mark(orphan).is_some_and(|mark| mark == self.mark);
         loop {
             let mut left = false;
             for orphan in orphans(&started) {
                 let belongs =
-                    present.0.contains(&orphan) || started.is_empty() || self.marks(orphan);
+                    present.0.contains(&orphan) || started.is_empty() || is_marked(orphan);
                 if belongs {
                     left = true;
                     present.add_below(orphan.number);
@@ -248,11 +262,35 @@ impl Descendants {
             thread::sleep(Duration::from_millis(1));
         }
     }
+}
 
-    fn marks(&self, orphan: Process) -> bool {
-        let environment = fs::read(format!("/proc/{}/environ", orphan.number)).unwrap_or_default();
-        let mut entries = environment.split(|byte| *byte == 0);
-        entries.any(|entry| entry == self.mark.as_bytes())
+/// The mark in the environment of a process.
+fn mark(process: Process) -> Option<String> {
+    let environment = fs::read(format!("/proc/{}/environ", process.number)).ok()?;
+    let mut entries = environment.split(|byte| *byte == 0);
+    let value = |entry: &[u8]| {
+        let value = entry.strip_prefix(MARK.as_bytes())?.strip_prefix(b"=")?;
+        Some(String::from_utf8_lossy(value).into_owned())
+    };
+    entries.find_map(value)
+}
+
+/// Number of children whose answer this process awaits.
+static AT_WORK: AtomicUsize = AtomicUsize::new(0);
+
+/// A child whose answer this process awaits.
+pub(super) struct AtWork(());
+
+impl AtWork {
+    pub(super) fn begin() -> Self {
+        AT_WORK.fetch_add(1, Ordering::Relaxed);
+        Self(())
+    }
+}
+
+impl Drop for AtWork {
+    fn drop(&mut self) {
+        AT_WORK.fetch_sub(1, Ordering::Relaxed);
     }
 }
 
@@ -263,7 +301,7 @@ impl DescendantList {
     /// Adds all descendants of a process.
     fn add_below(&mut self, number: u32) {
         for child in children(number) {
-            if let Some((process, _)) = look(child)
+            if let Some(process) = look(child)
                 && !self.0.contains(&process)
             {
                 self.0.push(process);
@@ -273,32 +311,21 @@ impl DescendantList {
     }
 }
 
-fn started() -> MutexGuard<'static, Vec<u32>> {
-    lock(&STARTED)
-}
-
 /// The orphans that this process has adopted: its children that it has not started.
 fn orphans(started: &[u32]) -> Vec<Process> {
-    let own_group = getpgrp().as_raw_pid();
-    let children = children(process::id());
-    let strangers = children.into_iter().filter(|c| !started.contains(c));
-    strangers
-        .filter_map(look)
-        .filter(|(_, group)| *group != own_group)
-        .map(|(process, _)| process)
-        .collect()
+    let children = children(process::id()).into_iter();
+    let strangers = children.filter(|child| !started.contains(child));
+    strangers.filter_map(look).collect()
 }
 
-/// A process and the number of its process group.
-fn look(number: u32) -> Option<(Process, i32)> {
+/// The process with this id.
+fn look(number: u32) -> Option<Process> {
     let text = fs::read(format!("/proc/{number}/stat")).ok()?;
     let text = String::from_utf8_lossy(&text);
     // The name of the program, in parentheses, may contain any character.
     let (_, facts) = text.rsplit_once(") ")?;
-    let mut facts = facts.split(' ');
-    let group = facts.nth(2)?.parse().ok()?;
-    let start = facts.nth(16)?.parse().ok()?;
-    Some((Process { number, start }, group))
+    let start = facts.split(' ').nth(19)?.parse().ok()?;
+    Some(Process { number, start })
 }
 
 /// Reaps a child if it has exited.
@@ -345,10 +372,9 @@ mod tests {
 
     #[test]
     fn a_process_is_known_by_its_number_and_start() {
-        let (own, group) = look(process::id()).unwrap();
-        assert_eq!(group, getpgrp().as_raw_pid());
+        let own = look(process::id()).unwrap();
         assert!(own.start > 0);
-        assert_eq!(look(process::id()).unwrap().0, own);
+        assert_eq!(look(process::id()).unwrap(), own);
         assert_eq!(look(u32::MAX), None);
     }
 

@@ -14,7 +14,7 @@ fn result_of(base: &Value, i: usize, commit: &str) -> Value {
     for cell in file["cells"].as_array_mut().unwrap() {
         // Slower from commit 12 on, counted from 0. The noise has no pattern over a few commits.
         let slower = if i >= 12 { 1.3 } else { 1.0 };
-        let samples = (0..5).map(|k| {
+        let samples = (0..6).map(|k| {
             let noise = ((i * 7 + k * 3) % 11) as f64 / 11.0 - 0.5;
             slower * (1.0 + 0.02 * noise)
         });

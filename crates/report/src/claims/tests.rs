@@ -954,7 +954,7 @@ fn models_unlike_the_papers_do_not_decide() {
 fn a_difference_below_the_interval_does_not_decide() {
     let mut result = made_up("ich,vtp");
     for model in MODELS {
-        cell(&mut result, "ich", model).time = time(vec![0.5, 0.8, 0.7, 0.6, 0.9], None);
+        cell(&mut result, "ich", model).time = time(vec![0.5, 0.8, 0.7, 0.6, 0.9, 0.75], None);
     }
     let test = "of = [\"ich\"]\nto = \"vtp\"\nholds = \"> 1\"";
     assert_eq!(verdict_of(test, &result).0, Not);

@@ -132,7 +132,7 @@ impl WaveState {
     /// If there is none, or one does not exist, or the mesh has a junction.
     pub(crate) fn sources(&self, sources: &[VertexId]) -> Result<Vec<VertexId>, SolveError> {
         check_sources(self.mesh.vertex_count(), sources)?;
-        if let Some(error) = SolveError::at_junctions(&self.mesh) {
+        if let Some(error) = SolveError::diagram_at_junctions(&self.mesh) {
             return Err(error);
         }
         let kept = sources.iter().map(|&v| self.mesh.kept_vertex(v));

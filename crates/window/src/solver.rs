@@ -73,6 +73,20 @@ pub enum SolveError {
     /// The mesh cannot be oriented, and the algorithm is not known to be exact there.
     #[error("a surface that cannot be oriented: use mmp-fast")]
     NotOrientable,
+    /// The mesh has edges with more than two faces, and no diagram continues there.
+    #[error(
+        "edges with more than two faces, which Voronoi diagrams and remeshing do not cross: split \
+         the surface there (give each sheet vertices of its own, or leave out --weld), or use the \
+         commands distance, path or isolines"
+    )]
+    DiagramAtManyFaces,
+    /// The mesh cannot be oriented, and diagrams need an orientation.
+    #[error(
+        "a surface that cannot be oriented, on which Voronoi diagrams and remeshing do not work: \
+         cut it open (give both sides of a cut vertices of their own, or leave out --weld), or use \
+         the commands distance, path or isolines"
+    )]
+    DiagramNotOrientable,
     /// A source or target is a point that this mesh does not have.
     #[error("a source or target is no point of this mesh; ask this mesh for its points")]
     NoSuchPoint,
@@ -106,6 +120,14 @@ impl SolveError {
         } else {
             mesh.has_junctions().then_some(Self::NotOrientable)
         }
+    }
+
+    /// As [`at_junctions`](Self::at_junctions), for diagrams.
+    pub fn diagram_at_junctions(mesh: &Mesh) -> Option<Self> {
+        Self::at_junctions(mesh).map(|error| match error {
+            Self::EdgesOfManyFaces => Self::DiagramAtManyFaces,
+            _ => Self::DiagramNotOrientable,
+        })
     }
 
     /// Distances whose relative error may be up to `relative`.

@@ -941,7 +941,7 @@ impl Listener for Reporter {
 /// `quiet`, messages of successful cells. For tables only refusals and where positions were found
 /// are printed.
 fn remark(cells: &[Cell], format: ResultFormat, quiet: bool) {
-    let mut last_refusal = None;
+    let mut refusals = Vec::new();
     let mut last_place = None;
     let is_position = |cell: &Cell| match &cell.source {
         Some(SourceLabel::Other(text)) => text.contains("at:") || text.contains("far:"),
@@ -952,9 +952,9 @@ fn remark(cells: &[Cell], format: ResultFormat, quiet: bool) {
             continue;
         };
         match cell.status {
-            Status::Refused if last_refusal != Some(message) => {
+            Status::Refused if !refusals.contains(&message) => {
                 terminal::error(message);
-                last_refusal = Some(message);
+                refusals.push(message);
             }
             Status::Refused => {}
             Status::Ok if format == ResultFormat::Table && !quiet && is_position(cell) => {

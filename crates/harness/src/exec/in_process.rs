@@ -147,7 +147,13 @@ impl Session for InProcess {
         }));
         match result {
             Ok(Ok(observation)) => Ok(observation),
-            Ok(Err(error)) => Err(Failure::new(Status::Refused, format!("{error:#}"))),
+            Ok(Err(error)) => {
+                let mut message = format!("{error:#}");
+                if error.is::<SolveError>() {
+                    message.insert_str(0, &format!("{}: ", step.algorithm.label()));
+                }
+                Err(Failure::new(Status::Refused, message))
+            }
             Err(panic) => {
                 self.dismiss(step.algorithm.label());
                 let message = format!("the algorithm panicked: {}", panic_message(&*panic));

@@ -156,7 +156,7 @@ pub fn remesh(mesh: &Mesh, options: &RemeshOptions) -> Result<Remeshed, RemeshEr
     if mesh.positions().is_empty() || mesh.face_count() == 0 {
         return Err(RemeshError::NoSurface);
     }
-    if let Some(error) = SolveError::at_junctions(mesh) {
+    if let Some(error) = SolveError::diagram_at_junctions(mesh) {
         return Err(error.into());
     }
     let measures = MeshMeasures::of(mesh);

@@ -8,7 +8,8 @@ use geobench_mesh::{FaceId, Mesh, Refined};
 use geobench_voronoi::{BorderArc, Diagram, NO_SOURCE};
 use serde::Serialize;
 
-use crate::polylines::{LineScalars, Polylines};
+use crate::polylines::Polylines;
+use crate::vtp::{Array, PolyData};
 use crate::{FileFormat, SourceLabel, json_line, no_coordinates};
 
 /// A diagram with its origin.
@@ -57,9 +58,13 @@ pub enum DiagramFormat {
     Json,
     /// The borders between cells as polylines.
     Obj,
-    /// The mesh coloured by cell, with faces cut along the borders.
+    /// The mesh coloured by cell, with faces cut along the borders. The vertex property `quality`
+    /// is the number of the cell, -1 where no path leads.
     Ply,
-    /// The borders as polylines (legacy VTK), with the cells on both sides.
+    /// The same surface (XML `PolyData` of VTK), with the number of the cell of each face in the
+    /// array `cell`.
+    Vtp,
+    /// The borders as segments (legacy VTK), with the cells on both sides.
     Vtk,
     /// A picture of the model coloured by cell, with borders and sources.
     Svg,
@@ -73,6 +78,7 @@ impl FileFormat for DiagramFormat {
         ("json", Self::Json),
         ("obj", Self::Obj),
         ("ply", Self::Ply),
+        ("vtp", Self::Vtp),
         ("vtk", Self::Vtk),
         ("svg", Self::Svg),
         ("png", Self::Png),
@@ -93,7 +99,8 @@ impl DiagramFormat {
         Ok(match self {
             Self::Json => json(file)?,
             Self::Obj => BorderFormat::Obj.render(file)?,
-            Self::Ply => ply(file)?,
+            Self::Ply => CutSurface::of(file)?.ply(&file.title("cells"))?,
+            Self::Vtp => CutSurface::of(file)?.vtp(&file.title("cells")),
             Self::Vtk | Self::Svg | Self::Png => BorderFormat::Vtk.render(file)?,
         })
     }
@@ -106,14 +113,20 @@ pub enum BorderFormat {
     Obj,
     /// PLY (text): vertices and edges.
     Ply,
-    /// Legacy VTK (text): a line for each arc, with the cells on both sides.
+    /// XML `PolyData` of VTK: a line for each arc, with the cells on both sides.
+    Vtp,
+    /// Legacy VTK (text): segments, with the number of their arc and the cells on both sides.
     Vtk,
 }
 
 impl FileFormat for BorderFormat {
     const CONTENT: &'static str = "borders";
-    const ENDINGS: &'static [(&'static str, Self)] =
-        &[("obj", Self::Obj), ("ply", Self::Ply), ("vtk", Self::Vtk)];
+    const ENDINGS: &'static [(&'static str, Self)] = &[
+        ("obj", Self::Obj),
+        ("ply", Self::Ply),
+        ("vtp", Self::Vtp),
+        ("vtk", Self::Vtk),
+    ];
 }
 
 impl BorderFormat {
@@ -123,32 +136,26 @@ impl BorderFormat {
     ///
     /// When the mesh has no coordinates.
     pub fn render(self, file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
-        let lines = polylines(file.diagram).ok_or_else(|| no_coordinates(file.model))?;
+        let arcs = || file.diagram.arcs().iter();
+        let side =
+            |name, side: usize| Array::ints(name, arcs().map(|arc| cell_number(arc.sources[side])));
         let lines = Polylines {
-            lines,
-            ..Polylines::default()
+            title: file.title("borders between the cells"),
+            lines: polylines(file.diagram).ok_or_else(|| no_coordinates(file.model))?,
+            scalars: vec![side("left", 0), side("right", 1)],
         };
-        let text = match self {
-            Self::Obj => lines.obj(),
-            Self::Ply => {
-                let title = file.title("borders between the cells");
-                Polylines { title, ..lines }.ply()
-            }
-            Self::Vtk => {
-                let arcs = || file.diagram.arcs().iter();
-                let [left, right] = [("left", 0), ("right", 1)].map(|(name, side)| {
-                    LineScalars::new(name, "int", arcs().map(|arc| arc.sources[side]))
-                });
-                let lines = Polylines {
-                    title: "Voronoi diagram".to_owned(),
-                    scalars: vec![left, right],
-                    ..lines
-                };
-                lines.vtk()
-            }
-        };
-        Ok(text.into_bytes())
+        Ok(match self {
+            Self::Obj => lines.obj().into_bytes(),
+            Self::Ply => lines.ply().into_bytes(),
+            Self::Vtp => lines.vtp(),
+            Self::Vtk => lines.vtk().into_bytes(),
+        })
     }
+}
+
+/// The number of a cell in files; -1 where no path leads.
+fn cell_number(cell: u32) -> i32 {
+    if cell == NO_SOURCE { -1 } else { cell as i32 }
 }
 
 #[derive(Serialize)]
@@ -331,35 +338,71 @@ pub fn colour(cell: u32) -> [u8; 3] {
     [5.0, 3.0, 1.0].map(channel)
 }
 
-fn ply(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
-    let diagram = file.diagram;
-    let mesh: &Mesh = diagram.mesh();
-    if mesh.positions().len() != mesh.vertex_count() {
-        return Err(no_coordinates(file.model));
-    }
-    let mut positions = mesh.positions().to_vec();
-    let mut colours: Vec<[u8; 3]> = diagram.labels().iter().map(|&cell| colour(cell)).collect();
-    let inner = mesh.faces().filter(|&face| !diagram.is_border(face));
-    let mut triangles: Vec<[u32; 3]> = inner
-        .map(|face| mesh.face_vertices(face).map(geobench_mesh::VertexId::raw))
-        .collect();
-    for part in diagram.parts(POINTS_PER_ARC) {
-        let first = positions.len();
-        for &place in &part.outline {
-            let position = diagram.position(part.face, place);
-            positions.push(position.ok_or_else(|| no_coordinates(file.model))?);
-            colours.push(colour(part.source));
+/// The surface of a diagram, with faces cut along the borders. Parts of cut faces have vertices of
+/// their own, so that each vertex is in one cell.
+struct CutSurface {
+    positions: Vec<[f64; 3]>,
+    triangles: Vec<[u32; 3]>,
+    /// The cell of each vertex.
+    cells: Vec<u32>,
+    /// The cell of each triangle. It may differ from that of a corner that is in several.
+    triangle_cells: Vec<u32>,
+}
+
+impl CutSurface {
+    fn of(file: &DiagramFile<'_>) -> anyhow::Result<Self> {
+        let diagram = file.diagram;
+        let mesh: &Mesh = diagram.mesh();
+        if mesh.positions().len() != mesh.vertex_count() {
+            return Err(no_coordinates(file.model));
         }
-        let corners = part.triangles().into_iter();
-        triangles.extend(corners.map(|corners| corners.map(|corner| (first + corner) as u32)));
+        let inner = || mesh.faces().filter(|&face| !diagram.is_border(face));
+        let cell = |face| diagram.cell_of_face(face).unwrap_or(NO_SOURCE);
+        let mut surface = Self {
+            positions: mesh.positions().to_vec(),
+            triangles: inner()
+                .map(|face| mesh.face_vertices(face).map(geobench_mesh::VertexId::raw))
+                .collect(),
+            cells: diagram.labels().to_vec(),
+            triangle_cells: inner().map(cell).collect(),
+        };
+        for part in diagram.parts(POINTS_PER_ARC) {
+            let first = surface.positions.len();
+            for &place in &part.outline {
+                let position = diagram.position(part.face, place);
+                surface
+                    .positions
+                    .push(position.ok_or_else(|| no_coordinates(file.model))?);
+                surface.cells.push(part.source);
+            }
+            let corners = part.triangles().into_iter();
+            let corners = corners.map(|corners| corners.map(|corner| (first + corner) as u32));
+            surface.triangles.extend(corners);
+            let triangles = surface.triangles.len();
+            surface.triangle_cells.resize(triangles, part.source);
+        }
+        Ok(surface)
     }
-    let comment = file.title("cells");
-    let mut bytes = Vec::new();
-    PlyWriter::new(&positions, &triangles)
-        .comment(&comment)
-        .colors(&colours)
-        .write(&mut bytes)?;
-    Ok(bytes)
+
+    fn ply(&self, title: &str) -> anyhow::Result<Vec<u8>> {
+        let colours: Vec<[u8; 3]> = self.cells.iter().map(|&cell| colour(cell)).collect();
+        let numbers = self.cells.iter().map(|&cell| f64::from(cell_number(cell)));
+        let numbers: Vec<f64> = numbers.collect();
+        let mut bytes = Vec::new();
+        PlyWriter::new(&self.positions, &self.triangles)
+            .comment(title)
+            .scalars("quality", &numbers)
+            .colors(&colours)
+            .write(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    fn vtp(&self, title: &str) -> Vec<u8> {
+        let mut data = PolyData::triangles(title, &self.positions, &self.triangles);
+        let cells = self.triangle_cells.iter().copied();
+        data.cell_data = vec![Array::ints("cell", cells.map(cell_number))];
+        data.render()
+    }
 }
 
 /// A file format for the labels of the vertices of a mesh.

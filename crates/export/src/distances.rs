@@ -5,6 +5,7 @@ use geobench_mesh::{Mesh, VertexId, threads};
 use serde::Serialize;
 
 use crate::polylines::vtk_title;
+use crate::vtp::{Array, PolyData, Values};
 use crate::{FileFormat, SourceLabel, json_line, no_coordinates};
 
 /// Distances with their origin.
@@ -100,6 +101,9 @@ pub enum FieldFormat {
     /// The mesh (binary), with the distance as the `quality` of a vertex and as its texture
     /// coordinate, infinity where no path leads, and a colour ramp, grey where no path leads.
     Ply,
+    /// The mesh (XML `PolyData` of VTK), with the point arrays `distance` and `reached` as in
+    /// [`Self::Vtk`].
+    Vtp,
     /// The mesh (legacy VTK, binary, an unstructured grid), with the scalar field `distance`,
     /// infinity where no path leads, and the field `reached`, which is 0 there and 1 elsewhere.
     Vtk,
@@ -112,6 +116,7 @@ impl FileFormat for FieldFormat {
         ("json", Self::Json),
         ("npy", Self::Npy),
         ("ply", Self::Ply),
+        ("vtp", Self::Vtp),
         ("vtk", Self::Vtk),
     ];
 }
@@ -119,7 +124,7 @@ impl FileFormat for FieldFormat {
 impl FieldFormat {
     /// Whether the format holds the mesh and therefore needs the distances of all vertices.
     pub const fn is_mesh(self) -> bool {
-        matches!(self, Self::Ply | Self::Vtk)
+        matches!(self, Self::Ply | Self::Vtp | Self::Vtk)
     }
 
     /// The contents of a file in this format.
@@ -136,6 +141,7 @@ impl FieldFormat {
             Self::Json => json(field)?,
             Self::Npy => npy(&format!("({},)", field.distances.len()), field.distances),
             Self::Ply => ply(field)?,
+            Self::Vtp => vtp(field),
             Self::Vtk => vtk(field),
         })
     }
@@ -221,6 +227,18 @@ impl DistanceFile<'_> {
             self.algorithm, self.model
         )
     }
+
+    fn triangles(&self) -> Vec<[u32; 3]> {
+        let faces = self.mesh.faces();
+        faces
+            .map(|face| self.mesh.face_vertices(face).map(VertexId::raw))
+            .collect()
+    }
+
+    /// For each vertex 1 if a path leads there, else 0.
+    fn reached(&self) -> impl Iterator<Item = u8> {
+        self.distances.iter().map(|d| u8::from(d.is_finite()))
+    }
 }
 
 /// One JSON object. Infinite distances are `null`, because JSON has no infinity.
@@ -272,11 +290,7 @@ pub(super) fn npy_of(descr: &str, shape: &str, numbers: impl Iterator<Item = u8>
 /// scalar. VTK reads no scalars from PLY files, but it reads texture coordinates, so the distance
 /// is also the first texture coordinate.
 fn ply(field: &DistanceFile<'_>) -> anyhow::Result<Vec<u8>> {
-    let triangles: Vec<[u32; 3]> = field
-        .mesh
-        .faces()
-        .map(|face| field.mesh.face_vertices(face).map(VertexId::raw))
-        .collect();
+    let triangles = field.triangles();
     let colours: Vec<[u8; 3]> = colours(field.distances).collect();
     let nothing = vec![0.0; field.distances.len()];
     let mut bytes = Vec::new();
@@ -288,6 +302,19 @@ fn ply(field: &DistanceFile<'_>) -> anyhow::Result<Vec<u8>> {
         .colors(&colours)
         .write(&mut bytes)?;
     Ok(bytes)
+}
+
+fn vtp(field: &DistanceFile<'_>) -> Vec<u8> {
+    let (title, triangles) = (field.title(), field.triangles());
+    let mut data = PolyData::triangles(&title, field.mesh.positions(), &triangles);
+    data.point_data = vec![
+        Array::doubles("distance", field.distances.iter().copied()),
+        Array {
+            name: "reached",
+            values: Values::Byte(field.reached().collect()),
+        },
+    ];
+    data.render()
 }
 
 /// The VTK cell type of triangles.
@@ -326,7 +353,7 @@ fn vtk(field: &DistanceFile<'_>) -> Vec<u8> {
         f64::to_be_bytes,
     );
     bytes.extend_from_slice(b"\nSCALARS reached unsigned_char 1\nLOOKUP_TABLE default\n");
-    bytes.extend(field.distances.iter().map(|d| u8::from(d.is_finite())));
+    bytes.extend(field.reached());
     bytes.push(b'\n');
     bytes
 }

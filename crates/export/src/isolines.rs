@@ -4,7 +4,8 @@ use geobench_isolines::{Isoline, Line};
 use geobench_mesh::Mesh;
 use serde::Serialize;
 
-use crate::polylines::{LineScalars, Polylines};
+use crate::polylines::Polylines;
+use crate::vtp::Array;
 use crate::{FileFormat, SourceLabel, json_line, no_coordinates};
 
 /// The isolines of a distance field.
@@ -31,7 +32,9 @@ pub enum IsolineFormat {
     Obj,
     /// PLY (text): vertices and edges.
     Ply,
-    /// Legacy VTK (text): lines, with the distance of each.
+    /// XML `PolyData` of VTK: lines, with the distance of each.
+    Vtp,
+    /// Legacy VTK (text): segments, with the number of their line and its distance.
     Vtk,
     /// A picture of the model with the isolines.
     Svg,
@@ -45,6 +48,7 @@ impl FileFormat for IsolineFormat {
         ("json", Self::Json),
         ("obj", Self::Obj),
         ("ply", Self::Ply),
+        ("vtp", Self::Vtp),
         ("vtk", Self::Vtk),
         ("svg", Self::Svg),
         ("png", Self::Png),
@@ -66,6 +70,7 @@ impl IsolineFormat {
             Self::Json => json(set)?,
             Self::Obj => set.polylines().obj().into_bytes(),
             Self::Ply => set.polylines().ply().into_bytes(),
+            Self::Vtp => set.polylines().vtp(),
             Self::Vtk | Self::Svg | Self::Png => set.polylines().vtk().into_bytes(),
         })
     }
@@ -86,7 +91,7 @@ impl IsolineSet<'_> {
             lines: lines
                 .map(|(_, line)| line.polyline(self.mesh, self.tolerance))
                 .collect(),
-            scalars: vec![LineScalars::new("distance", "double", distances)],
+            scalars: vec![Array::doubles("distance", distances)],
         }
     }
 }

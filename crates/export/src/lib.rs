@@ -1,7 +1,7 @@
 //! Files of what `geobench` computes on a mesh, and pictures of it.
 //!
-//! A [`FileFormat`] is chosen by the ending of a file's name: [`distances`] as CSV, JSON, NPY, PLY
-//! or VTK, [`paths`] and [`isolines`] as lines, Voronoi [`diagrams`], and a [`picture`] of each as
+//! A [`FileFormat`] is chosen by the ending of a file's name: [`distances`] as CSV, JSON, NPY, PLY,
+//! VTK or VTP, [`paths`] and [`isolines`] as lines, Voronoi [`diagrams`], and a [`picture`] of each as
 //! SVG or PNG. An [`output::OutputFile`] is checked before the work starts and replaced whole.
 
 pub mod diagrams;
@@ -15,6 +15,7 @@ pub mod paths;
 pub mod picture;
 mod polylines;
 pub mod svg;
+mod vtp;
 
 pub use format::{
     FileFormat, STANDARD, UnknownEnding, ending_of, json_line, json_lines, no_coordinates,

@@ -7,7 +7,8 @@ use geobench_paths::Path;
 use serde::Serialize;
 
 use crate::distances::csv_word;
-use crate::polylines::{LineScalars, Polylines};
+use crate::polylines::Polylines;
+use crate::vtp::Array;
 use crate::{FileFormat, SourceLabel, json_line, no_coordinates};
 
 /// Paths to several targets, with their origin.
@@ -43,7 +44,9 @@ pub enum PathFormat {
     Obj,
     /// PLY (text): vertices and edges.
     Ply,
-    /// Legacy VTK (text): lines, with the length of each.
+    /// XML `PolyData` of VTK: lines, with the length of each.
+    Vtp,
+    /// Legacy VTK (text): segments, with the number of their line and its length.
     Vtk,
     /// A picture of the model with the paths.
     Svg,
@@ -58,6 +61,7 @@ impl FileFormat for PathFormat {
         ("json", Self::Json),
         ("obj", Self::Obj),
         ("ply", Self::Ply),
+        ("vtp", Self::Vtp),
         ("vtk", Self::Vtk),
         ("svg", Self::Svg),
         ("png", Self::Png),
@@ -80,6 +84,7 @@ impl PathFormat {
             Self::Json => json(set)?,
             Self::Obj => set.polylines().obj().into_bytes(),
             Self::Ply => set.polylines().ply().into_bytes(),
+            Self::Vtp => set.polylines().vtp(),
             Self::Vtk | Self::Svg | Self::Png => set.polylines().vtk().into_bytes(),
         })
     }
@@ -97,7 +102,7 @@ impl PathSet<'_> {
         Polylines {
             title: format!("shortest paths by {}, model {}", self.algorithm, self.model),
             lines: self.found().map(|path| path.polyline(self.mesh)).collect(),
-            scalars: vec![LineScalars::new("length", "double", lengths)],
+            scalars: vec![Array::doubles("length", lengths)],
         }
     }
 }

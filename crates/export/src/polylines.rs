@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use crate::vtp::{Array, CellKind, PolyData, Values};
+
 /// Polylines with scalars.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Polylines {
@@ -9,32 +11,8 @@ pub(crate) struct Polylines {
     pub(crate) title: String,
     /// The points of each line.
     pub(crate) lines: Vec<Vec<[f64; 3]>>,
-    /// Scalars of the lines.
-    pub(crate) scalars: Vec<LineScalars>,
-}
-
-/// A named scalar, with a value for each line.
-#[derive(Clone, Debug)]
-pub(crate) struct LineScalars {
-    pub(crate) name: &'static str,
-    /// The VTK type.
-    pub(crate) kind: &'static str,
-    pub(crate) values: Vec<String>,
-}
-
-impl LineScalars {
-    /// Scalars of the VTK type `kind`, in the order of the lines.
-    pub(crate) fn new<T: ToString>(
-        name: &'static str,
-        kind: &'static str,
-        values: impl Iterator<Item = T>,
-    ) -> Self {
-        Self {
-            name,
-            kind,
-            values: values.map(|value| value.to_string()).collect(),
-        }
-    }
+    /// Arrays with a value for each line.
+    pub(crate) scalars: Vec<Array>,
 }
 
 /// A title for the second line of a VTK file: printable ASCII, cut to 200 characters. The format
@@ -54,85 +32,122 @@ impl Polylines {
         self.lines.iter().map(Vec::len).sum()
     }
 
-    /// Wavefront OBJ.
+    /// For each piece between two points, the number of its line and of its first point.
+    fn segments(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let mut next = 0;
+        let lines = self.lines.iter().enumerate();
+        lines.flat_map(move |(line, points)| {
+            let first = next;
+            next += points.len();
+            (first..next.saturating_sub(1).max(first)).map(move |point| (line, point))
+        })
+    }
+
+    /// Wavefront OBJ. Each line has a group `gN`, and each of its segments an element: `MeshLab`
+    /// reads only the first segment of a longer element.
     pub(crate) fn obj(&self) -> String {
         let mut text = match self.title() {
             title if title.is_empty() => title,
             title => format!("# {title}\n"),
         };
-        let mut next = 1;
-        for line in &self.lines {
-            for [x, y, z] in line {
-                let _ = writeln!(text, "v {x} {y} {z}"); // A string takes all.
+        for [x, y, z] in self.lines.iter().flatten() {
+            let _ = writeln!(text, "v {x} {y} {z}"); // A string takes all.
+        }
+        let mut last = None;
+        for (line, point) in self.segments() {
+            if last.replace(line) != Some(line) {
+                let _ = writeln!(text, "g {line}");
             }
-            // An element `l` has two points or more. The path to a source has one.
-            if line.len() > 1 {
-                text.push('l');
-                for number in next..next + line.len() {
-                    let _ = write!(text, " {number}");
-                }
-                text.push('\n');
-            }
-            next += line.len();
+            let _ = writeln!(text, "l {} {}", point + 1, point + 2);
         }
         text
     }
 
     /// PLY (text): vertices and edges.
     pub(crate) fn ply(&self) -> String {
-        let edges: usize = self
-            .lines
-            .iter()
-            .map(|line| line.len().saturating_sub(1))
-            .sum();
         let mut text = format!(
             "ply\nformat ascii 1.0\ncomment {}\nelement vertex {}\nproperty double x\n\
-             property double y\nproperty double z\nelement edge {edges}\nproperty int vertex1\n\
+             property double y\nproperty double z\nelement edge {}\nproperty int vertex1\n\
              property int vertex2\nend_header\n",
             self.title(),
-            self.points()
+            self.points(),
+            self.segments().count()
         );
         for [x, y, z] in self.lines.iter().flatten() {
             let _ = writeln!(text, "{x} {y} {z}");
         }
-        let mut next = 0;
-        for line in &self.lines {
-            for a in next..(next + line.len()).saturating_sub(1) {
-                let _ = writeln!(text, "{a} {}", a + 1);
-            }
-            next += line.len();
+        for (_, point) in self.segments() {
+            let _ = writeln!(text, "{point} {}", point + 1);
         }
         text
     }
 
-    /// Legacy VTK (text): lines with their scalars.
+    /// Legacy VTK (text): an unstructured grid of segments, because some readers know no polylines
+    /// and no other kinds of data. Each has the number of its line and the scalars of it.
     pub(crate) fn vtk(&self) -> String {
-        let points = self.points();
+        let (points, segments) = (self.points(), self.segments().count());
         let mut text = format!(
-            "# vtk DataFile Version 3.0\n{}\nASCII\nDATASET POLYDATA\nPOINTS {points} double\n",
+            "# vtk DataFile Version 3.0\n{}\nASCII\nDATASET UNSTRUCTURED_GRID\n\
+             POINTS {points} double\n",
             self.title()
         );
         for [x, y, z] in self.lines.iter().flatten() {
             let _ = writeln!(text, "{x} {y} {z}");
         }
-        let count = self.lines.len();
-        let _ = writeln!(text, "LINES {count} {}", count + points);
-        let mut next = 0;
-        for line in &self.lines {
-            let _ = write!(text, "{}", line.len());
-            for number in next..next + line.len() {
-                let _ = write!(text, " {number}");
-            }
-            text.push('\n');
-            next += line.len();
+        let _ = writeln!(text, "CELLS {segments} {}", 3 * segments);
+        for (_, point) in self.segments() {
+            let _ = writeln!(text, "2 {point} {}", point + 1);
         }
-        let _ = writeln!(text, "CELL_DATA {count}");
-        for LineScalars { name, kind, values } in &self.scalars {
+        let _ = writeln!(text, "CELL_TYPES {segments}");
+        for _ in 0..segments {
+            let _ = writeln!(text, "{VTK_LINE}");
+        }
+        let _ = writeln!(text, "CELL_DATA {segments}");
+        for Array { name, values } in [self.numbers()].iter().chain(&self.scalars) {
+            let kind = match values {
+                Values::Double(_) => "double",
+                Values::Int(_) => "int",
+                Values::Byte(_) => "unsigned_char",
+            };
             let _ = writeln!(text, "SCALARS {name} {kind} 1\nLOOKUP_TABLE default");
-            for value in values {
-                let _ = writeln!(text, "{value}");
+            for (line, _) in self.segments() {
+                let _ = match values {
+                    Values::Double(all) => writeln!(text, "{}", all[line]),
+                    Values::Int(all) => writeln!(text, "{}", all[line]),
+                    Values::Byte(all) => writeln!(text, "{}", all[line]),
+                };
             }
         }
         text
     }
+
+    /// XML `PolyData` of VTK: polylines with their scalars.
+    pub(crate) fn vtp(&self) -> Vec<u8> {
+        let points = self.lines.concat();
+        let lengths = self.lines.iter().map(|line| line.len() as u32);
+        let offsets = lengths.scan(0, |end, length| {
+            *end += length;
+            Some(*end)
+        });
+        let mut cell_data = self.scalars.clone();
+        cell_data.push(self.numbers());
+        let data = PolyData {
+            title: &self.title,
+            connectivity: (0..points.len() as u32).collect(),
+            points: &points,
+            kind: CellKind::Lines,
+            offsets: offsets.collect(),
+            point_data: Vec::new(),
+            cell_data,
+        };
+        data.render()
+    }
+
+    /// The number of each line.
+    fn numbers(&self) -> Array {
+        Array::ints("line", 0..self.lines.len() as i32)
+    }
 }
+
+/// The VTK cell type of segments.
+const VTK_LINE: u32 = 3;

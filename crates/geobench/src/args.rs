@@ -2,17 +2,44 @@
 
 use std::path::PathBuf;
 
+use anyhow::ensure;
 use clap::builder::RangedI64ValueParser;
 use clap::{Args, ValueEnum, value_parser};
 use geobench_export::output::{self, OutputFile};
+use geobench_export::picture::View;
 use geobench_harness::figures;
 use geobench_harness::plan::suite;
 use geobench_registry::{MOST_THREADS, Selection, UsageError, select};
 use geobench_report::table::ResultFormat;
 
 /// Help text on models, for all commands that take models.
-pub(crate) const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, each also .gz), a directory (searched \
-    recursively) or a generated model such as gen:sphere,subdiv=5 or gen:terrain,n=100,seed=1.";
+pub(crate) const MODELS_HELP: &str = "MODEL is a file (.obj, .ply, .off, .stl, .vtk, .vtp, .vtu, .gltf, .glb, .3mf, \
+    .dae, .gii, each also .gz, or a FreeSurfer surface such as lh.white), a directory (searched recursively) or a generated model such as gen:sphere,subdiv=5 or gen:terrain,n=100,seed=1.";
+
+/// The direction of view of a picture.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct ViewOption {
+    /// Direction of view of a picture, AZIMUTH,ELEVATION in degrees. With the axis y up (the
+    /// default) azimuth 0 looks from +z and 90 from +x, as in three.js; with ,z (z up) 0 looks
+    /// from +x and 90 from +y, as in matplotlib [default: the view that shows most]
+    #[arg(long, value_name = "A,E[,y|z]", allow_hyphen_values = true)]
+    view: Option<View>,
+}
+
+impl ViewOption {
+    /// The direction, if one is given.
+    ///
+    /// # Errors
+    ///
+    /// When one is given and no picture is drawn.
+    pub(crate) fn of(self, is_picture: bool) -> anyhow::Result<Option<View>> {
+        ensure!(
+            self.view.is_none() || is_picture,
+            "--view turns pictures, and no .svg or .png is written"
+        );
+        Ok(self.view)
+    }
+}
 
 /// The rows of CSV.
 #[derive(Args, Clone, Copy, Debug)]

@@ -50,7 +50,8 @@ struct Arguments {
     #[arg(long, global = true, value_name = "WHEN", value_enum, default_value_t)]
     color: ColorChoice,
 
-    /// Format of a model that is read from standard input (-): obj, ply, off or stl
+    /// Format of a model that is read from standard input (-): one of the endings of model files,
+    /// such as ply or glb
     #[arg(long, global = true, value_name = "FORM")]
     input_format: Option<String>,
 

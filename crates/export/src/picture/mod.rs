@@ -8,17 +8,20 @@
 
 mod paint;
 mod raster;
+mod scale;
+mod view;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use geobench_mesh::{Mesh, VertexId};
 
-use crate::distances;
-use crate::svg::{self, Svg, px, width_of};
+use crate::svg::{self, Svg, px};
 use raster::{Camera, Image, LineStyle};
+use scale::Scale;
 
 pub use paint::Paint;
 pub use raster::bounds;
+pub use view::View;
 
 /// Width and height of a picture, in units of the drawing.
 const SIZE: [f64; 2] = [480.0, 400.0];
@@ -54,6 +57,10 @@ pub struct Scene<'a> {
     pub isolines: &'a [Vec<[f64; 3]>],
     /// Thick lines on the surface.
     pub paths: &'a [Vec<[f64; 3]>],
+    /// The distances of isolines, which the colour scale marks; round distances if empty.
+    pub levels: &'a [f64],
+    /// The direction of view; `None` for the one that shows most.
+    pub view: Option<View>,
 }
 
 impl<'a> Scene<'a> {
@@ -66,10 +73,12 @@ impl<'a> Scene<'a> {
             sources: &[],
             isolines: &[],
             paths: &[],
+            levels: &[],
+            view: None,
         }
     }
 
-    /// The picture as a file: PNG, or SVG with vector lines and a colour scale below.
+    /// The picture as a file: PNG, or SVG with vector lines, and a colour scale below.
     ///
     /// # Errors
     ///
@@ -117,6 +126,8 @@ pub struct Picture {
     paths: Vec<Vec<[f64; 2]>>,
     /// The distance at the bright end of the colour ramp; `None` if the scene is painted.
     farthest: Option<f64>,
+    /// The colour scale, if the surface is coloured by distance.
+    scale: Option<Scale>,
     camera: Camera,
 }
 
@@ -138,9 +149,11 @@ impl Picture {
         let farthest = finite.fold(0.0, f64::max);
         let size = SIZE.map(|s| (s * DENSITY) as usize);
         let first = scene.sources.first().copied().unwrap_or_default();
-        let camera = camera
-            .cloned()
-            .unwrap_or_else(|| Camera::choose(mesh, nearest_vertex(mesh, first), size));
+        let camera = match (camera, scene.view) {
+            (Some(camera), _) => camera.clone(),
+            (None, Some(view)) => Camera::from(mesh, view, size),
+            (None, None) => Camera::choose(mesh, nearest_vertex(mesh, first), size),
+        };
         let mut image = raster::render(mesh, distances, scene.paint, &camera, [farthest, step]);
         let units = |at: [f64; 2]| at.map(|x| x / DENSITY);
         let visible = |lines: &[Vec<[f64; 3]>]| -> Vec<Vec<[f64; 2]>> {
@@ -156,12 +169,14 @@ impl Picture {
             .filter_map(|&at| image.sees(at, &camera));
         let sources = seen.map(units).collect();
         image.forget_samples();
+        let is_coloured = scene.paint.is_none();
         Some(Self {
             image,
             sources,
             isolines,
             paths,
-            farthest: scene.paint.is_none().then_some(farthest),
+            farthest: is_coloured.then_some(farthest),
+            scale: is_coloured.then(|| Scale::new(farthest, scene.levels)),
             camera,
         })
     }
@@ -218,7 +233,7 @@ impl Picture {
         svg::drawing("picture", title, "", size, &inside.finish(), true).into_bytes()
     }
 
-    /// The picture with its lines and sources but without the colour scale, as a PNG file.
+    /// The picture as a PNG file.
     pub fn png(&self) -> Vec<u8> {
         let mut image = self.image.clone();
         let pixels = |line: &Vec<[f64; 2]>| line.iter().map(|at| at.map(|x| x * DENSITY)).collect();
@@ -241,6 +256,10 @@ impl Picture {
                 .collect();
             let half_width = radius * DENSITY;
             image.draw(&dots, LineStyle { half_width, colour });
+        }
+        if let Some(scale) = &self.scale {
+            image.add_rows((scale::HEIGHT * DENSITY) as usize);
+            scale.paint(&mut image, SIZE[1], DENSITY);
         }
         image.png()
     }
@@ -274,59 +293,12 @@ impl Picture {
                 );
             }
         }
-        let Some(farthest) = self.farthest else {
+        let Some(scale) = &self.scale else {
             return [width, height];
         };
-        draw_ramp(svg, farthest, height + 8.0);
-        [width, height + 46.0]
+        scale.draw(svg, height);
+        [width, height + scale::HEIGHT]
     }
-}
-
-/// Draws the colour scale with its distances.
-fn draw_ramp(svg: &mut Svg, farthest: f64, y: f64) {
-    const STRIPES: usize = 64;
-    let (left, width) = (60.0, SIZE[0] - 120.0);
-    for k in 0..STRIPES {
-        let share = k as f64 / (STRIPES - 1) as f64;
-        let [r, g, b] = distances::colour(share);
-        svg.leaf(
-            "rect",
-            &[
-                ("x", px(left + width * k as f64 / STRIPES as f64)),
-                ("y", px(y)),
-                // Stripes overlap, so that no background shows between them.
-                (
-                    "width",
-                    px(width / STRIPES as f64 + if k + 1 < STRIPES { 1.0 } else { 0.0 }),
-                ),
-                ("height", "10".to_owned()),
-                ("fill", format!("#{r:02x}{g:02x}{b:02x}")),
-            ],
-        );
-    }
-    let every = step(farthest, 4.0);
-    let mut last = f64::NEG_INFINITY;
-    for k in 0..8 {
-        let value = f64::from(k) * every;
-        if value > farthest * 1.0001 {
-            break;
-        }
-        let x = left
-            + width
-                * if farthest > 0.0 {
-                    value / farthest
-                } else {
-                    0.0
-                };
-        let text = short(value);
-        if x - width_of(&text) < last {
-            continue;
-        }
-        last = x;
-        svg.line("axis", [x, y + 10.0], [x, y + 14.0]);
-        svg.text([x, y + 25.0], "m", &text);
-    }
-    svg.text([left + width + 8.0, y + 9.0], "q", "distance");
 }
 
 /// Draws lines of a colour.
@@ -398,12 +370,10 @@ mod tests {
         let next = mesh.head(mesh.outgoing(vertex)[0]);
         let edge = [vertex, next].map(|v| mesh.positions()[v.index()]);
         let scene = Scene {
-            mesh,
-            distances: &distances,
-            paint: None,
             sources: &edge[..1],
             isolines: &[edge.to_vec()],
             paths: &[edge.map(|at| at.map(|x| 0.5 * x)).to_vec()],
+            ..Scene::new(mesh, &distances)
         };
         let picture = Picture::new(&scene, 0.2).unwrap();
         assert_eq!(picture.sources.len(), 1);

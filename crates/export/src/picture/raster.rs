@@ -2,6 +2,7 @@
 
 use geobench_mesh::{Mesh, VertexId};
 
+use super::View;
 use super::paint::Paint;
 use crate::distances;
 
@@ -298,6 +299,21 @@ impl Image {
         }
     }
 
+    /// Adds transparent rows below.
+    pub(super) fn add_rows(&mut self, rows: usize) {
+        self.size[1] += rows;
+        self.pixels.resize(self.size[0] * self.size[1], [0; 4]);
+    }
+
+    /// Fills the rectangle between left, top, right and bottom, in pixels.
+    pub(super) fn rectangle(&mut self, ends: [f64; 4], [r, g, b]: [u8; 3]) {
+        let [left, top, right, bottom] = ends.map(|x| x.round().max(0.0) as usize);
+        let [width, height] = self.size;
+        for row in top..bottom.min(height) {
+            self.pixels[row * width..][left.min(width)..right.min(width)].fill([r, g, b, 255]);
+        }
+    }
+
     /// Frees the samples, which only [`sees`](Self::sees) needs.
     pub(super) fn forget_samples(&mut self) {
         self.samples = Vec::new();
@@ -458,6 +474,11 @@ impl Camera {
             }
         }
         Self::fitted(positions, axes(best.1, up), size)
+    }
+
+    /// The view from a given direction.
+    pub(super) fn from(mesh: &Mesh, view: View, size: [usize; 2]) -> Self {
+        Self::fitted(mesh.positions(), view.axes(), size)
     }
 
     fn fitted(positions: &[Vector], axes: [Vector; 3], size: [usize; 2]) -> Self {

@@ -63,7 +63,7 @@ pub(crate) struct DistanceOptions {
     #[command(flatten)]
     reading: ReadingOptions,
 
-    /// File to write, by its ending: .csv, .json, .npy, .ply or .vtk
+    /// File to write, by its ending: .csv, .json, .npy, .vtp, .vtk or .ply
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 

@@ -13,7 +13,7 @@ use geobench_harness::measure::number::counted;
 use geobench_isolines::{DistanceField, Isoline};
 use geobench_window::precision;
 
-use crate::args::MODELS_HELP;
+use crate::args::{MODELS_HELP, ViewOption};
 use crate::isolation::ReadingOptions;
 use crate::points::{LocatedPoints, SourcesOptions};
 use crate::terminal;
@@ -46,7 +46,7 @@ pub(crate) struct IsolinesOptions {
     )]
     levels: Vec<f64>,
 
-    /// How far the chords of lines may be from their arcs, in .obj, .ply, .vtk, .svg and .png
+    /// How far the chords of lines may be from their arcs, in files other than .json
     /// [default: a ten thousandth of the size of the model]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = positive_distance)]
     tolerance: Option<f64>,
@@ -54,10 +54,13 @@ pub(crate) struct IsolinesOptions {
     #[command(flatten)]
     reading: ReadingOptions,
 
-    /// File to write, by its ending: .json has the arcs; .obj, .ply and .vtk lines; .svg and .png a
-    /// picture of the model
+    /// File to write, by its ending: .json has the arcs; .vtp, .vtk, .obj and .ply lines; .svg and
+    /// .png a picture of the model
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+
+    #[command(flatten)]
+    view: ViewOption,
 
     /// Print no summary
     #[arg(long)]
@@ -83,6 +86,7 @@ const TOLERANCE: f64 = 1e-4;
 
 pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let (format, output) = prepare_one::<IsolineFormat>(&options.output)?;
+    let view = options.view.of(format.is_picture())?;
     let model = options.reading.model(&options.model)?;
     check_files([&output], model.source_file())?;
     let mesh = &options.reading.mesh(&model, options.quiet)?;
@@ -127,6 +131,8 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
         let scene = Scene {
             sources: &points.positions(mesh),
             isolines: &lines,
+            levels: &levels,
+            view,
             ..Scene::new(mesh, field.distances())
         };
         scene.draw(format == IsolineFormat::Png, &model.name, "Isolines")?

@@ -18,7 +18,7 @@ use geobench_mesh::{Mesh, VertexId};
 use geobench_paths::{Path, PathPlace, Paths, Point};
 use geobench_window::precision;
 
-use crate::args::MODELS_HELP;
+use crate::args::{MODELS_HELP, ViewOption};
 use crate::isolation::ReadingOptions;
 use crate::points::{LocatedPoints, SourcesOptions, WantedTarget};
 use crate::terminal;
@@ -55,10 +55,13 @@ pub(crate) struct PathOptions {
     #[command(flatten)]
     reading: ReadingOptions,
 
-    /// File to write, by its ending: .json, .csv, .obj, .ply, .vtk, or a picture of the model with
-    /// the paths, .svg or .png
+    /// File to write, by its ending: .json, .csv, .vtp, .vtk, .obj, .ply, or a picture of the model
+    /// with the paths, .svg or .png
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+
+    #[command(flatten)]
+    view: ViewOption,
 
     /// Print no summary
     #[arg(long)]
@@ -88,6 +91,8 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     }
     let output = options.output.as_deref();
     let output = output.map(prepare_one::<PathFormat>).transpose()?;
+    let is_picture = output.iter().any(|(format, _)| format.is_picture());
+    let view = options.view.of(is_picture)?;
     let model = options.reading.model(&options.model)?;
     check_files(output.iter().map(|(_, file)| file), model.source_file())?;
     let mesh = &options.reading.mesh(&model, options.quiet)?;
@@ -155,6 +160,7 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
             let scene = Scene {
                 sources: &points.positions(mesh),
                 paths: &lines,
+                view,
                 ..Scene::new(mesh, &distances)
             };
             scene.draw(format == PathFormat::Png, &model.name, "Shortest paths")?

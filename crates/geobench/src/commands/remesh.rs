@@ -9,13 +9,13 @@ use clap::{Args, value_parser};
 use geobench_export::diagrams;
 use geobench_export::ending_of;
 use geobench_export::output::{OutputFile, check_files};
-use geobench_export::picture::{Paint, Scene};
+use geobench_export::picture::{Paint, Scene, View};
 use geobench_mesh::io as mesh_io;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_voronoi::{Quality, RemeshOptions as Sites, Remeshed, SurfaceDeviation};
 
 use super::generate;
-use crate::args::MODELS_HELP;
+use crate::args::{MODELS_HELP, ViewOption};
 use crate::isolation::ReadingOptions;
 use crate::terminal;
 use crate::verdict::Verdict;
@@ -51,6 +51,9 @@ pub(crate) struct RemeshingOptions {
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
 
+    #[command(flatten)]
+    view: ViewOption,
+
     /// No summary
     #[arg(long)]
     quiet: bool,
@@ -69,6 +72,7 @@ pub(crate) fn remesh(options: &RemeshingOptions) -> anyhow::Result<Verdict> {
         Some(path) => Some((is_png(path)?, OutputFile::prepare(path)?)),
         None => None,
     };
+    let view = options.view.of(picture.is_some())?;
     let mut outputs = vec![&output];
     outputs.extend(picture.as_ref().map(|(_, output)| output));
     let model = options.reading.model(&options.model)?;
@@ -85,7 +89,7 @@ pub(crate) fn remesh(options: &RemeshingOptions) -> anyhow::Result<Verdict> {
     // All outputs are computed before any is written, so that a failure leaves no partial set.
     let soup = new.soup();
     let picture = match picture {
-        Some((png, output)) => Some((draw(&new, png, &model.name)?, output)),
+        Some((png, output)) => Some((draw(&new, view, png, &model.name)?, output)),
         None => None,
     };
     let is_quiet = options.quiet || options.output == Path::new("-");
@@ -112,7 +116,7 @@ fn is_png(path: &Path) -> anyhow::Result<bool> {
 }
 
 /// A picture of the model, coloured by cell and with the sites, beside the new mesh with its edges.
-fn draw(new: &Remeshed, png: bool, model: &str) -> anyhow::Result<Vec<u8>> {
+fn draw(new: &Remeshed, view: Option<View>, png: bool, model: &str) -> anyhow::Result<Vec<u8>> {
     let before = new.diagram.mesh();
     let flat = vec![0.0; before.vertex_count().max(new.mesh.vertex_count())];
     let sites = new.mesh.positions();
@@ -126,6 +130,7 @@ fn draw(new: &Remeshed, png: bool, model: &str) -> anyhow::Result<Vec<u8>> {
         paint: Some(&Paint::cells(&new.diagram)),
         sources: sites,
         isolines: &diagrams::long_lines(&new.diagram).unwrap_or_default(),
+        view,
         ..Scene::new(before, &flat)
     };
     let triangles = Scene {

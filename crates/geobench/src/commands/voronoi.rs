@@ -10,7 +10,7 @@ use anyhow::{Context, anyhow};
 use clap::Args;
 use geobench_export::diagrams::{self, BorderFormat, DiagramFile, DiagramFormat, LabelFormat};
 use geobench_export::output::{OutputFile, check_files, prepare_one};
-use geobench_export::picture::{Paint, Scene};
+use geobench_export::picture::{Paint, Scene, View};
 use geobench_export::{FileFormat, no_coordinates};
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::io as mesh_io;
@@ -19,7 +19,7 @@ use geobench_registry::{self as registry, Selection};
 use geobench_voronoi::Diagram;
 
 use super::generate;
-use crate::args::MODELS_HELP;
+use crate::args::{MODELS_HELP, ViewOption};
 use crate::isolation::ReadingOptions;
 use crate::points::{LocatedPoints, SourcesOptions};
 use crate::terminal;
@@ -42,9 +42,9 @@ pub(crate) struct VoronoiOptions {
     #[command(flatten)]
     reading: ReadingOptions,
 
-    /// File to write, by its ending: .json (cells, vertices, arcs), .obj or .vtk (borders as
-    /// polylines), .ply (the model coloured by cell, cut along the borders), .svg or .png (a
-    /// picture)
+    /// File to write, by its ending: .json (cells, vertices, arcs), .vtp or .ply (the model cut
+    /// along the borders, with the number of the cell), .obj or .vtk (borders as lines), .svg or
+    /// .png (a picture)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
@@ -53,7 +53,7 @@ pub(crate) struct VoronoiOptions {
     #[arg(long, value_name = "FILE")]
     dual: Option<PathBuf>,
 
-    /// File to write as well, .obj, .ply or .vtk: the borders between cells as polylines
+    /// File to write as well, .vtp, .vtk, .obj or .ply: the borders between cells as polylines
     #[arg(long, value_name = "FILE")]
     borders: Option<PathBuf>,
 
@@ -62,6 +62,9 @@ pub(crate) struct VoronoiOptions {
     #[arg(long, value_name = "FILE")]
     labels: Option<PathBuf>,
 
+    #[command(flatten)]
+    view: ViewOption,
+
     /// Print no summary
     #[arg(long)]
     quiet: bool,
@@ -69,6 +72,7 @@ pub(crate) struct VoronoiOptions {
 
 pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let (format, output) = prepare_one::<DiagramFormat>(&options.output)?;
+    let view = options.view.of(format.is_picture())?;
     let borders = options.borders.as_deref();
     let borders = borders.map(prepare_one::<BorderFormat>).transpose()?;
     let labels = options.labels.as_deref();
@@ -120,7 +124,7 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
         }
     };
     let contents = if format.is_picture() {
-        picture(&file, &sources, format == DiagramFormat::Png)
+        picture(&file, &sources, view, format == DiagramFormat::Png)
     } else {
         format.render(&file)
     };
@@ -181,7 +185,12 @@ fn no_diagram(algorithm: &Selection) -> anyhow::Error {
 }
 
 /// A picture of the cells with their borders and the sources, as PNG or SVG.
-fn picture(file: &DiagramFile<'_>, sources: &[VertexId], png: bool) -> anyhow::Result<Vec<u8>> {
+fn picture(
+    file: &DiagramFile<'_>,
+    sources: &[VertexId],
+    view: Option<View>,
+    png: bool,
+) -> anyhow::Result<Vec<u8>> {
     let mesh = file.diagram.mesh();
     let positions = mesh.positions();
     let at = sources
@@ -191,6 +200,7 @@ fn picture(file: &DiagramFile<'_>, sources: &[VertexId], png: bool) -> anyhow::R
         paint: Some(&Paint::cells(file.diagram)),
         sources: &at.collect::<Vec<_>>(),
         isolines: &diagrams::long_lines(file.diagram).unwrap_or_default(),
+        view,
         ..Scene::new(mesh, file.distances)
     };
     scene.draw(png, file.model, "Voronoi diagram")

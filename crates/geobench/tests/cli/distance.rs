@@ -49,6 +49,7 @@ fn every_form_is_written_and_replaced() {
         ("d.npy", &b"\x93NUMPY\x01\x00"[..]),
         ("d.ply", b"ply\n"),
         ("d.vtk", b"# vtk DataFile Version 3.0\n"),
+        ("d.vtp", b"<?xml version=\"1.0\"?>\n"),
         ("D.CSV", b"vertex,distance\n"),
     ] {
         std::fs::write(sandbox.path(file), "old").unwrap();

@@ -118,7 +118,7 @@ fn models_that_are_not_there() {
         ),
         (
             "run empty",
-            "empty: no mesh file (OBJ, PLY, OFF, STL, also .gz) in this directory",
+            "empty: no mesh file in this directory or below it; they end in .obj, .ply",
         ),
         ("run notes.txt", "notes.txt: not a mesh file by its ending"),
         (
@@ -249,7 +249,7 @@ fn files_that_cannot_be_written_are_found_before_the_work() {
     }
     let found = sandbox.refuse("distance square.off --source 0 -o r.xml");
     assert!(
-        found.contains("use .csv, .json, .npy, .ply or .vtk"),
+        found.contains("use .csv, .json, .npy, .ply, .vtp or .vtk"),
         "{found}"
     );
     let found = sandbox.refuse("gen sphere -o r.gts");

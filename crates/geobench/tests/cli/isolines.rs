@@ -107,6 +107,7 @@ fn every_form_is_written() {
             "i.OBJ",
             "# isolines of the geodesic distance, model square\n",
         ),
+        ("i.vtp", "<?xml version"),
         ("i.svg", "<svg "),
     ] {
         let command = format!("isolines square.off --source 4 --source 1 --every 0.5 -o {file}");
@@ -114,9 +115,40 @@ fn every_form_is_written() {
         assert!(said.starts_with(&format!("{file}: ")), "{said}");
         assert!(sandbox.read(file).starts_with(start), "{file}");
     }
-    assert!(sandbox.read("i.svg").contains("<polyline "));
+    let picture = sandbox.read("i.svg");
+    assert!(picture.contains("<polyline "));
+    // The scale has the unit and the levels.
+    for text in [">distance (model units)<", ">0.5<", ">1<"] {
+        assert!(picture.contains(text), "{text}");
+    }
     sandbox.succeed("isolines square.off --source 4 --every 0.5 -o i.png");
     assert!(sandbox.bytes("i.png").starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn a_view_turns_the_picture() {
+    let sandbox = Sandbox::new();
+    let draw = |view: &str| {
+        let command = "isolines gen:box --source 0 --every 1 --quiet -o i.svg";
+        sandbox.succeed(&format!("{command} {view}"));
+        sandbox.read("i.svg")
+    };
+    let front = draw("--view 0,0");
+    assert_ne!(front, draw(""));
+    assert_ne!(front, draw("--view -30,20"));
+    assert_eq!(front, draw("--view 360,0,y"));
+    // The z-axis towards the viewer and y up, in both conventions.
+    assert_eq!(front, draw("--view -90,90,z"));
+    for (arguments, message) in [
+        ("-o i.svg --view 1", "give AZIMUTH,ELEVATION"),
+        ("-o i.json --view 1,2", "--view turns pictures"),
+    ] {
+        let outcome = sandbox.call(&format!(
+            "isolines gen:box --source 0 --every 1 {arguments}"
+        ));
+        assert_eq!(outcome.code, 2, "{arguments}");
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
+    }
 }
 
 #[test]
@@ -143,7 +175,7 @@ fn wrong_input_is_named() {
         ("--source 0 --every 1", "--output <FILE>"),
         (
             "--source 0 --every 1 -o i.gif",
-            ".json, .obj, .ply, .vtk, .svg or .png",
+            ".json, .obj, .ply, .vtp, .vtk, .svg or .png",
         ),
     ] {
         let outcome = sandbox.call(&format!("isolines square.off {arguments}"));

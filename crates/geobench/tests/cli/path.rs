@@ -147,10 +147,15 @@ fn every_form_is_written() {
         (
             "p.obj",
             "# shortest paths by mmp, model square\nv 1 0 0\n",
-            "\nl 1 2 3\n",
+            "\ng 0\nl 1 2\nl 2 3\n",
         ),
         ("p.ply", "ply\nformat ascii 1.0\n", "\n0 1\n1 2\n"),
-        ("p.vtk", "# vtk DataFile Version 3.0\n", "\n"),
+        (
+            "p.vtk",
+            "# vtk DataFile Version 3.0\n",
+            "\nSCALARS length double 1\nLOOKUP_TABLE default\n2\n2\n",
+        ),
+        ("p.vtp", "<?xml version=\"1.0\"?>\n", "</VTKFile>\n"),
         (
             "P.CSV",
             "path,source,target,x,y,z,vertex,face,u,v,w\n0,1,3,1,0,0,1,",

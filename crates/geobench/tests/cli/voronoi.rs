@@ -51,7 +51,7 @@ fn every_form_is_written() {
     let labels = sandbox.read("l.csv");
     assert!(labels.starts_with("vertex,label,distance\n"));
     sandbox.succeed(&format!("{common} -o v.vtk --labels l.npy"));
-    assert!(sandbox.read("v.vtk").contains("DATASET POLYDATA"));
+    assert!(sandbox.read("v.vtk").contains("DATASET UNSTRUCTURED_GRID"));
     sandbox.succeed(&format!("{common} -o v.svg"));
     let picture = sandbox.read("v.svg");
     assert!(picture.starts_with("<svg"));

@@ -211,6 +211,11 @@ pub enum Defect {
         /// The departure.
         form: FileForm,
     },
+    /// Noted: the file has several meshes, or its scene places one several times.
+    Parts {
+        /// How many meshes are parts of the model.
+        parts: u32,
+    },
 }
 
 /// A departure from a file format that has one meaning only.
@@ -269,6 +274,7 @@ pub enum DefectKind {
     IsolatedVertex,
     UnplacedVertex,
     FileForm,
+    Parts,
 }
 
 impl Defect {
@@ -301,6 +307,7 @@ impl Defect {
             Self::IsolatedVertex { .. } => DefectKind::IsolatedVertex,
             Self::UnplacedVertex { .. } => DefectKind::UnplacedVertex,
             Self::FileForm { .. } => DefectKind::FileForm,
+            Self::Parts { .. } => DefectKind::Parts,
         }
     }
 
@@ -338,6 +345,7 @@ impl Defect {
             | Self::PinchedVertex { vertex, .. }
             | Self::IsolatedVertex { vertex }
             | Self::UnplacedVertex { vertex } => [vertex, 0],
+            Self::Parts { parts } => [parts, 0],
             Self::FileForm { line, .. } => [(line >> 32) as u32, line as u32],
         };
         (self.kind(), elements)
@@ -373,7 +381,8 @@ impl DefectKind {
             | Self::SeveralComponents
             | Self::IsolatedVertex
             | Self::UnplacedVertex
-            | Self::FileForm => Severity::Noted,
+            | Self::FileForm
+            | Self::Parts => Severity::Noted,
         }
     }
 
@@ -406,6 +415,7 @@ impl DefectKind {
             Self::IsolatedVertex => "isolated-vertex",
             Self::UnplacedVertex => "unplaced-vertex",
             Self::FileForm => "file-form",
+            Self::Parts => "parts",
         }
     }
 }
@@ -414,7 +424,9 @@ impl DefectKind {
 impl fmt::Display for Defect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoVertices | Self::NoFaces | Self::WeldedVertices { .. } => Ok(()),
+            Self::NoVertices | Self::NoFaces | Self::WeldedVertices { .. } | Self::Parts { .. } => {
+                Ok(())
+            }
             Self::TooLarge {
                 vertices,
                 triangles,

@@ -171,7 +171,8 @@ impl Mesh {
         Self::from_soup(TriangleSoup::new(positions, triangles)).map(|(mesh, _)| mesh)
     }
 
-    /// Reads an OBJ, PLY, OFF or STL file, which may be compressed with gzip, and builds its mesh.
+    /// Reads a file in a format of [`io`](crate::io), which may be compressed with gzip, and builds
+    /// its mesh.
     /// Combines [`io::read`](crate::io::read) and [`from_soup`](Self::from_soup).
     ///
     /// # Errors

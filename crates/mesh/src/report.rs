@@ -138,6 +138,7 @@ fn summarize(defects: &[Defect]) -> DefectSummary {
     let count = match &defects[0] {
         Defect::SeveralComponents { triangles } => triangles.len(),
         Defect::WeldedVertices { count } => *count as usize,
+        Defect::Parts { parts } => *parts as usize,
         Defect::CoincidentVertices { exact, .. } => *exact as usize,
         _ => defects.len(),
     };
@@ -250,6 +251,10 @@ fn headline(kind: DefectKind, count: usize) -> String {
             "departure from the file's format",
             "departures from the file's format",
         ),
+        DefectKind::Parts => (
+            "mesh of the file",
+            "meshes of the file are parts of one model",
+        ),
     };
     format!("{count} {}", if count == 1 { one } else { many })
 }
@@ -297,6 +302,7 @@ fn advice(kind: DefectKind, defects: &[Defect]) -> String {
         | DefectKind::FlatFace
         | DefectKind::PinchedVertex
         | DefectKind::SeveralComponents
+        | DefectKind::Parts
         | DefectKind::IsolatedVertex
         | DefectKind::UnplacedVertex => "",
     }

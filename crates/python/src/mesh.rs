@@ -527,8 +527,8 @@ impl PyMesh {
 /// given.
 type Located = (i64, (f64, f64, f64), Option<(f64, f64, f64)>, f64);
 
-/// Reads a mesh from an OBJ, PLY (text or binary), OFF or STL file, with or without gzip
-/// compression. `weld` is that of `Mesh`; STL files have no vertex numbers, so that their coincident
+/// Reads a mesh from a file in OBJ, PLY, OFF, STL, VTK (`.vtk`, `.vtp`, `.vtu`), glTF, 3MF, COLLADA,
+/// GIFTI or FreeSurfer format, with or without gzip compression. `weld` is that of `Mesh`; STL files have no vertex numbers, so that their coincident
 /// vertices always are one.
 ///
 /// Raises

@@ -123,7 +123,8 @@ pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelErr
             search(path, &mut found);
             if found.is_empty() {
                 return Err(ModelError::Unreadable(format!(
-                    "{argument}: no mesh file (OBJ, PLY, OFF, STL, also .gz) in this directory or below it"
+                    "{argument}: no mesh file in this directory or below it; they end in {}",
+                    mesh_io::READABLE
                 )));
             }
             models.extend(found.into_iter().map(ModelRef::file));
@@ -131,7 +132,8 @@ pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelErr
             models.push(ModelRef::file(path.to_owned()));
         } else {
             return Err(ModelError::Unreadable(format!(
-                "{argument}: not a mesh file by its ending; OBJ, PLY, OFF and STL are read, each also with .gz"
+                "{argument}: not a mesh file by its ending; use {}",
+                mesh_io::READABLE
             )));
         }
     }

@@ -31,7 +31,8 @@ pub enum FileError {
     },
     /// The file extension belongs to no format that can be read.
     #[error(
-        "{path}: the ending does not tell a mesh format; use .obj, .ply, .off or .stl, each also with .gz"
+        "{path}: the ending does not tell a mesh format; use {}",
+        super::READABLE
     )]
     UnknownFormat {
         /// The path asked for.
@@ -100,6 +101,8 @@ pub enum FilePosition {
     File,
     /// A line of a text file, counted from 1. For a statement of several lines, the first one.
     Line(u64),
+    /// A place in a binary file: its offset in bytes, in the decompressed data.
+    Byte(u64),
     /// An element of a binary file.
     Element {
         /// What the format calls it: `vertex`, `face`, `triangle`.
@@ -116,6 +119,7 @@ impl fmt::Display for FilePosition {
         match self {
             Self::File => Ok(()),
             Self::Line(line) => write!(f, "line {line}: "),
+            Self::Byte(byte) => write!(f, "byte {byte}: "),
             Self::Element { kind, number, byte } => write!(f, "{kind} {number} (byte {byte}): "),
         }
     }

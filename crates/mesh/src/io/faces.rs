@@ -64,6 +64,53 @@ impl FaceList {
         self.corners.extend_from_slice(corners);
     }
 
+    /// Appends the triangles of a strip, every second one turned over. Triangles that repeat a
+    /// corner only join two parts of a strip.
+    pub(super) fn push_strip(&mut self, strip: &[u32]) {
+        for (i, corners) in strip.windows(3).enumerate() {
+            let [a, b, c] = [corners[0], corners[1], corners[2]];
+            if a != b && b != c && c != a {
+                self.push(&if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
+            }
+        }
+    }
+
+    /// The corners of each face.
+    fn each(&self) -> impl Iterator<Item = &[u32]> {
+        let triangles = self.triangles.iter().map(|corners| &corners[..]);
+        let mut rest = &self.corners[..];
+        triangles.chain(self.arities.iter().map(move |&arity| {
+            let (corners, next) = rest.split_at(arity as usize);
+            rest = next;
+            corners
+        }))
+    }
+
+    /// Estimated size in memory.
+    pub(super) fn bytes(&self) -> u64 {
+        (12 * self.triangles.len() + 4 * self.corners.len() + 4 * self.arities.len()) as u64
+    }
+
+    /// Appends the faces of `other`, with `first` added to the numbers of their vertices. `flaw`
+    /// tells from the number of a face and a corner of it whether that is invalid.
+    pub(super) fn append(
+        &mut self,
+        other: &Self,
+        first: u32,
+        flaw: impl Fn(usize, u32) -> Option<Flaw>,
+    ) -> Result<(), Flaw> {
+        let mut moved = Vec::new();
+        for (face, corners) in other.each().enumerate() {
+            if let Some(flaw) = corners.iter().find_map(|&corner| flaw(face, corner)) {
+                return Err(flaw);
+            }
+            moved.clear();
+            moved.extend(corners.iter().map(|corner| first + corner));
+            self.push(&moved);
+        }
+        Ok(())
+    }
+
     /// Cuts every face into triangles. Faces with fewer than three corners are left out:
     /// `file_faces` still counts them, and the notes have their numbers.
     pub(super) fn into_soup(self, positions: Vec<[f64; 3]>) -> Result<TriangleSoup, Flaw> {

@@ -1,10 +1,12 @@
-//! Mesh files: reading and writing of OBJ, PLY, OFF and STL, also compressed with gzip.
+//! Mesh files: reading and writing of OBJ, PLY, OFF and STL, also compressed with gzip, and reading
+//! of VTK, glTF, 3MF, COLLADA, GIFTI and `FreeSurfer`.
 //!
 //! [`read`] takes the format from the file extension. It returns a [`TriangleSoup`] with the
 //! vertices in the file's order, counted from 0, at full `f64` precision. Polygons are cut into
 //! triangles: into a fan from the first corner where that does not fold, else by ear clipping. The
 //! soup records which face of the file each triangle is from, and which faces were left out because
-//! they have fewer than three corners.
+//! they have fewer than three corners. Formats with scenes have their meshes where the nodes place
+//! them, as parts of one soup; neither units nor axes are converted.
 //!
 //! A reader checks the format, not the mesh: a face may name a vertex that does not exist, and a
 //! coordinate may be `nan`. [`Mesh::from_soup`](crate::Mesh::from_soup) finds all such defects at
@@ -16,18 +18,28 @@
 //! [`write`](fn@write) keeps every bit of the coordinates, except in STL. Reading a written file
 //! returns the same soup, without the record of which triangles were cut from one polygon.
 
+mod arrays;
+mod collada;
 mod error;
 mod faces;
+mod freesurfer;
+mod gifti;
+mod gltf;
 mod gzip;
 mod obj;
 mod off;
 mod ply;
 mod quick_obj;
+mod scene;
 mod stl;
 mod text;
+mod threemf;
 mod tobj;
 mod triangulate;
+mod vtk;
+mod vtk_xml;
 mod write;
+mod xml;
 
 use std::borrow::Cow;
 use std::fs;
@@ -52,21 +64,71 @@ pub enum Format {
     Off,
     /// Stereolithography, text or binary.
     Stl,
+    /// Legacy VTK, text or binary; read only, as all that follow.
+    Vtk,
+    /// XML files of VTK: `PolyData` and `UnstructuredGrid`.
+    VtkXml,
+    /// glTF 2.0, JSON or binary.
+    Gltf,
+    /// 3D Manufacturing Format.
+    ThreeMf,
+    /// COLLADA.
+    Collada,
+    /// GIFTI surfaces.
+    Gifti,
+    /// Triangle surfaces of `FreeSurfer`.
+    FreeSurfer,
 }
+
+/// The endings of files that [`read`](fn@read) accepts, in words.
+pub const READABLE: &str = ".obj, .ply, .off, .stl, .vtk, .vtp, .vtu, .gltf, .glb, .3mf, .dae or .gii, \
+     each also with .gz, or a FreeSurfer name such as lh.white";
+
+/// The endings of formats.
+const ENDINGS: [(&str, Format); 12] = [
+    ("obj", Format::Obj),
+    ("ply", Format::Ply),
+    ("off", Format::Off),
+    ("stl", Format::Stl),
+    ("vtk", Format::Vtk),
+    ("vtp", Format::VtkXml),
+    ("vtu", Format::VtkXml),
+    ("gltf", Format::Gltf),
+    ("glb", Format::Gltf),
+    ("3mf", Format::ThreeMf),
+    ("dae", Format::Collada),
+    ("gii", Format::Gifti),
+];
+
+/// The names of the surfaces of a hemisphere, as `FreeSurfer` gives them without an ending:
+/// `lh.white`.
+const SURFACES: [&str; 8] = [
+    "white",
+    "pial",
+    "inflated",
+    "smoothwm",
+    "sphere",
+    "sphere.reg",
+    "orig",
+    "graymid",
+];
 
 impl Format {
     /// The format of the extension of `path`, in any letter case, with or without `.gz`.
     pub fn from_path(path: &Path) -> Option<Self> {
         let stem = path.file_stem().map(Path::new);
         let path = if is_gz(path) { stem? } else { path };
-        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-        match ending.as_str() {
-            "obj" => Some(Self::Obj),
-            "ply" => Some(Self::Ply),
-            "off" => Some(Self::Off),
-            "stl" => Some(Self::Stl),
-            _ => None,
+        let name = path.file_name()?.to_str()?;
+        let hemisphere = name
+            .strip_prefix("lh.")
+            .or_else(|| name.strip_prefix("rh."));
+        if hemisphere.is_some_and(|surface| SURFACES.contains(&surface)) {
+            return Some(Self::FreeSurfer);
         }
+        let ending = path.extension()?.to_str()?;
+        let mut known = ENDINGS.iter();
+        let known = known.find(|(known, _)| known.eq_ignore_ascii_case(ending));
+        known.map(|(_, format)| *format)
     }
 
     /// The format whose keyword is the first word of `bytes`, for formats that have one.
@@ -78,6 +140,18 @@ impl Format {
             b"solid" => Some(Self::Stl),
             _ => None,
         }
+        .or_else(|| {
+            let starts: [(&[u8], _); 4] = [
+                (b"glTF", Self::Gltf),
+                (b"PK\x03\x04", Self::ThreeMf),
+                (b"# vtk", Self::Vtk),
+                (b"\xff\xff\xfe", Self::FreeSurfer),
+            ];
+            let mut starts = starts.into_iter();
+            starts
+                .find(|(start, _)| bytes.starts_with(start))
+                .map(|(_, format)| format)
+        })
     }
 
     /// The usual name of the format.
@@ -87,6 +161,13 @@ impl Format {
             Self::Ply => "PLY",
             Self::Off => "OFF",
             Self::Stl => "STL",
+            Self::Vtk => "VTK",
+            Self::VtkXml => "XML of VTK",
+            Self::Gltf => "glTF",
+            Self::ThreeMf => "3MF",
+            Self::Collada => "COLLADA",
+            Self::Gifti => "GIFTI",
+            Self::FreeSurfer => "FreeSurfer",
         }
     }
 }
@@ -122,8 +203,8 @@ pub fn read(path: &Path) -> Result<TriangleSoup, FileError> {
     ReadOptions::default().read(path)
 }
 
-/// Reads a mesh from the `bytes` of a file, which may be compressed. `path` is used in messages
-/// only.
+/// Reads a mesh from the `bytes` of a file, which may be compressed. `path` is used in messages,
+/// and to find files beside one of glTF.
 ///
 /// # Errors
 ///
@@ -135,8 +216,8 @@ pub fn read_bytes(bytes: &[u8], format: Format, path: &Path) -> Result<TriangleS
 /// Options for reading files.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReadOptions {
-    /// The most bytes that a compressed file may decompress to. `None` means the default limit
-    /// ([`usual_decompression_limit`]).
+    /// The most bytes that a compressed file may decompress to, and that the meshes may take that
+    /// the nodes of a scene place. `None` means the default limit ([`usual_decompression_limit`]).
     pub max_decompressed: Option<u64>,
     /// The reader of OBJ files.
     pub obj_reader: ObjReader,
@@ -193,6 +274,8 @@ impl ReadOptions {
         path: &Path,
     ) -> Result<TriangleSoup, FileError> {
         let owned = || path.to_owned();
+        let limit = self.max_decompressed;
+        let room = limit.unwrap_or_else(|| usual_decompression_limit(bytes.len() as u64));
         let bytes = if gzip::is_gzip(bytes) {
             Cow::Owned(gzip::inflate(bytes, self.max_decompressed, path)?)
         } else {
@@ -218,6 +301,13 @@ impl ReadOptions {
             (Format::Ply, _) => ply::read(bytes),
             (Format::Off, _) => off::read(bytes),
             (Format::Stl, _) => stl::read(bytes),
+            (Format::Vtk, _) => vtk::read(bytes),
+            (Format::VtkXml, _) => vtk_xml::read(bytes, room),
+            (Format::Gltf, _) => gltf::read(bytes, path, room),
+            (Format::ThreeMf, _) => threemf::read(bytes, room),
+            (Format::Collada, _) => collada::read(bytes, room),
+            (Format::Gifti, _) => gifti::read(bytes, room),
+            (Format::FreeSurfer, _) => freesurfer::read(bytes),
         };
         let mut soup = soup.map_err(|Flaw { place, mut problem }| {
             if is_utf16(bytes) {
@@ -269,7 +359,21 @@ mod tests {
         assert_eq!(of("dir.x/A.B.PLY"), Some(Format::Ply));
         assert_eq!(of("a.Off.GZ"), Some(Format::Off));
         assert_eq!(of("a.stl.gz"), Some(Format::Stl));
-        for name in ["obj", ".obj", "a.gz", "a.ply.zip", "a.gz.gz", "a.", ""] {
+        assert_eq!(of("a.GLB"), Some(Format::Gltf));
+        assert_eq!(of("sub/lh.pial"), Some(Format::FreeSurfer));
+        assert_eq!(of("rh.sphere.reg.gz"), Some(Format::FreeSurfer));
+        assert_eq!(of("lh.pial.surf.gii"), Some(Format::Gifti));
+        for name in [
+            "lh.thickness",
+            "x.pial",
+            "obj",
+            ".obj",
+            "a.gz",
+            "a.ply.zip",
+            "a.gz.gz",
+            "a.",
+            "",
+        ] {
             assert_eq!(of(name), None, "{name}");
         }
     }

@@ -29,7 +29,7 @@ pub fn write(path: &Path, soup: &TriangleSoup) -> Result<(), FileError> {
         Some(Format::Ply) => PlyWriter::new(positions, triangles).write_file(path),
         Some(Format::Off) => to_file(path, |out| write_off(out, positions, triangles)),
         Some(Format::Stl) => to_file(path, |out| write_stl(out, positions, triangles)),
-        None => Err(FileError::UnknownOutput {
+        _ => Err(FileError::UnknownOutput {
             path: path.to_owned(),
         }),
     }

@@ -8,6 +8,8 @@ mod good;
 mod models;
 mod round_trip;
 mod samples;
+mod scene_samples;
+mod scenes;
 
 use std::alloc::System;
 use std::io::Write;

@@ -4,10 +4,12 @@ use std::fmt::Write;
 
 use geobench_mesh::io::Format;
 
+use crate::scene_samples;
+
 /// Two triangles that share an edge, in every format and variant: the corners of a square that
 /// is bent along its diagonal.
 pub(crate) fn all() -> Vec<(&'static str, Format, Vec<u8>)> {
-    vec![
+    let mut all = vec![
         ("OBJ", Format::Obj, obj()),
         ("text PLY", Format::Ply, text_ply()),
         ("little-endian PLY", Format::Ply, binary_ply(true)),
@@ -15,7 +17,9 @@ pub(crate) fn all() -> Vec<(&'static str, Format, Vec<u8>)> {
         ("OFF", Format::Off, off()),
         ("text STL", Format::Stl, text_stl()),
         ("binary STL", Format::Stl, binary_stl()),
-    ]
+    ];
+    all.extend(scene_samples::all());
+    all
 }
 
 /// All samples, and some with polygons, to be damaged.

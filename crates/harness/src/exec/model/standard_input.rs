@@ -29,9 +29,10 @@ pub(super) fn file() -> Result<PathBuf, String> {
     let form = FORM.get().map_or("", String::as_str);
     let name = format!("stdin.{form}");
     if !mesh_io::is_mesh_file(name.as_ref()) {
-        let message = "-: --input-format says in which form the model is; use obj, ply, off or stl, \
-                       each also with .gz";
-        return Err(message.to_owned());
+        return Err(format!(
+            "-: --input-format says in which form the model is; use an ending without its dot: {}",
+            mesh_io::READABLE
+        ));
     }
     let mut folder = lock(&FOLDER);
     if let Some(folder) = &*folder {

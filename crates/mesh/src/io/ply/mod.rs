@@ -80,9 +80,12 @@ fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<Tri
                         corners.clear();
                         // Ends with the line or the file, however large `length` is.
                         for _ in 0..length {
-                            match payload.corner(property, element.kind == ElementUse::Strip)? {
-                                Some(corner) => corners.push(corner),
-                                None => push_strip(&mut corners, &mut faces),
+                            let in_strip = element.kind == ElementUse::Strip;
+                            if let Some(corner) = payload.corner(property, in_strip)? {
+                                corners.push(corner);
+                            } else {
+                                faces.push_strip(&corners);
+                                corners.clear();
                             }
                         }
                     }
@@ -93,7 +96,7 @@ fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<Tri
             match element.kind {
                 ElementUse::Vertex => positions.push(position),
                 ElementUse::Face => faces.push(&corners),
-                ElementUse::Strip => push_strip(&mut corners, &mut faces),
+                ElementUse::Strip => faces.push_strip(&corners),
                 ElementUse::Skipped => {}
             }
         }
@@ -102,16 +105,4 @@ fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<Tri
         faces.note(line, FileForm::MoreNumbers);
     }
     faces.into_soup(positions)
-}
-
-/// Appends the triangles of a strip, every second one turned over, and empties it. Triangles that
-/// repeat a corner only join two parts of a strip.
-fn push_strip(strip: &mut Vec<u32>, faces: &mut FaceList) {
-    for (i, corners) in strip.windows(3).enumerate() {
-        let [a, b, c] = [corners[0], corners[1], corners[2]];
-        if a != b && b != c && c != a {
-            faces.push(&if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
-        }
-    }
-    strip.clear();
 }

@@ -1,0 +1,52 @@
+//! Triangle surfaces of `FreeSurfer` (`lh.white`, `rh.pial`, ...): big-endian, two lines of text
+//! before the counts. What follows the faces is ignored, as is the shift to scanner coordinates.
+
+use super::error::{FilePosition, Flaw};
+use super::faces::FaceList;
+use crate::soup::TriangleSoup;
+
+/// The bytes at the start of triangle surfaces, and of those with quadrangles.
+const TRIANGLES: [u8; 3] = [0xff, 0xff, 0xfe];
+const QUADRANGLES: [[u8; 3]; 2] = [[0xff, 0xff, 0xff], [0xff, 0xff, 0xfd]];
+
+/// Reads a triangle surface.
+pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
+    if QUADRANGLES.iter().any(|magic| bytes.starts_with(magic)) {
+        return Err(Flaw::file(
+            "this is the old form with quadrangles; save it as triangles (mris_convert)",
+        ));
+    }
+    let rest = bytes.strip_prefix(&TRIANGLES).ok_or_else(|| {
+        Flaw::file("this is no triangle surface of FreeSurfer, which starts with ff ff fe")
+    })?;
+    // The second line is usually empty.
+    let mut ends = rest.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
+    let counts = ends
+        .nth(1)
+        .and_then(|(end, _)| rest[end + 1..].split_at_checked(8));
+    let (counts, data) =
+        counts.ok_or_else(|| Flaw::file("the file ends within its header; fetch it again"))?;
+    let words = |bytes: &[u8]| -> Vec<[u8; 4]> { bytes.as_chunks().0.to_vec() };
+    let [vertices, faces] = [0, 1].map(|i| u32::from_be_bytes(words(counts)[i]) as usize);
+    let part = |kind, from: usize, count: usize| {
+        // Twelve bytes each.
+        data.get(12 * from..12 * (from + count))
+            .ok_or_else(|| Flaw {
+                place: FilePosition::Element {
+                    kind,
+                    number: (data.len() / 12).saturating_sub(from) as u64,
+                    byte: bytes.len() as u64,
+                },
+                problem: format!("the file ends before it, of {count}; fetch it again"),
+            })
+    };
+    let positions = words(part("vertex", 0, vertices)?);
+    let corners = words(part("face", vertices, faces)?);
+    let positions: Vec<f64> = positions
+        .into_iter()
+        .map(|b| f32::from_be_bytes(b).into())
+        .collect();
+    let corners: Vec<u32> = corners.into_iter().map(u32::from_be_bytes).collect();
+    let faces = FaceList::of(corners.as_chunks().0.to_vec());
+    faces.into_soup(positions.as_chunks().0.to_vec())
+}

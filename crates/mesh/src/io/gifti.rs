@@ -1,0 +1,128 @@
+//! GIFTI surfaces (`.gii`): point sets with their triangles, as text or base64, also compressed.
+//!
+//! The matrices of coordinate systems lead to other spaces and are not applied. Several surfaces of
+//! a file become parts.
+
+use roxmltree::Node;
+
+use super::arrays::{NumberType, from_base64, inflate};
+use super::error::Flaw;
+use super::scene::{Piece, Scene, Transform};
+use super::xml::{self, children, flaw, needed};
+use crate::soup::TriangleSoup;
+
+/// Reads a GIFTI file whose arrays decompress to at most `room` bytes each.
+pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
+    let text = xml::text(bytes);
+    let document = xml::parse(&text)?;
+    let root = document.root_element();
+    if root.tag_name().name() != "GIFTI" {
+        return Err(flaw(root, "a GIFTI file has the element GIFTI here"));
+    }
+    let of_kind = |intent| {
+        let arrays = children(root, "DataArray");
+        arrays.filter(move |array| array.attribute("Intent") == Some(intent))
+    };
+    let points: Vec<Node<'_, '_>> = of_kind("NIFTI_INTENT_POINTSET").collect();
+    let triangles: Vec<Node<'_, '_>> = of_kind("NIFTI_INTENT_TRIANGLE").collect();
+    if points.len() != triangles.len() || points.is_empty() {
+        return Err(Flaw::file(format!(
+            "it has {} point sets and {} sets of triangles; a surface is one of each (.surf.gii), \
+             other files hold its data",
+            points.len(),
+            triangles.len()
+        )));
+    }
+    let mut scene = Scene::new(u64::MAX);
+    for (number, (points, triangles)) in points.into_iter().zip(triangles).enumerate() {
+        let mut piece = Piece {
+            positions: triples(points, room, |bytes, kind, is_little| {
+                Some(kind.float(bytes, is_little))
+            })?,
+            ..Piece::default()
+        };
+        let corners = triples(triangles, room, |bytes, kind, is_little| {
+            u32::try_from(kind.integer(bytes, is_little)?).ok()
+        })?;
+        for corners in corners {
+            piece.faces.push(&corners);
+        }
+        scene.place(&piece, &Transform::IDENTITY, &format!("surface {number}"))?;
+    }
+    scene.into_soup()
+}
+
+/// The rows of an array with three columns. `number` converts the bytes of a number.
+fn triples<T: Copy + std::str::FromStr>(
+    array: Node<'_, '_>,
+    room: u64,
+    number: impl Fn(&[u8], NumberType, bool) -> Option<T>,
+) -> Result<Vec<[T; 3]>, Flaw> {
+    let rows: usize = needed(array, "Dim0")?;
+    let columns: usize = needed(array, "Dim1")?;
+    if columns != 3 {
+        return Err(flaw(array, format!("has {columns} columns, not 3")));
+    }
+    let data = xml::child(array, "Data").ok_or_else(|| flaw(array, "has no data"))?;
+    let encoding = array.attribute("Encoding").unwrap_or("ASCII");
+    let numbers: Vec<T> = if encoding == "ASCII" {
+        xml::numbers(data)?
+    } else {
+        let kind = match array.attribute("DataType").unwrap_or_default() {
+            "NIFTI_TYPE_INT8" => NumberType::I8,
+            "NIFTI_TYPE_UINT8" => NumberType::U8,
+            "NIFTI_TYPE_INT16" => NumberType::I16,
+            "NIFTI_TYPE_UINT16" => NumberType::U16,
+            "NIFTI_TYPE_INT32" => NumberType::I32,
+            "NIFTI_TYPE_UINT32" => NumberType::U32,
+            "NIFTI_TYPE_INT64" => NumberType::I64,
+            "NIFTI_TYPE_UINT64" => NumberType::U64,
+            "NIFTI_TYPE_FLOAT32" => NumberType::F32,
+            "NIFTI_TYPE_FLOAT64" => NumberType::F64,
+            other => return Err(flaw(array, format!("the type {other:?} is unknown"))),
+        };
+        let damaged = || {
+            flaw(
+                array,
+                "its data is damaged or cut off; fetch or save it again",
+            )
+        };
+        let coded = from_base64(xml::content(data).as_bytes()).ok_or_else(damaged)?;
+        let bytes = match encoding {
+            "Base64Binary" => coded,
+            "GZipBase64Binary" => {
+                let mut bytes = Vec::new();
+                if !inflate(&coded[..], room, &mut bytes) {
+                    return Err(damaged());
+                }
+                bytes
+            }
+            other => {
+                let problem = "save it with the data in base64";
+                return Err(flaw(
+                    array,
+                    format!("the encoding {other:?} is not read; {problem}"),
+                ));
+            }
+        };
+        let is_little = array.attribute("Endian") != Some("BigEndian");
+        let numbers = bytes.chunks_exact(kind.size()).enumerate();
+        let numbers = numbers.map(|(i, bytes)| {
+            number(bytes, kind, is_little)
+                .ok_or_else(|| flaw(array, format!("number {i} is not from 0 to 4294967295")))
+        });
+        numbers.collect::<Result<_, _>>()?
+    };
+    if rows.checked_mul(3) != Some(numbers.len()) {
+        let count = numbers.len();
+        return Err(flaw(
+            array,
+            format!("has {count} numbers for {rows} rows of 3"),
+        ));
+    }
+    if array.attribute("ArrayIndexingOrder") == Some("ColumnMajorOrder") {
+        let at = |row, column| numbers[column * rows + row];
+        return Ok((0..rows).map(|row| [0, 1, 2].map(|k| at(row, k))).collect());
+    }
+    Ok(numbers.as_chunks().0.to_vec())
+}

@@ -1,0 +1,450 @@
+//! glTF 2.0, as JSON (`.gltf`) and binary (`.glb`): meshes that the nodes of a scene place.
+//!
+//! Triangles, strips and fans are read, also with quantised and sparse positions; points and lines
+//! are not. Skins and morphs are not applied. Buffers are embedded, in the binary part, or files
+//! beside the JSON, in its folder.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::fs;
+use std::path::{Component, Path};
+
+use serde_json::Value;
+
+use super::arrays::{NumberType, from_base64};
+use super::error::Flaw;
+use super::gzip::usual_decompression_limit;
+use super::scene::{DEEPEST, Piece, Scene, Transform, too_deep};
+use crate::soup::TriangleSoup;
+
+/// Extensions without which there are no positions.
+const COMPRESSED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+
+/// Reads a glTF file at `path`, whose placed meshes take at most `room` bytes, and
+/// [`usual_decompression_limit`] of each file beside it.
+pub(super) fn read(bytes: &[u8], path: &Path, room: u64) -> Result<TriangleSoup, Flaw> {
+    let (json, binary) = if bytes.starts_with(b"glTF") {
+        chunks(bytes)?
+    } else {
+        (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None)
+    };
+    let json: Value = serde_json::from_slice(json).map_err(|error| {
+        Flaw::line(
+            error.line() as u64,
+            format!("this is no valid JSON: {error}"),
+        )
+    })?;
+    let version = json["asset"]["version"].as_str().unwrap_or_default();
+    if !version.starts_with("2.") {
+        return Err(Flaw::file(format!(
+            "its version of glTF is {version:?}, and 2.0 is read; save it anew"
+        )));
+    }
+    for extension in list(&json, "extensionsRequired")
+        .iter()
+        .filter_map(Value::as_str)
+    {
+        if COMPRESSED.contains(&extension) {
+            return Err(Flaw::file(format!(
+                "its positions are compressed by {extension}; save it without compression"
+            )));
+        }
+    }
+    let mut document = Document {
+        json: &json,
+        buffers: HashMap::new(),
+        binary,
+        path,
+        scene: Scene::new(room),
+    };
+    document.place()?;
+    document.scene.into_soup()
+}
+
+/// The JSON of a binary file, and its binary part.
+fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Flaw> {
+    let word = |at: usize| {
+        let word = bytes.get(at..at.checked_add(4)?)?;
+        Some(u32::from_le_bytes(word.try_into().ok()?))
+    };
+    let cut = || Flaw::file("the file ends within its header or JSON; fetch it again");
+    if word(4).ok_or_else(cut)? != 2 {
+        return Err(Flaw::file("this is no binary file of glTF version 2"));
+    }
+    let chunk = |at: usize| {
+        let length = word(at)? as usize;
+        let kind = bytes.get(at + 4..at + 8)?;
+        Some((kind, bytes.get(at + 8..(at + 8).checked_add(length)?)?))
+    };
+    let (kind, json) = chunk(12).ok_or_else(cut)?;
+    if kind != b"JSON" {
+        return Err(Flaw::file("its first chunk is not JSON"));
+    }
+    let second = chunk((20 + json.len()).next_multiple_of(4));
+    let binary = second
+        .filter(|(kind, _)| kind == b"BIN\0")
+        .map(|(_, data)| data);
+    Ok((json, binary))
+}
+
+/// The elements of a list; none if it is missing.
+fn list<'a>(value: &'a Value, name: &str) -> &'a [Value] {
+    value[name].as_array().map_or(&[], Vec::as_slice)
+}
+
+/// A whole number; `None` if it is missing.
+fn whole(value: &Value, name: &str) -> Option<usize> {
+    value[name]
+        .as_u64()
+        .and_then(|number| number.try_into().ok())
+}
+
+/// The N numbers of a list; `None` if it is missing.
+fn fixed<const N: usize>(value: &Value, name: &str, of: &str) -> Result<Option<[f64; N]>, Flaw> {
+    if value[name].is_null() {
+        return Ok(None);
+    }
+    let numbers: Vec<f64> = list(value, name).iter().filter_map(Value::as_f64).collect();
+    let numbers = numbers.try_into().map(Some);
+    numbers.map_err(|_| Flaw::file(format!("{of}: {name} has not {N} numbers")))
+}
+
+struct Document<'a> {
+    json: &'a Value,
+    /// The buffers that are not in the binary part, by their number.
+    buffers: HashMap<usize, Vec<u8>>,
+    binary: Option<&'a [u8]>,
+    path: &'a Path,
+    scene: Scene,
+}
+
+impl Document<'_> {
+    /// Places the meshes of the scene.
+    fn place(&mut self) -> Result<(), Flaw> {
+        let json = self.json;
+        let nodes = list(json, "nodes");
+        let scenes = list(json, "scenes");
+        let roots: Vec<usize> = match scenes.get(whole(json, "scene").unwrap_or(0)) {
+            Some(scene) => indices(scene, "nodes"),
+            None if scenes.is_empty() => {
+                let mut is_root = vec![true; nodes.len()];
+                for child in nodes.iter().flat_map(|node| indices(node, "children")) {
+                    if let Some(is_root) = is_root.get_mut(child) {
+                        *is_root = false;
+                    }
+                }
+                (0..nodes.len()).filter(|&node| is_root[node]).collect()
+            }
+            None => return Err(Flaw::file("the scene that it shows does not exist")),
+        };
+        let mut pieces: HashMap<usize, Piece> = HashMap::new();
+        let mut open: Vec<_> = roots
+            .iter()
+            .rev()
+            .map(|&n| (n, Transform::IDENTITY, 0))
+            .collect();
+        if nodes.is_empty() && scenes.is_empty() {
+            for mesh in 0..list(json, "meshes").len() {
+                let piece = self.mesh(mesh)?;
+                let name = format!("mesh {mesh}");
+                self.scene.place(&piece, &Transform::IDENTITY, &name)?;
+            }
+        }
+        while let Some((number, outer, depth)) = open.pop() {
+            if depth > DEEPEST {
+                return Err(too_deep("a node"));
+            }
+            self.scene.visit()?;
+            let node = nodes
+                .get(number)
+                .ok_or_else(|| Flaw::file(format!("node {number} does not exist")))?;
+            let transform = outer.after(&transform_of(node, number)?);
+            if let Some(mesh) = whole(node, "mesh") {
+                if let Entry::Vacant(place) = pieces.entry(mesh) {
+                    place.insert(self.mesh(mesh)?);
+                }
+                self.scene
+                    .place(&pieces[&mesh], &transform, &format!("mesh {mesh}"))?;
+            }
+            let children = indices(node, "children").into_iter().rev();
+            open.extend(children.map(|child| (child, transform, depth + 1)));
+        }
+        Ok(())
+    }
+
+    /// The triangles of a mesh. Primitives with the same positions share vertices.
+    fn mesh(&mut self, number: usize) -> Result<Piece, Flaw> {
+        let mesh = list(self.json, "meshes").get(number);
+        let mesh = mesh.ok_or_else(|| Flaw::file(format!("mesh {number} does not exist")))?;
+        let mut piece = Piece::default();
+        let mut firsts: HashMap<usize, (u32, u32)> = HashMap::new();
+        for (i, primitive) in list(mesh, "primitives").iter().enumerate() {
+            let name = format!("mesh {number}, primitive {i}");
+            let mode = whole(primitive, "mode").unwrap_or(4);
+            let Some(positions) = whole(&primitive["attributes"], "POSITION") else {
+                continue;
+            };
+            // Points and lines.
+            if mode < 4 {
+                continue;
+            }
+            if let Entry::Vacant(place) = firsts.entry(positions) {
+                let all = self.accessor(positions, 3)?;
+                place.insert((piece.positions.len() as u32, all.len() as u32 / 3));
+                piece.positions.extend(all.as_chunks().0);
+            }
+            let (first, count) = firsts[&positions];
+            let corners = match whole(primitive, "indices") {
+                Some(accessor) => self.accessor(accessor, 1)?,
+                None => (0..count).map(f64::from).collect(),
+            };
+            let corners = corners.into_iter().map(|corner: f64| {
+                // Indices are whole numbers.
+                let is_vertex = (0.0..f64::from(count)).contains(&corner);
+                #[expect(clippy::cast_sign_loss, reason = "it is not negative")]
+                let moved = is_vertex.then(|| first + corner as u32);
+                moved.ok_or_else(|| {
+                    Flaw::file(format!(
+                        "{name}: names vertex {corner} of {count}, counted from 0"
+                    ))
+                })
+            });
+            let corners = corners.collect::<Result<Vec<u32>, Flaw>>()?;
+            match mode {
+                4 => corners
+                    .as_chunks::<3>()
+                    .0
+                    .iter()
+                    .for_each(|face| piece.faces.push(face)),
+                5 => piece.faces.push_strip(&corners),
+                6 => {
+                    for pair in corners.get(1..).unwrap_or_default().windows(2) {
+                        piece.faces.push(&[corners[0], pair[0], pair[1]]);
+                    }
+                }
+                _ => return Err(Flaw::file(format!("{name}: the mode {mode} is unknown"))),
+            }
+        }
+        Ok(piece)
+    }
+
+    /// The numbers of an accessor with `columns` columns, row after row.
+    fn accessor(&mut self, number: usize, columns: usize) -> Result<Vec<f64>, Flaw> {
+        let wrong = |problem: &str| Flaw::file(format!("accessor {number}: {problem}"));
+        let accessors = list(self.json, "accessors");
+        let accessor = accessors
+            .get(number)
+            .ok_or_else(|| wrong("it does not exist"))?;
+        let wanted = if columns == 1 { "SCALAR" } else { "VEC3" };
+        if accessor["type"].as_str() != Some(wanted) {
+            return Err(wrong(&format!(
+                "its type is {}, not {wanted}",
+                accessor["type"]
+            )));
+        }
+        let component = |value: &Value| {
+            Some(match whole(value, "componentType")? {
+                5120 => (NumberType::I8, 127.0),
+                5121 => (NumberType::U8, 255.0),
+                5122 => (NumberType::I16, 32767.0),
+                5123 => (NumberType::U16, 65535.0),
+                5125 => (NumberType::U32, 4_294_967_295.0),
+                5126 => (NumberType::F32, 1.0),
+                _ => return None,
+            })
+        };
+        let unknown = || wrong("its componentType is unknown");
+        let (kind, largest) = component(accessor).ok_or_else(unknown)?;
+        let count = whole(accessor, "count").ok_or_else(|| wrong("it has no count"))?;
+        let rows = |from: &Value, kind, columns, count| Rows {
+            view: whole(from, "bufferView"),
+            offset: whole(from, "byteOffset").unwrap_or(0),
+            kind,
+            columns,
+            count,
+        };
+        let mut numbers = self
+            .numbers(&rows(accessor, kind, columns, count))
+            .map_err(|p| wrong(&p))?;
+        let sparse = &accessor["sparse"];
+        if let Some(changes) = whole(sparse, "count") {
+            let (places, values) = (&sparse["indices"], &sparse["values"]);
+            let (index, _) = component(places).ok_or_else(unknown)?;
+            let places = self
+                .numbers(&rows(places, index, 1, changes))
+                .map_err(|p| wrong(&p))?;
+            let values = self
+                .numbers(&rows(values, kind, columns, changes))
+                .map_err(|p| wrong(&p))?;
+            for (&place, value) in places.iter().zip(values.chunks_exact(columns)) {
+                if !(0.0..count as f64).contains(&place) {
+                    return Err(wrong(&format!(
+                        "its sparse index {place} is not below {count}"
+                    )));
+                }
+                #[expect(clippy::cast_sign_loss, reason = "it is not negative")]
+                let start = columns * place as usize;
+                numbers[start..start + columns].copy_from_slice(value);
+            }
+        }
+        if accessor["normalized"].as_bool() == Some(true) {
+            for number in &mut numbers {
+                *number = (*number / largest).max(-1.0);
+            }
+        }
+        Ok(numbers)
+    }
+
+    /// The numbers of rows in a buffer; zeros without a buffer.
+    fn numbers(&mut self, rows: &Rows) -> Result<Vec<f64>, String> {
+        let Rows {
+            view,
+            offset,
+            kind,
+            columns,
+            count,
+        } = *rows;
+        let total = count.checked_mul(columns).ok_or("its count is too large")?;
+        let Some(number) = view else {
+            let bytes = total as u64 * 8;
+            self.scene.pay(bytes).map_err(|flaw| flaw.problem)?;
+            return Ok(vec![0.0; total]);
+        };
+        let json = self.json;
+        let view = list(json, "bufferViews").get(number);
+        let view = view.ok_or_else(|| format!("there is no bufferView {number}"))?;
+        let buffer = whole(view, "buffer").unwrap_or(usize::MAX);
+        let data = self.buffer(buffer)?;
+        let start = whole(view, "byteOffset").unwrap_or(0);
+        let length = whole(view, "byteLength").unwrap_or(0);
+        let row = columns * kind.size();
+        let stride = whole(view, "byteStride")
+            .filter(|&stride| stride >= row)
+            .unwrap_or(row);
+        let data = start
+            .checked_add(length)
+            .and_then(|end| data.get(start..end));
+        let data = data.ok_or_else(|| format!("bufferView {number} ends behind its buffer"))?;
+        let end = match count.checked_sub(1) {
+            Some(rows) => rows
+                .checked_mul(stride)
+                .and_then(|end| end.checked_add(offset)?.checked_add(row)),
+            None => Some(0),
+        };
+        if end.is_none_or(|end| end > data.len()) {
+            return Err(format!(
+                "its {count} elements end behind bufferView {number}"
+            ));
+        }
+        let starts = (0..count).map(|i| offset + i * stride);
+        let numbers = starts.flat_map(|start| data[start..start + row].chunks_exact(kind.size()));
+        Ok(numbers.map(|bytes| kind.float(bytes, true)).collect())
+    }
+
+    /// The bytes of a buffer.
+    fn buffer(&mut self, number: usize) -> Result<&[u8], String> {
+        let json = self.json;
+        let buffer = list(json, "buffers")
+            .get(number)
+            .ok_or("its buffer does not exist")?;
+        let Some(uri) = buffer["uri"].as_str() else {
+            let binary = self.binary.filter(|_| number == 0);
+            return binary.ok_or_else(|| format!("buffer {number} has no uri"));
+        };
+        if !self.buffers.contains_key(&number) {
+            let bytes = match uri.strip_prefix("data:") {
+                Some(data) => {
+                    let coded = data
+                        .split_once(";base64,")
+                        .map(|(_, coded)| coded.as_bytes());
+                    let bytes = coded.and_then(from_base64);
+                    bytes.ok_or_else(|| format!("buffer {number} is no valid base64"))?
+                }
+                None => self.beside(uri)?,
+            };
+            self.buffers.insert(number, bytes);
+        }
+        Ok(&self.buffers[&number])
+    }
+
+    /// The contents of a file in the folder of this one or below.
+    fn beside(&mut self, uri: &str) -> Result<Vec<u8>, String> {
+        let name = percent_decoded(uri);
+        let relative = Path::new(&name);
+        let is_inside = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+        if name.contains(':') || !relative.components().all(is_inside) {
+            return Err(format!(
+                "the buffer {uri:?} is not in the folder of the file"
+            ));
+        }
+        let path = self.path.parent().unwrap_or(Path::new("")).join(relative);
+        // Never waits for a pipe.
+        let is_file = fs::metadata(&path).is_ok_and(|metadata| metadata.is_file());
+        let bytes = if is_file { fs::read(&path).ok() } else { None };
+        let bytes = bytes.ok_or_else(|| {
+            format!(
+                "the buffer {uri:?} cannot be read: it must lie beside the file; or save as .glb"
+            )
+        })?;
+        self.scene
+            .make_room(usual_decompression_limit(bytes.len() as u64));
+        Ok(bytes)
+    }
+}
+
+/// Where numbers are.
+struct Rows {
+    view: Option<usize>,
+    /// In bytes, in the view.
+    offset: usize,
+    kind: NumberType,
+    columns: usize,
+    count: usize,
+}
+
+/// The whole numbers of a list.
+fn indices(value: &Value, name: &str) -> Vec<usize> {
+    let numbers = list(value, name).iter().filter_map(Value::as_u64);
+    numbers
+        .filter_map(|number| number.try_into().ok())
+        .collect()
+}
+
+/// The transform of a node: a matrix, or a scale, a rotation and a shift.
+fn transform_of(node: &Value, number: usize) -> Result<Transform, Flaw> {
+    let name = format!("node {number}");
+    if let Some(matrix) = fixed(node, "matrix", &name)? {
+        return Ok(Transform::from_columns(&matrix));
+    }
+    let mut transform = Transform::IDENTITY;
+    if let Some(shift) = fixed(node, "translation", &name)? {
+        transform = transform.after(&Transform::shift(shift));
+    }
+    if let Some(quaternion) = fixed(node, "rotation", &name)? {
+        transform = transform.after(&Transform::rotation(quaternion));
+    }
+    if let Some(scale) = fixed(node, "scale", &name)? {
+        transform = transform.after(&Transform::scale(scale));
+    }
+    Ok(transform)
+}
+
+/// A URI with its escapes, such as `%20`, decoded.
+fn percent_decoded(uri: &str) -> String {
+    let mut parts = uri.split('%');
+    let mut bytes = parts.next().unwrap_or_default().as_bytes().to_vec();
+    for part in parts {
+        let digits = part
+            .get(..2)
+            .and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        let rest = if let Some(byte) = digits {
+            bytes.push(byte);
+            &part[2..]
+        } else {
+            bytes.push(b'%');
+            part
+        };
+        bytes.extend_from_slice(rest.as_bytes());
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}

@@ -1,0 +1,236 @@
+//! Meshes that nodes of a scene place by transforms, gathered into one.
+
+use super::error::Flaw;
+use super::faces::FaceList;
+use crate::defect::Defect;
+use crate::soup::TriangleSoup;
+
+/// An affine map: rows of three factors and a shift.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Transform(pub(super) [[f64; 4]; 3]);
+
+impl Transform {
+    pub(super) const IDENTITY: Self = Self([
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0],
+    ]);
+
+    /// The transform of the matrix with these rows. The last row is not used.
+    pub(super) fn from_rows(rows: &[f64; 16]) -> Self {
+        Self([0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| rows[4 * row + column])))
+    }
+
+    /// The transform of the matrix with these columns. The last row is not used.
+    pub(super) fn from_columns(columns: &[f64; 16]) -> Self {
+        Self([0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| columns[4 * column + row])))
+    }
+
+    /// A shift.
+    pub(super) fn shift([x, y, z]: [f64; 3]) -> Self {
+        Self([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]])
+    }
+
+    /// Factors along the axes.
+    pub(super) fn scale([x, y, z]: [f64; 3]) -> Self {
+        Self([[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], [0.0, 0.0, z, 0.0]])
+    }
+
+    /// The rotation of a unit quaternion.
+    pub(super) fn rotation([x, y, z, w]: [f64; 4]) -> Self {
+        let two = 2.0;
+        Self([
+            [
+                1.0 - two * (y * y + z * z),
+                two * (x * y - w * z),
+                two * (x * z + w * y),
+                0.0,
+            ],
+            [
+                two * (x * y + w * z),
+                1.0 - two * (x * x + z * z),
+                two * (y * z - w * x),
+                0.0,
+            ],
+            [
+                two * (x * z - w * y),
+                two * (y * z + w * x),
+                1.0 - two * (x * x + y * y),
+                0.0,
+            ],
+        ])
+    }
+
+    /// The rotation about `axis` by `degrees`.
+    pub(super) fn turn(axis: [f64; 3], degrees: f64) -> Self {
+        // `libm` gives the same bits on every machine.
+        let half = 0.5 * degrees.to_radians();
+        let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let [x, y, z] = axis.map(|x| libm::sin(half) * x / length);
+        if length > 0.0 {
+            Self::rotation([x, y, z, libm::cos(half)])
+        } else {
+            Self::IDENTITY
+        }
+    }
+
+    /// First `inner`, then this.
+    pub(super) fn after(&self, inner: &Self) -> Self {
+        Self(self.0.map(|row| {
+            [0, 1, 2, 3].map(|column| {
+                let product = (0..3).map(|k| row[k] * inner.0[k][column]).sum::<f64>();
+                product + if column == 3 { row[3] } else { 0.0 }
+            })
+        }))
+    }
+
+    fn of(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        self.0.map(|[a, b, c, d]| a * x + b * y + c * z + d)
+    }
+}
+
+/// The most levels of nodes within nodes. Deeper ones may be a circle.
+pub(super) const DEEPEST: usize = 1000;
+
+/// The flaw of nodes that are deeper than [`DEEPEST`].
+pub(super) fn too_deep(what: &str) -> Flaw {
+    Flaw::file(format!(
+        "{what} is nested more than {DEEPEST} deep, or contains itself"
+    ))
+}
+
+/// A mesh before it is placed.
+#[derive(Debug, Default)]
+pub(super) struct Piece {
+    pub(super) positions: Vec<[f64; 3]>,
+    pub(super) faces: FaceList,
+}
+
+impl Piece {
+    /// The piece alone.
+    pub(super) fn into_soup(self) -> Result<TriangleSoup, Flaw> {
+        self.faces.into_soup(self.positions)
+    }
+}
+
+/// The placed meshes.
+#[derive(Debug)]
+pub(super) struct Scene {
+    all: Piece,
+    parts: u32,
+    /// How many more bytes the placed meshes may take.
+    room: u64,
+}
+
+impl Scene {
+    /// A scene whose placed meshes may take `room` bytes: nodes may place one mesh any number of
+    /// times.
+    pub(super) fn new(room: u64) -> Self {
+        Self {
+            all: Piece::default(),
+            parts: 0,
+            room,
+        }
+    }
+
+    /// Pays for the visit of a node.
+    pub(super) fn visit(&mut self) -> Result<(), Flaw> {
+        self.pay(64)
+    }
+
+    /// Allows `bytes` more.
+    pub(super) fn make_room(&mut self, bytes: u64) {
+        self.room = self.room.saturating_add(bytes);
+    }
+
+    /// Takes `bytes` of the room.
+    pub(super) fn pay(&mut self, bytes: u64) -> Result<(), Flaw> {
+        self.room = self.room.checked_sub(bytes).ok_or_else(|| {
+            Flaw::file(
+                "the meshes that its nodes place take more memory than the limit of decompressed \
+                 sizes; raise the limit if the file can be trusted",
+            )
+        })?;
+        Ok(())
+    }
+
+    /// Adds a mesh, called `name` in messages.
+    pub(super) fn place(
+        &mut self,
+        piece: &Piece,
+        transform: &Transform,
+        name: &str,
+    ) -> Result<(), Flaw> {
+        if piece.faces.is_empty() {
+            return Ok(());
+        }
+        self.pay(24 * piece.positions.len() as u64 + piece.faces.bytes())?;
+        let first = self.all.positions.len();
+        u32::try_from(first + piece.positions.len())
+            .map_err(|_| Flaw::file("there are more than 4294967295 vertices in it"))?;
+        self.all
+            .faces
+            .append(&piece.faces, first as u32, |face, corner| {
+                let vertices = piece.positions.len();
+                (corner as usize >= vertices).then(|| {
+                Flaw::file(format!(
+                    "{name}: face {face} names vertex {corner}, but there are {vertices}, counted \
+                     from 0"
+                ))
+            })
+            })?;
+        if *transform == Transform::IDENTITY {
+            self.all.positions.extend_from_slice(&piece.positions);
+        } else {
+            let places = piece.positions.iter().map(|&at| transform.of(at));
+            self.all.positions.extend(places);
+        }
+        self.parts += 1;
+        Ok(())
+    }
+
+    /// The placed meshes as one soup, with a note on their number.
+    pub(super) fn into_soup(self) -> Result<TriangleSoup, Flaw> {
+        let mut soup = self.all.into_soup()?;
+        if self.parts > 1 {
+            soup.notes.push(Defect::Parts { parts: self.parts });
+        }
+        Ok(soup)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transforms_follow_each_other() {
+        let turned = Transform::turn([0.0, 0.0, 2.0], 90.0).of([1.0, 0.0, 5.0]);
+        let off = turned
+            .iter()
+            .zip([0.0, 1.0, 5.0])
+            .map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-15, "{turned:?}");
+        let both = Transform::shift([1.0, 0.0, 0.0]).after(&Transform::scale([2.0; 3]));
+        assert_eq!(both.of([1.0, 2.0, 3.0]), [3.0, 4.0, 6.0]);
+    }
+
+    #[test]
+    fn a_mesh_cannot_be_placed_without_bound() {
+        let mut piece = Piece {
+            positions: vec![[0.0; 3]; 3],
+            ..Piece::default()
+        };
+        piece.faces.push(&[0, 1, 2]);
+        let mut scene = Scene::new(1000);
+        let mut place = || scene.place(&piece, &Transform::IDENTITY, "a");
+        assert!((0..100).any(|_| place().is_err()));
+        piece.faces.push(&[0, 1, 3]);
+        let flaw = Scene::new(1000).place(&piece, &Transform::IDENTITY, "a");
+        assert!(
+            flaw.unwrap_err()
+                .problem
+                .contains("a: face 1 names vertex 3")
+        );
+    }
+}

@@ -1,0 +1,371 @@
+//! Formats with nodes, pieces or embedded arrays: what is read from them, and what is refused.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use geobench_mesh::io::{Format, ReadOptions, read, read_bytes};
+use geobench_mesh::{Defect, TriangleSoup};
+
+use crate::parse;
+use crate::scene_samples::{self, three_mf_of};
+
+#[track_caller]
+fn fails(format: Format, bytes: impl AsRef<[u8]>, message: &str) {
+    let error = parse(format, bytes).unwrap_err().to_string();
+    assert!(error.contains(message), "{error}");
+}
+
+fn parts(soup: &TriangleSoup) -> Option<u32> {
+    soup.notes.iter().find_map(|note| match note {
+        Defect::Parts { parts } => Some(*parts),
+        _ => None,
+    })
+}
+
+const TRIANGLE: &str = "<mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/>\
+    <vertex x=\"1\" y=\"0\" z=\"0\"/><vertex x=\"0\" y=\"2\" z=\"0\"/></vertices>\
+    <triangles><triangle v1=\"0\" v2=\"1\" v3=\"2\"/></triangles></mesh>";
+
+#[test]
+fn placed_meshes_are_parts_and_transforms_are_applied() {
+    // A quarter turn about z, and twice as large, both by row vectors.
+    let soup = parse(
+        Format::ThreeMf,
+        three_mf_of(&format!(
+            "<model><resources><object id=\"7\">{TRIANGLE}</object></resources><build>\
+             <item objectid=\"7\"/><item objectid=\"7\" transform=\"0 2 0 -2 0 0 0 0 2 5 6 7\"/>\
+             </build></model>"
+        )),
+    )
+    .unwrap();
+    assert_eq!(parts(&soup), Some(2));
+    assert_eq!(soup.triangles, [[0, 1, 2], [3, 4, 5]]);
+    assert_eq!(
+        soup.positions[3..],
+        [[5.0, 6.0, 7.0], [5.0, 8.0, 7.0], [1.0, 6.0, 7.0]]
+    );
+
+    let nodes = "{\"mesh\":0,\"scale\":[2,2,2],\"rotation\":[0,0,0.7071067811865476,0.7071067811865476],\
+                 \"translation\":[5,6,7]},{\"mesh\":0}";
+    let soup = parse(Format::Gltf, gltf(nodes, "[0,1]", "")).unwrap();
+    assert_eq!(parts(&soup), Some(2));
+    let expected = [[5.0, 6.0, 7.0], [5.0, 8.0, 7.0], [1.0, 6.0, 7.0]];
+    let found = soup.positions[..3].as_flattened().iter();
+    let off = found
+        .zip(expected.as_flattened())
+        .map(|(a, b)| (a - b).abs());
+    assert!(off.fold(0.0, f64::max) < 1e-14, "{soup:?}");
+
+    let text = "<rotate>0 0 1 90</rotate><scale>2 2 2</scale>";
+    let soup = parse(
+        Format::Collada,
+        collada(&format!(
+            "<node><translate>5 6 7</translate>{text}<instance_geometry url=\"#g\"/>\
+         <instance_geometry url=\"#g\"/></node>"
+        )),
+    )
+    .unwrap();
+    assert_eq!(parts(&soup), Some(2));
+    let found = soup.positions[..3].as_flattened().iter();
+    let off = found
+        .zip(expected.as_flattened())
+        .map(|(a, b)| (a - b).abs());
+    assert!(off.fold(0.0, f64::max) < 1e-14, "{soup:?}");
+}
+
+/// A triangle in a buffer of the JSON, with these nodes and further members.
+fn gltf(nodes: &str, roots: &str, more: &str) -> String {
+    // (0, 0, 0), (1, 0, 0), (0, 2, 0) as f32.
+    let data = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAEAAAAAA";
+    format!(
+        "{{\"asset\":{{\"version\":\"2.0\"}},\"scenes\":[{{\"nodes\":{roots}}}],\"nodes\":[{nodes}],\
+         \"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0}}}}]}}],\
+         \"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}}],\
+         \"bufferViews\":[{{\"buffer\":0,\"byteLength\":36}}],\
+         \"buffers\":[{{\"byteLength\":36,\"uri\":\"data:;base64,{data}\"}}]{more}}}"
+    )
+}
+
+/// A triangle that these nodes place.
+fn collada(nodes: &str) -> String {
+    format!(
+        "<COLLADA><library_geometries><geometry id=\"g\"><mesh><source id=\"p\">\
+         <float_array id=\"a\">0 0 0 1 0 0 0 2 0</float_array><technique_common>\
+         <accessor source=\"#a\" count=\"3\" stride=\"3\"/></technique_common></source>\
+         <vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><trifans>\
+         <input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 1 2</p></trifans></mesh></geometry>\
+         </library_geometries><library_visual_scenes><visual_scene id=\"s\">{nodes}</visual_scene>\
+         </library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>"
+    )
+}
+
+#[test]
+fn nodes_in_circles_and_trees_of_copies_are_refused() {
+    let circle = "{\"mesh\":0,\"children\":[1]},{\"children\":[0]}";
+    fails(Format::Gltf, gltf(circle, "[0]", ""), "contains itself");
+    fails(
+        Format::Collada,
+        collada("<node id=\"n\"><instance_node url=\"#n\"/></node>"),
+        "contains itself",
+    );
+    let object = "<object id=\"1\"><components><component objectid=\"1\"/></components></object>";
+    let circle = format!(
+        "<model><resources>{object}</resources><build><item objectid=\"1\"/></build></model>"
+    );
+    fails(Format::ThreeMf, three_mf_of(&circle), "contains itself");
+
+    // Each of 40 levels has the next one twice: a million million copies.
+    let limit = "more memory than the limit";
+    let nodes = (1..41).map(|i| format!("{{\"children\":[{i},{i}]}}"));
+    let nodes = nodes.collect::<Vec<_>>().join(",") + ",{\"mesh\":0}";
+    fails(Format::Gltf, gltf(&nodes, "[0]", ""), limit);
+    let mut nodes = String::new();
+    let mut objects = format!("<object id=\"40\">{TRIANGLE}</object>");
+    for i in 0..40 {
+        let next = i + 1;
+        let both = format!("<instance_node url=\"#n{next}\"/>").repeat(2);
+        write!(nodes, "<node id=\"n{i}\">{both}</node>").unwrap();
+        let both = format!("<component objectid=\"{next}\"/>").repeat(2);
+        write!(
+            objects,
+            "<object id=\"{i}\"><components>{both}</components></object>"
+        )
+        .unwrap();
+    }
+    nodes += "<node id=\"n40\"><instance_geometry url=\"#g\"/></node>";
+    fails(Format::Collada, collada(&nodes), limit);
+    let model = format!(
+        "<model><resources>{objects}</resources><build><item objectid=\"0\"/></build></model>"
+    );
+    fails(Format::ThreeMf, three_mf_of(&model), limit);
+}
+
+#[test]
+fn bombs_and_deep_documents_are_refused() {
+    let bomb =
+        "<!DOCTYPE x [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;\">]><GIFTI>&b;</GIFTI>";
+    for format in [Format::Gifti, Format::Collada, Format::VtkXml] {
+        fails(format, bomb, "it defines entities, which are not read");
+        let deep = "<a>".repeat(200_000) + &"</a>".repeat(200_000);
+        assert!(parse(format, deep).is_err());
+    }
+    let deep = "[".repeat(200_000) + &"]".repeat(200_000);
+    fails(Format::Gltf, deep, "line 1: this is no valid JSON");
+    // A megabyte of blanks in a kilobyte.
+    let blanks = " ".repeat(1 << 20);
+    let options = ReadOptions {
+        max_decompressed: Some(1 << 16),
+        ..ReadOptions::default()
+    };
+    let archive = three_mf_of(&format!("<model>{blanks}</model>"));
+    let error = options.read_bytes(&archive, Format::ThreeMf, Path::new("test"));
+    let error = error.unwrap_err().to_string();
+    assert!(
+        error.contains("decompress to more than the limit"),
+        "{error}"
+    );
+}
+
+#[test]
+fn counts_that_files_cannot_hold_are_refused() {
+    let header = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\n";
+    for (rest, message) in [
+        ("POINTS 4000000000 float\n", "line 5: the file is too short"),
+        (
+            "POINTS 3 float\n0 0 0 1 0",
+            "line 6: the file ends where a coordinate",
+        ),
+        ("POINTS 3 colour\n", "\"colour\" is no type of numbers"),
+        ("POINTS 1 int\n1 x 3\n", "line 6: \"x\" is not a number"),
+        (
+            "POINTS 1 int\n1 2 3\nPOLYGONS 1 4\n9 1 1 1\n",
+            "the numbers end within cell 0",
+        ),
+        (
+            "POINTS 1 int\n1 2 3\nSOMETHING\n",
+            "line 7: the keyword \"SOMETHING\" is unknown",
+        ),
+    ] {
+        fails(Format::Vtk, format!("{header}{rest}"), message);
+    }
+    fails(
+        Format::Vtk,
+        "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\n",
+        "has no faces of its own",
+    );
+    let sparse = "{\"mesh\":0}";
+    let wide = gltf(sparse, "[0]", "").replace("\"count\":3", "\"count\":18446744073709551615");
+    fails(Format::Gltf, wide, "accessor 0");
+    let wide = gltf(sparse, "[0]", "").replace("\"count\":3", "\"count\":300");
+    fails(
+        Format::Gltf,
+        wide,
+        "accessor 0: its 300 elements end behind bufferView 0",
+    );
+    let none = gltf(sparse, "[0]", "").replace("\"bufferView\":0,", "");
+    let none = none.replace("\"count\":3", "\"count\":9000000000");
+    fails(Format::Gltf, none, "more memory than the limit");
+    let surface = b"\xff\xff\xfea\n\n\xff\xff\xff\xff\xff\xff\xff\xff";
+    fails(
+        Format::FreeSurfer,
+        surface,
+        "vertex 0 (byte 14): the file ends before it",
+    );
+}
+
+#[test]
+fn errors_name_the_file_and_the_element() {
+    fails(
+        Format::Collada,
+        collada("<node>\n<instance_geometry url=\"#h\"/></node>"),
+        "test: line 2: <instance_geometry>: url=\"#h\" names no element of the file",
+    );
+    fails(
+        Format::Collada,
+        collada("<node><matrix>1 2 3</matrix></node>"),
+        "<matrix>: has 3 numbers, not 16",
+    );
+    fails(
+        Format::ThreeMf,
+        three_mf_of("<model><build><item objectid=\"4\"/></build></model>"),
+        "3D/main.model: <item>: there is no object 4",
+    );
+    let vertex = TRIANGLE.replace("v3=\"2\"", "v3=\"3\"");
+    fails(
+        Format::ThreeMf,
+        three_mf_of(&format!(
+            "<model><resources><object id=\"1\">{vertex}</object></resources><build>\
+             <item objectid=\"1\"/></build></model>"
+        )),
+        "object 1: face 0 names vertex 3, but there are 3, counted from 0",
+    );
+    fails(
+        Format::Gltf,
+        gltf(
+            "{\"mesh\":0}",
+            "[0]",
+            ",\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]",
+        ),
+        "compressed by KHR_draco_mesh_compression; save it without compression",
+    );
+    fails(
+        Format::ThreeMf,
+        "PK",
+        "the ZIP archive is damaged or cut off",
+    );
+    fails(
+        Format::FreeSurfer,
+        b"\xff\xff\xff\0\0\x01\0\0\x01",
+        "save it as triangles",
+    );
+    fails(
+        Format::VtkXml,
+        "<VTKFile type=\"ImageData\"/>",
+        "the type is ImageData; save the surface as PolyData",
+    );
+    // A tetrahedron is no face.
+    let points = "POINTS 4 int\n0 0 0 1 0 0 0 1 0 0 0 1\n";
+    fails(
+        Format::Vtk,
+        format!(
+            "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\n{points}\
+             CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n"
+        ),
+        "cell 0, counted from 0, is of type 10",
+    );
+}
+
+#[test]
+fn polygons_strips_and_pixels_are_cut() {
+    let points = "POINTS 4 int\n0 0 0 1 0 0 1 1 0 0 1 0\n";
+    let header = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET";
+    let grid = |kind, corners: &str| {
+        let text = format!(
+            "{header} UNSTRUCTURED_GRID\n{points}CELLS 2 7\n4 {corners}\n1 0\nCELL_TYPES 2\n{kind} 1\n"
+        );
+        parse(Format::Vtk, text).unwrap().triangles
+    };
+    assert_eq!(grid(9, "0 1 2 3"), [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(grid(8, "0 1 3 2"), [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(grid(6, "0 1 3 2"), [[0, 1, 3], [3, 1, 2]]);
+    let text = format!("{header} POLYDATA\n{points}TRIANGLE_STRIPS 1 5\n4 0 1 3 2\n");
+    let soup = parse(Format::Vtk, text).unwrap();
+    assert_eq!(soup.triangles, [[0, 1, 3], [3, 1, 2]]);
+    let polygon = collada("<node><instance_geometry url=\"#g\"/></node>")
+        .replace("0 0 0 1 0 0 0 2 0", "0 0 0 1 0 0 1 1 0 0 1 0")
+        .replace("count=\"3\"", "count=\"4\"")
+        .replace("trifans", "polygons")
+        .replace("0 1 2<", "0 1 2 3<");
+    let soup = parse(Format::Collada, polygon).unwrap();
+    assert_eq!(soup.triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(soup.file_faces, [0, 0]);
+}
+
+#[test]
+fn gltf_reads_quantised_and_sparse_positions() {
+    let file = gltf("{\"mesh\":0}", "[0]", "").replace(
+        "{\"bufferView\":0,\"componentType\":5126,\"count\":3",
+        "{\"bufferView\":0,\"componentType\":5122,\"normalized\":true,\"count\":3",
+    );
+    // The low halves of 1 and 2 as f32 are 0, the high halves 0x3f80 and 0x4000.
+    let soup = parse(Format::Gltf, file).unwrap();
+    assert_eq!(soup.positions[2], [0.0, f64::from(0x3f80) / 32767.0, 0.0]);
+    let file = gltf("{\"mesh\":0}", "[0]", "").replace(
+        "\"count\":3,\"type\":\"VEC3\"",
+        "\"count\":3,\"type\":\"VEC3\",\"sparse\":{\"count\":1,\"indices\":{\"bufferView\":0,\
+         \"componentType\":5125},\"values\":{\"bufferView\":0,\"byteOffset\":12}}",
+    );
+    // The first index is 0, the first value (1, 0, 0).
+    let soup = parse(Format::Gltf, file).unwrap();
+    assert_eq!(soup.positions[..2], [[1.0, 0.0, 0.0]; 2]);
+}
+
+#[test]
+fn gltf_reads_buffers_in_its_folder_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let inner = folder.path().join("sub");
+    std::fs::create_dir(&inner).unwrap();
+    let bytes: Vec<u8> = [0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 0.0]
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    std::fs::write(inner.join("a b.bin"), &bytes).unwrap();
+    std::fs::write(folder.path().join("up.bin"), &bytes).unwrap();
+    let path = inner.join("model.gltf");
+    let write = |uri: &str| {
+        let text = gltf("{\"mesh\":0}", "[0]", "");
+        let (before, rest) = text.split_once("data:").unwrap();
+        let (_, after) = rest.split_once('"').unwrap();
+        std::fs::write(&path, format!("{before}{uri}\"{after}")).unwrap();
+        read(&path)
+            .map(|soup| soup.positions[2])
+            .map_err(|error| error.to_string())
+    };
+    assert_eq!(write("a%20b.bin"), Ok([0.0, 2.0, 0.0]));
+    let elsewhere = folder.path().join("up.bin");
+    for uri in ["../up.bin", elsewhere.to_str().unwrap(), "http://x.y/z.bin"] {
+        assert!(
+            write(uri).unwrap_err().contains("is not in the folder"),
+            "{uri}"
+        );
+    }
+    assert!(
+        write("none.bin")
+            .unwrap_err()
+            .contains("must lie beside the file")
+    );
+    assert!(write(".").unwrap_err().contains("must lie beside the file"));
+}
+
+#[test]
+fn models_in_other_parts_of_an_archive_are_read() {
+    let other =
+        format!("<model><resources><object id=\"1\">{TRIANGLE}</object></resources></model>");
+    let main = "<model xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/06\">\
+                <resources><object id=\"1\"><components>\
+                <component objectid=\"1\" p:path=\"/3D/o.model\"/></components></object></resources>\
+                <build><item objectid=\"1\"/></build></model>";
+    let archive = scene_samples::zip(&[("3D/3dmodel.model", main), ("3D/o.model", &other)]);
+    let soup = read_bytes(&archive, Format::ThreeMf, Path::new("test")).unwrap();
+    assert_eq!(soup.triangles, [[0, 1, 2]]);
+}

@@ -3,7 +3,7 @@
 use super::raster::{Image, LineStyle};
 use super::{SIZE, short, step};
 use crate::distances;
-use crate::svg::{Svg, px, width_of};
+use crate::svg::{Svg, px};
 
 /// The height of the scale with its numbers and its caption, in units of the drawing.
 pub(super) const HEIGHT: f64 = 54.0;
@@ -52,7 +52,8 @@ impl Scale {
             };
             let x = ENDS[0] + (ENDS[1] - ENDS[0]) * share;
             let text = short(level);
-            let half = 0.5 * width_of(&text) + 3.0;
+            // The letters of `glyph` are wider than most fonts.
+            let half = 0.5 * ADVANCE * text.len() as f64 + 3.0;
             let has_room = x - half > last;
             if has_room {
                 last = x + half;

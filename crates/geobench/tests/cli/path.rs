@@ -153,7 +153,7 @@ fn every_form_is_written() {
         (
             "p.vtk",
             "# vtk DataFile Version 3.0\n",
-            "\nSCALARS length double 1\nLOOKUP_TABLE default\n2\n2\n",
+            "\nSCALARS length double 1\nLOOKUP_TABLE default\n1.414213562373095\n1.414213562373095\n",
         ),
         ("p.vtp", "<?xml version=\"1.0\"?>\n", "</VTKFile>\n"),
         (

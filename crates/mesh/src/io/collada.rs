@@ -147,7 +147,7 @@ impl<'a, 'd> Reader<'a, 'd> {
     }
 
     /// The faces of a mesh, with the positions of all their sources.
-    fn mesh(&self, mesh: Node<'a, 'd>) -> Result<Piece, Flaw> {
+    fn mesh(&mut self, mesh: Node<'a, 'd>) -> Result<Piece, Flaw> {
         let mut piece = Piece::default();
         // The number of the first vertex of each source of positions.
         let mut firsts: HashMap<usize, (u32, u32)> = HashMap::new();
@@ -243,10 +243,12 @@ impl<'a, 'd> Reader<'a, 'd> {
     }
 
     /// The positions of a source.
-    fn positions(&self, source: Node<'a, 'd>) -> Result<Vec<[f64; 3]>, Flaw> {
+    fn positions(&mut self, source: Node<'a, 'd>) -> Result<Vec<[f64; 3]>, Flaw> {
         let accessor = child(source, "technique_common").and_then(|node| child(node, "accessor"));
         let accessor = accessor.ok_or_else(|| flaw(source, "has no accessor"))?;
         let numbers: Vec<f64> = xml::numbers(self.target(accessor, "source")?)?;
+        // Any number of geometries may name the same array.
+        self.scene.pay(8 * numbers.len() as u64)?;
         let stride = attribute(accessor, "stride")?.unwrap_or(1);
         let start: usize = attribute(accessor, "offset")?.unwrap_or(0);
         let count: usize = needed(accessor, "count")?;

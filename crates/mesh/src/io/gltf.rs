@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::fs;
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
 use serde_json::Value;
 
@@ -52,7 +52,8 @@ pub(super) fn read(bytes: &[u8], path: &Path, room: u64) -> Result<TriangleSoup,
     }
     let mut document = Document {
         json: &json,
-        buffers: HashMap::new(),
+        embedded: HashMap::new(),
+        files: HashMap::new(),
         binary,
         path,
         scene: Scene::new(room),
@@ -111,8 +112,10 @@ fn fixed<const N: usize>(value: &Value, name: &str, of: &str) -> Result<Option<[
 
 struct Document<'a> {
     json: &'a Value,
-    /// The buffers that are not in the binary part, by their number.
-    buffers: HashMap<usize, Vec<u8>>,
+    /// The buffers in the JSON, by their number.
+    embedded: HashMap<usize, Vec<u8>>,
+    /// The files that hold buffers.
+    files: HashMap<PathBuf, Vec<u8>>,
     binary: Option<&'a [u8]>,
     path: &'a Path,
     scene: Scene,
@@ -304,10 +307,14 @@ impl Document<'_> {
             columns,
             count,
         } = *rows;
-        let total = count.checked_mul(columns).ok_or("its count is too large")?;
+        let total = count
+            .checked_mul(columns)
+            .filter(|&total| total < usize::MAX / 8);
+        let total = total.ok_or("its count is too large")?;
+        // Any number of primitives may name the same accessor.
+        let bytes = 8 * total as u64;
+        self.scene.pay(bytes).map_err(|flaw| flaw.problem)?;
         let Some(number) = view else {
-            let bytes = total as u64 * 8;
-            self.scene.pay(bytes).map_err(|flaw| flaw.problem)?;
             return Ok(vec![0.0; total]);
         };
         let json = self.json;
@@ -351,44 +358,56 @@ impl Document<'_> {
             let binary = self.binary.filter(|_| number == 0);
             return binary.ok_or_else(|| format!("buffer {number} has no uri"));
         };
-        if !self.buffers.contains_key(&number) {
-            let bytes = match uri.strip_prefix("data:") {
-                Some(data) => {
-                    let coded = data
-                        .split_once(";base64,")
-                        .map(|(_, coded)| coded.as_bytes());
-                    let bytes = coded.and_then(from_base64);
-                    bytes.ok_or_else(|| format!("buffer {number} is no valid base64"))?
-                }
-                None => self.beside(uri)?,
-            };
-            self.buffers.insert(number, bytes);
+        let Some(data) = uri.strip_prefix("data:") else {
+            return self.beside(uri);
+        };
+        match self.embedded.entry(number) {
+            Entry::Occupied(known) => Ok(known.into_mut()),
+            Entry::Vacant(place) => {
+                let coded = data
+                    .split_once(";base64,")
+                    .map(|(_, coded)| coded.as_bytes());
+                let bytes = coded.and_then(from_base64);
+                let bytes = bytes.ok_or_else(|| format!("buffer {number} is no valid base64"))?;
+                Ok(place.insert(bytes))
+            }
         }
-        Ok(&self.buffers[&number])
     }
 
     /// The contents of a file in the folder of this one or below.
-    fn beside(&mut self, uri: &str) -> Result<Vec<u8>, String> {
+    fn beside(&mut self, uri: &str) -> Result<&[u8], String> {
         let name = percent_decoded(uri);
-        let relative = Path::new(&name);
-        let is_inside = |part| matches!(part, Component::Normal(_) | Component::CurDir);
-        if name.contains(':') || !relative.components().all(is_inside) {
+        let parts = Path::new(&name).components();
+        let parts = parts.filter(|part| *part != Component::CurDir);
+        let is_inside = |part| matches!(part, Component::Normal(_));
+        if name.contains(':') || !parts.clone().all(is_inside) {
             return Err(format!(
                 "the buffer {uri:?} is not in the folder of the file"
             ));
         }
-        let path = self.path.parent().unwrap_or(Path::new("")).join(relative);
-        // Never waits for a pipe.
-        let is_file = fs::metadata(&path).is_ok_and(|metadata| metadata.is_file());
-        let bytes = if is_file { fs::read(&path).ok() } else { None };
-        let bytes = bytes.ok_or_else(|| {
-            format!(
-                "the buffer {uri:?} cannot be read: it must lie beside the file; or save as .glb"
-            )
-        })?;
-        self.scene
-            .make_room(usual_decompression_limit(bytes.len() as u64));
-        Ok(bytes)
+        let path = self
+            .path
+            .parent()
+            .unwrap_or(Path::new(""))
+            .join(parts.collect::<PathBuf>());
+        match self.files.entry(path) {
+            Entry::Occupied(known) => Ok(known.into_mut()),
+            Entry::Vacant(place) => {
+                let path = place.key();
+                // Never waits for a pipe.
+                let is_file = fs::metadata(path).is_ok_and(|metadata| metadata.is_file());
+                let bytes = if is_file { fs::read(path).ok() } else { None };
+                let bytes = bytes.ok_or_else(|| {
+                    format!(
+                        "the buffer {uri:?} cannot be read: it must lie beside the file; or save as \
+                         .glb"
+                    )
+                })?;
+                self.scene
+                    .make_room(usual_decompression_limit(bytes.len() as u64));
+                Ok(place.insert(bytes))
+            }
+        }
     }
 }
 

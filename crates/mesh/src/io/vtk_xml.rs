@@ -14,7 +14,7 @@ use super::vtk::{Cells, push_cells};
 use super::xml::{self, attribute, child, children, flaw, needed};
 use crate::soup::TriangleSoup;
 
-/// Reads an XML file of VTK whose arrays decompress to at most `room` bytes.
+/// Reads an XML file of VTK whose arrays take at most `room` bytes.
 pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
     let (bytes, appended) = split(bytes);
     let text = xml::text(&bytes);
@@ -92,7 +92,7 @@ struct Arrays<'a> {
     header: NumberType,
     compressor: Option<&'a str>,
     appended: Option<Appended<'a>>,
-    /// How many more bytes may be decompressed.
+    /// How many more bytes arrays may take.
     room: u64,
 }
 
@@ -229,7 +229,16 @@ impl Arrays<'_> {
                 ));
             }
         };
-        Ok((bytes.ok_or_else(damaged)?, kind))
+        let bytes = bytes.ok_or_else(damaged)?;
+        // Any number of arrays may name the same appended data.
+        let room = self.room.checked_sub(bytes.len() as u64);
+        self.room = room.ok_or_else(|| {
+            flaw(
+                array,
+                "the arrays take more than the limit of decompressed sizes",
+            )
+        })?;
+        Ok((bytes, kind))
     }
 
     /// The numbers of a header, in bytes.
@@ -258,7 +267,7 @@ impl Arrays<'_> {
 
     /// A compressed array, behind the number of its blocks, their size, the size of a last part of a
     /// block, and the compressed sizes.
-    fn decompressed(&mut self, data: &Encoded<'_>) -> Option<Vec<u8>> {
+    fn decompressed(&self, data: &Encoded<'_>) -> Option<Vec<u8>> {
         let word = self.header.size();
         let blocks = *self.sizes(&data.bytes(0, word)?).first()?;
         let header = blocks.checked_add(3)?.checked_mul(word)?;
@@ -271,11 +280,13 @@ impl Arrays<'_> {
         let mut bytes = Vec::new();
         for &size in &sizes[3..] {
             let (block, after) = rest.split_at_checked(size)?;
-            let before = bytes.len();
-            if !inflate(block, self.room, &mut bytes) {
+            if !inflate(
+                block,
+                self.room.saturating_sub(bytes.len() as u64),
+                &mut bytes,
+            ) {
                 return None;
             }
-            self.room -= (bytes.len() - before) as u64;
             rest = after;
         }
         Some(bytes)

@@ -140,6 +140,51 @@ fn nodes_in_circles_and_trees_of_copies_are_refused() {
     fails(Format::ThreeMf, three_mf_of(&model), limit);
 }
 
+/// Small elements that name one large array again and again.
+#[test]
+fn arrays_are_not_read_without_bound() {
+    let options = ReadOptions {
+        max_decompressed: Some(1 << 16),
+        ..ReadOptions::default()
+    };
+    let fails = |format, file: &str| {
+        let error = options.read_bytes(file.as_bytes(), format, Path::new("test"));
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains("limit of decompressed sizes"), "{error}");
+    };
+    let primitive = "{\"attributes\":{\"POSITION\":0}}";
+    let many =
+        vec![format!("{primitive},{{\"attributes\":{{\"POSITION\":0}},\"indices\":1}}"); 2000];
+    let file = gltf("{\"mesh\":0}", "[0]", "").replace(primitive, &many.join(","));
+    let index = "{\"bufferView\":0,\"componentType\":5121,\"count\":14,\"type\":\"SCALAR\"}";
+    fails(
+        Format::Gltf,
+        &file.replace("\"VEC3\"}]", &format!("\"VEC3\"}},{index}]")),
+    );
+    let geometry = "<geometry id=\"h\"><mesh><triangles><input semantic=\"VERTEX\" source=\"#v\" \
+                    offset=\"0\"/><p>0 1 2</p></triangles></mesh></geometry>";
+    let (mut nodes, mut all) = (String::new(), String::new());
+    for i in 0..2000 {
+        write!(nodes, "<instance_geometry url=\"#h{i}\"/>").unwrap();
+        all += &geometry.replace("\"h\"", &format!("\"h{i}\""));
+    }
+    let file = collada(&format!("<node>{nodes}</node>"));
+    fails(
+        Format::Collada,
+        &file.replace("</library_geometries>", &(all + "</library_geometries>")),
+    );
+    let array = "<DataArray type=\"Float32\" format=\"appended\" offset=\"0\"/>";
+    let piece = format!("<Piece><Points>{array}</Points></Piece>").repeat(2000);
+    let zeros = "A".repeat(48);
+    fails(
+        Format::VtkXml,
+        &format!(
+            "<VTKFile type=\"PolyData\"><PolyData>{piece}</PolyData><AppendedData \
+             encoding=\"base64\">_JAAAAA=={zeros}</AppendedData></VTKFile>"
+        ),
+    );
+}
+
 #[test]
 fn bombs_and_deep_documents_are_refused() {
     let bomb =

@@ -155,7 +155,11 @@ impl BorderFormat {
 
 /// The number of a cell in files; -1 where no path leads.
 fn cell_number(cell: u32) -> i32 {
-    if cell == NO_SOURCE { -1 } else { cell as i32 }
+    if cell == NO_SOURCE {
+        -1
+    } else {
+        cell.cast_signed()
+    }
 }
 
 #[derive(Serialize)]

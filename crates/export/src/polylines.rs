@@ -145,7 +145,7 @@ impl Polylines {
 
     /// The number of each line.
     fn numbers(&self) -> Array {
-        Array::ints("line", 0..self.lines.len() as i32)
+        Array::ints("line", (0..).take(self.lines.len()))
     }
 }
 

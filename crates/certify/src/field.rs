@@ -171,9 +171,8 @@ impl EdgeField<'_> {
     pub(crate) fn exact(&self, h: HalfEdgeId, length: Ball, node: usize) -> ExactPiece {
         let piece = &self.pieces[node - self.mesh.vertex_count()];
         let [mut x, y] = piece.image.map(Ball::exact);
-        let is_at_end =
-            |t: f64| t == self.mesh.length(h) || (length - Ball::exact(t)).lower() <= 0.0;
-        let end = |t| if is_at_end(t) { length } else { Ball::exact(t) };
+        let least = lesser(self.mesh.length(h), length.lower());
+        let end = |t| if t >= least { length } else { Ball::exact(t) };
         let mut ends = [piece.from, piece.to].map(end);
         let (_, is_turned) = canonical(self.mesh, h);
         if is_turned {
@@ -190,23 +189,20 @@ impl EdgeField<'_> {
         }
     }
 
-    /// The distance at the beginning of the canonical half-edge of the edge of `h`, or at its end;
-    /// `None` where the edge has no distances.
-    pub(crate) fn at_end(&self, h: HalfEdgeId, beginning: bool) -> Option<Interval> {
-        let h = self.mesh.edge_of(h);
+    /// The distances at the ends of canonical half-edge `h`; `None` where the edge has no distances.
+    pub(crate) fn at_ends(&self, h: HalfEdgeId) -> Option<[Interval; 2]> {
         let pieces = self.pieces(h);
-        let (piece, t) = if beginning {
-            (pieces.first()?, Ball::ZERO)
-        } else {
-            let ends = [self.mesh.tail(h), self.mesh.head(h)];
-            let [a, b] = ends.map(|v| self.mesh.positions()[v.index()].map(Ball::exact));
-            (pieces.last()?, norm(minus(b, a)))
+        let ends = [self.mesh.tail(h), self.mesh.head(h)];
+        let [a, b] = ends.map(|v| self.mesh.positions()[v.index()].map(Ball::exact));
+        let at = |piece: &EnvelopePiece, t| {
+            let distance = Distance {
+                image: piece.image.map(Ball::exact),
+                sigma: Ball::exact(piece.sigma),
+            };
+            distance.at(t).interval()
         };
-        let distance = Distance {
-            image: piece.image.map(Ball::exact),
-            sigma: Ball::exact(piece.sigma),
-        };
-        Some(distance.at(t).interval())
+        let (first, last) = (pieces.first()?, pieces.last()?);
+        Some([at(first, Ball::ZERO), at(last, norm(minus(b, a)))])
     }
 }
 

@@ -76,7 +76,7 @@ use boundary::windows_from_inside;
 use chains::greatest_sums;
 use envelope::{EnvelopeBuilder, EnvelopePiece, GAP, piece};
 use face::{ChainLink, Checker, FaceChecks, REPAIR};
-use field::{EdgeField, Envelopes, canonical};
+use field::{EdgeField, Envelopes};
 use interval::lesser;
 use jump::sum_of_jumps;
 use level::below;
@@ -216,8 +216,12 @@ impl Violations {
             self.in_face[face.index()] = violation;
             self.sides[face.index()] = side;
         }
+        let mut is_new = vec![false; self.in_face.len()];
+        for face in faces {
+            is_new[face.index()] = true;
+        }
         self.links = self.links.take().zip(new.links).map(|(mut links, more)| {
-            links.retain(|link| faces.binary_search(&link.face).is_err());
+            links.retain(|link| !is_new[link.face.index()]);
             links.extend(more);
             links
         });
@@ -307,25 +311,16 @@ impl<'a> Claim<'a> {
             found.replace(&changed, self.violations(&field, &changed, clear));
         }
         let mut failures = Vec::new();
-        let own: Vec<f64> = self
-            .mesh
-            .vertices()
-            .map(|v| {
-                let d = self.distances[v.index()];
-                if !d.is_finite() {
-                    return 0.0;
-                }
-                let violation = self.disagreement(&field, v);
-                if violation > ROUNDING * d.max(self.longest_edge(v)) {
-                    failures.push(ProofFailure {
-                        place: FailurePlace::Vertex(v),
-                        edge: None,
-                        violation,
-                    });
-                }
-                violation
-            })
-            .collect();
+        let own = self.disagreements(&field);
+        for (v, (&violation, &d)) in self.mesh.vertices().zip(own.iter().zip(self.distances)) {
+            if violation > ROUNDING * d.max(self.longest_edge(v)) {
+                failures.push(ProofFailure {
+                    place: FailurePlace::Vertex(v),
+                    edge: None,
+                    violation,
+                });
+            }
+        }
         let sums = self.sums(&field, found, &own, clear);
         for face in self.mesh.faces() {
             let violation = sums.in_face[face.index()];
@@ -686,22 +681,28 @@ impl<'a> Claim<'a> {
         found
     }
 
-    /// Difference between the greatest and the least of the distances of `v`: its own and those at
-    /// the ends of the envelopes of its edges.
-    fn disagreement(&self, field: &EdgeField<'_>, v: VertexId) -> f64 {
-        let mut range = [self.distances[v.index()]; 2];
-        for &h in self.mesh.outgoing(v) {
-            for (h, at_tail) in [(h, true), (h.prev(), false)] {
-                let (_, turned) = canonical(self.mesh, h);
-                if let Some(d) = field.at_end(h, at_tail != turned) {
-                    range = [range[0].min(d.lo), range[1].max(d.hi)];
-                }
+    /// For each vertex, the difference between the greatest and the least of its distances: its own
+    /// and those at the ends of the envelopes of its edges. 0 without edges that have distances.
+    fn disagreements(&self, field: &EdgeField<'_>) -> Vec<f64> {
+        let mut ranges: Vec<[f64; 2]> = self.distances.iter().map(|&d| [d; 2]).collect();
+        let edges = self.mesh.half_edges();
+        for h in edges.filter(|&h| self.mesh.edge_of(h) == h) {
+            for (v, d) in [self.mesh.tail(h), self.mesh.head(h)]
+                .into_iter()
+                .zip(field.at_ends(h).into_iter().flatten())
+            {
+                let [least, greatest] = &mut ranges[v.index()];
+                *least = least.min(d.lo);
+                *greatest = greatest.max(d.hi);
             }
         }
-        if range[0] == range[1] {
-            return 0.0; // An isolated vertex.
-        }
-        (range[1] - range[0]).next_up()
+        let widths = ranges.into_iter().map(|[least, greatest]| {
+            if least == greatest {
+                return 0.0;
+            }
+            (greatest - least).next_up()
+        });
+        widths.collect()
     }
 
     fn longest_edge(&self, v: VertexId) -> f64 {

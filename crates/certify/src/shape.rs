@@ -22,11 +22,14 @@ impl FaceShape {
             .map(|v| mesh.positions()[v.index()].map(Ball::exact));
         let sides = [0, 1, 2].map(|k| minus(corners[(k + 1) % 3], corners[k]));
         let lengths = sides.map(norm);
+        // The cross product is the same for all pairs, and best known for the shortest.
+        let from = |k: usize| lengths[k].middle() + lengths[(k + 1) % 3].middle();
+        let k = (1..3).fold(0, |best, k| if from(k) < from(best) { k } else { best });
+        let double_area = cross_length(sides[k], sides[(k + 1) % 3]);
         let turns = [0, 1, 2].map(|k| {
             let next = (k + 1) % 3;
             let product = lengths[k] * lengths[next];
-            let (a, b) = (sides[k], sides[next]);
-            [dot(a, b) / product, cross_length(a, b) / product]
+            [dot(sides[k], sides[next]) / product, double_area / product]
         });
         Self { lengths, turns }
     }

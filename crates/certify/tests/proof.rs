@@ -129,6 +129,55 @@ fn a_distance_that_is_too_long_by_a_billionth_is_noticed() {
     }
 }
 
+/// The whole field, with its windows, of a mesh with one vertex elsewhere. The bounds include what it
+/// is too long; paths prove what it is too short.
+#[test]
+fn a_field_of_a_mesh_with_one_vertex_moved_is_not_proven() {
+    let mesh = Mesh::generate("torus,faces=500,bump=0.2,seed=3").unwrap();
+    let (right, _) = solved(&mesh, 0);
+    let corners = |f| mesh.face_vertices(f).map(VertexId::raw);
+    let faces: Vec<[u32; 3]> = mesh.faces().map(corners).collect();
+    let mut noticed = 0;
+    for v in [0, 7, 60, 100, 200] {
+        for factor in [1.0 + 1e-3, 1.0 - 1e-3, 1.0 + 1e-6] {
+            let mut positions = mesh.positions().to_vec();
+            positions[v] = positions[v].map(|x| factor * x);
+            let moved = Mesh::new(positions, faces.clone()).unwrap();
+            let (distances, windows) = solved(&moved, 0);
+            let bound = not_too_long(&mesh, 0, &distances, &windows);
+            for (error, (given, right)) in bound.errors.iter().zip(distances.iter().zip(&right)) {
+                let too_long = given - right * (1.0 + 1e-14);
+                assert!(*error >= too_long, "vertex {v} moved by {factor}");
+            }
+            let is_long = distances
+                .iter()
+                .zip(&right)
+                .any(|(given, right)| given > &(right * (1.0 + 1e-8)));
+            noticed += usize::from(is_long);
+        }
+    }
+    assert!(noticed >= 5, "{noticed}");
+}
+
+#[test]
+fn exchanged_infinite_and_missing_distances_are_not_proven() {
+    let mesh = Mesh::generate("torus,faces=500,bump=0.2,seed=3").unwrap();
+    let (right, windows) = solved(&mesh, 0);
+    for [a, b] in [[7, 8], [60, 200], [100, 101]] {
+        let mut wrong = right.clone();
+        wrong.swap(a, b);
+        let bound = not_too_long(&mesh, 0, &wrong, &windows);
+        assert!(bound.relative > 1e-9, "{a} and {b}");
+        wrong[a] = f64::INFINITY;
+        let bound = not_too_long(&mesh, 0, &wrong, &windows);
+        assert_eq!(bound.relative, f64::INFINITY, "{a}");
+        wrong[a] = f64::NAN;
+        let sources = [VertexId::new(0)];
+        let refused = Claim::new(&mesh, &sources, &wrong).unwrap_err();
+        assert_eq!(refused, ClaimError::NoDistance(VertexId::new(a as u32)));
+    }
+}
+
 #[test]
 fn a_field_that_is_too_long_by_a_billionth_is_noticed() {
     let mesh = Mesh::generate("terrain,n=16,seed=2").unwrap();

@@ -116,6 +116,19 @@ fn no_damaged_field_is_certified() {
             exchanged.swap(a, b);
         }
         assert_eq!(field.accepted(&exchanged), NONE, "seed {seed}: exchanged");
+        let v = random.below(right.len() as u32) as usize;
+        let mut positions = mesh.positions().to_vec();
+        positions[v] = positions[v].map(|x| x + random.between(-0.1, 0.1) * mesh.longest_edge());
+        let corners = mesh.faces().map(|f| mesh.face_vertices(f));
+        let corners = corners.map(|corners| corners.map(VertexId::raw)).collect();
+        if let Ok((other, _)) = Mesh::from_soup(TriangleSoup::new(positions, corners)) {
+            let given = other.distances_from(&sources[..]).unwrap();
+            assert_eq!(
+                field.accepted(&given),
+                NONE,
+                "seed {seed}: vertex {v} elsewhere"
+            );
+        }
         if sources.len() > 1 {
             let fewer = mesh.distances_from(&sources[1..]).unwrap();
             assert_eq!(

@@ -89,7 +89,6 @@ fn no_suite_of_a_paper_uses_a_parameter_that_its_paper_lacks() {
         papers += 1;
         let varied = OF_PAPERS.iter().find(|(of, _)| *of == paper);
         let varied = varied.map_or(&[][..], |(_, varied)| varied);
-        let mut seconds = 0;
         let suite = Suite::read(&path).unwrap();
         let planned = plans(Some(&suite), &Settings::default(), &ModelChoice::default()).unwrap();
         for plan in planned.plans {
@@ -102,7 +101,6 @@ fn no_suite_of_a_paper_uses_a_parameter_that_its_paper_lacks() {
                     let is_second = label == format!("{}{{{SECOND_HEAP}}}", one.algorithm().name);
                     let is_of_paper =
                         is_second || varied.iter().any(|known| setting.starts_with(known));
-                    seconds += u32::from(is_second);
                     assert!(is_of_paper, "{file}, {group}: {label}");
                 }
                 assert!(

@@ -92,6 +92,11 @@ impl OutputFile {
         Ok(file)
     }
 
+    /// Its canonical path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Whether it is standard output.
     pub fn is_standard_output(&self) -> bool {
         self.path == Path::new(STANDARD)

@@ -6,6 +6,7 @@ use std::thread;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use geobench_harness::exec::affinity::{self, CpuList};
+use geobench_harness::exec::interrupt;
 use geobench_harness::exec::isolate::Isolated;
 use geobench_harness::exec::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
 use geobench_harness::exec::model::{self, ModelRef};
@@ -162,6 +163,20 @@ enum Isolate {
 }
 
 impl IsolationOptions {
+    /// Listens to signals, and says what the first one does.
+    ///
+    /// # Errors
+    ///
+    /// If the system refuses.
+    pub(crate) fn listen(&self) -> anyhow::Result<()> {
+        let told = if self.isolate == Isolate::None {
+            || terminal::notes(&["stopping after this run; again to stop at once".to_owned()])
+        } else {
+            || terminal::notes(&["stopping this run; again to stop at once".to_owned()])
+        };
+        interrupt::listen(told).context("cannot listen to signals")
+    }
+
     /// Checks the options for consistency.
     ///
     /// # Errors

@@ -1,11 +1,13 @@
 //! Progress of a benchmark, on standard error if that is a terminal.
 
+use std::collections::HashMap;
 use std::fmt::Write;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use geobench_export::escape::printable;
 use geobench_harness::exec::{Pass, Step};
-use geobench_harness::schema::Status;
+use geobench_harness::measure::number::counted;
+use geobench_harness::schema::{Cell, Status};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::terminal;
@@ -22,20 +24,25 @@ pub(crate) struct Progress {
     place: String,
     /// Labels and last results of the algorithms on this model and source.
     results: Vec<(String, String)>,
+    /// Whether lines are written when a model begins and ends, where there is no bar.
+    has_lines: bool,
+    /// The models that have begun and not ended, with their times.
+    begun: HashMap<String, Instant>,
 }
 
 impl Progress {
-    /// Progress over `runs` runs. Nothing is drawn unless `shown` and standard error is a terminal
-    /// that can redraw lines.
+    /// Progress over `runs` runs. Nothing is shown unless `shown`. If standard error is no terminal
+    /// that can redraw lines, as in the log of a job, it gets a line when a model begins and ends.
     pub(crate) fn new(runs: usize, shown: bool) -> Self {
-        Self::on(
-            if shown && terminal::standard_error_can_move() {
-                ProgressDrawTarget::stderr()
-            } else {
-                ProgressDrawTarget::hidden()
-            },
-            runs,
-        )
+        let draws = shown && terminal::standard_error_can_move();
+        let target = if draws {
+            ProgressDrawTarget::stderr()
+        } else {
+            ProgressDrawTarget::hidden()
+        };
+        let mut progress = Self::on(target, runs);
+        progress.has_lines = shown && !draws;
+        progress
     }
 
     fn on(target: ProgressDrawTarget, runs: usize) -> Self {
@@ -56,12 +63,39 @@ impl Progress {
             started: 0,
             place: String::new(),
             results: Vec::new(),
+            has_lines: false,
+            begun: HashMap::new(),
         }
     }
 
     /// Shows that a model is being loaded.
     pub(crate) fn loading(&mut self, model: &str) {
         self.draw(&format!("loading {model}"));
+        if self.has_lines {
+            terminal::notes_on(model, &["begins".to_owned()]);
+            self.begun.insert(model.to_owned(), Instant::now());
+        }
+    }
+
+    /// Says that a model has ended with these cells.
+    pub(crate) fn ended(&mut self, model: &str, cells: &[Cell]) {
+        let Some(begun) = self.begun.remove(model) else {
+            return;
+        };
+        let failed = cells
+            .iter()
+            .filter(|cell| cell.status != Status::Ok)
+            .count();
+        let failed = match failed {
+            0 => String::new(),
+            failed => format!(", {failed} of them failed"),
+        };
+        let line = format!(
+            "ends after {:.1} s: {}{failed}",
+            begun.elapsed().as_secs_f64(),
+            counted(cells.len(), "cell")
+        );
+        terminal::notes_on(model, &[line]);
     }
 
     /// Shows the run that is about to start.

@@ -134,6 +134,7 @@ pub(crate) fn run_to_json(
         goal: GoalSpec::default(),
         sampling: repeat.map_or(Sampling::UntilPrecise(Precision::USUAL), Sampling::Fixed),
         warmup,
+        counts: true,
         reference,
         tolerance,
         seed: 1,

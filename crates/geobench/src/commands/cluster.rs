@@ -194,7 +194,6 @@ fn run_options(words: &[String]) -> anyhow::Result<RunOptions> {
             "--format",
             words.iter().any(|word| word.starts_with("--format")),
         ),
-        ("--no-progress", options.no_progress),
     ];
     if let Some((name, _)) = taken.iter().find(|(_, given)| *given) {
         bail!("{name}: each part has one of its own; leave it out");

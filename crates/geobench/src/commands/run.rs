@@ -8,7 +8,7 @@ use geobench_registry::{Selection, SimdChoice};
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::time::{Duration, Instant, SystemTime};
 
 use anyhow::{Context, bail};
 use geobench_export::output::{self, OutputFile, check_files};
@@ -25,7 +25,7 @@ use geobench_harness::run::journal::{Journal, JournalHeader};
 use geobench_harness::run::{self, Earlier, agreement};
 use geobench_harness::schema::{
     Cell, GroupRecord, ModelRecord, PlanRecord, ResultFile, SCHEMA, SessionRecord, Shard,
-    SourceLabel, Status, result_file,
+    SourceLabel, Status, result_file, unfinished::Unfinished,
 };
 use geobench_report::history::join::{self, Joined};
 use geobench_report::table::{self, Look, ResultFormat};
@@ -106,6 +106,11 @@ pub(crate) struct RunOptions {
     /// Untimed runs of each cell before the timed ones [default: 1]
     #[arg(help_heading = "Repetitions", long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(..=i64::from(MOST_RUNS)))]
     pub(crate) warmup: Option<u32>,
+
+    /// Only warm-ups and timed runs: no profiled run, which gives phases and peaks of memory, and no
+    /// counted run, which takes several times as long as a timed one
+    #[arg(help_heading = "Repetitions", long)]
+    pub(crate) no_counts: bool,
 
     /// What answers must agree with: an algorithm, certificate (mmp with a proof of its distances),
     /// none, file (MODEL.sSOURCE.csv beside the model or in a folder named expected there or beside
@@ -291,7 +296,7 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     if !options.quiet {
         terminal::warnings(&notes);
     }
-    interrupt::listen().context("cannot listen to signals")?;
+    options.isolation.listen()?;
     let plan = plan::record(&plans, options.isolation.record(options.jobs));
     let session = session(options);
     let mut journal = None;
@@ -319,6 +324,8 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
         quiet: options.quiet,
         outputs,
         result: empty(plan, session, sessions),
+        unfinished: None,
+        write_due: WriteDue::default(),
     };
     let before = Snapshot::take(Path::new("/"));
     let mut verdicts = Vec::new();
@@ -374,9 +381,9 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
 
 /// Number of cells of all plans together. `None` if it depends on the models.
 fn cells(plans: &[Plan]) -> Option<usize> {
-    let cells = plans.iter().map(|plan| plan.runs() / plan.runs_per_cell());
-    let is_known = plans.iter().all(|plan| !plan.is_open());
-    is_known.then(|| cells.fold(0, usize::saturating_add))
+    plans.iter().try_fold(0, |all: usize, plan| {
+        Some(all.saturating_add(plan.cells()?))
+    })
 }
 
 /// Counts of the cells of a plan by result.
@@ -466,6 +473,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
         min_time: options.min_time,
         max_time: options.max_time,
         warmup: options.warmup,
+        counts: options.no_counts.then_some(false),
         tolerance: options.tolerance,
         seed: options.seed,
         threads: options.threads,
@@ -718,6 +726,34 @@ pub(crate) struct Reporter {
     pub(crate) result: ResultFile,
     /// The file of `--add-to`. Other processes may add to it meanwhile.
     pub(crate) add_to: Option<PathBuf>,
+    /// The models that have ended, for when this process is killed.
+    unfinished: Option<Unfinished>,
+    write_due: WriteDue,
+}
+
+/// When the results so far are written to the output files: each time that they have grown by a
+/// quarter, so that all writes together take linear time, and at least once a minute, unless a write
+/// itself takes long.
+#[derive(Debug, Default)]
+struct WriteDue {
+    /// Number of cells at the last write, and its end and duration.
+    last: Option<(usize, Instant, Duration)>,
+}
+
+impl WriteDue {
+    const MOST_AGE: Duration = Duration::from_secs(60);
+
+    /// Whether results with this number of cells are to be written now.
+    fn now(&self, cells: usize) -> bool {
+        self.last.is_none_or(|(known, end, took)| {
+            4 * cells >= 5 * known || end.elapsed() >= Self::MOST_AGE.max(100 * took)
+        })
+    }
+
+    /// Notes a write that began at `start`.
+    fn done(&mut self, cells: usize, start: Instant) {
+        self.last = Some((cells, Instant::now(), start.elapsed()));
+    }
 }
 
 impl Reporter {
@@ -758,10 +794,22 @@ impl Reporter {
         Ok(())
     }
 
-    /// Writes the results so far to all regular files. A failed write causes a warning only,
-    /// because `store_all` writes again.
-    fn store(&mut self) -> anyhow::Result<()> {
+    /// Puts a model that has ended into the store, and writes the results so far to all regular
+    /// files if that is due. A failed write causes a warning only, because `store_all` writes again.
+    fn store(&mut self, model: &ModelRecord, cells: &[Cell]) -> anyhow::Result<()> {
         self.note_time();
+        if self.unfinished.is_none()
+            && let Some(path) = self.stored_file()
+        {
+            self.unfinished = Unfinished::create(path, &self.result).ok();
+        }
+        let store = self.unfinished.as_mut();
+        let stored = store.map(|store| store.add(&self.result.groups, model, cells));
+        let is_stored = matches!(stored, Some(Ok(())));
+        if is_stored && !self.write_due.now(self.result.cells.len()) {
+            return Ok(());
+        }
+        let start = Instant::now();
         let warn = |progress: &mut Progress, error: &anyhow::Error| {
             let text = format!("{error:#}; it will be tried again");
             progress.suspend(|| terminal::warning(&text));
@@ -778,7 +826,17 @@ impl Reporter {
                 warn(&mut self.progress, &error);
             }
         }
+        self.write_due.done(self.result.cells.len(), start);
         Ok(())
+    }
+
+    /// The file beside which the results so far are stored. None with `--add-to`, whose file other
+    /// processes extend as well.
+    fn stored_file(&self) -> Option<&Path> {
+        let mut files = self.outputs.iter();
+        let first = files.find(|(_, file)| file.is_replaced());
+        let first = first.filter(|_| self.add_to.is_none());
+        first.map(|(_, file)| file.path())
     }
 
     /// Writes the final results, with those of the file of `--add-to`, to all files, and returns
@@ -807,6 +865,9 @@ impl Reporter {
             }
         }
         if failed.is_empty() {
+            if let Some(store) = self.unfinished.take() {
+                store.remove();
+            }
             return Ok(whole);
         }
         let rescued = rescue(&ResultFormat::Json.render(&whole)?);
@@ -912,7 +973,8 @@ impl Listener for Reporter {
         }
         self.result.cells.extend_from_slice(cells);
         // Whatever happens to standard output, the files have the cells.
-        self.store()?;
+        self.store(model, cells)?;
+        self.progress.ended(&model.name, cells);
         self.progress.suspend(|| {
             remark(cells, self.format, self.quiet);
             for summary in agreement::summaries(cells) {

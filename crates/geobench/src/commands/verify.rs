@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 use std::convert::Infallible;
 
-use anyhow::Context;
 use clap::Args;
 use geobench_harness::exec::expected::{Expected, StoredDistances, stored_sources};
 use geobench_harness::exec::goal::GoalSpec;
@@ -126,7 +125,7 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     }
     let limits = options.isolation.limits();
     let backend = options.isolation.backend(limits, true)?;
-    interrupt::listen().context("cannot listen to signals")?;
+    options.isolation.listen()?;
     let mut tally = VerifyTally::default();
     let sources = options.far.sources(distinct(&options.source));
     for model in &models {

@@ -403,6 +403,69 @@ fn no_cell_outlives_the_run() {
     assert_eq!(looping.end().1, "");
 }
 
+/// Outputs are written at growing intervals. What a killed run had done since the last write is in
+/// its store.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_killed_run_loses_no_model_that_has_ended() {
+    let sandbox = Sandbox::new();
+    let models: Vec<String> = (1..=12).map(|n| format!("\"gen:cube,n={n}\"")).collect();
+    sandbox.write(
+        "suite.toml",
+        &format!(
+            "repeat = 1\nwarmup = 0\n\
+             [[group]]\nname = \"first\"\nalgorithms = [\"mmp\"]\nmodels = [{}]\n\
+             [[group]]\nname = \"last\"\nalgorithms = [\"test-loop\"]\nmodels = [\"gen:cube\"]\n",
+            models.join(", ")
+        ),
+    );
+    let mut looping = Looping::start(&sandbox, "run --config suite.toml -o r.json");
+    looping.cell();
+    looping.kill();
+    let cells = |file: &str| sandbox.json(file)["cells"].as_array().unwrap().len();
+    assert!(cells("r.json") >= 9, "{}", cells("r.json"));
+    sandbox.succeed("merge r.json -o all.json");
+    assert_eq!(cells("all.json"), 12);
+    sandbox.succeed("merge r.json.unfinished -o all.json");
+    assert_eq!(cells("all.json"), 12);
+    // A run that ends leaves none.
+    sandbox.succeed("run gen:cube --algo mmp --repeat 1 -o r.json");
+    assert_eq!(cells("r.json"), 1);
+    assert!(!sandbox.path("r.json.unfinished").exists());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_log_says_when_a_model_begins_and_ends_and_what_a_signal_does() {
+    let sandbox = Sandbox::with_square();
+    let run = "run square.off --algo mmp --repeat 1 --warmup 0";
+    let log = sandbox.call(run).stderr;
+    assert!(log.contains("note: square: begins\n"), "{log}");
+    assert!(log.contains(" s: 1 cell\n"), "{log}");
+    let quiet = sandbox.call(&format!("{run} --no-progress")).stderr;
+    assert!(!quiet.contains("begins"), "{quiet}");
+    let looping = Looping::start(&sandbox, "run square.off --algo test-loop");
+    looping.cell();
+    looping.signal(Signal::INT);
+    let (_, _, log) = looping.end();
+    assert!(
+        log.contains("stopping this run; again to stop at once"),
+        "{log}"
+    );
+}
+
+#[test]
+fn a_cell_without_counts_has_timed_runs_only() {
+    let sandbox = Sandbox::with_square();
+    let run = "run square.off --algo mmp --repeat 2 --warmup 0 --check none --no-counts";
+    sandbox.succeed(&format!("{run} -o r.json --resume j.jsonl"));
+    let cell = &sandbox.json("r.json")["cells"][0];
+    assert_eq!(cell["time"]["samples"].as_array().unwrap().len(), 2);
+    assert!(cell["counters"]["propagated"].is_null());
+    let journal = sandbox.read("j.jsonl");
+    assert_eq!(journal.matches("\"purpose\"").count(), 2, "{journal}");
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn who_interrupts_a_run_gets_the_cells_that_are_done() {

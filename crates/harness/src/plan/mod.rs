@@ -43,6 +43,8 @@ pub struct Plan {
     pub sampling: Sampling,
     /// Number of untimed runs of each cell before the timed ones.
     pub warmup: usize,
+    /// Whether each cell has a profiled and a counted run after the timed ones.
+    pub counts: bool,
     /// The reference of the checks.
     pub reference: Reference,
     /// Largest relative difference from the reference that passes.
@@ -235,7 +237,7 @@ impl Plan {
     }
 
     /// Whether the number of units depends on the models.
-    pub fn is_open(&self) -> bool {
+    pub(crate) fn is_open(&self) -> bool {
         self.sources.has_all() && !self.sources_together
     }
 
@@ -280,6 +282,13 @@ impl Plan {
         held.max(u128::from(self.is_open()))
     }
 
+    /// Number of cells, saturating; `None` if it depends on the models.
+    pub fn cells(&self) -> Option<usize> {
+        let units = (0..self.models.len()).map(|model| self.units_of_model(model));
+        let units = usize::try_from(units.sum::<u128>()).unwrap_or(usize::MAX);
+        (!self.is_open()).then(|| units.saturating_mul(self.algorithms.len()))
+    }
+
     /// Total number of runs of all cells, saturating.
     pub fn runs(&self) -> usize {
         (0..self.models.len())
@@ -301,7 +310,8 @@ impl Plan {
     /// Minimum number of runs of a cell that succeeds: warm-ups, timed runs, one counting and one
     /// profiled run.
     pub const fn runs_per_cell(&self) -> usize {
-        self.warmup + self.sampling.fewest() + 2
+        let untimed = if self.counts { 2 } else { 0 };
+        self.warmup + self.sampling.fewest() + untimed
     }
 }
 

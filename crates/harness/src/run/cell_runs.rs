@@ -8,6 +8,7 @@ use geobench_window::Counter;
 
 use crate::exec::{Failure, Pass};
 use crate::measure::memory::Peaks;
+use crate::plan::Plan;
 use crate::plan::sampling::Sampling;
 use crate::run::agreement;
 use crate::run::earlier::NOT_CHECKED;
@@ -27,6 +28,8 @@ pub(super) struct CellRuns<'p> {
     /// Number of runs executed by this process.
     pub(super) made: usize,
     sampling: Sampling,
+    /// Whether it has a profiled and a counted run.
+    counts: bool,
     /// Whether there are enough timed runs.
     has_time: bool,
     /// The same cell of the earlier file, if that has it.
@@ -34,14 +37,15 @@ pub(super) struct CellRuns<'p> {
 }
 
 impl<'p> CellRuns<'p> {
-    pub(super) const fn new(index: usize, algorithm: &'p Selection, sampling: Sampling) -> Self {
+    pub(super) const fn new(index: usize, algorithm: &'p Selection, plan: &Plan) -> Self {
         Self {
             index,
             algorithm,
             outcomes: BTreeMap::new(),
             failure: None,
             made: 0,
-            sampling,
+            sampling: plan.sampling,
+            counts: plan.counts,
             has_time: false,
             earlier: None,
         }
@@ -57,7 +61,7 @@ impl<'p> CellRuns<'p> {
         let is_wanted = match pass {
             Pass::Warmup => return self.wants_time(),
             Pass::Time => self.wants_time(),
-            Pass::Count | Pass::Profile => !self.has_failed(),
+            Pass::Count | Pass::Profile => self.counts && !self.has_failed(),
         };
         is_wanted && !self.outcomes.contains_key(&(pass, round))
     }

@@ -298,7 +298,7 @@ impl ClusterDirectory {
              rm -f {dir}/parts/\"$part.$node\".unfinished.json\n\
              {program}{words} --shard \"$part/{count}\" \\\n    \
                  --resume {dir}/journals/\"$part.$node\".jsonl \\\n    \
-                 -o {dir}/parts/\"$part.$node\".unfinished.json --format csv --no-progress >/dev/null\n\
+                 -o {dir}/parts/\"$part.$node\".unfinished.json --format csv >/dev/null\n\
              status=$?\n\
              # 1: some cells failed; 2: some models were refused. Both are results, if there is a file.\n\
              [ \"$status\" -le 2 ] && [ -e {dir}/parts/\"$part.$node\".unfinished.json ] || exit \"$status\"\n\

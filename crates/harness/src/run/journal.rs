@@ -14,7 +14,7 @@
 //! runs. It also repeats the run of the reference, because checks need the answer, which is too
 //! large to store.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -90,6 +90,8 @@ pub struct Journal {
     length: u64,
     /// The plan of the first line, and of later ones.
     plans: Vec<PlanRecord>,
+    /// The names in each plan.
+    names: Vec<PlanNames>,
     sessions: Vec<SessionRecord>,
     models: HashMap<String, ModelRecord>,
     outcomes: HashMap<RunId, RunOutcome>,
@@ -157,6 +159,7 @@ impl Journal {
             file,
             length: 0,
             plans: Vec::new(),
+            names: Vec::new(),
             sessions: Vec::new(),
             models: HashMap::new(),
             outcomes: HashMap::new(),
@@ -169,7 +172,7 @@ impl Journal {
         let first = header.line();
         let begun = if bytes.len() < first.len() && first.as_bytes().starts_with(&bytes) {
             // The file is new, or its first line is incomplete.
-            journal.plans.push(header.plan.clone());
+            journal.add_plan(header.plan.clone());
             journal.start(&first)
         } else {
             journal.read(&bytes, header)?;
@@ -236,7 +239,7 @@ impl Journal {
             );
         }
         self.length = first.len() as u64;
-        self.plans.push(found.plan);
+        self.add_plan(found.plan);
         for (number, line) in (2..).zip(lines) {
             if !line.ends_with(b"\n") {
                 break;
@@ -260,7 +263,7 @@ impl Journal {
     /// Stores the contents of a line in memory.
     fn store(&mut self, line: JournalLine) -> Result<(), String> {
         match line {
-            JournalLine::Plan(plan) => self.plans.push(plan),
+            JournalLine::Plan(plan) => self.add_plan(plan),
             JournalLine::Session(session) => self.sessions.push(session),
             JournalLine::Model(model) => {
                 self.models.insert(model.name.clone(), model);
@@ -276,11 +279,16 @@ impl Journal {
         Ok(())
     }
 
+    fn add_plan(&mut self, plan: PlanRecord) {
+        self.names.push(PlanNames::of(&plan));
+        self.plans.push(plan);
+    }
+
     /// Checks that a run is part of one of the plans.
     fn check(&self, run: &RunId) -> Result<(), String> {
         let mut problem = None;
-        for plan in &self.plans {
-            match check(plan, run) {
+        for names in &self.names {
+            match names.check(run) {
                 Ok(()) => return Ok(()),
                 Err(found) => problem = problem.or(Some(found)),
             }
@@ -426,9 +434,9 @@ fn conditions(plan: &PlanRecord, other: &PlanRecord) -> PlanRecord {
     let mut groups: Vec<PlannedGroup> = pairs
         .map(|(group, other)| {
             let mut group = group.clone();
-            group
-                .models
-                .retain(|model| other.models.iter().any(|m| m.name == model.name));
+            let names = other.models.iter().map(|model| &model.name);
+            let names: HashSet<&String> = names.collect();
+            group.models.retain(|model| names.contains(&model.name));
             group
                 .algorithms
                 .retain(|one| other.algorithms.iter().any(|a| a.label == one.label));
@@ -450,34 +458,67 @@ fn conditions(plan: &PlanRecord, other: &PlanRecord) -> PlanRecord {
     }
 }
 
-/// Checks that a run is part of a plan.
-fn check(plan: &PlanRecord, run: &RunId) -> Result<(), String> {
-    let group = plan.groups.iter().find(|g| g.name == run.group);
-    let Some(group) = group else {
-        return Err(format!(
-            "there is no group `{}` in the plan",
-            run.group.as_deref().unwrap_or_default()
-        ));
-    };
-    if group.models.iter().all(|model| model.name != run.model) {
-        return Err(format!("there is no model `{}` in the plan", run.model));
+/// The names in a plan, by group.
+#[derive(Debug, Default)]
+struct PlanNames(HashMap<Option<String>, GroupNames>);
+
+/// The names in a group of a plan, and its numbers of runs.
+#[derive(Debug)]
+struct GroupNames {
+    models: HashSet<String>,
+    algorithms: HashSet<String>,
+    reference: String,
+    warmup: usize,
+    repeat: usize,
+}
+
+impl PlanNames {
+    fn of(plan: &PlanRecord) -> Self {
+        let groups = plan.groups.iter().map(|group| {
+            let names = GroupNames {
+                models: group.models.iter().map(|one| one.name.clone()).collect(),
+                algorithms: group
+                    .algorithms
+                    .iter()
+                    .map(|one| one.label.clone())
+                    .collect(),
+                reference: group.reference.clone(),
+                warmup: group.warmup,
+                repeat: group.repeat,
+            };
+            (group.name.clone(), names)
+        });
+        Self(groups.collect())
     }
-    let is_reference = group.reference == run.algorithm && run.pass == Pass::Warmup;
-    if !is_reference && group.algorithms.iter().all(|a| a.label != run.algorithm) {
-        return Err(format!(
-            "there is no algorithm `{}` in the plan",
-            run.algorithm
-        ));
+
+    /// Checks that a run is part of the plan.
+    fn check(&self, run: &RunId) -> Result<(), String> {
+        let Some(group) = self.0.get(&run.group) else {
+            return Err(format!(
+                "there is no group `{}` in the plan",
+                run.group.as_deref().unwrap_or_default()
+            ));
+        };
+        if !group.models.contains(&run.model) {
+            return Err(format!("there is no model `{}` in the plan", run.model));
+        }
+        let is_reference = group.reference == run.algorithm && run.pass == Pass::Warmup;
+        if !is_reference && !group.algorithms.contains(&run.algorithm) {
+            return Err(format!(
+                "there is no algorithm `{}` in the plan",
+                run.algorithm
+            ));
+        }
+        let rounds = match run.pass {
+            Pass::Warmup => group.warmup.max(1),
+            Pass::Time => group.repeat,
+            Pass::Count | Pass::Profile => 1,
+        };
+        if run.round >= rounds {
+            return Err(format!("there is no round {} in the plan", run.round));
+        }
+        Ok(())
     }
-    let rounds = match run.pass {
-        Pass::Warmup => group.warmup.max(1),
-        Pass::Time => group.repeat,
-        Pass::Count | Pass::Profile => 1,
-    };
-    if run.round >= rounds {
-        return Err(format!("there is no round {} in the plan", run.round));
-    }
-    Ok(())
 }
 
 /// A line of a journal.

@@ -39,6 +39,7 @@ pub fn plan(models: &[&str], algorithms: &str, sources: &str) -> Plan {
         goal: GoalSpec::default(),
         sampling: Sampling::Fixed(6),
         warmup: 1,
+        counts: true,
         tolerance: 1e-9,
         simd,
         seed: 1,

@@ -101,7 +101,11 @@ pub fn run(
         (0..plan.models.len()).filter(|&model_index| plan.units_of_model(model_index) > 0);
     let models = with_units.enumerate();
     if jobs > 1 {
-        let pool = ThreadPoolBuilder::new().num_threads(jobs).build()?;
+        // More threads than cells would have nothing to do.
+        let cells = plan.cells().unwrap_or(usize::MAX).max(1);
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(jobs.min(cells))
+            .build()?;
         pool.install(|| each(models, true, run_model))?;
     } else {
         each(models, false, run_model)?;

@@ -85,7 +85,7 @@ impl<'p> Unit<'p> {
                 is_interleaved,
             },
             cells: cells
-                .map(|(index, algorithm)| CellRuns::new(index, algorithm, plan.sampling))
+                .map(|(index, algorithm)| CellRuns::new(index, algorithm, plan))
                 .collect(),
             decision: None,
         };

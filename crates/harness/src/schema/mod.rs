@@ -7,6 +7,7 @@ pub mod difference;
 pub mod labels;
 mod plan_record;
 pub mod result_file;
+pub mod unfinished;
 
 use std::collections::BTreeMap;
 use std::path::Path;

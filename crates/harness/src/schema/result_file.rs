@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, anyhow, bail};
 use serde::Deserialize;
 
-use crate::schema::{ResultFile, SCHEMA, labels};
+use crate::schema::{ResultFile, SCHEMA, labels, unfinished};
 use crate::usage::{check_schema, read_text};
 
 /// Reads a result file in JSON; `-` is standard input.
@@ -16,7 +16,21 @@ use crate::usage::{check_schema, read_text};
 /// file and the field.
 pub fn read(path: &Path) -> anyhow::Result<ResultFile> {
     let text = read_text(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-    parse(path, &text)
+    if let Some(mut file) = unfinished::is_one(path)
+        .then(|| unfinished::parse(&text))
+        .flatten()
+    {
+        labels::renew(&mut file);
+        return Ok(file);
+    }
+    let file = parse(path, &text)?;
+    Ok(match unfinished::newer(path, &file) {
+        Some(mut newer) => {
+            labels::renew(&mut newer);
+            newer
+        }
+        None => file,
+    })
 }
 
 /// Reads several files; returns each with its path as text.
@@ -129,5 +143,47 @@ mod tests {
         );
         let error = refused(r#"{"schema": "geobench/1"}"#);
         assert!(error.contains("missing field `tool`"), "{error}");
+    }
+}
+
+#[cfg(test)]
+mod unfinished_tests {
+    use super::*;
+    use crate::run::Records;
+    use crate::run::mock::result;
+    use crate::schema::unfinished::Unfinished;
+    use crate::schema::{Cell, ModelRecord};
+
+    #[test]
+    fn what_a_killed_run_had_is_read_from_its_store() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("r.json");
+        let mut head = result(Records::default());
+        let mut store = Unfinished::create(&path, &head).unwrap();
+        for name in ["a", "b"] {
+            let model = ModelRecord {
+                name: name.to_owned(),
+                ..ModelRecord::default()
+            };
+            store.add(&[], &model, &[Cell::new(name, "vtp")]).unwrap();
+            if head.models.is_empty() {
+                head.models.push(model);
+                head.cells.push(Cell::new(name, "vtp"));
+                std::fs::write(&path, serde_json::to_string(&head).unwrap()).unwrap();
+            }
+        }
+        assert_eq!(read(&path).unwrap().cells.len(), 2);
+        let whole = path.with_extension("json.unfinished");
+        assert_eq!(read(&whole).unwrap().models.len(), 2);
+        // A line that is not complete is ignored, and a store of another run, too.
+        let text = std::fs::read_to_string(&whole).unwrap();
+        std::fs::write(&whole, &text[..text.len() - 5]).unwrap();
+        assert_eq!(read(&whole).unwrap().models.len(), 1);
+        std::fs::write(&whole, &text).unwrap();
+        head.started = "2026-01-01T00:00:00Z".into();
+        std::fs::write(&path, serde_json::to_string(&head).unwrap()).unwrap();
+        assert_eq!(read(&path).unwrap().cells.len(), 1);
+        store.remove();
+        assert!(!whole.exists());
     }
 }

@@ -212,12 +212,12 @@ fn add(
             whole.groups.push(group);
         }
     }
+    let known = whole.models.iter().enumerate();
+    let known = known.map(|(place, model)| (model.name.clone(), place));
+    let known: HashMap<String, usize> = known.collect();
     for model in file.models {
-        match whole
-            .models
-            .iter_mut()
-            .find(|known| known.name == model.name)
-        {
+        let place = known.get(&model.name);
+        match place.and_then(|&place| whole.models.get_mut(place)) {
             // A model without a hash was refused, for example because its file was missing.
             Some(known) if known.sha256.is_none() => *known = model,
             Some(_) => {}

@@ -9,7 +9,7 @@ use geobench_harness::measure::conditions;
 use geobench_harness::measure::statistics::{self, median};
 use geobench_harness::schema::{Cell, ResultFile, Status, Time};
 
-use crate::history::compare::CellKey;
+use crate::history::compare::CellKeys;
 
 /// Joins `rounds`, each given with the name of its file, in the order in which they were run.
 ///
@@ -72,9 +72,10 @@ fn difference(joined: &ResultFile, cells: &[Vec<Cell>], round: &ResultFile) -> O
         let [here, there] = [round, joined].map(|file| file.host.in_words());
         return Some(format!("its machine is {here} and not {there}"));
     }
+    let (keys, keys_of_round) = (CellKeys::of(joined), CellKeys::of(round));
     cells.iter().zip(&round.cells).find_map(|(all, cell)| {
         let first = &all[0];
-        let (known, own) = (CellKey::of(joined, first), CellKey::of(round, cell));
+        let (known, own) = (keys.key(first), keys_of_round.key(cell));
         if known != own {
             return Some(format!("it has the cell {own} instead of {known}"));
         }

@@ -1,17 +1,17 @@
 //! A history: a directory with a small file for each commit, machine class and suite.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
 use geobench_export::output::OutputFile;
-use geobench_harness::schema::{Cell, Host, ResultFile, Status, labels};
+use geobench_harness::schema::{Cell, Host, PlannedAlgorithm, ResultFile, Status, labels};
 use geobench_harness::usage::{check_schema, files_in};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::history::compare::{CellKey, Measure};
+use crate::history::compare::{CellKey, CellKeys, Measure};
 
 /// The schema of a record.
 pub const SCHEMA: &str = "geobench-record/1";
@@ -100,7 +100,7 @@ impl Record {
             started: file.started.clone(),
             host: file.host.clone(),
             suite,
-            cells: file.cells.iter().map(|cell| record(file, cell)).collect(),
+            cells: records(file),
         })
     }
 
@@ -148,9 +148,14 @@ impl Record {
             self.ancestors = later.ancestors;
         }
         self.version = later.version.or(self.version.take());
+        let known = self.cells.iter().enumerate();
+        let mut places: HashMap<CellKey, usize> = known
+            .map(|(place, known)| (known.cell.identity(), place))
+            .collect();
         for cell in later.cells {
-            let same = |known: &&mut CellRecord| known.cell.is_same(&cell.cell);
-            match self.cells.iter_mut().find(same) {
+            let next = self.cells.len();
+            let place = *places.entry(cell.cell.identity()).or_insert(next);
+            match self.cells.get_mut(place) {
                 Some(known)
                     if known.status == Status::Ok
                         && cell.status == Status::Ok
@@ -171,16 +176,22 @@ impl Record {
     }
 }
 
-fn record(file: &ResultFile, cell: &Cell) -> CellRecord {
+/// The records of the cells of `file`.
+fn records(file: &ResultFile) -> Vec<CellRecord> {
+    let (keys, planned) = (CellKeys::of(file), file.planned_algorithms());
+    let cells = file.cells.iter();
+    cells.map(|cell| record(&keys, &planned, cell)).collect()
+}
+
+fn record(keys: &CellKeys<'_>, planned: &[&PlannedAlgorithm], cell: &Cell) -> CellRecord {
     let figures = Measure::all().filter_map(|measure| {
         let value = measure.of(cell)?;
         Some((measure.name().to_owned(), value))
     });
-    let mut planned = file.planned_algorithms().into_iter();
-    let planned = planned.find(|one| one.label == cell.algorithm);
+    let planned = planned.iter().find(|one| one.label == cell.algorithm);
     let parameters = planned.map_or_else(BTreeMap::new, |one| one.parameters.clone());
     CellRecord {
-        cell: CellKey::of(file, cell),
+        cell: keys.key(cell),
         parameters: Some(parameters),
         status: cell.status,
         simd: cell.simd.clone(),

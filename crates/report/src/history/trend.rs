@@ -1,5 +1,7 @@
 //! Figures over the commits of a history, and their change points.
 
+use std::collections::HashMap;
+
 use geobench_harness::measure::statistics::{mann_whitney, summarise};
 use geobench_harness::schema::Status;
 use serde::Serialize;
@@ -73,30 +75,33 @@ const FIGURES: [(&str, f64); 5] = [
 /// All series of `records`, which are in the order of their commits, with their change points.
 pub fn series(records: &[Record]) -> Vec<TrendSeries> {
     let mut all: Vec<TrendSeries> = Vec::new();
+    let mut places: HashMap<_, usize> = HashMap::new();
     for record in records {
+        let machine = record.machine();
         for cell in record.cells.iter().filter(|c| c.status == Status::Ok) {
+            let identity = cell.cell.identity();
             for (figure, _) in FIGURES {
                 let Some(point) = point(record, cell, figure) else {
                     continue;
                 };
-                let machine = record.machine();
-                let same = |s: &&mut TrendSeries| {
-                    s.figure == figure
-                        && s.machine == machine
-                        && s.suite == record.suite
-                        && s.cell.is_same(&cell.cell)
-                };
-                match all.iter_mut().find(same) {
-                    Some(series) => series.points.push(point),
-                    None => all.push(TrendSeries {
+                let key = (
+                    figure,
+                    machine.clone(),
+                    record.suite.clone(),
+                    identity.clone(),
+                );
+                let place = *places.entry(key).or_insert(all.len());
+                if place == all.len() {
+                    all.push(TrendSeries {
                         cell: cell.cell.clone(),
-                        machine,
+                        machine: machine.clone(),
                         suite: record.suite.clone(),
                         figure,
-                        points: vec![point],
+                        points: Vec::new(),
                         changes: Vec::new(),
-                    }),
+                    });
                 }
+                all[place].points.push(point);
             }
         }
     }

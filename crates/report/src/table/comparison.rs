@@ -1,5 +1,7 @@
 //! Writes comparisons of two result files as tables, Markdown and JSON.
 
+use std::collections::{HashMap, HashSet};
+
 use geobench_export::escape::{markdown as escape, markdown_line, printable};
 use geobench_export::{FileFormat, json_lines};
 use geobench_harness::figures::capitalised;
@@ -107,23 +109,26 @@ impl ComparisonFormat {
 /// A row for each cell that the baseline and another file have: the time in the baseline, and the
 /// ratio of the time in every other file to it.
 fn ratios(several: &BaselineComparisons) -> Table {
-    let keys = several.comparisons.iter().flat_map(|c| &c.cells);
-    let mut cells: Vec<&CellChange> = Vec::new();
-    for change in keys {
-        if !cells.iter().any(|known| known.cell.is_same(&change.cell)) {
-            cells.push(change);
-        }
-    }
+    let changes = several.comparisons.iter().flat_map(|c| &c.cells);
+    let mut known = HashSet::new();
+    let cells = changes.filter(|change| known.insert(change.cell.identity()));
+    let cells: Vec<&CellChange> = cells.collect();
+    let by_cell: Vec<HashMap<CellKey, &CellChange>> = (several.comparisons.iter())
+        .map(|c| {
+            c.cells
+                .iter()
+                .rev()
+                .map(|c| (c.cell.identity(), c))
+                .collect()
+        })
+        .collect();
     let baseline = several.comparisons.first().map(|c| c.old.file.as_str());
     let files = several.comparisons.iter().map(|c| c.new.file.as_str());
     let names = baseline.into_iter().chain(files);
     let rows = cells.iter().map(|cell| {
-        let of = |c: &FileComparison| {
-            let found = c
-                .cells
-                .iter()
-                .find(|change| change.cell.is_same(&cell.cell));
-            let Some(change) = found else {
+        let identity = cell.cell.identity();
+        let of = |changes: &HashMap<CellKey, &CellChange>| {
+            let Some(change) = changes.get(&identity) else {
                 return Entry::new("-");
             };
             let broken = !change.regressions.is_empty();
@@ -137,18 +142,13 @@ fn ratios(several: &BaselineComparisons) -> Table {
                 None => marked(change.status[1].in_words(), broken),
             }
         };
-        let first = several.comparisons.iter().find_map(|c| {
-            let change = c
-                .cells
-                .iter()
-                .find(|change| change.cell.is_same(&cell.cell))?;
-            Some(change.time.as_ref()?.medians[0])
-        });
+        let mut changes = by_cell.iter().filter_map(|changes| changes.get(&identity));
+        let first = changes.find_map(|change| Some(change.time.as_ref()?.medians[0]));
         let first = first.map_or_else(
             || "-".to_owned(),
             |median| format!("1 ({median:.*} s)", decimals([median], 9)),
         );
-        let entries = several.comparisons.iter().map(of);
+        let entries = by_cell.iter().map(of);
         let head = [Entry::new(cell.cell.to_string()), Entry::new(first)];
         head.into_iter().chain(entries).collect()
     });
@@ -297,11 +297,16 @@ fn listed(keys: &[CellKey]) -> Vec<String> {
 }
 
 /// The names of cells in tables. Group and source are left out if all cells share them.
-fn name(comparison: &FileComparison, key: &CellKey) -> String {
-    let keys = || comparison.cells.iter().map(|c| &c.cell);
-    let groups = keys().any(|other| other.group != key.group);
-    let sources = keys().any(|other| other.source != key.source);
-    key.among(groups, sources)
+fn names(comparison: &FileComparison) -> impl Fn(&CellKey) -> String {
+    let mut keys = comparison.cells.iter().map(|change| &change.cell);
+    let first = keys.next();
+    let differ = |(groups, sources): (bool, bool), key: &CellKey| {
+        let group = first.is_some_and(|first| first.group != key.group);
+        let source = first.is_some_and(|first| first.source != key.source);
+        (groups || group, sources || source)
+    };
+    let (groups, sources) = keys.fold((false, false), differ);
+    move |key| key.among(groups, sources)
 }
 
 /// A row for each cell: how its time and the most important figures have changed.
@@ -315,8 +320,9 @@ fn changes(comparison: &FileComparison) -> Table {
     let names = distinct(names.filter(|name| USUAL.contains(name) || ruled(name)));
     let numbers = std::iter::once("Time").chain(names.iter().copied());
     let columns = Column::of(["Cell"], numbers.map(heading));
+    let name = self::names(comparison);
     let row = |change: &CellChange| {
-        let mut row = vec![Entry::new(name(comparison, &change.cell)), time(change)];
+        let mut row = vec![Entry::new(name(&change.cell)), time(change)];
         row.extend(names.iter().map(|name| {
             let figure = change.figures.iter().find(|f| f.name == *name);
             figure.map_or_else(|| Entry::new("-"), |figure| entry(change, figure))
@@ -388,9 +394,10 @@ fn entry(change: &CellChange, figure: &FigureChange) -> Entry {
 /// Old and new values: the times of all cells, and all other figures that differ.
 fn figures(comparison: &FileComparison) -> Table {
     let mut rows = Vec::new();
+    let name = names(comparison);
     for change in &comparison.cells {
         let mut push = |figure: String, [old, new]: [String; 2], change_in_words: String| {
-            let cell = name(comparison, &change.cell);
+            let cell = name(&change.cell);
             rows.push(
                 [cell, figure, old, new, change_in_words]
                     .map(Entry::new)

@@ -3,7 +3,7 @@
 use geobench_harness::schema::{Cell, ResultFile, Status};
 use serde_json::{Map, Value, json};
 
-use crate::history::compare::{CellKey, Measure};
+use crate::history::compare::{CellKeys, Measure};
 
 /// The figures that are exported in addition to the time, with their exported name and unit.
 const FIGURES: [(&str, &str, &str); 3] = [
@@ -17,8 +17,9 @@ const NANOSECONDS: f64 = 1e9;
 
 /// The cells with status ok, each with its name.
 fn cells(result: &ResultFile) -> impl Iterator<Item = (String, &Cell)> {
+    let keys = CellKeys::of(result);
     let well = result.cells.iter().filter(|c| c.status == Status::Ok);
-    well.map(|cell| (CellKey::of(result, cell).to_string(), cell))
+    well.map(move |cell| (keys.key(cell).to_string(), cell))
 }
 
 /// The exported figures of a cell: name, unit and value.

@@ -1,5 +1,7 @@
 //! The cells of one group, for tables and charts.
 
+use std::collections::HashMap;
+
 use geobench_harness::figures::Figure;
 use geobench_harness::measure::statistics::{Variable, interval_of, median};
 use geobench_harness::schema::{Cell, GroupRecord, ModelRecord, Status};
@@ -12,6 +14,16 @@ pub(crate) struct GroupCells<'r> {
     pub(crate) models: Vec<&'r ModelRecord>,
     /// In the order in which they first appear.
     pub(crate) algorithms: Vec<&'r str>,
+    /// The cells of each model, in the order of the file, by algorithm.
+    of_model: HashMap<&'r str, ModelCells<'r>>,
+}
+
+/// The cells of a model.
+#[derive(Debug, Default)]
+struct ModelCells<'r> {
+    all: Vec<&'r Cell>,
+    by_algorithm: HashMap<&'r str, Vec<&'r Cell>>,
+    vertices: Option<u64>,
 }
 
 /// A value with its uncertainty.
@@ -60,13 +72,32 @@ impl<'r> GroupCells<'r> {
         cells: &'r [Cell],
     ) -> Self {
         let cells: Vec<&Cell> = cells.iter().filter(|c| c.group == record.name).collect();
-        let measured = |model: &&ModelRecord| cells.iter().any(|c| c.model == model.name);
+        let mut of_model: HashMap<&str, ModelCells<'_>> = HashMap::new();
+        for cell in &cells {
+            let model = of_model.entry(&cell.model).or_default();
+            model.all.push(cell);
+            let same = model.by_algorithm.entry(&cell.algorithm);
+            same.or_default().push(cell);
+        }
+        let mut measured = Vec::new();
+        for model in models {
+            if let Some(known) = of_model.get_mut(model.name.as_str()) {
+                known.vertices = known.vertices.or(model.vertices);
+                measured.push(model);
+            }
+        }
         Self {
             record,
-            models: models.iter().filter(measured).collect(),
+            models: measured,
             algorithms: algorithms(cells.iter().copied()),
             cells,
+            of_model,
         }
+    }
+
+    /// The cells of all algorithms on a model, in the order of the file.
+    pub(crate) fn on(&self, model: &str) -> &[&'r Cell] {
+        self.of_model.get(model).map_or(&[], |model| &model.all)
     }
 
     /// Whether an algorithm is approximate in any cell.
@@ -77,10 +108,9 @@ impl<'r> GroupCells<'r> {
 
     /// The cells of an algorithm on a model, one for each source.
     pub(crate) fn of(&self, model: &str, algorithm: &str) -> Vec<&'r Cell> {
-        let cells = self.cells.iter().copied();
-        cells
-            .filter(|c| c.model == model && c.algorithm == algorithm)
-            .collect()
+        let model = self.of_model.get(model);
+        let cells = model.and_then(|model| model.by_algorithm.get(algorithm));
+        cells.cloned().unwrap_or_default()
     }
 
     /// The figure of an algorithm on a model: the median over the sources. Only the time from a
@@ -127,8 +157,7 @@ impl<'r> GroupCells<'r> {
 
     /// The number of vertices of a model.
     fn vertices(&self, model: &str) -> Option<u64> {
-        let mut models = self.models.iter();
-        models.find(|record| record.name == model)?.vertices
+        self.of_model.get(model)?.vertices
     }
 
     /// The status in words of an algorithm that failed on a model; `None` if it did not fail.

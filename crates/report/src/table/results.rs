@@ -1,6 +1,7 @@
 //! Builds tables of results: for each model, the rows of the papers' tables, with a column for each
 //! algorithm.
 
+use std::collections::HashSet;
 use std::sync::LazyLock;
 
 use geobench_harness::exec::source::SourceSpec;
@@ -74,8 +75,7 @@ fn insert_after(after: &str, names: &[&str], into: &mut Vec<&'static Figure>) {
 pub(super) fn part(group: &GroupCells<'_>, model: &ModelRecord) -> Part {
     let names = group.algorithms.iter();
     let columns: Vec<Vec<&Cell>> = names.map(|name| group.of(&model.name, name)).collect();
-    let own = group.cells.iter().copied();
-    let cells: Vec<&Cell> = own.filter(|cell| cell.model == model.name).collect();
+    let cells = group.on(&model.name);
     let mut figures = figures(&group.record.rows);
     if cells.iter().any(|cell| cell.approximate) {
         insert_after("time", &["setup", "mean_rel", "max_rel"], &mut figures);
@@ -101,8 +101,8 @@ pub(super) fn part(group: &GroupCells<'_>, model: &ModelRecord) -> Part {
         .into_iter()
         .map(|figure| figure_row(figure, &columns, model.vertices))
         .collect();
-    let mut notes = notes(&cells, model.vertices);
-    notes.extend(note_on_largest(&cells, model));
+    let mut notes = notes(cells, model.vertices);
+    notes.extend(note_on_largest(cells, model));
     if let Some((row, note)) = ratio_times(group, &model.name, &columns) {
         rows.push(row);
         notes.extend(note);
@@ -141,9 +141,11 @@ fn have_same_sources(columns: &[Vec<&Cell>]) -> bool {
     let Some(first) = filled.next() else {
         return true;
     };
-    let has_all =
-        |a: &[&Cell], b: &[&Cell]| a.iter().all(|a| b.iter().any(|b| a.source == b.source));
-    filled.all(|column| has_all(first, column) && has_all(column, first))
+    let sources = |cells: &[&Cell]| -> HashSet<Option<SourceLabel>> {
+        cells.iter().map(|c| c.source.clone()).collect()
+    };
+    let of_first = sources(first);
+    filled.all(|column| sources(column) == of_first)
 }
 
 /// The row of a figure; a column holds one cell for each source.

@@ -1,7 +1,7 @@
 //! The levels of waiting windows in the sequence tree.
 
 use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, DefaultHasher};
+use std::hash::{BuildHasherDefault, Hasher};
 
 use geobench_window::Window;
 
@@ -11,7 +11,42 @@ use super::kernels::Triangle;
 type Image = [u64; 3];
 
 /// A map with a fixed seed: with random seeds the memory of a run would vary.
-type Map<K, V> = HashMap<K, V, BuildHasherDefault<DefaultHasher>>;
+type Map<K, V> = HashMap<K, V, BuildHasherDefault<Mixer>>;
+
+/// A hash of few words: each is mixed in by a multiplication, whose high bits are folded back. The
+/// keys are coordinates, which nobody chooses to collide.
+#[derive(Default)]
+struct Mixer(u64);
+
+impl Mixer {
+    fn add(&mut self, word: u64) {
+        let product =
+            u128::from(self.0.rotate_left(5) ^ word) * u128::from(0x9e37_79b9_7f4a_7c15_u64);
+        self.0 = (product as u64) ^ ((product >> 64) as u64);
+    }
+}
+
+impl Hasher for Mixer {
+    fn write(&mut self, bytes: &[u8]) {
+        for chunk in bytes.chunks(8) {
+            let mut word = [0; 8];
+            word[..chunk.len()].copy_from_slice(chunk);
+            self.add(u64::from_le_bytes(word));
+        }
+    }
+
+    fn write_u32(&mut self, word: u32) {
+        self.add(word.into());
+    }
+
+    fn write_u64(&mut self, word: u64) {
+        self.add(word);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0
+    }
+}
 
 /// The level of the windows of each source image, for one list.
 type OfList = Map<Image, u32>;

@@ -4,7 +4,7 @@
 //! algorithms and a text about what it shows. Settings above the first group apply to all groups.
 //! `bench-configs/README.md` describes the format.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use geobench_mesh::Weld;
@@ -217,12 +217,10 @@ pub fn plans(
 /// Makes names of models unique across all plans. The same model has the same name in each.
 fn name_alike(plans: &mut [Plan]) {
     let key = |model: &ModelRef| model.named_path();
-    let mut all: Vec<ModelRef> = Vec::new();
-    for model in plans.iter().flat_map(|plan| &plan.models) {
-        if all.iter().all(|other| key(other) != key(model)) {
-            all.push(model.clone());
-        }
-    }
+    let mut known = HashSet::new();
+    let models = plans.iter().flat_map(|plan| &plan.models);
+    let all = models.filter(|model| known.insert(key(model)));
+    let mut all: Vec<ModelRef> = all.cloned().collect();
     model::make_names_unique(&mut all);
     let names: HashMap<String, &str> = all
         .iter()
@@ -233,12 +231,8 @@ fn name_alike(plans: &mut [Plan]) {
             names[&key(model)].clone_into(&mut model.name);
         }
         // A model given twice in one group would give two cells of the same name.
-        let mut seen: Vec<String> = Vec::new();
-        plan.models.retain(|model| {
-            let new = !seen.contains(&model.name);
-            seen.push(model.name.clone());
-            new
-        });
+        let mut seen = HashSet::new();
+        plan.models.retain(|model| seen.insert(model.name.clone()));
     }
 }
 
@@ -277,6 +271,7 @@ fn plan(
         },
         sampling: settings.sampling(),
         warmup: settings.warmup.unwrap_or(1) as usize,
+        counts: settings.counts.unwrap_or(true),
         reference: reference.unwrap_or_else(|| Reference::usual(&algorithms)),
         tolerance: settings.tolerance.unwrap_or(1e-9),
         seed: settings.seed.unwrap_or(DEFAULT_SEED),

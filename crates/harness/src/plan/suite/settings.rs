@@ -69,6 +69,8 @@ pub struct Settings {
     /// Number of untimed runs of each cell before the timed ones.
     #[serde(deserialize_with = "whole::<_, _, 0, MOST_RUNS>")]
     pub warmup: Option<u32>,
+    /// Whether each cell has a profiled and a counted run.
+    pub counts: Option<bool>,
     /// Largest relative difference from the reference that passes.
     #[serde(deserialize_with = "number")]
     pub tolerance: Option<f64>,
@@ -181,7 +183,7 @@ impl Settings {
             };
         }
         let mut all = settings!(models algorithms sources sources_together targets targets_file radius repeat precision min_time max_time warmup
-            tolerance seed threads simd timeout memory_limit max_decompressed weld reference rows ratios_to
+            counts tolerance seed threads simd timeout memory_limit max_decompressed weld reference rows ratios_to
             wavefront);
         // A precision here takes precedence over a number of runs in `other`.
         if self.repeat.is_none() && self.asks_for_precision() {

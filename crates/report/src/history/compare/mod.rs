@@ -688,13 +688,14 @@ fn matched<'f>(old: &'f ResultFile, new: &'f ResultFile) -> Matched<'f> {
     // A file can have copies of a model under several names. They share a hash, so several cells
     // can have the same identity.
     let mut waiting: HashMap<CellKey, Vec<(CellKey, &Cell)>> = HashMap::new();
+    let (old_keys, new_keys) = (CellKeys::of(old), CellKeys::of(new));
     for cell in &old.cells {
-        let key = CellKey::of(old, cell);
+        let key = old_keys.key(cell);
         waiting.entry(key.identity()).or_default().push((key, cell));
     }
     let (mut common, mut added) = (Vec::new(), Vec::new());
     for cell in &new.cells {
-        let key = CellKey::of(new, cell);
+        let key = new_keys.key(cell);
         match waiting.get_mut(&key.identity()) {
             Some(candidates) if !candidates.is_empty() => {
                 let namesake = candidates.iter().position(|(k, _)| k.model == key.model);
@@ -708,7 +709,7 @@ fn matched<'f>(old: &'f ResultFile, new: &'f ResultFile) -> Matched<'f> {
         let candidates = waiting.get(&key.identity());
         candidates.is_some_and(|c| c.iter().any(|(k, _)| k == key))
     };
-    let missing = old.cells.iter().map(|cell| CellKey::of(old, cell));
+    let missing = old.cells.iter().map(|cell| old_keys.key(cell));
     let missing = missing.filter(is_left).collect();
     Matched {
         common,
@@ -719,11 +720,11 @@ fn matched<'f>(old: &'f ResultFile, new: &'f ResultFile) -> Matched<'f> {
 }
 
 fn changed_models(old: &ResultFile, new: &ResultFile) -> Vec<String> {
+    let CellKeys { hashes } = CellKeys::of(old);
     let changed = new.models.iter().filter(|model| {
-        let before = old.models.iter().find(|m| m.name == model.name);
-        before.is_some_and(|m| {
-            m.sha256.is_some() && model.sha256.is_some() && m.sha256 != model.sha256
-        })
+        let before = hashes.get(model.name.as_str()).copied().flatten();
+        let now = model.sha256.as_deref();
+        before.is_some() && now.is_some() && before != now
     });
     changed
         .map(|model| {
@@ -735,13 +736,29 @@ fn changed_models(old: &ResultFile, new: &ResultFile) -> Vec<String> {
         .collect()
 }
 
-impl CellKey {
-    /// The identity of a cell of `file`.
-    pub fn of(file: &ResultFile, cell: &Cell) -> Self {
-        let model = file.models.iter().find(|m| m.name == cell.model);
+/// The identities of the cells of a file.
+pub(crate) struct CellKeys<'f> {
+    /// The hash of each model.
+    hashes: HashMap<&'f str, Option<&'f str>>,
+}
+
+impl<'f> CellKeys<'f> {
+    /// Those of the cells of `file`.
+    pub(crate) fn of(file: &'f ResultFile) -> Self {
+        let models = file.models.iter().rev();
         Self {
+            hashes: models
+                .map(|model| (model.name.as_str(), model.sha256.as_deref()))
+                .collect(),
+        }
+    }
+
+    /// The identity of a cell of the file.
+    pub(crate) fn key(&self, cell: &Cell) -> CellKey {
+        let hash = self.hashes.get(cell.model.as_str()).copied().flatten();
+        CellKey {
             model: cell.model.clone(),
-            sha256: model.and_then(|m| m.sha256.clone()),
+            sha256: hash.map(str::to_owned),
             algorithm: cell.algorithm.clone(),
             source: cell.source.clone(),
             goal: cell.goal.clone(),
@@ -749,14 +766,17 @@ impl CellKey {
             group: cell.group.clone(),
         }
     }
+}
 
+impl CellKey {
     /// Whether both identify the same cell. Names of models are ignored if there are hashes.
     pub fn is_same(&self, other: &Self) -> bool {
         self.identity() == other.identity()
     }
 
-    /// The key without the name of the model, unless the model has no hash.
-    fn identity(&self) -> Self {
+    /// The key without the name of the model, unless the model has no hash. Keys of the same cell
+    /// have the same identity.
+    pub(crate) fn identity(&self) -> Self {
         let mut key = self.clone();
         if key.sha256.is_some() {
             key.model.clear();

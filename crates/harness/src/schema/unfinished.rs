@@ -1,0 +1,131 @@
+//! The store of a run that has not ended: `FILE.unfinished` beside its output FILE.
+//!
+//! An output is written whole, since most formats cannot be appended to. Writing it after each model
+//! would take quadratic time, so it is written at growing intervals. The store has a line of JSON for
+//! each model, on disk before the next one starts. A run that ends removes it. If a run was killed,
+//! [`read`](super::result_file::read) takes what the output lacks from the store.
+//!
+//! The first line is the result file without cells. An incomplete last line is ignored.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::{Cell, GroupRecord, ModelRecord, ResultFile};
+
+/// The ending of its name.
+const ENDING: &str = "unfinished";
+
+/// A line after the first.
+#[derive(Serialize, Deserialize)]
+struct Line<'l> {
+    /// The groups so far.
+    groups: std::borrow::Cow<'l, [GroupRecord]>,
+    /// The model that has ended.
+    model: std::borrow::Cow<'l, ModelRecord>,
+    /// Its cells.
+    cells: std::borrow::Cow<'l, [Cell]>,
+}
+
+/// An open store.
+#[derive(Debug)]
+pub struct Unfinished {
+    file: File,
+    path: PathBuf,
+}
+
+/// The path of the store of an output.
+fn path_of(output: &Path) -> PathBuf {
+    let mut name = OsString::from(output);
+    name.push(".");
+    name.push(ENDING);
+    name.into()
+}
+
+impl Unfinished {
+    /// A new store for `output`, of a run with this `head`.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written.
+    pub fn create(output: &Path, head: &ResultFile) -> io::Result<Self> {
+        let path = path_of(output);
+        let mut unfinished = Self {
+            file: File::create(&path)?,
+            path,
+        };
+        unfinished.write(&ResultFile {
+            groups: Vec::new(),
+            models: Vec::new(),
+            cells: Vec::new(),
+            ..head.clone()
+        })?;
+        Ok(unfinished)
+    }
+
+    /// Adds a model that has ended, with its cells.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written.
+    pub fn add(
+        &mut self,
+        groups: &[GroupRecord],
+        model: &ModelRecord,
+        cells: &[Cell],
+    ) -> io::Result<()> {
+        use std::borrow::Cow::Borrowed;
+        self.write(&Line {
+            groups: Borrowed(groups),
+            model: Borrowed(model),
+            cells: Borrowed(cells),
+        })
+    }
+
+    fn write(&mut self, line: &impl Serialize) -> io::Result<()> {
+        let mut text = serde_json::to_string(line)?;
+        text.push('\n');
+        self.file.write_all(text.as_bytes())?;
+        self.file.sync_data()
+    }
+
+    /// Removes the store: the output is complete.
+    pub fn remove(self) {
+        // What stays is harmless.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// Whether `path` is that of a store.
+pub(super) fn is_one(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == ENDING)
+}
+
+/// The result in the text of a store; `None` if it is none.
+pub(super) fn parse(text: &str) -> Option<ResultFile> {
+    let mut lines = text.split_inclusive('\n');
+    let mut file: ResultFile = serde_json::from_str(lines.next()?).ok()?;
+    for line in lines.filter(|line| line.ends_with('\n')) {
+        let line: Line<'_> = serde_json::from_str(line).ok()?;
+        file.groups = line.groups.into_owned();
+        if file
+            .models
+            .iter()
+            .all(|known| known.name != line.model.name)
+        {
+            file.models.push(line.model.into_owned());
+        }
+        file.cells.extend(line.cells.into_owned());
+    }
+    Some(file)
+}
+
+/// The result in the store of `output`, if it is of the same run as `file` and has more cells.
+pub(super) fn newer(output: &Path, file: &ResultFile) -> Option<ResultFile> {
+    let store = parse(&fs::read_to_string(path_of(output)).ok()?)?;
+    let is_same = (&store.started, &store.command) == (&file.started, &file.command);
+    (is_same && store.cells.len() > file.cells.len()).then_some(store)
+}

@@ -253,12 +253,11 @@ impl FaceCones {
     ///
     /// Takes O(k² + a k) time for k cones whose circles cut each other into a pieces.
     pub(crate) fn arcs(&self, level: f64) -> Vec<ConeArc> {
-        let mut arcs: Vec<ConeArc> = Vec::new();
         if self.is_flat(level) {
-            return arcs;
+            return Vec::new();
         }
         let slack = ROUNDING * (level + self.size);
-        let mut cuts = Vec::new();
+        let mut all_cuts = vec![Vec::new(); self.cones.len()];
         for (i, cone) in self.cones.iter().enumerate() {
             let radius = cone.radius(level);
             let farthest = self.corners.map(|c| norm(sub(c, cone.centre)));
@@ -269,7 +268,57 @@ impl FaceCones {
             {
                 continue;
             }
-            self.cuts(i, level, slack, &mut cuts);
+            self.cuts(i, level, slack, &mut all_cuts[i]);
+        }
+        let arcs = self.arcs_between(&all_cuts, level, slack);
+        if self.share_ends(&arcs, level, slack, &mut all_cuts) {
+            return self.arcs_between(&all_cuts, level, slack);
+        }
+        arcs
+    }
+
+    /// Cuts the circles of other cones where `arcs` end, if they give the end the same distance up
+    /// to `slack`; returns whether any has a new cut.
+    ///
+    /// Where two circles nearly touch, as of a vertex that is reached on two sheets, they are equal
+    /// up to `slack` far beyond their intersection. Which cone counts as the nearest is decided in
+    /// the middle of a piece, so both need the same pieces: else both take a part, or none does.
+    fn share_ends(
+        &self,
+        arcs: &[ConeArc],
+        level: f64,
+        slack: f64,
+        all_cuts: &mut [Vec<f64>],
+    ) -> bool {
+        let mut has_new = false;
+        for arc in arcs {
+            let cone = &self.cones[arc.cone];
+            for end in [arc.from, arc.to] {
+                let x = cone.at(end, cone.radius(level));
+                for (other, cuts) in self.cones.iter().zip(&mut *all_cuts) {
+                    let angle = other.angle_of(x);
+                    let is_known = |cut: &f64| (cut - angle).abs() * other.radius(level) <= slack;
+                    if !cuts.is_empty()
+                        && angle > 0.0
+                        && angle < other.angle
+                        && (other.distance(x) - level).abs() <= slack
+                        && !cuts.iter().any(is_known)
+                    {
+                        cuts.push(angle);
+                        cuts.sort_by(f64::total_cmp);
+                        has_new = true;
+                    }
+                }
+            }
+        }
+        has_new
+    }
+
+    /// The pieces between the cuts of each cone's circle that are inside the face and nearest.
+    fn arcs_between(&self, all_cuts: &[Vec<f64>], level: f64, slack: f64) -> Vec<ConeArc> {
+        let mut arcs: Vec<ConeArc> = Vec::new();
+        for (i, (cone, cuts)) in self.cones.iter().zip(all_cuts).enumerate() {
+            let radius = cone.radius(level);
             for pair in cuts.windows(2) {
                 let [from, to] = [pair[0], pair[1]];
                 let middle = cone.at(f64::midpoint(from, to), radius);

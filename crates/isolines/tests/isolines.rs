@@ -416,16 +416,19 @@ fn isolines_of_random_meshes_are_closed_and_at_their_distance() {
 #[test]
 fn isolines_go_on_beyond_junctions() {
     let mut all = Vec::new();
-    for &kind in Kind::JOINED {
-        for seed in 0..20 {
-            let nasty = kind.mesh(seed);
-            let Some(mesh) = mesh_of(&nasty.model).filter(Mesh::has_junctions) else {
-                continue;
-            };
-            let sources = nasty.model.sources.iter().map(|&v| v.into());
-            let sources: Vec<SurfacePoint> = sources.collect();
-            all.extend(faults(&nasty.model.name, &mesh, &sources, 4, 1e-5));
-        }
+    let seeds = Kind::JOINED
+        .iter()
+        .flat_map(|&kind| (0..20).map(move |s| (kind, s)));
+    // In seed 138, a vertex is reached on two sheets, by paths that differ by 1e-9 of their length:
+    // the circles of both nearly touch, and parts of both were taken for the nearest.
+    for (kind, seed) in seeds.chain([(Kind::Rolled, 138)]) {
+        let nasty = kind.mesh(seed);
+        let Some(mesh) = mesh_of(&nasty.model).filter(Mesh::has_junctions) else {
+            continue;
+        };
+        let sources = nasty.model.sources.iter().map(|&v| v.into());
+        let sources: Vec<SurfacePoint> = sources.collect();
+        all.extend(faults(&nasty.model.name, &mesh, &sources, 4, 1e-5));
     }
     report(&all);
 }

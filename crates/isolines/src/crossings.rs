@@ -119,7 +119,7 @@ mod tests {
         let far = [10.0, 10.0];
         let w = window(0.0, 10.0, 5.0, -3.0);
         assert_eq!(crossings([w].into_iter(), far, 10.0, 5.0), [1.0, 9.0]);
-        assert_eq!(crossings([w].into_iter(), far, 10.0, 3.0), []);
+        assert!(crossings([w].into_iter(), far, 10.0, 3.0).is_empty());
         // Two windows that touch, with a gap from rounding.
         let two = [
             window(0.0, 5.0, 5.0, -3.0),
@@ -134,8 +134,8 @@ mod tests {
         assert_eq!(crossings(none(), [1.0, 3.0], 4.0, 2.0), [1.0]);
         assert_eq!(crossings(none(), [3.0, 1.0], 4.0, 2.0), [3.0]);
         assert_eq!(crossings(none(), [1.0, 1.0], 4.0, 2.0), [1.0, 3.0]);
-        assert_eq!(crossings(none(), [1.0, 1.0], 4.0, 3.5), []);
-        assert_eq!(crossings(none(), [5.0, 4.5], 4.0, 3.5), []);
+        assert!(crossings(none(), [1.0, 1.0], 4.0, 3.5).is_empty());
+        assert!(crossings(none(), [5.0, 4.5], 4.0, 3.5).is_empty());
         // A window that reaches the level at its end, a vertex: the crossing is the vertex.
         let w = window(0.0, 4.0, 0.0, -3.0);
         assert_eq!(crossings([w].into_iter(), [3.0, 5.0], 4.0, 5.0), [4.0]);

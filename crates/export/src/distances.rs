@@ -4,8 +4,7 @@ use geobench_mesh::io::PlyWriter;
 use geobench_mesh::{Mesh, VertexId, threads};
 use serde::Serialize;
 
-use crate::polylines::vtk_title;
-use crate::vtp::{Array, PolyData, Values};
+use crate::vtp::{Array, ArrayValues, PolyData, vtk_title};
 use crate::{FileFormat, SourceLabel, json_line, no_coordinates};
 
 /// Distances with their origin.
@@ -311,7 +310,7 @@ fn vtp(field: &DistanceFile<'_>) -> Vec<u8> {
         Array::doubles("distance", field.distances.iter().copied()),
         Array {
             name: "reached",
-            values: Values::Byte(field.reached().collect()),
+            values: ArrayValues::Byte(field.reached().collect()),
         },
     ];
     data.render()

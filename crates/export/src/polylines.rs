@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::vtp::{Array, CellKind, PolyData, Values};
+use crate::vtp::{Array, ArrayValues, CellKind, PolyData, vtk_title};
 
 /// Polylines with scalars.
 #[derive(Clone, Debug, Default)]
@@ -13,13 +13,6 @@ pub(crate) struct Polylines {
     pub(crate) lines: Vec<Vec<[f64; 3]>>,
     /// Arrays with a value for each line.
     pub(crate) scalars: Vec<Array>,
-}
-
-/// A title for the second line of a VTK file: printable ASCII, cut to 200 characters. The format
-/// allows 256.
-pub(super) fn vtk_title(title: &str) -> String {
-    let shown = |c: char| if c.is_ascii_graphic() { c } else { ' ' };
-    title.chars().map(shown).take(200).collect()
 }
 
 impl Polylines {
@@ -43,8 +36,8 @@ impl Polylines {
         })
     }
 
-    /// Wavefront OBJ. Each line has a group `gN`, and each of its segments an element: `MeshLab`
-    /// reads only the first segment of a longer element.
+    /// Wavefront OBJ. Each segment is an element: `MeshLab` reads only the first segment of a longer
+    /// one.
     pub(crate) fn obj(&self) -> String {
         let mut text = match self.title() {
             title if title.is_empty() => title,
@@ -53,11 +46,7 @@ impl Polylines {
         for [x, y, z] in self.lines.iter().flatten() {
             let _ = writeln!(text, "v {x} {y} {z}"); // A string takes all.
         }
-        let mut last = None;
-        for (line, point) in self.segments() {
-            if last.replace(line) != Some(line) {
-                let _ = writeln!(text, "g {line}");
-            }
+        for (_, point) in self.segments() {
             let _ = writeln!(text, "l {} {}", point + 1, point + 2);
         }
         text
@@ -105,16 +94,16 @@ impl Polylines {
         let _ = writeln!(text, "CELL_DATA {segments}");
         for Array { name, values } in [self.numbers()].iter().chain(&self.scalars) {
             let kind = match values {
-                Values::Double(_) => "double",
-                Values::Int(_) => "int",
-                Values::Byte(_) => "unsigned_char",
+                ArrayValues::Double(_) => "double",
+                ArrayValues::Int(_) => "int",
+                ArrayValues::Byte(_) => "unsigned_char",
             };
             let _ = writeln!(text, "SCALARS {name} {kind} 1\nLOOKUP_TABLE default");
             for (line, _) in self.segments() {
                 let _ = match values {
-                    Values::Double(all) => writeln!(text, "{}", all[line]),
-                    Values::Int(all) => writeln!(text, "{}", all[line]),
-                    Values::Byte(all) => writeln!(text, "{}", all[line]),
+                    ArrayValues::Double(all) => writeln!(text, "{}", all[line]),
+                    ArrayValues::Int(all) => writeln!(text, "{}", all[line]),
+                    ArrayValues::Byte(all) => writeln!(text, "{}", all[line]),
                 };
             }
         }

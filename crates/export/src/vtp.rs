@@ -5,18 +5,23 @@ use std::fmt::Write;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::polylines::vtk_title;
+/// A title for the second line of a VTK file: printable ASCII, cut to 200 characters. The format
+/// allows 256.
+pub(crate) fn vtk_title(title: &str) -> String {
+    let shown = |c: char| if c.is_ascii_graphic() { c } else { ' ' };
+    title.chars().map(shown).take(200).collect()
+}
 
 /// A named array with a value for each point or cell.
 #[derive(Clone, Debug)]
 pub(crate) struct Array {
     pub(crate) name: &'static str,
-    pub(crate) values: Values,
+    pub(crate) values: ArrayValues,
 }
 
 /// The values of an array.
 #[derive(Clone, Debug)]
-pub(crate) enum Values {
+pub(crate) enum ArrayValues {
     Double(Vec<f64>),
     Int(Vec<i32>),
     Byte(Vec<u8>),
@@ -24,12 +29,12 @@ pub(crate) enum Values {
 
 impl Array {
     pub(crate) fn doubles(name: &'static str, values: impl IntoIterator<Item = f64>) -> Self {
-        let values = Values::Double(values.into_iter().collect());
+        let values = ArrayValues::Double(values.into_iter().collect());
         Self { name, values }
     }
 
     pub(crate) fn ints(name: &'static str, values: impl IntoIterator<Item = i32>) -> Self {
-        let values = Values::Int(values.into_iter().collect());
+        let values = ArrayValues::Int(values.into_iter().collect());
         Self { name, values }
     }
 }
@@ -128,11 +133,15 @@ impl<'a> PolyData<'a> {
             let _ = writeln!(text, "<{element} Scalars=\"{}\">", first.name);
             for Array { name, values } in arrays {
                 let (kind, bytes) = match values {
-                    Values::Double(all) => {
+                    ArrayValues::Double(all) => {
                         ("Float64", bytes(all.iter().copied(), f64::to_le_bytes))
                     }
-                    Values::Int(all) => ("Int32", bytes(all.iter().copied(), i32::to_le_bytes)),
-                    Values::Byte(all) => ("UInt8", bytes(all.iter().copied(), u8::to_le_bytes)),
+                    ArrayValues::Int(all) => {
+                        ("Int32", bytes(all.iter().copied(), i32::to_le_bytes))
+                    }
+                    ArrayValues::Byte(all) => {
+                        ("UInt8", bytes(all.iter().copied(), u8::to_le_bytes))
+                    }
                 };
                 push(&mut text, name, 1, kind, bytes);
             }

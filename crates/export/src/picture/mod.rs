@@ -6,6 +6,7 @@
 // Positions and sizes are never negative here.
 #![allow(clippy::cast_sign_loss)]
 
+mod numbers;
 mod paint;
 mod raster;
 mod scale;
@@ -17,14 +18,15 @@ use geobench_mesh::{Mesh, VertexId};
 
 use crate::svg::{self, Svg, px};
 use raster::{Camera, Image, LineStyle};
-use scale::Scale;
+use scale::ColourBar;
 
+pub use numbers::{nice, short, step};
 pub use paint::Paint;
 pub use raster::bounds;
 pub use view::View;
 
 /// Width and height of a picture, in units of the drawing.
-const SIZE: [f64; 2] = [480.0, 400.0];
+const SIZE: [f64; 2] = [scale::WIDTH, 400.0];
 
 /// Pixels per unit of the drawing.
 const DENSITY: f64 = 1.5;
@@ -127,7 +129,7 @@ pub struct Picture {
     /// The distance at the bright end of the colour ramp; `None` if the scene is painted.
     farthest: Option<f64>,
     /// The colour scale, if the surface is coloured by distance.
-    scale: Option<Scale>,
+    scale: Option<ColourBar>,
     camera: Camera,
 }
 
@@ -176,7 +178,7 @@ impl Picture {
             isolines,
             paths,
             farthest: is_coloured.then_some(farthest),
-            scale: is_coloured.then(|| Scale::new(farthest, scene.levels)),
+            scale: is_coloured.then(|| ColourBar::new(farthest, scene.levels)),
             camera,
         })
     }
@@ -325,33 +327,6 @@ fn nearest_vertex(mesh: &Mesh, to: [f64; 3]) -> VertexId {
     let used = mesh.vertices().filter(|&v| !mesh.outgoing(v).is_empty());
     let nearest = used.min_by(|a, b| apart(a).total_cmp(&apart(b)));
     nearest.unwrap_or(VertexId::new(0))
-}
-
-/// A round distance, about `parts` of which make up `farthest`.
-pub fn step(farthest: f64, parts: f64) -> f64 {
-    if farthest <= 0.0 {
-        return 1.0;
-    }
-    nice(farthest / parts)
-}
-
-/// The smallest of 1, 2, 2.5 and 5 times a power of ten that is not below `step`.
-pub fn nice(step: f64) -> f64 {
-    let power = libm::exp10(libm::log10(step).floor());
-    [1.0, 2.0, 2.5, 5.0, 10.0]
-        .into_iter()
-        .map(|factor| factor * power)
-        .find(|nice| *nice >= step * (1.0 - 1e-9))
-        .unwrap_or(10.0 * power)
-}
-
-/// A round number in few characters.
-pub fn short(value: f64) -> String {
-    if value != 0.0 && !(1e-3..1e6).contains(&value) {
-        return format!("{value:.1e}");
-    }
-    let text = format!("{value:.6}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 #[cfg(test)]

@@ -1,9 +1,12 @@
 //! The colour scale of a picture, and its letters where a picture has pixels only.
 
+use super::numbers::{short, step};
 use super::raster::{Image, LineStyle};
-use super::{SIZE, short, step};
 use crate::distances;
 use crate::svg::{Svg, px};
+
+/// The width of a picture, in units of the drawing.
+pub(super) const WIDTH: f64 = 480.0;
 
 /// The height of the scale with its numbers and its caption, in units of the drawing.
 pub(super) const HEIGHT: f64 = 54.0;
@@ -15,7 +18,7 @@ const CAPTION: &str = "distance (model units)";
 const STRIPES: usize = 64;
 
 /// The ends of the bar, its top below the picture, and its height.
-const ENDS: [f64; 2] = [60.0, SIZE[0] - 60.0];
+const ENDS: [f64; 2] = [60.0, WIDTH - 60.0];
 const TOP: f64 = 8.0;
 const THICKNESS: f64 = 10.0;
 
@@ -28,14 +31,14 @@ const GREY: [u8; 3] = [112; 3];
 
 /// A colour bar from distance 0 to the largest, with numbers at levels.
 #[derive(Clone, Debug)]
-pub(super) struct Scale {
+pub(super) struct ColourBar {
     /// The horizontal position of each level, and its number if there is room.
     marks: Vec<(f64, Option<String>)>,
     /// Whether the levels are those of isolines, which are marked on the bar.
     has_isolines: bool,
 }
 
-impl Scale {
+impl ColourBar {
     /// The scale up to `farthest`, with numbers at `levels`, or at round distances if there are
     /// none.
     pub(super) fn new(farthest: f64, levels: &[f64]) -> Self {
@@ -106,7 +109,7 @@ impl Scale {
                 svg.text([*x, y + NUMBERS], "m", text);
             }
         }
-        svg.text([0.5 * SIZE[0], y + WORDS], "m", CAPTION);
+        svg.text([0.5 * WIDTH, y + WORDS], "m", CAPTION);
     }
 
     /// Draws the scale into an image, below a picture whose lower end is at `y`. `density` is in
@@ -119,7 +122,7 @@ impl Scale {
         let [top, bottom] = self.mark();
         let marks = self.marks.iter();
         let ticks = marks.map(|(x, _)| vec![[*x, y + top], [*x, y + bottom]]);
-        let mut letters = letters(CAPTION, [0.5 * SIZE[0], y + WORDS]);
+        let mut letters = letters(CAPTION, [0.5 * WIDTH, y + WORDS]);
         for (x, text) in &self.marks {
             let text = text.as_deref().unwrap_or_default();
             letters.extend(self::letters(text, [*x, y + NUMBERS]));
@@ -220,9 +223,9 @@ mod tests {
 
     #[test]
     fn every_level_is_marked_and_numbers_do_not_overlap() {
-        let scale = Scale::new(10.0, &[1.0, 1.01, 5.0, 11.0]);
+        let scale = ColourBar::new(10.0, &[1.0, 1.01, 5.0, 11.0]);
         let texts: Vec<Option<&str>> = scale.marks.iter().map(|(_, t)| t.as_deref()).collect();
         assert_eq!(texts, [Some("1"), None, Some("5")]);
-        assert_eq!(Scale::new(0.0, &[]).marks[0].1.as_deref(), Some("0"));
+        assert_eq!(ColourBar::new(0.0, &[]).marks[0].1.as_deref(), Some("0"));
     }
 }

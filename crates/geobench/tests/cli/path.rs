@@ -147,7 +147,7 @@ fn every_form_is_written() {
         (
             "p.obj",
             "# shortest paths by mmp, model square\nv 1 0 0\n",
-            "\ng 0\nl 1 2\nl 2 3\n",
+            "\nl 1 2\nl 2 3\n",
         ),
         ("p.ply", "ply\nformat ascii 1.0\n", "\n0 1\n1 2\n"),
         (

@@ -11,7 +11,7 @@ use std::collections::hash_map::Entry;
 use roxmltree::Node;
 
 use super::error::Flaw;
-use super::scene::{DEEPEST, Piece, Scene, Transform, too_deep};
+use super::scene::{Affine, Assembly, DEEPEST, UnplacedMesh, too_deep};
 use super::xml::{self, attribute, child, children, descendants, flaw, needed};
 use crate::soup::TriangleSoup;
 
@@ -29,10 +29,10 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
             by_id.entry(id).or_insert(node);
         }
     }
-    let mut reader = Reader {
+    let mut reader = ColladaFile {
         by_id,
         pieces: HashMap::new(),
-        scene: Scene::new(room),
+        scene: Assembly::new(room),
     };
     let shown = child(root, "scene").and_then(|scene| child(scene, "instance_visual_scene"));
     let scene = match shown {
@@ -44,20 +44,20 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
     } else {
         let all = children(root, "library_geometries");
         for geometry in all.flat_map(|library| children(library, "geometry")) {
-            reader.geometry(geometry, &Transform::IDENTITY)?;
+            reader.geometry(geometry, &Affine::IDENTITY)?;
         }
     }
     reader.scene.into_soup()
 }
 
-struct Reader<'a, 'd> {
+struct ColladaFile<'a, 'd> {
     by_id: HashMap<&'a str, Node<'a, 'd>>,
     /// The geometries that have been placed, by the place of their element.
-    pieces: HashMap<usize, Piece>,
-    scene: Scene,
+    pieces: HashMap<usize, UnplacedMesh>,
+    scene: Assembly,
 }
 
-impl<'a, 'd> Reader<'a, 'd> {
+impl<'a, 'd> ColladaFile<'a, 'd> {
     /// The element that an attribute refers to.
     fn target(&self, node: Node<'a, 'd>, name: &str) -> Result<Node<'a, 'd>, Flaw> {
         let reference = node.attribute(name).unwrap_or_default();
@@ -75,7 +75,7 @@ impl<'a, 'd> Reader<'a, 'd> {
 
     /// Places the geometries of a visual scene.
     fn place(&mut self, scene: Node<'a, 'd>) -> Result<(), Flaw> {
-        let mut open = vec![(scene, Transform::IDENTITY, 0)];
+        let mut open = vec![(scene, Affine::IDENTITY, 0)];
         while let Some((node, outer, depth)) = open.pop() {
             if depth > DEEPEST {
                 return Err(too_deep("a node"));
@@ -110,7 +110,7 @@ impl<'a, 'd> Reader<'a, 'd> {
     }
 
     /// Places the geometry of a skin or morph, which may be that of another controller.
-    fn controller(&mut self, start: Node<'a, 'd>, transform: &Transform) -> Result<(), Flaw> {
+    fn controller(&mut self, start: Node<'a, 'd>, transform: &Affine) -> Result<(), Flaw> {
         let (mut node, mut transform) = (start, *transform);
         for _ in 0..DEEPEST {
             self.scene.visit()?;
@@ -119,7 +119,7 @@ impl<'a, 'd> Reader<'a, 'd> {
             }
             if let Some(skin) = child(node, "skin") {
                 if let Some(shape) = child(skin, "bind_shape_matrix") {
-                    transform = transform.after(&Transform::from_rows(&fixed(shape)?));
+                    transform = transform.after(&Affine::from_rows(&fixed(shape)?));
                 }
                 node = self.target(skin, "source")?;
             } else if let Some(morph) = child(node, "morph") {
@@ -132,13 +132,13 @@ impl<'a, 'd> Reader<'a, 'd> {
     }
 
     /// Places a geometry.
-    fn geometry(&mut self, node: Node<'a, 'd>, transform: &Transform) -> Result<(), Flaw> {
+    fn geometry(&mut self, node: Node<'a, 'd>, transform: &Affine) -> Result<(), Flaw> {
         let key = node.range().start;
         if !self.pieces.contains_key(&key) {
             let piece = match child(node, "mesh").or_else(|| child(node, "convex_mesh")) {
                 Some(mesh) => self.mesh(mesh)?,
                 // A spline.
-                None => Piece::default(),
+                None => UnplacedMesh::default(),
             };
             self.pieces.insert(key, piece);
         }
@@ -147,8 +147,8 @@ impl<'a, 'd> Reader<'a, 'd> {
     }
 
     /// The faces of a mesh, with the positions of all their sources.
-    fn mesh(&mut self, mesh: Node<'a, 'd>) -> Result<Piece, Flaw> {
-        let mut piece = Piece::default();
+    fn mesh(&mut self, mesh: Node<'a, 'd>) -> Result<UnplacedMesh, Flaw> {
+        let mut piece = UnplacedMesh::default();
         // The number of the first vertex of each source of positions.
         let mut firsts: HashMap<usize, (u32, u32)> = HashMap::new();
         for list in mesh.children().filter(Node::is_element) {
@@ -289,14 +289,14 @@ impl<'a, 'd> Reader<'a, 'd> {
 }
 
 /// The transform of an element, if it is one.
-fn step(element: Node<'_, '_>) -> Result<Option<Transform>, Flaw> {
+fn step(element: Node<'_, '_>) -> Result<Option<Affine>, Flaw> {
     Ok(Some(match element.tag_name().name() {
-        "matrix" => Transform::from_rows(&fixed(element)?),
-        "translate" => Transform::shift(fixed(element)?),
-        "scale" => Transform::scale(fixed(element)?),
+        "matrix" => Affine::from_rows(&fixed(element)?),
+        "translate" => Affine::shift(fixed(element)?),
+        "scale" => Affine::scale(fixed(element)?),
         "rotate" => {
             let [x, y, z, degrees] = fixed(element)?;
-            Transform::turn([x, y, z], degrees)
+            Affine::turn([x, y, z], degrees)
         }
         "skew" | "lookat" => {
             return Err(flaw(

@@ -7,7 +7,7 @@ use roxmltree::Node;
 
 use super::arrays::{NumberType, from_base64, inflate};
 use super::error::Flaw;
-use super::scene::{Piece, Scene, Transform};
+use super::scene::{Affine, Assembly, UnplacedMesh};
 use super::xml::{self, children, flaw, needed};
 use crate::soup::TriangleSoup;
 
@@ -33,13 +33,13 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
             triangles.len()
         )));
     }
-    let mut scene = Scene::new(u64::MAX);
+    let mut scene = Assembly::new(u64::MAX);
     for (number, (points, triangles)) in points.into_iter().zip(triangles).enumerate() {
-        let mut piece = Piece {
+        let mut piece = UnplacedMesh {
             positions: triples(points, room, |bytes, kind, is_little| {
                 Some(kind.float(bytes, is_little))
             })?,
-            ..Piece::default()
+            ..UnplacedMesh::default()
         };
         let corners = triples(triangles, room, |bytes, kind, is_little| {
             u32::try_from(kind.integer(bytes, is_little)?).ok()
@@ -47,7 +47,7 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
         for corners in corners {
             piece.faces.push(&corners);
         }
-        scene.place(&piece, &Transform::IDENTITY, &format!("surface {number}"))?;
+        scene.place(&piece, &Affine::IDENTITY, &format!("surface {number}"))?;
     }
     scene.into_soup()
 }

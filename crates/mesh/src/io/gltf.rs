@@ -14,7 +14,7 @@ use serde_json::Value;
 use super::arrays::{NumberType, from_base64};
 use super::error::Flaw;
 use super::gzip::usual_decompression_limit;
-use super::scene::{DEEPEST, Piece, Scene, Transform, too_deep};
+use super::scene::{Affine, Assembly, DEEPEST, UnplacedMesh, too_deep};
 use crate::soup::TriangleSoup;
 
 /// Extensions without which there are no positions.
@@ -50,13 +50,13 @@ pub(super) fn read(bytes: &[u8], path: &Path, room: u64) -> Result<TriangleSoup,
             )));
         }
     }
-    let mut document = Document {
+    let mut document = GltfFile {
         json: &json,
         embedded: HashMap::new(),
         files: HashMap::new(),
         binary,
         path,
-        scene: Scene::new(room),
+        scene: Assembly::new(room),
     };
     document.place()?;
     document.scene.into_soup()
@@ -110,7 +110,7 @@ fn fixed<const N: usize>(value: &Value, name: &str, of: &str) -> Result<Option<[
     numbers.map_err(|_| Flaw::file(format!("{of}: {name} has not {N} numbers")))
 }
 
-struct Document<'a> {
+struct GltfFile<'a> {
     json: &'a Value,
     /// The buffers in the JSON, by their number.
     embedded: HashMap<usize, Vec<u8>>,
@@ -118,10 +118,10 @@ struct Document<'a> {
     files: HashMap<PathBuf, Vec<u8>>,
     binary: Option<&'a [u8]>,
     path: &'a Path,
-    scene: Scene,
+    scene: Assembly,
 }
 
-impl Document<'_> {
+impl GltfFile<'_> {
     /// Places the meshes of the scene.
     fn place(&mut self) -> Result<(), Flaw> {
         let json = self.json;
@@ -140,17 +140,17 @@ impl Document<'_> {
             }
             None => return Err(Flaw::file("the scene that it shows does not exist")),
         };
-        let mut pieces: HashMap<usize, Piece> = HashMap::new();
+        let mut pieces: HashMap<usize, UnplacedMesh> = HashMap::new();
         let mut open: Vec<_> = roots
             .iter()
             .rev()
-            .map(|&n| (n, Transform::IDENTITY, 0))
+            .map(|&n| (n, Affine::IDENTITY, 0))
             .collect();
         if nodes.is_empty() && scenes.is_empty() {
             for mesh in 0..list(json, "meshes").len() {
                 let piece = self.mesh(mesh)?;
                 let name = format!("mesh {mesh}");
-                self.scene.place(&piece, &Transform::IDENTITY, &name)?;
+                self.scene.place(&piece, &Affine::IDENTITY, &name)?;
             }
         }
         while let Some((number, outer, depth)) = open.pop() {
@@ -176,10 +176,10 @@ impl Document<'_> {
     }
 
     /// The triangles of a mesh. Primitives with the same positions share vertices.
-    fn mesh(&mut self, number: usize) -> Result<Piece, Flaw> {
+    fn mesh(&mut self, number: usize) -> Result<UnplacedMesh, Flaw> {
         let mesh = list(self.json, "meshes").get(number);
         let mesh = mesh.ok_or_else(|| Flaw::file(format!("mesh {number} does not exist")))?;
-        let mut piece = Piece::default();
+        let mut piece = UnplacedMesh::default();
         let mut firsts: HashMap<usize, (u32, u32)> = HashMap::new();
         for (i, primitive) in list(mesh, "primitives").iter().enumerate() {
             let name = format!("mesh {number}, primitive {i}");
@@ -430,20 +430,20 @@ fn indices(value: &Value, name: &str) -> Vec<usize> {
 }
 
 /// The transform of a node: a matrix, or a scale, a rotation and a shift.
-fn transform_of(node: &Value, number: usize) -> Result<Transform, Flaw> {
+fn transform_of(node: &Value, number: usize) -> Result<Affine, Flaw> {
     let name = format!("node {number}");
     if let Some(matrix) = fixed(node, "matrix", &name)? {
-        return Ok(Transform::from_columns(&matrix));
+        return Ok(Affine::from_columns(&matrix));
     }
-    let mut transform = Transform::IDENTITY;
+    let mut transform = Affine::IDENTITY;
     if let Some(shift) = fixed(node, "translation", &name)? {
-        transform = transform.after(&Transform::shift(shift));
+        transform = transform.after(&Affine::shift(shift));
     }
     if let Some(quaternion) = fixed(node, "rotation", &name)? {
-        transform = transform.after(&Transform::rotation(quaternion));
+        transform = transform.after(&Affine::rotation(quaternion));
     }
     if let Some(scale) = fixed(node, "scale", &name)? {
-        transform = transform.after(&Transform::scale(scale));
+        transform = transform.after(&Affine::scale(scale));
     }
     Ok(transform)
 }

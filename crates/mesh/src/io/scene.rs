@@ -7,9 +7,9 @@ use crate::soup::TriangleSoup;
 
 /// An affine map: rows of three factors and a shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Transform(pub(super) [[f64; 4]; 3]);
+pub(super) struct Affine(pub(super) [[f64; 4]; 3]);
 
-impl Transform {
+impl Affine {
     pub(super) const IDENTITY: Self = Self([
         [1.0, 0.0, 0.0, 0.0],
         [0.0, 1.0, 0.0, 0.0],
@@ -101,12 +101,12 @@ pub(super) fn too_deep(what: &str) -> Flaw {
 
 /// A mesh before it is placed.
 #[derive(Debug, Default)]
-pub(super) struct Piece {
+pub(super) struct UnplacedMesh {
     pub(super) positions: Vec<[f64; 3]>,
     pub(super) faces: FaceList,
 }
 
-impl Piece {
+impl UnplacedMesh {
     /// The piece alone.
     pub(super) fn into_soup(self) -> Result<TriangleSoup, Flaw> {
         self.faces.into_soup(self.positions)
@@ -115,19 +115,19 @@ impl Piece {
 
 /// The placed meshes.
 #[derive(Debug)]
-pub(super) struct Scene {
-    all: Piece,
+pub(super) struct Assembly {
+    all: UnplacedMesh,
     parts: u32,
     /// How many more bytes the placed meshes may take.
     room: u64,
 }
 
-impl Scene {
+impl Assembly {
     /// A scene whose placed meshes may take `room` bytes: nodes may place one mesh any number of
     /// times.
     pub(super) fn new(room: u64) -> Self {
         Self {
-            all: Piece::default(),
+            all: UnplacedMesh::default(),
             parts: 0,
             room,
         }
@@ -157,8 +157,8 @@ impl Scene {
     /// Adds a mesh, called `name` in messages.
     pub(super) fn place(
         &mut self,
-        piece: &Piece,
-        transform: &Transform,
+        piece: &UnplacedMesh,
+        transform: &Affine,
         name: &str,
     ) -> Result<(), Flaw> {
         if piece.faces.is_empty() {
@@ -179,7 +179,7 @@ impl Scene {
                 ))
             })
             })?;
-        if *transform == Transform::IDENTITY {
+        if *transform == Affine::IDENTITY {
             self.all.positions.extend_from_slice(&piece.positions);
         } else {
             let places = piece.positions.iter().map(|&at| transform.of(at));
@@ -205,28 +205,28 @@ mod tests {
 
     #[test]
     fn transforms_follow_each_other() {
-        let turned = Transform::turn([0.0, 0.0, 2.0], 90.0).of([1.0, 0.0, 5.0]);
+        let turned = Affine::turn([0.0, 0.0, 2.0], 90.0).of([1.0, 0.0, 5.0]);
         let off = turned
             .iter()
             .zip([0.0, 1.0, 5.0])
             .map(|(a, b)| (a - b).abs());
         assert!(off.fold(0.0, f64::max) < 1e-15, "{turned:?}");
-        let both = Transform::shift([1.0, 0.0, 0.0]).after(&Transform::scale([2.0; 3]));
+        let both = Affine::shift([1.0, 0.0, 0.0]).after(&Affine::scale([2.0; 3]));
         assert_eq!(both.of([1.0, 2.0, 3.0]), [3.0, 4.0, 6.0]);
     }
 
     #[test]
     fn a_mesh_cannot_be_placed_without_bound() {
-        let mut piece = Piece {
+        let mut piece = UnplacedMesh {
             positions: vec![[0.0; 3]; 3],
-            ..Piece::default()
+            ..UnplacedMesh::default()
         };
         piece.faces.push(&[0, 1, 2]);
-        let mut scene = Scene::new(1000);
-        let mut place = || scene.place(&piece, &Transform::IDENTITY, "a");
+        let mut scene = Assembly::new(1000);
+        let mut place = || scene.place(&piece, &Affine::IDENTITY, "a");
         assert!((0..100).any(|_| place().is_err()));
         piece.faces.push(&[0, 1, 3]);
-        let flaw = Scene::new(1000).place(&piece, &Transform::IDENTITY, "a");
+        let flaw = Assembly::new(1000).place(&piece, &Affine::IDENTITY, "a");
         assert!(
             flaw.unwrap_err()
                 .problem

@@ -12,7 +12,7 @@ use rawzip::{CompressionMethod, ZipArchive};
 use roxmltree::Node;
 
 use super::error::Flaw;
-use super::scene::{DEEPEST, Piece, Scene, Transform, too_deep};
+use super::scene::{Affine, Assembly, DEEPEST, UnplacedMesh, too_deep};
 use super::xml::{self, child, children, descendants, flaw, needed};
 use crate::soup::TriangleSoup;
 
@@ -36,10 +36,10 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
         Ok((name.as_str(), document))
     });
     let documents = documents.collect::<Result<Vec<_>, Flaw>>()?;
-    let mut model = Model {
+    let mut model = BuildItems {
         objects: HashMap::new(),
         pieces: HashMap::new(),
-        scene: Scene::new(room),
+        scene: Assembly::new(room),
     };
     for (name, document) in &documents {
         for object in descendants(document.root_element(), "object") {
@@ -153,20 +153,20 @@ impl Archive<'_> {
     }
 }
 
-struct Model<'a, 'd> {
+struct BuildItems<'a, 'd> {
     /// The objects by the name of their part and their id.
     objects: HashMap<(&'a str, &'a str), Node<'a, 'd>>,
     /// The meshes of objects that have been placed.
-    pieces: HashMap<(&'a str, &'a str), Piece>,
-    scene: Scene,
+    pieces: HashMap<(&'a str, &'a str), UnplacedMesh>,
+    scene: Assembly,
 }
 
-impl<'a, 'd> Model<'a, 'd> {
+impl<'a, 'd> BuildItems<'a, 'd> {
     /// Places the objects of these items of the part `main`, and what they consist of.
     fn place(&mut self, main: &'a str, items: &[Node<'a, 'd>]) -> Result<(), Flaw> {
         let start = items.iter().rev();
         let mut open: Vec<_> = start
-            .map(|&item| (item, main, Transform::IDENTITY, 0))
+            .map(|&item| (item, main, Affine::IDENTITY, 0))
             .collect();
         while let Some((node, part, outer, depth)) = open.pop() {
             if depth > DEEPEST {
@@ -200,20 +200,20 @@ impl<'a, 'd> Model<'a, 'd> {
 
 /// The transform of an item or a component: four rows of three numbers, by which row vectors are
 /// multiplied.
-fn transform_of(node: Node<'_, '_>) -> Result<Transform, Flaw> {
+fn transform_of(node: Node<'_, '_>) -> Result<Affine, Flaw> {
     let Some(text) = node.attribute("transform") else {
-        return Ok(Transform::IDENTITY);
+        return Ok(Affine::IDENTITY);
     };
     let numbers: Vec<f64> = text.split_ascii_whitespace().flat_map(str::parse).collect();
     let [a, b, c, d, e, f, g, h, i, x, y, z] = numbers[..] else {
         return Err(flaw(node, "its transform has not twelve numbers"));
     };
-    Ok(Transform([[a, d, g, x], [b, e, h, y], [c, f, i, z]]))
+    Ok(Affine([[a, d, g, x], [b, e, h, y], [c, f, i, z]]))
 }
 
 /// The mesh of an object.
-fn piece(mesh: Node<'_, '_>) -> Result<Piece, Flaw> {
-    let mut piece = Piece::default();
+fn piece(mesh: Node<'_, '_>) -> Result<UnplacedMesh, Flaw> {
+    let mut piece = UnplacedMesh::default();
     let all = |list, item| children(mesh, list).flat_map(move |list| children(list, item));
     for vertex in all("vertices", "vertex") {
         let mut position = [0.0; 3];

@@ -7,14 +7,14 @@
 use super::arrays::NumberType;
 use super::error::{FilePosition, Flaw};
 use super::faces::FaceList;
-use super::scene::Piece;
+use super::scene::UnplacedMesh;
 use super::text::{self, shown};
 use crate::soup::TriangleSoup;
 
 /// Reads a legacy VTK file.
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
-    let mut reader = Reader::new(bytes)?;
-    let mut piece = Piece::default();
+    let mut reader = VtkCursor::new(bytes)?;
+    let mut piece = UnplacedMesh::default();
     let mut cells: Option<Cells> = None;
     let mut types: Option<Vec<u32>> = None;
     let mut data_set = None;
@@ -138,13 +138,13 @@ impl Cells {
     }
 }
 
-struct Reader<'a> {
+struct VtkCursor<'a> {
     bytes: &'a [u8],
     at: usize,
     is_binary: bool,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> VtkCursor<'a> {
     /// Reads the first three lines: version, title, encoding.
     fn new(bytes: &'a [u8]) -> Result<Self, Flaw> {
         let mut reader = Self {

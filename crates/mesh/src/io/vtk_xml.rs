@@ -9,7 +9,7 @@ use roxmltree::Node;
 
 use super::arrays::{NumberType, from_base64, inflate};
 use super::error::Flaw;
-use super::scene::{Piece, Scene, Transform};
+use super::scene::{Affine, Assembly, UnplacedMesh};
 use super::vtk::{Cells, push_cells};
 use super::xml::{self, attribute, child, children, flaw, needed};
 use crate::soup::TriangleSoup;
@@ -43,14 +43,14 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
         appended,
         room,
     };
-    let mut scene = Scene::new(u64::MAX);
+    let mut scene = Assembly::new(u64::MAX);
     let grids = root
         .children()
         .filter(|node| node.tag_name().name() == kind);
     let pieces = grids.flat_map(|grid| children(grid, "Piece"));
     for (number, node) in pieces.enumerate() {
         let piece = arrays.piece(node, is_poly)?;
-        scene.place(&piece, &Transform::IDENTITY, &format!("piece {number}"))?;
+        scene.place(&piece, &Affine::IDENTITY, &format!("piece {number}"))?;
     }
     scene.into_soup()
 }
@@ -98,8 +98,8 @@ struct Arrays<'a> {
 
 impl Arrays<'_> {
     /// A piece of the file.
-    fn piece(&mut self, node: Node<'_, '_>, is_poly: bool) -> Result<Piece, Flaw> {
-        let mut piece = Piece::default();
+    fn piece(&mut self, node: Node<'_, '_>, is_poly: bool) -> Result<UnplacedMesh, Flaw> {
+        let mut piece = UnplacedMesh::default();
         let points = child(node, "Points").and_then(|points| child(points, "DataArray"));
         if let Some(points) = points {
             let numbers = self.floats(points)?;

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use crate::io::arrays::NumberType;
 use crate::io::error::Flaw;
 use crate::io::text::{NumberedLines, integer, shown, words};
 
@@ -57,47 +58,21 @@ pub(super) enum Role {
     Skipped,
 }
 
-/// Type of a number.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum NumberType {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    I64,
-    U64,
-    F32,
-    F64,
-}
-
-impl NumberType {
-    fn from_name(name: &[u8]) -> Option<Self> {
-        Some(match name {
-            b"char" | b"int8" => Self::I8,
-            b"uchar" | b"uint8" => Self::U8,
-            b"short" | b"int16" => Self::I16,
-            b"ushort" | b"uint16" => Self::U16,
-            b"int" | b"int32" => Self::I32,
-            b"uint" | b"uint32" => Self::U32,
-            b"long" | b"int64" => Self::I64,
-            b"ulong" | b"uint64" => Self::U64,
-            b"float" | b"float32" => Self::F32,
-            b"double" | b"float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    /// Size in bytes.
-    pub(super) fn size(self) -> u64 {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::I64 | Self::U64 | Self::F64 => 8,
-        }
-    }
+/// The type of numbers with this name.
+fn number_type(name: &[u8]) -> Option<NumberType> {
+    Some(match name {
+        b"char" | b"int8" => NumberType::I8,
+        b"uchar" | b"uint8" => NumberType::U8,
+        b"short" | b"int16" => NumberType::I16,
+        b"ushort" | b"uint16" => NumberType::U16,
+        b"int" | b"int32" => NumberType::I32,
+        b"uint" | b"uint32" => NumberType::U32,
+        b"long" | b"int64" => NumberType::I64,
+        b"ulong" | b"uint64" => NumberType::U64,
+        b"float" | b"float32" => NumberType::F32,
+        b"double" | b"float64" => NumberType::F64,
+        _ => return None,
+    })
 }
 
 impl Element {
@@ -136,7 +111,7 @@ impl Element {
 
     /// Size in bytes of an element in a binary payload, if all its lists are empty.
     pub(super) fn smallest_size(&self) -> u64 {
-        let first = |p: &Property| p.length.unwrap_or(p.value).size();
+        let first = |p: &Property| p.length.unwrap_or(p.value).size() as u64;
         self.properties.iter().map(first).sum()
     }
 }
@@ -192,7 +167,7 @@ impl<'a> Declarations<'a> {
     /// Adds the declaration in `words`, or returns what is wrong with it.
     fn add(&mut self, words: &[&'a [u8]]) -> Result<(), &'static str> {
         let invalid = "is no valid line of a PLY header";
-        let scalar = |name| NumberType::from_name(name).ok_or(invalid);
+        let scalar = |name| number_type(name).ok_or(invalid);
         let name = match *words {
             [b"format", name, _version] if self.encoding.is_none() => {
                 self.encoding = Some(match name {

@@ -1,6 +1,7 @@
 //! The payload of a PLY file, after the header.
 
-use super::header::{Element, ElementUse, NumberType, Property, Role};
+use super::header::{Element, ElementUse, Property, Role};
+use crate::io::arrays::NumberType;
 use crate::io::error::{FilePosition, Flaw};
 use crate::io::text::{self, NumberedLines, Tokens, integer, shown};
 
@@ -298,7 +299,7 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
             if let Role::Axis(axis) = property.role {
                 places[axis] = Some((offset, property.value));
             }
-            offset += property.value.size() as usize;
+            offset += property.value.size();
             if property.length.is_some() {
                 return None;
             }
@@ -394,7 +395,7 @@ impl<const BIG_ENDIAN: bool> Payload for Binary<'_, BIG_ENDIAN> {
     }
 
     fn skip(&mut self, property: &Property, count: u64) -> Result<(), Flaw> {
-        let size = usize::try_from(count * property.value.size());
+        let size = usize::try_from(count * property.value.size() as u64);
         let rest = size.ok().and_then(|size| self.rest.get(size..));
         self.rest = rest.ok_or_else(|| self.cut_off())?;
         Ok(())

@@ -308,13 +308,8 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 (half_edge(f as u32, prev(corner)), way)
             };
             self.offer(apex, distance, way, probe);
-            let tried = self.send_children(h, &face, gate, best, distance, found.bound, probe);
-            if B::COUNTS {
-                let exits = self.layout.exits(h);
-                let open = exits.iter().filter(|exit| **exit != NO_TWIN).count();
-                let closed = (open * tally.crossing).saturating_sub(tried);
-                probe.add(Counter::Rule1, closed as u64);
-            }
+            let crossing = tally.crossing;
+            self.send_children(h, &face, gate, best, distance, found.bound, crossing, probe);
         }
         if B::COUNTS {
             self.levels.forget(h);
@@ -325,7 +320,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     }
 
     /// Propagates the active list through the exits that are open to each window; `bound` limits
-    /// the numbers of children. Returns the number of children tried.
+    /// the numbers of children. In runs that count, the filter has left `crossing` windows.
     #[allow(clippy::too_many_arguments)] // Private, and one step of `cross`.
     #[inline]
     fn send_children<B: Probe>(
@@ -336,8 +331,9 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         best: BestPath,
         distance: f64,
         bound: [usize; 2],
+        crossing: usize,
         probe: &mut B,
-    ) -> usize {
+    ) {
         let (f, corner) = parts(h);
         let exits = self.layout.exits(h);
         let arrivals = [ChildSide::AsLeftChild, ChildSide::AsRightChild];
@@ -421,10 +417,14 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             Counter::Secondary
         };
         probe.add(counter, tried);
-        if B::COUNTS && !is_new && self.is_near_the_border(face) {
-            probe.add(Counter::SecondaryNear, tried);
+        if B::COUNTS {
+            if !is_new && self.is_near_the_border(face) {
+                probe.add(Counter::SecondaryNear, tried);
+            }
+            let open = exits.iter().filter(|exit| **exit != NO_TWIN).count();
+            let closed = (open * crossing).saturating_sub(carried.tried);
+            probe.add(Counter::Rule1, closed as u64);
         }
-        carried.tried
     }
 
     /// Whether a vertex of `face` lies on the border of the traversed area.

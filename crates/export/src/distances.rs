@@ -27,17 +27,6 @@ pub struct DistanceFile<'a> {
     pub distances: &'a [f64],
 }
 
-/// Distances from each of several sources.
-#[derive(Clone, Copy, Debug)]
-pub struct DistanceMatrix<'a> {
-    /// The sources, one for each row.
-    pub sources: &'a [SourceLabel],
-    /// The vertices or targets, one for each column.
-    pub columns: &'a [SourceLabel],
-    /// The distances in row-major order.
-    pub distances: &'a [f64],
-}
-
 /// A file format for matrices of distances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatrixFormat {
@@ -54,27 +43,33 @@ impl FileFormat for MatrixFormat {
 }
 
 impl MatrixFormat {
-    /// The contents of a file in this format.
-    pub fn render(self, matrix: &DistanceMatrix<'_>) -> Vec<u8> {
-        let columns = matrix.columns.len();
+    /// What precedes the rows of a matrix with this number of rows and these columns, which are
+    /// vertices or targets.
+    pub fn head(self, rows: usize, columns: &[SourceLabel]) -> Vec<u8> {
         if self == Self::Npy {
-            let shape = format!("({}, {columns})", matrix.sources.len());
-            return npy(&shape, matrix.distances);
+            let shape = format!("({rows}, {})", columns.len());
+            return npy(&shape, &[]);
         }
         let mut text = "source".to_owned();
-        for column in matrix.columns {
+        for column in columns {
             text.push(',');
             text += &csv_word(column);
         }
         text.push('\n');
-        for (row, source) in matrix.sources.iter().enumerate() {
-            text += &csv_word(source);
-            for distance in &matrix.distances[row * columns..(row + 1) * columns] {
-                text.push(',');
-                text += &distance.to_string();
-            }
-            text.push('\n');
+        text.into_bytes()
+    }
+
+    /// The row of a source.
+    pub fn row(self, source: &SourceLabel, distances: &[f64]) -> Vec<u8> {
+        if self == Self::Npy {
+            return distances.iter().flat_map(|d| d.to_le_bytes()).collect();
         }
+        let mut text = csv_word(source);
+        for distance in distances {
+            text.push(',');
+            text += &distance.to_string();
+        }
+        text.push('\n');
         text.into_bytes()
     }
 }
@@ -513,14 +508,14 @@ mod tests {
     #[test]
     fn a_matrix_has_a_row_for_each_source() {
         let labels = [0, 7].map(SourceLabel::Vertex);
-        let matrix = DistanceMatrix {
-            sources: &[SourceLabel::Other("at:1,2,3".to_owned())],
-            columns: &labels,
-            distances: &[1.5, f64::INFINITY],
+        let source = SourceLabel::Other("at:1,2,3".to_owned());
+        let matrix = |format: MatrixFormat| {
+            let row = format.row(&source, &[1.5, f64::INFINITY]);
+            [format.head(1, &labels), row].concat()
         };
-        let csv = String::from_utf8(MatrixFormat::Csv.render(&matrix)).unwrap();
+        let csv = String::from_utf8(matrix(MatrixFormat::Csv)).unwrap();
         assert_eq!(csv, "source,0,7\n\"at:1,2,3\",1.5,inf\n");
-        let npy = MatrixFormat::Npy.render(&matrix);
+        let npy = matrix(MatrixFormat::Npy);
         let header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (1, 2), }";
         assert!(npy[10..].starts_with(header) && npy.ends_with(&f64::INFINITY.to_le_bytes()));
     }

@@ -9,10 +9,9 @@ use geobench_harness::schema::result_file;
 use geobench_harness::usage::files_in;
 use geobench_report::history::compare::{self as comparing, BaselineComparisons, Rules};
 use geobench_report::history::gate;
-use geobench_report::history::records::Record;
 use geobench_report::table::{self, ComparisonFormat, Look};
 
-use super::trend::{LineOptions, ordered};
+use super::trend::{LineOptions, ordered, up_to_head};
 use crate::git::{full_hash, git};
 use crate::terminal;
 use crate::verdict::Verdict;
@@ -110,23 +109,8 @@ fn against(options: &CompareOptions, range: &str, look: Look) -> anyhow::Result<
     let read = files_in(directory, "json")?;
     output::check_files(outputs.iter().map(|(_, file)| file), read)?;
     let history = ordered(directory, &options.line)?;
-    let head = options.line.commit.as_deref();
     terminal::notes(&history.notes);
-    let mut records = history.records;
-    let head = head.unwrap_or("HEAD");
-    // Without a repository the last record is judged.
-    if let Some(hash) = full_hash(head) {
-        let is_of_head = |record: &Record| hash.starts_with(&record.commit);
-        let Some(last) = records.iter().rposition(is_of_head) else {
-            bail!(
-                "{}: no record of {head} ({}); add it with `geobench record`, or name another \
-                 commit with --commit",
-                directory.display(),
-                &hash[..12]
-            );
-        };
-        records.truncate(last + 1);
-    }
+    let records = up_to_head(directory, history.records, &options.line)?;
     let commits = commits_of(range)?;
     let rules = options.fail_on.clone().unwrap_or_default();
     let gate = gate::gate(&records, &commits, &rules)?;

@@ -1,12 +1,14 @@
 //! `geobench distance`.
 
 use std::ffi::OsString;
+use std::fs::File;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use clap::Args;
 use geobench_export::FileFormat;
-use geobench_export::distances::{DistanceFile, DistanceMatrix, FieldFormat, MatrixFormat};
+use geobench_export::distances::{DistanceFile, FieldFormat, MatrixFormat};
 use geobench_export::output::{OutputFile, check_files};
 use geobench_harness::exec::expected::file_word;
 use geobench_harness::schema::SourceLabel;
@@ -145,6 +147,9 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
+/// Maximum size in bytes of the rows of a matrix that are in memory, unless a single row is larger.
+const MOST_ROWS_BYTES: usize = 64 << 20;
+
 /// The kind and format of the output.
 enum DistanceOutput {
     Field(FieldFormat),
@@ -240,26 +245,24 @@ impl DistanceCommand<'_> {
                 .map(SourceLabel::Vertex)
                 .collect(),
         };
-        let mut distances = Vec::new();
-        let size = sources.len().saturating_mul(columns.len());
-        if distances.try_reserve_exact(size).is_err() {
-            bail!(
-                "a matrix of {} sources and {} columns does not fit into memory; ask for fewer",
-                sources.len(),
-                columns.len()
-            );
-        }
-        let rows = self.carry_out(sources, |_, solver, source| self.solve(solver, &[source.1]))?;
-        for row in rows {
-            distances.extend(row);
-        }
-        let sources = self.points.source_labels();
-        output.write(&format.render(&DistanceMatrix {
-            sources: &sources,
-            columns: &columns,
-            distances: &distances,
-        }))?;
-        let unreachable = distances.iter().filter(|d| !d.is_finite()).count();
+        // Rows are written as they are found: only so many are in memory.
+        let at_once = (MOST_ROWS_BYTES / (8 * columns.len()).max(1)).max(1);
+        let at_once = at_once.max(self.options.threads as usize);
+        let mut unreachable = 0;
+        output.write_with("", |path| {
+            let mut file = BufWriter::new(File::create(path)?);
+            file.write_all(&format.head(sources.len(), &columns))?;
+            for some in sources.chunks(at_once) {
+                let solve = |_: &Selection, solver: &mut dyn Solver, source: &(_, VertexId)| {
+                    self.solve(solver, &[source.1])
+                };
+                for ((label, _), row) in some.iter().zip(self.carry_out(some, solve)?) {
+                    unreachable += row.iter().filter(|d| !d.is_finite()).count();
+                    file.write_all(&format.row(label, &row))?;
+                }
+            }
+            Ok(file.flush()?)
+        })?;
         Ok(format!(
             "{}: {} x {} distances, {unreachable} unreachable\n",
             self.options.output.display(),

@@ -7,13 +7,15 @@ use clap::Args;
 use geobench_export::json_lines;
 use geobench_export::output::{OutputFile, check_files};
 use geobench_harness::usage::files_in;
+use geobench_report::history::compare::Rules;
 use geobench_report::history::order::OrderedHistory;
-use geobench_report::history::{records, trend};
+use geobench_report::history::records::Record;
+use geobench_report::history::{gate, records, trend};
 use geobench_report::page::trend_page;
 use geobench_report::table::{self, Look};
 
 use crate::args::ListFormat;
-use crate::git::first_parents;
+use crate::git::{first_parents, full_hash};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -29,6 +31,11 @@ pub(crate) struct TrendOptions {
 
     #[command(flatten)]
     pub(crate) line: LineOptions,
+
+    /// Fail if the last commit that counts breaks one of these rules, against all earlier ones, such
+    /// as time=5%,propagated=0
+    #[arg(long, value_name = "RULES")]
+    pub(crate) fail_on: Option<Rules>,
 
     /// How to show the change points
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
@@ -93,9 +100,56 @@ pub(crate) fn trend(options: &TrendOptions, look: Look) -> anyhow::Result<Verdic
             return Ok(Verdict::Passed);
         }
     }
-    terminal::print_rendered(&match options.format {
+    let gate = match &options.fail_on {
+        Some(rules) => {
+            let records = up_to_head(&options.history, history.records, &options.line)?;
+            let earlier: Vec<String> = records.iter().map(|r| r.commit.clone()).collect();
+            Some(gate::gate(&records, &earlier, rules)?)
+        }
+        None => None,
+    };
+    let mut text = match options.format {
         ListFormat::Json => json_lines(&found)?,
         ListFormat::Table => table::change_points(&found, look),
-    })?;
-    Ok(Verdict::Passed)
+    };
+    if let Some(gate) = &gate {
+        match options.format {
+            ListFormat::Table => text = [text, "\n".to_owned(), table::gate(gate, look)].concat(),
+            // Standard output has the change points alone.
+            ListFormat::Json => {
+                for line in gate.lines.iter().filter(|line| line.broken.is_some()) {
+                    let change = line.in_words();
+                    terminal::error(&format!("{}: {} {change}", line.cell, line.figure));
+                }
+            }
+        }
+    }
+    terminal::print_rendered(&text)?;
+    match gate {
+        Some(gate) if gate.has_compared_nothing() => bail!("nothing could be compared"),
+        Some(gate) => Ok(Verdict::of(!gate.is_worse())),
+        None => Ok(Verdict::Passed),
+    }
+}
+
+/// The records up to the last commit that counts by `options`. Without a repository all of them.
+pub(crate) fn up_to_head(
+    directory: &Path,
+    mut records: Vec<Record>,
+    options: &LineOptions,
+) -> anyhow::Result<Vec<Record>> {
+    let head = options.commit.as_deref().unwrap_or("HEAD");
+    if let Some(hash) = full_hash(head) {
+        let is_of_head = |record: &Record| hash.starts_with(&record.commit);
+        let Some(last) = records.iter().rposition(is_of_head) else {
+            bail!(
+                "{}: no record of {head} ({}); add it with `geobench record`, or name another \
+                 commit with --commit",
+                directory.display(),
+                &hash[..12]
+            );
+        };
+        records.truncate(last + 1);
+    }
+    Ok(records)
 }

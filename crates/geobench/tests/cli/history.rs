@@ -249,9 +249,33 @@ fn commits_are_ordered_by_git_and_not_by_dates() {
     assert_eq!(named(&sandbox), [&commits[12][..12]]);
     let slow = sandbox.call("compare history --against HEAD~15..HEAD~4 --fail-on time=5%");
     assert_eq!(slow.code, 1, "{}{}", slow.stdout, slow.stderr);
+    // `trend` judges the last commit against all earlier ones.
+    for (commit, code) in [(11, 0), (12, 1)] {
+        let trend = format!(
+            "trend history --commit {} --fail-on time=5%",
+            commits[commit]
+        );
+        let outcome = sandbox.call(&trend);
+        assert_eq!(outcome.code, code, "{}{}", outcome.stdout, outcome.stderr);
+    }
     // The records order themselves where no repository is.
     std::fs::rename(sandbox.path(".git"), sandbox.path("gone")).unwrap();
     assert_eq!(named(&sandbox), [&commits[12][..12]]);
+}
+
+#[test]
+fn exports_name_cells_that_failed() {
+    let sandbox = Sandbox::with_square();
+    let run = "run square.off --algo mmp,test-abort --repeat 1 --quiet";
+    sandbox.call(&format!("{run} -o r.bmf.json -o r.gab.json"));
+    let bencher = sandbox.json("r.bmf.json");
+    let failed = &bencher["square, test-abort, source 0"];
+    assert_eq!(*failed, serde_json::json!({"failed": {"value": 1}}));
+    assert!(bencher["square, mmp, source 0"]["failed"].is_null());
+    let list = sandbox.json("r.gab.json");
+    let mut entries = list.as_array().unwrap().iter();
+    let failed = entries.find(|entry| entry["unit"] == "failed").unwrap();
+    assert_eq!(failed["name"], "square, test-abort, source 0, failed");
 }
 
 #[test]

@@ -53,8 +53,16 @@ pub struct GateLine {
     /// 95 % prediction interval of the ratio, from the noise between the base commits; null for
     /// figures that are compared exactly.
     pub ci95: Option<[f64; 2]>,
+    /// The largest change from commit to commit that counts as noise in the history of the cell, as
+    /// a share: the third quartile of these changes and three interquartile ranges. Null for figures
+    /// that are compared exactly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<f64>,
     /// The broken rule, or the new status of a failed cell; null if the cell is not worse.
     pub broken: Option<String>,
+    /// The rule beyond whose limit the figure is better; null if it is not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub improved: Option<String>,
 }
 
 impl GateReport {
@@ -129,14 +137,18 @@ pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Re
             let differ = measure == Measure::Instructions
                 && last.instructions_simd.is_some()
                 && last.instructions_simd != cell.instructions_simd;
-            let (ratio, broken) = match (base, new) {
+            let (ratio, broken, improved) = match (base, new) {
                 (Some(base), Some(new)) if !differ => {
                     let ratio = if base == new { 1.0 } else { new / base };
-                    (Some(ratio), rule.is_broken(base, new))
+                    (
+                        Some(ratio),
+                        rule.is_broken(base, new),
+                        rule.is_surpassed(base, new),
+                    )
                 }
                 // A rule on a figure that is missing or does not compare is broken, or the gate
                 // would stay open.
-                _ => (None, true),
+                _ => (None, true, false),
             };
             lines.push(GateLine {
                 cell: cell.cell.clone(),
@@ -145,7 +157,9 @@ pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Re
                 new,
                 ratio,
                 ci95: None,
+                noise: None,
                 broken: broken.then(|| rule.to_string()),
+                improved: improved.then(|| rule.to_string()),
             });
         }
     }
@@ -220,8 +234,11 @@ fn time(cell: &CellRecord, earlier: &[&CellRecord], rules: &Rules) -> Option<Gat
     let reach = student(medians.len() - 1) * deviation;
     let ratio = (new.ln() - mean).exp();
     let ci95 = [ratio * (-reach).exp(), ratio * reach.exp()];
-    let rule = rules.on(Subject::Time);
+    let noise = noise(&logarithms);
+    let is_noise = noise.is_some_and(|noise| (ratio.max(1.0 / ratio) - 1.0) <= noise);
+    let rule = rules.on(Subject::Time).filter(|_| !is_noise);
     let broken = rule.filter(|rule| ci95[0] > 1.0 + rule.limit);
+    let improved = rule.filter(|rule| ci95[1] < 1.0 - rule.limit);
     Some(GateLine {
         cell: cell.cell.clone(),
         figure: "time",
@@ -229,8 +246,38 @@ fn time(cell: &CellRecord, earlier: &[&CellRecord], rules: &Rules) -> Option<Gat
         new: Some(new),
         ratio: Some(ratio),
         ci95: Some(ci95),
+        noise,
         broken: broken.map(ToString::to_string),
+        improved: improved.map(ToString::to_string),
     })
+}
+
+/// Fewest changes from commit to commit from which the threshold of a cell is taken.
+const FEWEST_CHANGES: usize = 4;
+
+/// The threshold of a cell by its history, as that of rustc-perf: the third quartile of the changes
+/// from commit to commit, as shares, and three interquartile ranges. A level that a past commit
+/// changed is one change among many, and does not move the quartiles. `None` if there are too few.
+fn noise(logarithms: &[f64]) -> Option<f64> {
+    let changes = logarithms.windows(2);
+    let mut changes: Vec<f64> = changes
+        .map(|pair| (pair[1] - pair[0]).abs().exp() - 1.0)
+        .collect();
+    if changes.len() < FEWEST_CHANGES {
+        return None;
+    }
+    changes.sort_unstable_by(f64::total_cmp);
+    // Interpolated order statistics.
+    let quartile = |share: f64| {
+        let place = share * (changes.len() - 1) as f64;
+        let low = place.floor();
+        #[expect(clippy::cast_sign_loss, reason = "a place is not negative")]
+        let at = low as usize;
+        let next = changes.get(at + 1).unwrap_or(&changes[at]);
+        changes[at] + (place - low) * (next - changes[at])
+    };
+    let [first, third] = [0.25, 0.75].map(quartile);
+    Some(third + 3.0 * (third - first))
 }
 
 /// The 97.5th percentile of Student's t-distribution with `freedom` degrees of freedom.
@@ -256,7 +303,9 @@ impl GateLine {
             new: None,
             ratio: None,
             ci95: None,
+            noise: None,
             broken: Some(broken),
+            improved: None,
         }
     }
 
@@ -313,6 +362,31 @@ mod tests {
         let mut failed = records[..5].to_vec();
         failed[4].cells[0].status = Status::Crashed;
         assert_eq!(broken(&compared(&failed, "time=5%")), ["mmp status"]);
+    }
+
+    #[test]
+    fn what_is_faster_beyond_the_limit_is_an_improvement() {
+        let mut records = history()[..8].to_vec();
+        for sample in &mut records[7].cells[0].samples {
+            *sample /= 1.3;
+        }
+        let gate = compared(&records, "time=5%,propagated=0");
+        assert!(!gate.is_worse());
+        let improved = gate.lines.iter().filter_map(|line| line.improved.as_ref());
+        assert_eq!(improved.collect::<Vec<_>>(), ["time=5%"]);
+    }
+
+    #[test]
+    fn a_cell_that_always_varies_has_a_wide_threshold() {
+        let steady = [0.0, 0.01, 0.0, 0.01, 0.02, 0.01];
+        assert!(noise(&steady).unwrap() < 0.02);
+        let noisy = [0.0, 0.4, 0.0, 0.1, -0.3, 0.3];
+        assert!(noise(&noisy).unwrap() > 0.4);
+        // One change of level among many does not widen it.
+        let mut level = [0.0; 12];
+        level[6..].fill(0.7);
+        assert_eq!(noise(&level), Some(0.0));
+        assert_eq!(noise(&steady[..4]), None);
     }
 
     #[test]

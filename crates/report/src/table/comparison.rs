@@ -10,7 +10,7 @@ use geobench_harness::schema::Status;
 
 use crate::history::compare::{
     BaselineComparisons, CellChange, CellKey, ComparedFile, FigureChange, FileComparison,
-    Regression, TimeMethod, exact, percent,
+    Improvement, Regression, TimeMethod, exact, percent,
 };
 use crate::table::group::distinct;
 use crate::table::markdown;
@@ -171,6 +171,7 @@ fn in_terminal(comparison: &FileComparison, look: Look) -> String {
     );
     for (title, lines) in [
         ("worse", worse(comparison)),
+        ("better", better(comparison)),
         ("only in the old file", listed(&comparison.missing)),
         ("only in the new file", listed(&comparison.added)),
         ("to know", comparison.notes.clone()),
@@ -226,6 +227,10 @@ fn in_markdown(comparison: &FileComparison) -> String {
         "Times, and all other figures that differ".to_owned(),
         markdown::grid(&figures(comparison)),
     );
+    let better = better(comparison);
+    if !better.is_empty() {
+        fold(format!("Better: {}", better.len()), bullets(&better));
+    }
     for (which, keys) in [("old", &comparison.missing), ("new", &comparison.added)] {
         if !keys.is_empty() {
             let title = format!("Only in the {which} file: {}", keys.len());
@@ -242,11 +247,19 @@ fn summary(comparison: &FileComparison) -> String {
         1 => format!("1 of {cells} cells is worse"),
         worse => format!("{worse} of {cells} cells are worse"),
     };
+    let better = comparison.cells.iter();
+    let better = better.filter(|c| c.regressions.is_empty() && !c.improvements.is_empty());
+    let better = match better.count() {
+        0 => None,
+        1 => Some("1 is better".to_owned()),
+        better => Some(format!("{better} are better")),
+    };
     let overall = comparison
         .overall
         .iter()
         .map(|regression| regression.what.clone());
     std::iter::once(compared)
+        .chain(better)
         .chain(overall)
         .collect::<Vec<String>>()
         .join("; ")
@@ -290,6 +303,17 @@ fn worse(comparison: &FileComparison) -> Vec<String> {
     of_cells
         .chain(comparison.overall.iter().map(with_rule))
         .collect()
+}
+
+fn better(comparison: &FileComparison) -> Vec<String> {
+    let of_cell = |change: &CellChange| {
+        let improvements = change.improvements.iter();
+        let line = |improved: &Improvement| {
+            format!("{}: {} [{}]", change.cell, improved.what, improved.rule)
+        };
+        improvements.map(line).collect::<Vec<String>>()
+    };
+    comparison.cells.iter().flat_map(of_cell).collect()
 }
 
 fn listed(keys: &[CellKey]) -> Vec<String> {

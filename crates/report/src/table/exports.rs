@@ -15,12 +15,15 @@ const FIGURES: [(&str, &str, &str); 3] = [
 /// Nanoseconds per second.
 const NANOSECONDS: f64 = 1e9;
 
-/// The cells with status ok, each with its name.
+/// The cells, each with its name.
 fn cells(result: &ResultFile) -> impl Iterator<Item = (String, &Cell)> {
     let keys = CellKeys::of(result);
-    let well = result.cells.iter().filter(|c| c.status == Status::Ok);
-    well.map(move |cell| (keys.key(cell).to_string(), cell))
+    let cells = result.cells.iter();
+    cells.map(move |cell| (keys.key(cell).to_string(), cell))
 }
+
+/// The measure of a cell that failed, whose value is 1. Others do not have it.
+const FAILED: &str = "failed";
 
 /// The exported figures of a cell: name, unit and value.
 fn figures(cell: &Cell) -> impl Iterator<Item = (&'static str, &'static str, f64)> {
@@ -35,6 +38,11 @@ pub(super) fn bencher(result: &ResultFile) -> Value {
     let mut all = Map::new();
     for (name, cell) in cells(result) {
         let mut measures = Map::new();
+        if cell.status != Status::Ok {
+            measures.insert(FAILED.to_owned(), json!({"value": 1}));
+            all.insert(name, Value::Object(measures));
+            continue;
+        }
         if let Some(median) = cell.time.median {
             let mut latency = json!({"value": median * NANOSECONDS});
             if let Some([low, high]) = cell.time.ci95 {
@@ -55,6 +63,14 @@ pub(super) fn bencher(result: &ResultFile) -> Value {
 pub(super) fn github_action(result: &ResultFile) -> Value {
     let mut all = Vec::new();
     for (name, cell) in cells(result) {
+        if cell.status != Status::Ok {
+            let message = cell.message.as_deref().unwrap_or_default();
+            let why = format!("{}: {message}", cell.status.in_words());
+            all.push(json!({
+                "name": format!("{name}, {FAILED}"), "unit": FAILED, "value": 1, "extra": why,
+            }));
+            continue;
+        }
         if let Some(median) = cell.time.median {
             let mut entry = json!({"name": name, "unit": "s", "value": median});
             if let Some(width) = cell.time.half_width() {

@@ -56,7 +56,10 @@ fn gate_parts(gate: &GateReport) -> (String, Table, Vec<String>) {
             Some(rule) => format!("{} ! [{rule}]", line.in_words())
                 .trim_start()
                 .to_owned(),
-            None => line.in_words(),
+            None => match &line.improved {
+                Some(rule) => format!("{} better [{rule}]", line.in_words()),
+                None => line.in_words(),
+            },
         };
         vec![
             Entry::new(line.cell.to_string()),
@@ -76,9 +79,14 @@ fn gate_parts(gate: &GateReport) -> (String, Table, Vec<String>) {
     let columns = Column::of(["Cell", "Figure"], ["Base", "New", "Change"]);
     let worse = gate.lines.iter().filter(|l| l.broken.is_some()).count();
     let mut notes = gate.notes.clone();
+    let better = gate.lines.iter().filter(|l| l.improved.is_some()).count();
+    let better = match better {
+        0 => String::new(),
+        better => format!(", {better} better"),
+    };
     notes.push(match gate.learning {
         Some(known) => format!("learning, {known} of {FEWEST} base commits: nothing is judged yet"),
-        None => format!("{worse} of {} figures are worse", gate.lines.len()),
+        None => format!("{worse} of {} figures are worse{better}", gate.lines.len()),
     });
     (head, Table::new(columns, rows), notes)
 }

@@ -94,6 +94,18 @@ pub struct CellChange {
     pub figures: Vec<FigureChange>,
     /// Regressions of the cell.
     pub regressions: Vec<Regression>,
+    /// Figures that are better by more than their rule allows them to be worse.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub improvements: Vec<Improvement>,
+}
+
+/// An improvement.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Improvement {
+    /// The rule.
+    pub rule: String,
+    /// The description.
+    pub what: String,
 }
 
 /// A change of a figure that is compared exactly.
@@ -250,7 +262,7 @@ fn side(name: &str, file: &ResultFile) -> ComparedFile {
 }
 
 fn change(cell: CellKey, old: &Cell, new: &Cell, rules: &Rules, paired: bool) -> CellChange {
-    let mut regressions = Vec::new();
+    let (mut regressions, mut improvements) = (Vec::new(), Vec::new());
     if old.status == Status::Ok && new.status != Status::Ok {
         let why = new.message.as_deref().unwrap_or("no message");
         let what = format!("was ok, is {}: {why}", new.status.in_words());
@@ -262,6 +274,14 @@ fn change(cell: CellKey, old: &Cell, new: &Cell, rules: &Rules, paired: bool) ->
         && let Some(what) = worse_time(time.as_ref(), old, new, rule)
     {
         regressions.push(Regression::new(Some(rule), what));
+    }
+    if let (Some(rule), Some(time)) = (rules.on(Subject::Time), &time)
+        && time.is_below(rule.limit)
+    {
+        improvements.push(Improvement {
+            rule: rule.to_string(),
+            what: format!("time {}", time.in_words()),
+        });
     }
     let mut figures = Vec::new();
     for measure in Measure::all() {
@@ -290,6 +310,14 @@ fn change(cell: CellKey, old: &Cell, new: &Cell, rules: &Rules, paired: bool) ->
                 let [from, to] = [old, new].map(exact);
                 format!("{} {from} -> {to} ({})", figure.name, percent(new / old))
             }
+            (Some(old), Some(new), None) if rule.is_surpassed(old, new) => {
+                let [from, to] = [old, new].map(exact);
+                improvements.push(Improvement {
+                    rule: rule.to_string(),
+                    what: format!("{} {from} -> {to} ({})", figure.name, percent(new / old)),
+                });
+                continue;
+            }
             (Some(_), Some(_), _) => continue,
             (old, new, _) => missing(figure.name, old.map(exact), new.map(exact)),
         };
@@ -301,6 +329,7 @@ fn change(cell: CellKey, old: &Cell, new: &Cell, rules: &Rules, paired: bool) ->
         time,
         figures,
         regressions,
+        improvements,
     }
 }
 
@@ -635,6 +664,11 @@ impl TimeChange {
     /// Whether the whole interval lies above an increase by `limit`, as a share of the old time.
     pub fn is_above(&self, limit: f64) -> bool {
         self.ci95.is_some_and(|[low, _]| low > 1.0 + limit)
+    }
+
+    /// Whether the whole interval lies below a decrease by `limit`, as a share of the old time.
+    pub fn is_below(&self, limit: f64) -> bool {
+        self.ci95.is_some_and(|[_, high]| high < 1.0 - limit)
     }
 
     /// The change with its interval, such as `+3.00 % (+1.0 to +5.0)`.

@@ -69,6 +69,13 @@ impl ComparisonRule {
     }
 }
 
+impl ComparisonRule {
+    /// Whether a figure of which less is better has decreased beyond the limit.
+    pub fn is_surpassed(&self, old: f64, new: f64) -> bool {
+        self.subject.is_cost() && old > 0.0 && (old - new) / old > self.limit
+    }
+}
+
 impl Rules {
     /// The rule on `subject`.
     pub fn on(&self, subject: Subject) -> Option<&ComparisonRule> {

@@ -11,7 +11,7 @@ use crate::engine::kernels::{Carried, Gate, Measured, Target, Triangle, carry, m
 use crate::engine::layout::MeshLayout;
 use crate::engine::store::Columns;
 use crate::pruning::Pairs;
-use crate::tally::Tally;
+use crate::tally::PruningTally;
 use geobench_window::simd::Lanes;
 use geobench_window::simd::SimdProgram;
 
@@ -50,7 +50,7 @@ impl<'a, P, T> Inspect<'a, P, T> {
     }
 }
 
-impl<P: Pairs, T: Tally> SimdProgram for Inspect<'_, P, T> {
+impl<P: Pairs, T: PruningTally> SimdProgram for Inspect<'_, P, T> {
     type Output = Measured;
 
     #[inline(always)]

@@ -11,7 +11,7 @@ use crate::engine::active_list::ActiveList;
 use crate::engine::kernels::settle;
 use crate::engine::layout::MeshLayout;
 use crate::pairs::{PairOutcome, SharedEdge, check_pair};
-use crate::tally::{PairTally, Tally};
+use crate::tally::{PairTally, PruningTally};
 use crate::trim::trim_pair;
 use geobench_window::simd::Lanes;
 
@@ -23,7 +23,7 @@ pub trait Pairs: Send {
 
     /// Cuts or drops windows of `active`, the list on half-edge `h` of `layout`.
     #[doc(hidden)]
-    fn prune<L: Lanes, T: Tally>(
+    fn prune<L: Lanes, T: PruningTally>(
         simd: L::Token,
         active: &mut ActiveList,
         layout: &MeshLayout,
@@ -41,7 +41,7 @@ impl Pairs for Neighbours {
     const COUNTERS: &'static [Counter] = PairTally::OF_NEIGHBOURS;
 
     #[inline(always)]
-    fn prune<L: Lanes, T: Tally>(
+    fn prune<L: Lanes, T: PruningTally>(
         simd: L::Token,
         active: &mut ActiveList,
         layout: &MeshLayout,
@@ -55,7 +55,7 @@ impl Pairs for Neighbours {
 /// Compares neighbours until no window is deleted, and with `TRIM` cuts them at their tie points.
 /// Returns whether the list has settled. It has not if a window would be split or change its place.
 #[inline(always)]
-fn settle_neighbours<L: Lanes, T: Tally, const TRIM: bool>(
+fn settle_neighbours<L: Lanes, T: PruningTally, const TRIM: bool>(
     simd: L::Token,
     active: &mut ActiveList,
     layout: &MeshLayout,
@@ -81,7 +81,7 @@ impl Pairs for NoPairs {
     const COUNTERS: &'static [Counter] = &[];
 
     #[inline(always)]
-    fn prune<L: Lanes, T: Tally>(
+    fn prune<L: Lanes, T: PruningTally>(
         _: L::Token,
         _: &mut ActiveList,
         _: &MeshLayout,
@@ -93,7 +93,7 @@ impl Pairs for NoPairs {
 
 /// Compares windows one at a time. `push` compares each with the windows `checked` so far, cuts or
 /// drops these, and appends the window unless it is deleted.
-fn one_by_one<T: Tally>(
+fn one_by_one<T: PruningTally>(
     active: &mut ActiveList,
     layout: &MeshLayout,
     h: u32,
@@ -120,7 +120,7 @@ pub struct AllPairs;
 impl Pairs for AllPairs {
     const COUNTERS: &'static [Counter] = PairTally::OF_OTHERS;
 
-    fn prune<L: Lanes, T: Tally>(
+    fn prune<L: Lanes, T: PruningTally>(
         _: L::Token,
         active: &mut ActiveList,
         layout: &MeshLayout,
@@ -136,7 +136,7 @@ fn push_to_all(
     checked: &mut Vec<Window>,
     mut new: Window,
     edge: &SharedEdge,
-    tally: &mut impl Tally,
+    tally: &mut impl PruningTally,
 ) {
     let mut alive = true;
     checked.retain_mut(|w| {
@@ -162,7 +162,7 @@ impl Pairs for TrimmedNeighbours {
     const COUNTERS: &'static [Counter] = PairTally::OF_OTHERS;
 
     #[inline(always)]
-    fn prune<L: Lanes, T: Tally>(
+    fn prune<L: Lanes, T: PruningTally>(
         simd: L::Token,
         active: &mut ActiveList,
         layout: &MeshLayout,
@@ -181,7 +181,7 @@ fn push_and_trim(
     checked: &mut Vec<Window>,
     mut new: Window,
     edge: &SharedEdge,
-    tally: &mut impl Tally,
+    tally: &mut impl PruningTally,
 ) {
     while let Some(last) = checked.last_mut() {
         tally.check();
@@ -235,7 +235,7 @@ mod tests {
         prune_with::<P>(windows, &mut ())
     }
 
-    fn prune_with<P: Pairs>(windows: &[Window], tally: &mut impl Tally) -> Vec<Window> {
+    fn prune_with<P: Pairs>(windows: &[Window], tally: &mut impl PruningTally) -> Vec<Window> {
         let positions = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0], [0.5, -1.0]];
         let positions = positions.map(|[x, y]| [x, y, 0.0]).to_vec();
         let soup = TriangleSoup::new(positions, vec![[0, 1, 2], [1, 0, 3]]);

@@ -4,7 +4,7 @@ use geobench_window::{Counter, Probe};
 
 /// Is told what rules 2 and 3 compare and what they prune. Lists are seen as they are before each
 /// round of comparisons.
-pub(crate) trait Tally {
+pub(crate) trait PruningTally {
     /// Whether anything is counted.
     const COUNTS: bool;
 
@@ -39,7 +39,7 @@ pub(crate) trait Tally {
 }
 
 /// Counts nothing, at no cost.
-impl Tally for () {
+impl PruningTally for () {
     const COUNTS: bool = false;
 }
 
@@ -58,7 +58,7 @@ pub(crate) struct PairTally {
     kept: usize,
 }
 
-impl Tally for PairTally {
+impl PruningTally for PairTally {
     const COUNTS: bool = true;
 
     fn start(&mut self, seam: usize, len: usize) {

@@ -21,7 +21,7 @@ const ENDING: &str = "unfinished";
 
 /// A line after the first.
 #[derive(Serialize, Deserialize)]
-struct Line<'l> {
+struct UnfinishedLine<'l> {
     /// The groups so far.
     groups: std::borrow::Cow<'l, [GroupRecord]>,
     /// The model that has ended.
@@ -78,7 +78,7 @@ impl Unfinished {
         cells: &[Cell],
     ) -> io::Result<()> {
         use std::borrow::Cow::Borrowed;
-        self.write(&Line {
+        self.write(&UnfinishedLine {
             groups: Borrowed(groups),
             model: Borrowed(model),
             cells: Borrowed(cells),
@@ -109,7 +109,7 @@ pub(super) fn parse(text: &str) -> Option<ResultFile> {
     let mut lines = text.split_inclusive('\n');
     let mut file: ResultFile = serde_json::from_str(lines.next()?).ok()?;
     for line in lines.filter(|line| line.ends_with('\n')) {
-        let line: Line<'_> = serde_json::from_str(line).ok()?;
+        let line: UnfinishedLine<'_> = serde_json::from_str(line).ok()?;
         file.groups = line.groups.into_owned();
         if file
             .models

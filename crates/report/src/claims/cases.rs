@@ -21,12 +21,12 @@ use crate::table::group::{Estimate, distinct};
 pub(super) struct Results<'r> {
     pub(super) result: &'r ResultFile,
     pub(super) test: &'r Test,
-    pub(super) programs: Programs,
+    pub(super) programs: JudgedPrograms,
 }
 
 /// Which programs a test is computed with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Programs {
+pub(super) enum JudgedPrograms {
     /// Ours, as the test names them.
     Named,
     /// Ours, with the second heap in place of the first one.
@@ -90,7 +90,7 @@ impl<'r> Results<'r> {
         let groups = distinct(cells.map(|cell| cell.group.as_deref()));
         let wanted = |group: Option<&str>| {
             let wanted = &self.test.groups;
-            self.programs == Programs::Authors
+            self.programs == JudgedPrograms::Authors
                 || wanted.is_empty()
                 || group.is_some_and(|name| wanted.iter().any(|one| one == name))
         };
@@ -115,7 +115,7 @@ impl<'r> Results<'r> {
             let patterns = &self.test.models;
             let named = |pattern: &String| is_like(pattern, &model.name);
             cells.any(|cell| cell.group.as_deref() == group && cell.model == model.name)
-                && (self.programs == Programs::Authors
+                && (self.programs == JudgedPrograms::Authors
                     || patterns.is_empty()
                     || patterns.iter().any(named))
         });
@@ -139,7 +139,7 @@ impl<'r> Results<'r> {
     /// same name and exactly the same parameters. Labels cannot be compared directly: they omit
     /// default values, and defaults change between versions. Outside programs have fixed labels.
     fn label(&self, group: Option<&str>, selection: &Selection) -> Result<&str, Reason> {
-        if self.programs == Programs::Authors {
+        if self.programs == JudgedPrograms::Authors {
             let mut known = AUTHORS.iter();
             let program = known.find(|(name, _)| *name == selection.label());
             let program = program.map(|(_, label)| *label);
@@ -147,7 +147,7 @@ impl<'r> Results<'r> {
                 .ok_or_else(|| format!("no program of authors is {}", selection.label()));
         }
         let second = match self.programs {
-            Programs::SecondHeap => with_second_heap(selection),
+            JudgedPrograms::SecondHeap => with_second_heap(selection),
             _ => None,
         };
         let selection = second.as_ref().unwrap_or(selection);
@@ -199,7 +199,7 @@ impl<'r> Results<'r> {
             return Err("it was measured with a debug build".to_owned());
         }
         let may_be_vectors =
-            self.test.simd == SimdFilter::Any || self.programs == Programs::Authors;
+            self.test.simd == SimdFilter::Any || self.programs == JudgedPrograms::Authors;
         if is_timed(figure) && !may_be_vectors {
             // A ratio of vector code to scalar code would compare implementations, not algorithms.
             let simd = match figure.key {
@@ -251,7 +251,7 @@ impl<'r> Results<'r> {
             let has_all = |group: Option<&str>| {
                 let all = operand.algorithms.iter();
                 let mut all = all.chain(self.test.to.iter().flat_map(|to| &to.algorithms));
-                self.programs == Programs::Authors
+                self.programs == JudgedPrograms::Authors
                     || all.all(|selection| self.namesakes(group, selection).next().is_some())
             };
             let able: Vec<_> = groups

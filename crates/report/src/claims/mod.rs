@@ -24,7 +24,7 @@ mod page;
 mod tests;
 mod topics;
 
-use self::cases::{Programs, Results, is_authors};
+use self::cases::{JudgedPrograms, Results, is_authors};
 use self::file::path;
 pub use self::file::{ClaimsFile, PaperClaim};
 pub use self::judged::{
@@ -175,14 +175,14 @@ fn judged(
             unjudged = Some(format!("there is no result of the suite {suite}"));
         }
         (None, _, Some(result)) => {
-            cases = cases_with(Programs::Named, claim, result);
+            cases = cases_with(JudgedPrograms::Named, claim, result);
             let named = |test| Results {
                 result,
                 test,
-                programs: Programs::Named,
+                programs: JudgedPrograms::Named,
             };
             if claim.tests().any(|test| named(test).rests_on_the_queue()) {
-                others = Some(cases_with(Programs::SecondHeap, claim, result));
+                others = Some(cases_with(JudgedPrograms::SecondHeap, claim, result));
             }
         }
     }
@@ -234,7 +234,7 @@ fn judged(
 }
 
 /// The cases of all tests of a claim.
-fn cases_with(programs: Programs, claim: &PaperClaim, result: &ResultFile) -> Vec<ClaimCase> {
+fn cases_with(programs: JudgedPrograms, claim: &PaperClaim, result: &ResultFile) -> Vec<ClaimCase> {
     let of = |test| Results {
         result,
         test,
@@ -252,7 +252,7 @@ fn cause(claim: &PaperClaim, authors: &[&ResultFile]) -> ClaimCause {
         let of = move |test| Results {
             result,
             test,
-            programs: Programs::Authors,
+            programs: JudgedPrograms::Authors,
         };
         let checked = claim.tests().filter(move |test| of(test).can_be_checked());
         checked.flat_map(move |test| of(test).cases())

@@ -3,7 +3,6 @@
 use sha2::{Digest, Sha256};
 
 use super::chart::Chart;
-use super::headline::Headline;
 use crate::table::{Note, Table};
 
 /// A whole report.
@@ -48,6 +47,32 @@ pub(crate) enum SectionItem {
     Notes(Vec<Note>),
     /// Downloads.
     Links(Vec<Download>),
+}
+
+/// The comparison of two exact algorithms in one sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Sentence {
+    /// The label of the algorithm that is faster on average.
+    pub(crate) faster: String,
+    /// The label of the other one.
+    pub(crate) slower: String,
+    /// Whether it says that the first is the fastest, and the other the next.
+    pub(crate) of_next: bool,
+    pub(crate) text: String,
+}
+
+/// What a group says about the fastest algorithm.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Headline {
+    /// Labels of exact algorithms, the fastest first, one for each name.
+    pub(crate) ranking: Vec<String>,
+    /// The base of ratios, if it is exact.
+    pub(crate) base: Option<String>,
+    /// The sentences without any selection. The fastest algorithm is compared with the next, and
+    /// with the fastest outside program, or with the base if there is none.
+    pub(crate) shown: Vec<Sentence>,
+    /// Sentences that pages show when some algorithms are hidden.
+    pub(crate) others: Vec<Sentence>,
 }
 
 /// A download.

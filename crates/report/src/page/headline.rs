@@ -5,38 +5,13 @@ use geobench_harness::measure::number::{counted, grouped, ratio};
 use geobench_harness::measure::statistics::{FEWEST_FOR_INTERVAL, range_of};
 use geobench_harness::schema::{ModelRecord, ResultFile};
 
+use super::document::{Headline, Sentence};
 use super::scaling;
 use crate::table::disturbance;
 use crate::table::group::{Estimate, GroupCells, distinct, geometric_mean};
 
 /// The largest relative difference from the reference, beyond rounding, that counts as exact.
 pub(super) const EXACT: f64 = 1e-6;
-
-/// The comparison of two exact algorithms in one sentence.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Sentence {
-    /// The label of the algorithm that is faster on average.
-    pub(crate) faster: String,
-    /// The label of the other one.
-    pub(crate) slower: String,
-    /// Whether it says that the first is the fastest, and the other the next.
-    pub(crate) of_next: bool,
-    pub(crate) text: String,
-}
-
-/// What a group says about the fastest algorithm.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Headline {
-    /// Labels of exact algorithms, the fastest first, one for each name.
-    pub(crate) ranking: Vec<String>,
-    /// The base of ratios, if it is exact.
-    pub(crate) base: Option<String>,
-    /// The sentences without any selection. The fastest algorithm is compared with the next, and
-    /// with the fastest outside program, or with the base if there is none.
-    pub(crate) shown: Vec<Sentence>,
-    /// Sentences that pages show when some algorithms are hidden.
-    pub(crate) others: Vec<Sentence>,
-}
 
 /// The most ranked algorithms for which a page has the sentences of all pairs.
 const MOST_PAIRED: usize = 12;

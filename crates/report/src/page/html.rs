@@ -10,8 +10,7 @@ use sha2::{Digest, Sha256};
 
 use super::BuiltReport;
 use super::chart::Chart;
-use super::document::{Document, Plot, Section, SectionItem};
-use super::headline::Headline;
+use super::document::{Document, Headline, Plot, Section, SectionItem};
 use super::tables::by_algorithm;
 use crate::table;
 

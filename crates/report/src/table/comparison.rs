@@ -10,7 +10,7 @@ use geobench_harness::schema::Status;
 
 use crate::history::compare::{
     BaselineComparisons, CellChange, CellKey, ComparedFile, FigureChange, FileComparison,
-    Improvement, Regression, TimeMethod, exact, percent,
+    ImprovedFigure, Regression, TimeMethod, exact, percent,
 };
 use crate::table::group::distinct;
 use crate::table::markdown;
@@ -308,7 +308,7 @@ fn worse(comparison: &FileComparison) -> Vec<String> {
 fn better(comparison: &FileComparison) -> Vec<String> {
     let of_cell = |change: &CellChange| {
         let improvements = change.improvements.iter();
-        let line = |improved: &Improvement| {
+        let line = |improved: &ImprovedFigure| {
             format!("{}: {} [{}]", change.cell, improved.what, improved.rule)
         };
         improvements.map(line).collect::<Vec<String>>()

@@ -96,12 +96,12 @@ pub struct CellChange {
     pub regressions: Vec<Regression>,
     /// Figures that are better by more than their rule allows them to be worse.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub improvements: Vec<Improvement>,
+    pub improvements: Vec<ImprovedFigure>,
 }
 
 /// An improvement.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Improvement {
+pub struct ImprovedFigure {
     /// The rule.
     pub rule: String,
     /// The description.
@@ -278,7 +278,7 @@ fn change(cell: CellKey, old: &Cell, new: &Cell, rules: &Rules, paired: bool) ->
     if let (Some(rule), Some(time)) = (rules.on(Subject::Time), &time)
         && time.is_below(rule.limit)
     {
-        improvements.push(Improvement {
+        improvements.push(ImprovedFigure {
             rule: rule.to_string(),
             what: format!("time {}", time.in_words()),
         });
@@ -312,7 +312,7 @@ fn change(cell: CellKey, old: &Cell, new: &Cell, rules: &Rules, paired: bool) ->
             }
             (Some(old), Some(new), None) if rule.is_surpassed(old, new) => {
                 let [from, to] = [old, new].map(exact);
-                improvements.push(Improvement {
+                improvements.push(ImprovedFigure {
                     rule: rule.to_string(),
                     what: format!("{} {from} -> {to} ({})", figure.name, percent(new / old)),
                 });

@@ -8,7 +8,7 @@ use super::trim::trim;
 use crate::engine::store::PaddedBlock;
 use crate::pairs::{BLURRED, INSIDE, SharedEdge};
 use crate::precision::{CLEARANCE, WINS};
-use crate::tally::Tally;
+use crate::tally::PruningTally;
 
 /// Compares neighbours among the first `len` windows of `block`, cuts each by its losses, drops
 /// windows that have lost everything, compares new neighbours, and so on. Returns the number of
@@ -27,7 +27,7 @@ use crate::tally::Tally;
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // As in `geobench_window::simd`, without iterators.
 #[allow(clippy::too_many_arguments)] // The parts of one list, which its caller holds apart.
-pub(crate) fn settle<L: Lanes, T: Tally, const TRIM: bool>(
+pub(crate) fn settle<L: Lanes, T: PruningTally, const TRIM: bool>(
     simd: L::Token,
     mut block: PaddedBlock<'_>,
     mut len: usize,
@@ -109,14 +109,14 @@ fn report<L: Lanes>(
     [pairs, apart]: [L::Mask; 2],
     left: &[[L; 2]; 2],
     first: usize,
-    tally: &mut impl Tally,
+    tally: &mut impl PruningTally,
 ) {
     let overlap = pairs & !apart;
     let swapped = b.b0.lt(a.b0);
     let cases = [overlap & !swapped, overlap & swapped, apart];
     let loses = |w: &Windows<L>, [b0, b1]: [L; 2]| (w.b0.lt(b0) | b1.lt(w.b1)).bits();
     let losers = [loses(a, left[0]), loses(b, left[1])];
-    tally.compare(first, pairs.bits(), cases.map(|case| case.bits()), losers);
+    tally.compare(first, pairs.bits(), cases.map(LaneMask::bits), losers);
 }
 
 /// Sets the bits of windows whose right neighbours were deleted. Of the `listed` windows of a

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, bail};
 use geobench_harness::measure::conditions;
 use geobench_harness::schema::difference::first_difference;
-use geobench_harness::schema::{Cell, CellId, GroupRecord, ModelRecord, ResultFile};
+use geobench_harness::schema::{Cell, CellId, GroupRecord, ModelRecord, ResultFile, SourceLabel};
 use serde_json::Value;
 
 /// A joined file.
@@ -224,27 +224,7 @@ fn add(
             None => whole.models.push(model),
         }
     }
-    let mut in_both = 0;
-    for cell in file.cells {
-        let same = cell.id();
-        match whole.cells.iter().position(|known| known.id() == same) {
-            Some(index) => {
-                in_both += 1;
-                if preferred == Preferred::Added {
-                    whole.cells[index] = cell;
-                }
-            }
-            // Behind the other cells of its group, model and source, or else at the end.
-            None => match whole
-                .cells
-                .iter()
-                .rposition(|known| is_beside(known, &cell))
-            {
-                Some(index) => whole.cells.insert(index + 1, cell),
-                None => whole.cells.push(cell),
-            },
-        }
-    }
+    let in_both = join_cells(&mut whole.cells, file.cells, preferred);
     // Times of concurrent cells stay marked as such.
     match (&mut whole.isolation, &file.isolation) {
         (Some(isolation), Some(other)) => isolation.jobs = isolation.jobs.max(other.jobs),
@@ -263,9 +243,45 @@ fn add(
     Ok(in_both)
 }
 
-/// Whether two cells are of the same group, model and source.
-fn is_beside(a: &Cell, b: &Cell) -> bool {
-    (&a.group, &a.model, &a.source) == (&b.group, &b.model, &b.source)
+/// Adds `cells` to `whole`. A cell that is in both stays or is replaced; the number of these is
+/// returned. A new cell comes behind the others of its group, model and source, or else at the end.
+/// O(cells).
+fn join_cells(whole: &mut Vec<Cell>, cells: Vec<Cell>, preferred: Preferred) -> usize {
+    type Beside = (Option<String>, String, Option<SourceLabel>);
+    let beside =
+        |cell: &Cell| -> Beside { (cell.group.clone(), cell.model.clone(), cell.source.clone()) };
+    let places = whole.iter().enumerate();
+    let places: HashMap<CellId, usize> = places.map(|(place, cell)| (cell.id(), place)).collect();
+    let lasts = whole.iter().enumerate();
+    let lasts: HashMap<Beside, usize> = lasts.map(|(place, cell)| (beside(cell), place)).collect();
+    let mut in_both = 0;
+    // The new cells behind each place, and those at the end, together if they belong together.
+    let mut behind: HashMap<usize, Vec<Cell>> = HashMap::new();
+    let mut ends: HashMap<Beside, usize> = HashMap::new();
+    let mut end: Vec<Vec<Cell>> = Vec::new();
+    for cell in cells {
+        if let Some(&place) = places.get(&cell.id()) {
+            in_both += 1;
+            if preferred == Preferred::Added {
+                whole[place] = cell;
+            }
+        } else if let Some(&last) = lasts.get(&beside(&cell)) {
+            behind.entry(last).or_default().push(cell);
+        } else {
+            let place = *ends.entry(beside(&cell)).or_insert(end.len());
+            if place == end.len() {
+                end.push(Vec::new());
+            }
+            end[place].push(cell);
+        }
+    }
+    let old = std::mem::take(whole);
+    for (place, cell) in old.into_iter().enumerate() {
+        whole.push(cell);
+        whole.extend(behind.remove(&place).into_iter().flatten());
+    }
+    whole.extend(end.into_iter().flatten());
+    in_both
 }
 
 /// Renames the models of `file`: if `whole` has a model with the same hash, its name is used.

@@ -2,7 +2,7 @@
 
 use geobench_mesh::{Mesh, VertexId};
 use geobench_window::queue::Heap;
-use geobench_window::{CompiledRuns, Counter, Probe, Propagate, Solution, Way};
+use geobench_window::{CompiledRuns, Counter, Probe, Propagate, Solution, reach_along_edge};
 
 /// The algorithm of Dijkstra (1959) on the edges of a mesh; O(n log n) for n vertices.
 ///
@@ -32,18 +32,6 @@ impl Dijkstra {
             starts,
             edges,
             queue: Heap::default(),
-        }
-    }
-
-    /// Tells `probe` that the path to `to` arrives along the edge from `from`.
-    fn trace<P: Probe>(&self, from: VertexId, to: VertexId, probe: &mut P) {
-        for &h in self.mesh.outgoing(to) {
-            if self.mesh.head(h) == from {
-                return probe.reach(to, h, Way::FromTail);
-            }
-            if self.mesh.tail(h.prev()) == from {
-                return probe.reach(to, h, Way::FromHead);
-            }
         }
     }
 }
@@ -90,7 +78,7 @@ impl Propagate for Dijkstra {
                     probe.add(Counter::QueuePushes, 1);
                     probe.raise(Counter::QueuePeak, self.queue.len() as u64);
                     if P::TRACES {
-                        self.trace(v, neighbour, probe);
+                        reach_along_edge(&self.mesh, v, neighbour, probe);
                     }
                 }
             }

@@ -254,6 +254,10 @@ impl<P: Probe> Probe for Until<'_, P> {
         self.probe.renumber(mesh, vertex, corner);
     }
 
+    fn open_bound(&self) -> f64 {
+        self.bound
+    }
+
     fn end(&mut self, bound: f64) {
         self.bound = bound;
     }

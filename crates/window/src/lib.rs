@@ -21,6 +21,7 @@
 //! * [`blocks`] is the memory of stored lists, [`trimming`] the comparison of stored windows.
 
 pub mod blocks;
+mod connected;
 pub mod continuous;
 mod counters;
 mod crossing;
@@ -42,6 +43,7 @@ pub mod trimming;
 mod wavefront;
 mod window;
 
+pub use connected::reach_along_edge;
 pub use counters::{Counter, Counters};
 pub use crossing::{Crossing, length_past_end};
 pub use crossings::{CrossedChild, Crossings, LANES};

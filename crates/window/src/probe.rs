@@ -114,6 +114,11 @@ pub trait Probe {
         let _ = (mesh, vertex, corner);
     }
 
+    /// The bound of [`end`](Self::end); infinite if the run did not end early.
+    fn open_bound(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// Tells that the run ends early, with no open path of less than `bound`.
     #[inline]
     fn end(&mut self, bound: f64) {

@@ -6,6 +6,7 @@ use std::fmt;
 
 use geobench_mesh::{Mesh, VertexId};
 
+use crate::connected::reach_over_edges;
 use crate::counters::{Counter, Counters};
 use crate::goal::{Goal, Until};
 use crate::origins::Origins;
@@ -405,14 +406,26 @@ impl<T: Propagate> CompiledRuns<T> {
     pub fn new() -> Self {
         // Closures, since the probes have lifetimes.
         Self {
-            solve: |solver, sources, probe| solver.propagate(sources, probe),
-            solve_until: |solver, sources, probe| solver.propagate(sources, probe),
-            count: |solver, sources, probe| solver.propagate(sources, probe),
-            trace: |solver, sources, probe| solver.propagate(sources, probe),
-            profile: |solver, sources, probe| solver.propagate(sources, probe),
-            profile_until: |solver, sources, probe| solver.propagate(sources, probe),
+            solve: |solver, sources, probe| connected(solver, sources, probe),
+            solve_until: |solver, sources, probe| connected(solver, sources, probe),
+            count: |solver, sources, probe| connected(solver, sources, probe),
+            trace: |solver, sources, probe| connected(solver, sources, probe),
+            profile: |solver, sources, probe| connected(solver, sources, probe),
+            profile_until: |solver, sources, probe| connected(solver, sources, probe),
         }
     }
+}
+
+/// A run of `solver`, with [distances over edges](mod@crate::connected) where it found none.
+#[inline]
+fn connected<T: Propagate, P: Probe>(
+    solver: &mut T,
+    sources: &[VertexId],
+    probe: &mut P,
+) -> Solution {
+    let mut solution = solver.propagate(sources, probe);
+    reach_over_edges(solver.mesh(), &mut solution.distances, probe);
+    solution
 }
 
 // Derived, these would ask the same of `T`.

@@ -2,6 +2,7 @@
 
 use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, VertexId};
+use geobench_oracle::nasty::Kind;
 use geobench_oracle::{Model, edge_graph_distances, euclidean_distances, steiner_distances, zoo};
 use geobench_window::{Counter, Goal, Observer, PhaseSampler};
 
@@ -14,6 +15,24 @@ fn on_the_zoo(check: impl Fn(&Model, &mut Failures)) {
         let mut of_model = Failures::default();
         let _ = caught(&mut failures, || check(&model, &mut of_model));
         failures.extend(of_model);
+    }
+    failures.report();
+}
+
+/// Meshes on which windows that are narrower than rounding were cut, and vertices lost: the tip of a
+/// cone whose faces shrink to 1e-18 of its size, and a grid beside a vertex that is 4.5e19 away.
+#[test]
+fn a_vertex_that_is_connected_to_a_source_has_a_distance() {
+    let mut failures = Failures::default();
+    for (kind, seed) in [(Kind::Graded, 12379), (Kind::FarVertex, 5166)] {
+        let model = kind.mesh(seed).model;
+        for mut run in exact_runs(&model.name, &mesh_of(&model)) {
+            let found = run.distances(&model.sources);
+            let lost = found.iter().filter(|d| d.is_infinite()).count();
+            failures.unless(lost == 0, || {
+                format!("{}: {lost} lost", run.at(&model.sources))
+            });
+        }
     }
     failures.report();
 }

@@ -565,5 +565,8 @@ fn verify_can_be_interrupted() {
         printed.contains("vtp: ok") && !printed.contains("test-loop"),
         "{printed}"
     );
-    assert_eq!(complaints, "geobench: error: interrupted\n");
+    assert_eq!(
+        complaints,
+        "geobench: note: stopping this run; again to stop at once\ngeobench: error: interrupted\n"
+    );
 }

@@ -91,25 +91,20 @@ impl ResultFormat {
 /// The tables of all groups, with a note in every part if times are disturbed. The matrix of a
 /// group of several models follows its table.
 fn tables(result: &ResultFile) -> Vec<Table> {
-    let with_matrix = |group: &GroupCells<'_>| {
+    let note = disturbance(result).map(|text| Note {
+        text: format!("the times are disturbed: {text}"),
+        failure: false,
+    });
+    let of_group = |group: &GroupCells<'_>| {
+        let mut table = results::table(group);
+        for part in &mut table.parts {
+            part.notes.extend(note.clone());
+        }
         let matrix = matrix::matrix(group).filter(|_| group.models.len() > 1);
-        std::iter::once(results::table(group)).chain(matrix)
+        std::iter::once(table).chain(matrix)
     };
     let groups = results::groups(result);
-    let mut tables: Vec<Table> = groups.iter().flat_map(with_matrix).collect();
-    if let Some(disturbance) = disturbance(result) {
-        for table in &mut tables {
-            let note = Note {
-                text: format!("the times are disturbed: {disturbance}"),
-                failure: false,
-            };
-            table
-                .parts
-                .iter_mut()
-                .for_each(|part| part.notes.push(note.clone()));
-        }
-    }
-    tables
+    groups.iter().flat_map(of_group).collect()
 }
 
 /// The reason why times are disturbed, if several cells ran at the same time.

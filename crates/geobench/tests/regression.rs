@@ -244,7 +244,7 @@ fn names_of_models_were_formulas_html_and_orders_to_the_terminal() {
         "{markdown}"
     );
     assert!(
-        markdown.contains(&format!("- {escaped}: source 0")),
+        markdown.contains(&format!("- \\{escaped}: source 0")),
         "{markdown}"
     );
     let latex = sandbox.read("r.tex");

@@ -584,8 +584,8 @@ mod tests {
         ];
         let cells = 4_000;
         for (name, noise, truth) in kinds {
-            for n in [6, 7, 10, 20] {
-                let mut random = SplitMix64::new(n as u64);
+            for n in [6_u32, 7, 10, 20] {
+                let mut random = SplitMix64::new(u64::from(n));
                 let encloses = |ends: [f64; 2], truth: f64| ends[0] <= truth && truth <= ends[1];
                 let (mut medians, mut pairs, mut sets) = (0, 0, 0);
                 for _ in 0..cells {

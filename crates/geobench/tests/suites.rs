@@ -240,7 +240,7 @@ fn real_models_take_the_place_of_those_that_stand_for_them() {
     let text = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{text}");
     assert!(
-        text.contains("--models: .: no mesh file (OBJ, PLY"),
+        text.contains("--models: .: no mesh file in this directory"),
         "{text}"
     );
 

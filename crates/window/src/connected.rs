@@ -125,7 +125,9 @@ mod tests {
             let mut distances: Vec<f64> = (0..9)
                 .map(|v| f64::hypot(f64::from(v % 3), f64::from(v / 3)))
                 .collect();
-            missing.iter().for_each(|&v| distances[v] = INFINITE);
+            for &v in missing {
+                distances[v] = INFINITE;
+            }
             distances
         };
         for missing in [&[][..], &[2], &[1, 2, 5], &[1, 2, 4, 5, 6, 7, 8]] {

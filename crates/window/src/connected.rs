@@ -18,17 +18,17 @@ use crate::probe::Probe;
 
 /// A vertex and the length of a path to it. The least one is the greatest of a heap.
 #[derive(PartialEq)]
-struct Reached(f64, VertexId);
+struct ReachedVertex(f64, VertexId);
 
-impl Eq for Reached {}
+impl Eq for ReachedVertex {}
 
-impl Ord for Reached {
+impl Ord for ReachedVertex {
     fn cmp(&self, other: &Self) -> Ordering {
         other.0.total_cmp(&self.0).then(other.1.cmp(&self.1))
     }
 }
 
-impl PartialOrd for Reached {
+impl PartialOrd for ReachedVertex {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
@@ -56,11 +56,11 @@ fn reach_missing<P: Probe>(mesh: &Mesh, distances: &mut [f64], missing: usize, p
             && around.any(|(u, _)| is_final(distances[u.index()]) != reached)
     };
     // The reached vertices beside missing ones, found from the side that has fewer.
-    let mut queue: BinaryHeap<Reached> = BinaryHeap::new();
-    let push = |queue: &mut BinaryHeap<Reached>, v: VertexId| {
+    let mut queue: BinaryHeap<ReachedVertex> = BinaryHeap::new();
+    let push = |queue: &mut BinaryHeap<ReachedVertex>, v: VertexId| {
         let d = distances[v.index()];
         if is_final(d) {
-            queue.push(Reached(d, v));
+            queue.push(ReachedVertex(d, v));
         }
     };
     if missing < distances.len() / 2 {
@@ -79,7 +79,7 @@ fn reach_missing<P: Probe>(mesh: &Mesh, distances: &mut [f64], missing: usize, p
     }
     // Distances that windows have found stay as they are.
     let mut found = vec![false; if queue.is_empty() { 0 } else { distances.len() }];
-    while let Some(Reached(d, v)) = queue.pop() {
+    while let Some(ReachedVertex(d, v)) = queue.pop() {
         if d > distances[v.index()] {
             continue;
         }
@@ -89,7 +89,7 @@ fn reach_missing<P: Probe>(mesh: &Mesh, distances: &mut [f64], missing: usize, p
             if is_missing && d + length < known.min(bound) {
                 *known = d + length;
                 found[u.index()] = true;
-                queue.push(Reached(d + length, u));
+                queue.push(ReachedVertex(d + length, u));
                 if P::TRACES {
                     reach_along_edge(mesh, v, u, probe);
                 }

@@ -5,12 +5,12 @@
 //! distances are left in a proof.
 //!
 //! Let u be 2^-53. A number is kept as hi + lo with |lo| <= 2u |hi|. The low parts are added and
-//! multiplied in plain arithmetic. They are at most 5u of the *size* of the operation: of the sum of
-//! the absolute values of at most three products, or of the result, for a quotient or a root. A dozen
-//! operations on them lose at most 60 u² of the size. Products of two low parts are left out: another
-//! 4 u². So 2^-100 of the size bounds the error. That of a sum is at most 2^-104 of the result (M.
-//! Joldes, J.-M. Muller, V. Popescu, Tight and rigorous error bounds for basic building blocks of
-//! double-word arithmetic, 2017).
+//! multiplied in plain arithmetic. They are at most 5u of the *size* of the operation: of the sum
+//! of the absolute values of at most three products, or of the result, for a quotient or a root. A
+//! dozen operations on them lose at most 60 u² of the size. Products of two low parts are left out:
+//! another 4 u². So 2^-100 of the size bounds the error. That of a sum is at most 2^-104 of the
+//! result (M. Joldes, J.-M. Muller, V. Popescu, Tight and rigorous error bounds for basic building
+//! blocks of double-word arithmetic, 2017).
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -3,9 +3,9 @@
 //! Solvers drop windows that are narrower than their margin, such as those of a saddle vertex whose
 //! angle exceeds a full turn by a billionth. The windows beside a dropped one diverge, so the gap
 //! between them grows from edge to edge: 1e-10 of an edge becomes 1e-7 after a few faces. In a gap
-//! only paths along the edge are left, which are far too long. The proof may use any function on the
-//! edges, so a gap is filled here by the windows that reach it through the faces beside it: straight
-//! continuations, and those that bend at the end of a piece.
+//! only paths along the edge are left, which are far too long. The proof may use any function on
+//! the edges, so a gap is filled here by the windows that reach it through the faces beside it:
+//! straight continuations, and those that bend at the end of a piece.
 //!
 //! A repair only lowers the function. Where a claimed distance itself is too long, it differs from
 //! the repaired function, and the proof counts this difference.
@@ -16,20 +16,20 @@ use crate::envelope::EnvelopeBuilder;
 use crate::face::shorter_windows;
 use crate::field::{EdgeField, FaceSide};
 
-/// Checks of faces in a repair: this many and one for each [`FACES_PER_CHECK`] faces. On scans a few
-/// dozen faces have gaps, of 1e-10 and more of their size; rounding of 1e-14 and more is in half of
-/// all faces, and its repair would take longer than the proof.
+/// Checks of faces in a repair: this many and one for each [`FACES_PER_CHECK`] faces. On scans a
+/// few dozen faces have gaps, of 1e-10 and more of their size; rounding of 1e-14 and more is in
+/// half of all faces, and its repair would take longer than the proof.
 const MOST_CHECKS: usize = 2000;
 const FACES_PER_CHECK: usize = 20;
 
-/// Comparisons of pieces for each of these checks. An envelope takes the square of its pieces; sides
-/// of nearly flat faces gathered thousands, and a mesh of 100 faces took 18 s.
+/// Comparisons of pieces for each of these checks. An envelope takes the square of its pieces;
+/// sides of nearly flat faces gathered thousands, and a mesh of 100 faces took 18 s.
 const COMPARISONS_PER_CHECK: usize = 100_000;
 
-/// Lowers the distances on the sides of these faces, worst first, and on those that follow, until no
-/// face has a violation above rounding, or there were too [many checks](MOST_CHECKS) or
-/// [comparisons](COMPARISONS_PER_CHECK). Returns the faces that were checked and those with a changed
-/// side, sorted.
+/// Lowers the distances on the sides of these faces, worst first, and on those that follow, until
+/// no face has a violation above rounding, or there were too [many checks](MOST_CHECKS) or
+/// [comparisons](COMPARISONS_PER_CHECK). Returns the faces that were checked and those with a
+/// changed side, sorted.
 pub(crate) fn repair(field: &mut EdgeField<'_>, worst_first: &[FaceId]) -> Vec<FaceId> {
     let mesh = field.mesh;
     let mut left = MOST_CHECKS + mesh.face_count() / FACES_PER_CHECK;

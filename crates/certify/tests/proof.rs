@@ -129,8 +129,8 @@ fn a_distance_that_is_too_long_by_a_billionth_is_noticed() {
     }
 }
 
-/// The whole field, with its windows, of a mesh with one vertex elsewhere. The bounds include what it
-/// is too long; paths prove what it is too short.
+/// The whole field, with its windows, of a mesh with one vertex elsewhere. The bounds include what
+/// it is too long; paths prove what it is too short.
 #[test]
 fn a_field_of_a_mesh_with_one_vertex_moved_is_not_proven() {
     let mesh = Mesh::generate("torus,faces=500,bump=0.2,seed=3").unwrap();

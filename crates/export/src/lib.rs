@@ -1,8 +1,8 @@
 //! Files of what `geobench` computes on a mesh, and pictures of it.
 //!
 //! A [`FileFormat`] is chosen by the ending of a file's name: [`distances`] as CSV, JSON, NPY, PLY,
-//! VTK or VTP, [`paths`] and [`isolines`] as lines, Voronoi [`diagrams`], and a [`picture`] of each as
-//! SVG or PNG. An [`output::OutputFile`] is checked before the work starts and replaced whole.
+//! VTK or VTP, [`paths`] and [`isolines`] as lines, Voronoi [`diagrams`], and a [`picture`] of each
+//! as SVG or PNG. An [`output::OutputFile`] is checked before the work starts and replaced whole.
 
 pub mod diagrams;
 pub mod distances;

@@ -76,7 +76,8 @@ impl OutputFile {
     ///
     /// # Errors
     ///
-    /// As `prepare`, and when a file has another ending. So no result file is overwritten by a page.
+    /// As `prepare`, and when a file has another ending. So no result file is overwritten by a
+    /// page.
     pub fn page(path: &Path) -> anyhow::Result<Self> {
         let file = Self::prepare(path)?;
         let is_page = |ending: &str| {
@@ -210,7 +211,8 @@ pub fn lock(path: &Path) -> io::Result<fs::File> {
     loop {
         let file = fs::File::open(path)?;
         file.lock()?;
-        // The process that had the lock may have replaced the file. Then this lock is on the old one.
+        // The process that had the lock may have replaced the file. Then this lock is on the old
+        // one.
         if FileIdentity::of_open(&file)? == FileIdentity::of(path) {
             return Ok(file);
         }

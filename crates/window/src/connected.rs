@@ -8,31 +8,11 @@
 //! as the rounding. Where faces are too long for the distances, [`doubt`](crate::precision::doubt)
 //! says by how much they may be off.
 
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
-
 use geobench_mesh::{Mesh, VertexId};
 
 use crate::origins::Way;
 use crate::probe::Probe;
-
-/// A vertex and the length of a path to it. The least one is the greatest of a heap.
-#[derive(PartialEq)]
-struct ReachedVertex(f64, VertexId);
-
-impl Eq for ReachedVertex {}
-
-impl Ord for ReachedVertex {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.0.total_cmp(&self.0).then(other.1.cmp(&self.1))
-    }
-}
-
-impl PartialOrd for ReachedVertex {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
+use crate::queue::Heap;
 
 /// Gives the vertices of infinite distance that edges connect to others their shortest way over
 /// edges, if the run left no shorter path open. O(n) if there are none; else O(n log n) for n
@@ -50,36 +30,32 @@ fn reach_missing<P: Probe>(mesh: &Mesh, distances: &mut [f64], missing: usize, p
     // Distances that are not below it are not final.
     let bound = probe.open_bound();
     let is_final = |d: f64| d.is_finite() && d < bound;
-    let is_at_border = |v: VertexId, reached: bool| {
-        let mut around = mesh.neighbours(v);
-        is_final(distances[v.index()]) == reached
-            && around.any(|(u, _)| is_final(distances[u.index()]) != reached)
-    };
     // The reached vertices beside missing ones, found from the side that has fewer.
-    let mut queue: BinaryHeap<ReachedVertex> = BinaryHeap::new();
-    let push = |queue: &mut BinaryHeap<ReachedVertex>, v: VertexId| {
-        let d = distances[v.index()];
-        if is_final(d) {
-            queue.push(ReachedVertex(d, v));
-        }
-    };
+    let mut queue: Heap<VertexId> = Heap::default();
     if missing < distances.len() / 2 {
         for v in mesh
             .vertices()
             .filter(|v| distances[v.index()].is_infinite())
         {
-            mesh.neighbours(v).for_each(|(u, _)| push(&mut queue, u));
+            for (u, _) in mesh.neighbours(v) {
+                let d = distances[u.index()];
+                if is_final(d) {
+                    queue.push(d, u);
+                }
+            }
         }
     } else {
         for v in mesh.vertices() {
-            if is_final(distances[v.index()]) && is_at_border(v, true) {
-                push(&mut queue, v);
+            let d = distances[v.index()];
+            let mut around = mesh.neighbours(v);
+            if is_final(d) && around.any(|(u, _)| !is_final(distances[u.index()])) {
+                queue.push(d, v);
             }
         }
     }
     // Distances that windows have found stay as they are.
     let mut found = vec![false; if queue.is_empty() { 0 } else { distances.len() }];
-    while let Some(ReachedVertex(d, v)) = queue.pop() {
+    while let Some((d, v)) = queue.pop() {
         if d > distances[v.index()] {
             continue;
         }
@@ -89,7 +65,7 @@ fn reach_missing<P: Probe>(mesh: &Mesh, distances: &mut [f64], missing: usize, p
             if is_missing && d + length < known.min(bound) {
                 *known = d + length;
                 found[u.index()] = true;
-                queue.push(ReachedVertex(d + length, u));
+                queue.push(d + length, u);
                 if P::TRACES {
                     reach_along_edge(mesh, v, u, probe);
                 }

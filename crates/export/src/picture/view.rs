@@ -6,8 +6,8 @@ use std::str::FromStr;
 /// default.
 ///
 /// With y up, azimuth 0 looks from +z and 90 from +x, as `OrbitControls` of three.js has it. With z
-/// up, azimuth 0 looks from +x and 90 from +y, as `view_init(elev, azim)` of matplotlib. At elevation
-/// 90 the model is seen from above.
+/// up, azimuth 0 looks from +x and 90 from +y, as `view_init(elev, azim)` of matplotlib. At
+/// elevation 90 the model is seen from above.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Degrees around the axis.

@@ -22,8 +22,8 @@ static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 /// Becomes readable with the first signal.
 static WAKE: OnceLock<UnixStream> = OnceLock::new();
 
-/// Installs handlers for both signals. A thread, which sleeps until then, calls `told` with the first
-/// signal.
+/// Installs handlers for both signals. A thread, which sleeps until then, calls `told` with the
+/// first signal.
 ///
 /// # Errors
 ///

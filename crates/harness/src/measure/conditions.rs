@@ -164,7 +164,7 @@ const TICKS_PER_SECOND: u64 = 100;
 /// The state of the system at one moment. Values that the system does not report are absent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
-    /// The clock of the system and one that nobody sets.
+    /// The system clock, and one that is never set.
     clocks: Option<(SystemTime, Instant)>,
     ticks: Option<Ticks>,
     /// Ticks of this process and of its children that have been waited for.

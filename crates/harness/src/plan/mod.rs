@@ -59,7 +59,7 @@ pub struct Plan {
     pub limits: Limits,
 }
 
-/// The greatest number of faces on which a reference runs that nobody asked for.
+/// The greatest number of faces on which the default reference runs.
 pub const MOST_FACES_UNASKED: u64 = 1_000_000;
 
 /// The answers with which others are compared.

@@ -14,7 +14,7 @@ type Image = [u64; 3];
 type Map<K, V> = HashMap<K, V, BuildHasherDefault<Mixer>>;
 
 /// A hash of few words: each is mixed in by a multiplication, whose high bits are folded back. The
-/// keys are coordinates, which nobody chooses to collide.
+/// keys are coordinates, not chosen to collide.
 #[derive(Default)]
 struct Mixer(u64);
 

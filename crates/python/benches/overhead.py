@@ -9,7 +9,7 @@ import argparse
 import sys
 import time
 
-import geobench as gb
+import geodesics as gd
 
 ALLOWED = 0.05
 ALLOWED_ANYWHERE = 0.5
@@ -23,12 +23,12 @@ def main():
     parser.add_argument("--strict", action="store_true")
     options = parser.parse_args()
     generated = options.model.startswith("gen:")
-    mesh = gb.generate(options.model) if generated else gb.read(options.model)
-    solver = gb.Solver(mesh, options.algorithm)
+    mesh = gd.generate(options.model) if generated else gd.read(options.model)
+    solver = gd.Solver(mesh, options.algorithm)
     solver.distance(0)
     inside, outside = [], []
     for _ in range(options.rounds):
-        row = gb.run(options.algorithm, mesh, repeat=5, check="none")[0]
+        row = gd.run(options.algorithm, mesh, repeat=5, check="none")[0]
         inside += row["time_samples"]
         for _ in range(5):
             start = time.perf_counter()

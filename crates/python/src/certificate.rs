@@ -14,7 +14,7 @@ use crate::points::{ResolvedPoints, together};
 use crate::solver::{check_threads, mesh_of};
 
 /// A proven bound on the errors of distances. It is true if the bound is within the tolerance.
-#[pyclass(frozen, get_all, module = "geobench", name = "Certificate")]
+#[pyclass(frozen, get_all, module = "geodesics", name = "Certificate")]
 pub(crate) struct PyCertificate {
     /// bool: whether the relative error of every distance is at most the tolerance.
     certified: bool,
@@ -46,7 +46,7 @@ impl PyCertificate {
             "not certified"
         };
         format!(
-            "<geobench.Certificate: {verdict}, {:.1e} of a distance, {} failures>",
+            "<geodesics.Certificate: {verdict}, {:.1e} of a distance, {} failures>",
             self.relative,
             self.failures.len()
         )

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::{create_exception, intern};
 
 create_exception!(
-    geobench,
+    geodesics,
     MeshError,
     PyValueError,
     "A mesh that cannot be used, or a file that holds none. The message names the vertices, faces \
@@ -19,7 +19,7 @@ create_exception!(
 );
 
 create_exception!(
-    geobench,
+    geodesics,
     PrecisionWarning,
     PyUserWarning,
     "Distances that floating-point numbers cannot tell well, beside faces that are far larger."

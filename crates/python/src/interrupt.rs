@@ -31,7 +31,7 @@ pub(crate) fn long<T: Send + 'static>(
 ) -> PyResult<T> {
     let (sender, mut receiver) = mpsc::channel();
     thread::Builder::new()
-        .name("geobench".to_owned())
+        .name("geodesics".to_owned())
         .spawn(move || {
             // Sending fails if the caller was interrupted and no longer waits.
             let _ = sender.send(catch_unwind(AssertUnwindSafe(work)));

@@ -18,7 +18,7 @@ use crate::solver::warn;
 const TOLERANCE: f64 = 1e-3;
 
 /// The points of a surface at one distance from the nearest source.
-#[pyclass(frozen, module = "geobench", name = "Isoline")]
+#[pyclass(frozen, module = "geodesics", name = "Isoline")]
 pub(crate) struct PyIsoline {
     /// float: the distance, in units of the mesh.
     #[pyo3(get)]
@@ -39,7 +39,7 @@ pub(crate) struct PyIsoline {
 impl PyIsoline {
     fn __repr__(&self) -> String {
         format!(
-            "<geobench.Isoline at {}: {} lines of length {}>",
+            "<geodesics.Isoline at {}: {} lines of length {}>",
             self.distance,
             self.lines.len(),
             self.length
@@ -48,7 +48,7 @@ impl PyIsoline {
 }
 
 /// A connected part of an isoline. It consists of circular arcs, each inside one face.
-#[pyclass(frozen, module = "geobench", name = "IsolineLine")]
+#[pyclass(frozen, module = "geodesics", name = "IsolineLine")]
 pub(crate) struct PyLine {
     mesh: Mesh,
     line: Shared<Line>,
@@ -110,7 +110,7 @@ impl PyLine {
 
     fn __repr__(&self) -> String {
         format!(
-            "<geobench.IsolineLine of {} arcs: {}, length {}>",
+            "<geodesics.IsolineLine of {} arcs: {}, length {}>",
             self.line.arcs.len(),
             if self.line.closed { "a loop" } else { "open" },
             self.line.length()

@@ -1,4 +1,4 @@
-//! The compiled part of the Python package `geobench`. The rest is in `python/geobench`.
+//! The compiled part of the Python package `geodesics`. The rest is in `python/geodesics`.
 //!
 //! Arrays of the caller are copied once, distances are returned without a copy. Long calls release
 //! the lock of the interpreter and end on Ctrl-C (`interrupt`).

@@ -46,7 +46,7 @@ use crate::voronoi::PyVoronoi;
 ///     The mesh cannot be used. The message names the vertices and faces.
 /// ValueError, TypeError
 ///     An array has another shape or type.
-#[pyclass(frozen, module = "geobench", name = "Mesh")]
+#[pyclass(frozen, module = "geodesics", name = "Mesh")]
 pub(crate) struct PyMesh {
     pub(crate) mesh: Mesh,
     pub(crate) name: String,
@@ -515,7 +515,7 @@ impl PyMesh {
 
     fn __repr__(&self) -> String {
         format!(
-            "<geobench.Mesh {:?}: {} vertices, {} faces>",
+            "<geodesics.Mesh {:?}: {} vertices, {} faces>",
             self.name,
             self.mesh.vertex_count(),
             self.mesh.face_count()

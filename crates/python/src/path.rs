@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 /// A shortest path on a surface. Its points are, in order, the source, a point for each edge that
 /// the path crosses and each vertex that it passes, and the target. The path is straight between
 /// them.
-#[pyclass(frozen, module = "geobench", name = "Path")]
+#[pyclass(frozen, module = "geodesics", name = "Path")]
 pub(crate) struct PyPath {
     /// float: its length, in units of the mesh.
     #[pyo3(get)]
@@ -70,7 +70,7 @@ impl PyPath {
 
     fn __repr__(&self) -> String {
         format!(
-            "<geobench.Path of length {}, {} points>",
+            "<geodesics.Path of length {}, {} points>",
             self.length, self.count
         )
     }

@@ -8,7 +8,7 @@ use pyo3::types::{PyBool, PyString};
 
 /// A point of a surface, made by `vertex`, `edge`, `face` or `at`. Sources and targets are points
 /// or numbers of vertices.
-#[pyclass(frozen, eq, module = "geobench", name = "Point", from_py_object)]
+#[pyclass(frozen, eq, module = "geodesics", name = "Point", from_py_object)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PyPoint(pub(crate) PointSpec);
 

@@ -342,7 +342,7 @@ impl MeshAlgorithm {
 /// ------
 /// ValueError
 ///     The algorithm does not exist, or a parameter, `threads` or `simd` is out of range.
-#[pyclass(frozen, module = "geobench", name = "Solver")]
+#[pyclass(frozen, module = "geodesics", name = "Solver")]
 pub(crate) struct PySolver {
     algorithm: MeshAlgorithm,
     mesh: Py<PyMesh>,
@@ -566,7 +566,7 @@ impl PySolver {
     fn __repr__(&self) -> String {
         let mesh = &self.algorithm.mesh;
         format!(
-            "<geobench.Solver {} for {} vertices, {} faces>",
+            "<geodesics.Solver {} for {} vertices, {} faces>",
             self.algorithm(),
             mesh.vertex_count(),
             mesh.face_count()
@@ -590,7 +590,7 @@ pub(crate) fn one_path(
 pub(crate) fn mesh_of<'a, 'py>(value: &'a Bound<'py, PyAny>) -> PyResult<&'a Bound<'py, PyMesh>> {
     value.cast::<PyMesh>().map_err(|_| {
         PyTypeError::new_err(format!(
-            "mesh: a geobench.Mesh is needed, not {}",
+            "mesh: a geodesics.Mesh is needed, not {}",
             value
                 .get_type()
                 .name()

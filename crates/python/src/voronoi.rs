@@ -18,7 +18,7 @@ use crate::path::triples;
 use crate::points::{PyPoint, ResolvedPoints, together};
 
 /// A geodesic Voronoi diagram. Its cells are the regions of a surface with the same nearest source.
-#[pyclass(frozen, module = "geobench", name = "Voronoi")]
+#[pyclass(frozen, module = "geodesics", name = "Voronoi")]
 pub(crate) struct PyVoronoi {
     diagram: Shared<Diagram>,
     surface: Shared<RefinedSurface>,
@@ -50,7 +50,7 @@ impl RefinedSurface {
 }
 
 /// The region of a surface that is nearer to one source than to any other.
-#[pyclass(frozen, get_all, module = "geobench", name = "Cell")]
+#[pyclass(frozen, get_all, module = "geodesics", name = "Cell")]
 pub(crate) struct PyCell {
     /// int: index of its source.
     source: usize,
@@ -77,7 +77,7 @@ impl PyCell {
             None => format!("source {}", self.source),
         };
         format!(
-            "<geobench.Cell of {source}: area {}, {} neighbours>",
+            "<geodesics.Cell of {source}: area {}, {} neighbours>",
             self.area,
             self.neighbours.len()
         )
@@ -85,7 +85,7 @@ impl PyCell {
 }
 
 /// A piece of the border between two cells, inside one face.
-#[pyclass(frozen, module = "geobench", name = "Arc")]
+#[pyclass(frozen, module = "geodesics", name = "Arc")]
 pub(crate) struct PyArc {
     diagram: Shared<Diagram>,
     surface: Shared<RefinedSurface>,
@@ -172,14 +172,14 @@ impl PyArc {
     fn __repr__(&self) -> String {
         let [a, b] = self.arc().sources;
         format!(
-            "<geobench.Arc between cells {a} and {b} in face {}>",
+            "<geodesics.Arc between cells {a} and {b} in face {}>",
             self.face()
         )
     }
 }
 
 /// A point at which three cells or more meet.
-#[pyclass(frozen, get_all, module = "geobench", name = "VoronoiVertex")]
+#[pyclass(frozen, get_all, module = "geodesics", name = "VoronoiVertex")]
 pub(crate) struct PyVoronoiVertex {
     /// tuple of three floats or None: its position; `None` if the mesh has no positions.
     position: Option<(f64, f64, f64)>,
@@ -345,7 +345,7 @@ impl PyVoronoi {
 
     fn __repr__(&self) -> String {
         format!(
-            "<geobench.Voronoi: {} cells, {} arcs>",
+            "<geodesics.Voronoi: {} cells, {} arcs>",
             self.surface.sources.len(),
             self.diagram.arcs().len()
         )

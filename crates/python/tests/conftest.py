@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import geobench as gb
+import geodesics as gd
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 
@@ -49,9 +49,9 @@ def command():
 def square():
     """A unit square of two triangles, and an isolated vertex."""
     vertices = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [5, 5, 5]], dtype=float)
-    return gb.Mesh(vertices, np.array([[0, 1, 2], [0, 2, 3]]))
+    return gd.Mesh(vertices, np.array([[0, 1, 2], [0, 2, 3]]))
 
 
 @pytest.fixture(scope="session")
 def torus():
-    return gb.generate("torus,faces=3000,bump=0.1,seed=7")
+    return gd.generate("torus,faces=3000,bump=0.1,seed=7")

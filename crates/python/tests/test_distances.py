@@ -6,7 +6,7 @@ import pygeodesic.geodesic
 import pytest
 from conftest import model
 
-import geobench as gb
+import geodesics as gd
 
 GENERATED = [
     "torus,faces=3000,bump=0.1,seed=7",
@@ -23,15 +23,15 @@ def same(a, b, tolerance=1e-9):
 
 @pytest.mark.parametrize("spec", GENERATED)
 def test_distances_are_those_of_pygeodesic(spec):
-    check_with_pygeodesic(gb.generate(spec))
+    check_with_pygeodesic(gd.generate(spec))
 
 
 @pytest.mark.parametrize("spec", ["torus,faces=3000,bump=0.1,seed=7", "sphere,subdiv=4", "terrain,n=24,seed=1"])
 @pytest.mark.parametrize("t", [0.5, 1.0, 4.0])
 def test_heat_is_that_of_potpourri3d(spec, t):
     """Both use the edges of the mesh and Neumann boundary conditions, and add 1e-6 to the Laplace matrix."""
-    mesh = gb.generate(spec)
-    solver = gb.Solver(mesh, f"heat{{t={t},boundary=neumann,shift=1e-6,delaunay=off}}")
+    mesh = gd.generate(spec)
+    solver = gd.Solver(mesh, f"heat{{t={t},boundary=neumann,shift=1e-6,delaunay=off}}")
     other = pp3d.MeshHeatMethodDistanceSolver(
         mesh.vertices, mesh.faces.astype(np.int64), t_coef=t, use_robust=False
     )
@@ -44,7 +44,7 @@ def test_heat_is_that_of_potpourri3d(spec, t):
 
 @pytest.mark.parametrize("name", ["suzanne.obj", "spot.obj"])
 def test_distances_of_shared_models_are_those_of_pygeodesic(name):
-    check_with_pygeodesic(gb.read(model(name)))
+    check_with_pygeodesic(gd.read(model(name)))
 
 
 def check_with_pygeodesic(mesh):
@@ -58,7 +58,7 @@ def check_with_pygeodesic(mesh):
 
 
 def test_one_rule_says_which_distances_are_wrong():
-    square = gb.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+    square = gd.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
     right = np.array([0, 1, 2**0.5, 1])
     off = right + [1e-13, -9e-10, 2e-9, 0]
     assert square.wrong_distances(right, right).tolist() == []
@@ -72,7 +72,7 @@ def test_one_rule_says_which_distances_are_wrong():
 
 @pytest.mark.parametrize("spec", ["torus,faces=3000,bump=0.1,seed=7", "sphere,subdiv=4"])
 def test_the_heat_method_is_near(spec):
-    mesh = gb.generate(spec)
+    mesh = gd.generate(spec)
     d = mesh.distance(0)
     heat = pp3d.MeshHeatMethodDistanceSolver(mesh.vertices, mesh.faces.astype(np.int64))
     error = np.abs(heat.compute_distance(0) - d) / d.max()
@@ -111,46 +111,46 @@ def test_radius_and_targets_end_early(torus):
 
 
 def test_points_anywhere(square):
-    d = square.distance(gb.edge(0, 1, 0.25))
+    d = square.distance(gd.edge(0, 1, 0.25))
     same(d[:4], [0.25, 0.75, np.hypot(0.75, 1), np.hypot(0.25, 1)], 1e-14)
-    d = square.distance(gb.face(0, 0.5, 0.25, 0.25))
+    d = square.distance(gd.face(0, 0.5, 0.25, 0.25))
     same(d[:3], [np.hypot(0.5, 0.25), np.hypot(0.5, 0.25), np.hypot(0.5, 0.75)], 1e-14)
-    same(square.distance(gb.at(0, 0.5, 2, far=True))[0], 0.5, 1e-14)
-    same(square.distance(0, targets=[gb.edge(1, 2, 0.5), gb.vertex(2)]), [1.25**0.5, 2**0.5], 1e-14)
-    rows = square.distances([gb.at(0.2, 0.1, 0), 1])
+    same(square.distance(gd.at(0, 0.5, 2, far=True))[0], 0.5, 1e-14)
+    same(square.distance(0, targets=[gd.edge(1, 2, 0.5), gd.vertex(2)]), [1.25**0.5, 2**0.5], 1e-14)
+    rows = square.distances([gd.at(0.2, 0.1, 0), 1])
     same(rows[1], square.distance(1), 1e-14)
 
 
 def test_solvers_keep_their_set_up(torus):
     expected = torus.distance(5)
     for name in ["vtp-fast", "vtp", "mmp", "ich", "fwp-mmp{kmax=5000}", "vtp-mmp"]:
-        solver = gb.Solver(torus, name)
+        solver = gd.Solver(torus, name)
         for _ in range(2):
             same(solver.distance(5), expected, 1e-12)
         assert solver.exact and solver.mesh is torus
-    parallel = gb.Solver(torus, "pvtp", threads=2)
+    parallel = gd.Solver(torus, "pvtp", threads=2)
     same(parallel.distance(5), expected, 1e-12)
     same(parallel.distances([5, 6], threads=2)[0], expected, 1e-12)
 
 
 def test_the_example_of_the_page(torus):
-    solver = gb.Solver(torus, "vtp-fast")
-    source = gb.face(12, 0.2, 0.3, 0.5)
+    solver = gd.Solver(torus, "vtp-fast")
+    source = gd.face(12, 0.2, 0.3, 0.5)
     d = solver.distance(source, radius=1.5, targets=[0, 1, 2])
     assert d.shape == (3,)
     same(d, torus.distance(source)[:3], 1e-12)
 
 
 def test_every_exact_algorithm_agrees(torus):
-    mesh = gb.generate("terrain,n=12,seed=3")
+    mesh = gd.generate("terrain,n=12,seed=3")
     expected = mesh.distance(7)
-    for algorithm in gb.algorithms():
+    for algorithm in gd.algorithms():
         if algorithm["exact"]:
             same(mesh.distance(7, algorithm=algorithm["name"]), expected, 1e-10)
 
 
 def test_counts_and_profiles(torus):
-    solver = gb.Solver(torus, "vtp")
+    solver = gd.Solver(torus, "vtp")
     d, counters = solver.count(0)
     same(d, solver.distance(0), 0)
     assert counters["propagated"] > torus.n_faces
@@ -162,7 +162,7 @@ def test_counts_and_profiles(torus):
 def test_solvers_are_used_from_several_threads(torus):
     from concurrent.futures import ThreadPoolExecutor
 
-    solver = gb.Solver(torus)
+    solver = gd.Solver(torus)
     expected = [solver.distance(v) for v in range(8)]
     with ThreadPoolExecutor(4) as pool:
         found = list(pool.map(solver.distance, range(8)))
@@ -171,7 +171,7 @@ def test_solvers_are_used_from_several_threads(torus):
 
 
 def test_arrays_of_every_layout():
-    mesh = gb.generate("sphere,subdiv=1")
+    mesh = gd.generate("sphere,subdiv=1")
     V, F = mesh.vertices, mesh.faces
     expected = mesh.distance(0)
     wide = np.zeros((len(V), 6))
@@ -184,14 +184,14 @@ def test_arrays_of_every_layout():
         (V, F.astype(np.int16)),
     ]
     for vertices, faces in layouts:
-        same(gb.Mesh(vertices, faces).distance(0), expected, 0)
-    single = gb.Mesh(V.astype(np.float32), F).vertices
+        same(gd.Mesh(vertices, faces).distance(0), expected, 0)
+    single = gd.Mesh(V.astype(np.float32), F).vertices
     assert (single == V.astype(np.float32)).all()
 
 
 def test_arrays_are_copied_once_and_not_shared():
     V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
-    mesh = gb.Mesh(V, [[0, 1, 2]])
+    mesh = gd.Mesh(V, [[0, 1, 2]])
     V[1, 0] = 7
     assert mesh.vertices[1, 0] == 1
     d = mesh.distance(0)
@@ -200,15 +200,15 @@ def test_arrays_are_copied_once_and_not_shared():
 
 
 def test_lengths_alone_make_a_surface():
-    mesh = gb.Mesh.from_lengths(3, [[0, 1, 2]], [[3.0, 5.0, 4.0]])
+    mesh = gd.Mesh.from_lengths(3, [[0, 1, 2]], [[3.0, 5.0, 4.0]])
     assert mesh.distance(0).tolist() == [0, 3, 4]
     assert mesh.vertices.shape == (0, 3)
-    with pytest.raises(gb.MeshError, match="face 0"):
-        gb.Mesh.from_lengths(3, [[0, 1, 2]], [[3.0, 9.0, 4.0]])
+    with pytest.raises(gd.MeshError, match="face 0"):
+        gd.Mesh.from_lengths(3, [[0, 1, 2]], [[3.0, 9.0, 4.0]])
 
 
 def test_where_points_are(square):
-    face, barycentric, position, distance = square.locate(gb.at(0.75, 0.25, 2, far=True))
+    face, barycentric, position, distance = square.locate(gd.at(0.75, 0.25, 2, far=True))
     assert (face, position, distance) == (0, (0.75, 0.25, 0.0), 2.0)
     same(barycentric, [0.25, 0.5, 0.25], 1e-14)
     assert square.nearest_vertex(0.9, 0.2, 1) == 1
@@ -216,14 +216,14 @@ def test_where_points_are(square):
 
 
 def test_a_source_named_twice_is_one_source(tmp_path):
-    mesh = gb.generate("grid,n=4")
-    point = gb.face(3, 0.25, 0.25, 0.5)
+    mesh = gd.generate("grid,n=4")
+    point = gd.face(3, 0.25, 0.25, 0.5)
     for ask in [
         lambda sources: mesh.distance(sources),
         lambda sources: mesh.path(sources, 20).length,
         lambda sources: mesh.isolines(sources, levels=[0.5])[0].length,
         lambda sources: mesh.voronoi(sources).distances,
-        lambda sources: len(gb.run("vtp", mesh, sources=sources, sources_together=True, repeat=1)),
+        lambda sources: len(gd.run("vtp", mesh, sources=sources, sources_together=True, repeat=1)),
     ]:
         once = ask([1, 7, point])
         with pytest.warns(UserWarning, match="source vertex 1 is named twice and counts once"):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import geobench as gb
+import geodesics as gd
 
 V = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
 F = np.array([[0, 1, 2], [0, 2, 3]])
@@ -27,25 +27,25 @@ def nan_at(vertex):
         (V, F.astype(float), TypeError, "faces: the type is float64, but integers"),
         (V, F.astype(bool), TypeError, "faces: the type is bool"),
         ("mesh.obj", F, ValueError, "vertices: "),
-        (V, [[0, 1, 2], [0, 2, -3]], gb.MeshError, "face 1 names vertex -3"),
-        (V, [[0, 1, 2], [0, 2, 9]], gb.MeshError, "face 1.*vertex 9"),
-        (V, [[0, 1, 2], [0, 2, 2**40]], gb.MeshError, f"face 1 names vertex {2**40}"),
-        (V, [[0, 1, 1], [2, 3, 3]], gb.MeshError, "it has no faces.*face 0.*vertex 1"),
-        (nan_at(2), F, gb.MeshError, "vertex 2"),
-        (np.zeros((0, 3)), np.zeros((0, 3), int), gb.MeshError, "vert"),
-        (V, [], gb.MeshError, "face"),
+        (V, [[0, 1, 2], [0, 2, -3]], gd.MeshError, "face 1 names vertex -3"),
+        (V, [[0, 1, 2], [0, 2, 9]], gd.MeshError, "face 1.*vertex 9"),
+        (V, [[0, 1, 2], [0, 2, 2**40]], gd.MeshError, f"face 1 names vertex {2**40}"),
+        (V, [[0, 1, 1], [2, 3, 3]], gd.MeshError, "it has no faces.*face 0.*vertex 1"),
+        (nan_at(2), F, gd.MeshError, "vertex 2"),
+        (np.zeros((0, 3)), np.zeros((0, 3), int), gd.MeshError, "vert"),
+        (V, [], gd.MeshError, "face"),
     ],
 )
 def test_meshes(vertices, faces, error, text):
     with pytest.raises(error, match=text):
-        gb.Mesh(vertices, faces)
+        gd.Mesh(vertices, faces)
 
 
 def test_what_crosses_no_edges_of_many_faces_says_so():
-    mesh = gb.Mesh(np.vstack([V, V[:1] + 3]), [[0, 1, 2], [0, 2, 3], [2, 0, 4]])
+    mesh = gd.Mesh(np.vstack([V, V[:1] + 3]), [[0, 1, 2], [0, 2, 3], [2, 0, 4]])
     assert "more than two faces" in mesh.defects[0]
     assert np.array_equal(mesh.distance(1), mesh.distance(1, algorithm="mmp"))
-    assert gb.Solver(mesh).algorithm == "mmp-fast"
+    assert gd.Solver(mesh).algorithm == "mmp-fast"
     with pytest.raises(ValueError, match="edges with more than two faces: use mmp-fast"):
         mesh.distance(1, algorithm="vtp")
     with pytest.raises(ValueError, match="edges with more than two faces"):
@@ -53,14 +53,14 @@ def test_what_crosses_no_edges_of_many_faces_says_so():
 
 
 def test_defects_are_listed():
-    with pytest.raises(gb.MeshError) as caught:
-        gb.Mesh(nan_at(1), [[0, 1, 2], [0, 2, 9]])
+    with pytest.raises(gd.MeshError) as caught:
+        gd.Mesh(nan_at(1), [[0, 1, 2], [0, 2, 9]])
     assert any("face 1 names vertex 9" in defect for defect in caught.value.defects)
     assert any("vertex 1" in defect for defect in caught.value.defects)
     assert isinstance(caught.value, ValueError)
-    assert "turned" in gb.Mesh(V, [[0, 1, 2], [0, 3, 2]]).defects[0]
-    assert "face 0: vertex 1" in gb.Mesh(V, [[0, 1, 1], [0, 2, 3]]).defects[0]
-    folded = gb.Mesh(V[[0, 1, 2, 0]], [[0, 1, 2], [0, 2, 3]])
+    assert "turned" in gd.Mesh(V, [[0, 1, 2], [0, 3, 2]]).defects[0]
+    assert "face 0: vertex 1" in gd.Mesh(V, [[0, 1, 1], [0, 2, 3]]).defects[0]
+    folded = gd.Mesh(V[[0, 1, 2, 0]], [[0, 1, 2], [0, 2, 3]])
     assert any("vertices 0 and 3 in face 1" in defect for defect in folded.defects)
 
 
@@ -69,7 +69,7 @@ def test_defects_are_listed():
     [
         (99, IndexError, "source vertex 99 does not exist: the mesh has 5 vertices"),
         (-1, IndexError, "source vertex -1 does not exist"),
-        (gb.at(0, 0, 9), ValueError, "source: at:0,0,9 is 8.1.* from the surface, whose size is 1.4"),
+        (gd.at(0, 0, 9), ValueError, "source: at:0,0,9 is 8.1.* from the surface, whose size is 1.4"),
         ([0, 99], IndexError, "source vertex 99"),
         (1.5, TypeError, "source: 1.5 is no point"),
         (True, TypeError, "source: True is no point"),
@@ -78,13 +78,13 @@ def test_defects_are_listed():
         ([], ValueError, "source: empty"),
         ([[0, 1]], TypeError, r"source: \[0, 1\] is no point"),
         (np.array([0.5]), TypeError, "source: "),
-        (gb.face(9, 0.2, 0.3, 0.5), IndexError, "source: face:9,0.2,0.3,0.5: face 9 does not"),
-        (gb.face(0, 0.2, 0.3, 0.6), ValueError, "have the sum 1.1"),
-        (gb.edge(1, 3, 0.5), ValueError, "no edge joins the vertices 1 and 3"),
+        (gd.face(9, 0.2, 0.3, 0.5), IndexError, "source: face:9,0.2,0.3,0.5: face 9 does not"),
+        (gd.face(0, 0.2, 0.3, 0.6), ValueError, "have the sum 1.1"),
+        (gd.edge(1, 3, 0.5), ValueError, "no edge joins the vertices 1 and 3"),
     ],
 )
 def test_sources(square, source, error, text):
-    for call in (square.distance, gb.Solver(square).distance):
+    for call in (square.distance, gd.Solver(square).distance):
         with pytest.raises(error, match=text):
             call(source)
 
@@ -115,27 +115,27 @@ def test_other_calls(square, tmp_path):
     fails(IndexError, "sources vertex 9", square.distances, [0, 9])
     fails(IndexError, "target vertex 9", square.path, 0, 9)
     fails(TypeError, "target: ", square.path, 0, [1, 2])
-    fails(ValueError, "t: 2 is not a place", gb.edge, 0, 1, 2)
-    fails(IndexError, "b: there is no number -1", gb.edge, 0, -1, 0.5)
-    fails(ValueError, "x: NaN", gb.at, np.nan, 0, 0)
+    fails(ValueError, "t: 2 is not a place", gd.edge, 0, 1, 2)
+    fails(IndexError, "b: there is no number -1", gd.edge, 0, -1, 0.5)
+    fails(ValueError, "x: NaN", gd.at, np.nan, 0, 0)
     fails(ValueError, "one of every and levels", square.isolines, 0)
     fails(ValueError, "every: 0", square.isolines, 0, every=0)
     fails(ValueError, "every: a step of 0.00001 asks for", square.isolines, 0, every=1e-5)
     fails(ValueError, "levels: -1", square.isolines, 0, levels=[1, -1])
-    fails(TypeError, "mesh: a geobench.Mesh is needed, not str", gb.Solver, "mesh.obj")
-    fails(ValueError, "simd", gb.Solver, square, simd="sse9")
-    fails(ValueError, r"distances: the shape is \(4,\), but \(5,\)", gb.certify, square, 0, V[:, 0])
+    fails(TypeError, "mesh: a geodesics.Mesh is needed, not str", gd.Solver, "mesh.obj")
+    fails(ValueError, "simd", gd.Solver, square, simd="sse9")
+    fails(ValueError, r"distances: the shape is \(4,\), but \(5,\)", gd.certify, square, 0, V[:, 0])
     d = square.distance(0)
     d[2] = np.nan
-    fails(ValueError, "distances: the distance of vertex 2 is not a number", gb.certify, square, 0, d)
-    fails(FileNotFoundError, "none.obj", gb.read, tmp_path / "none.obj")
-    fails(IsADirectoryError, "directory", gb.read, tmp_path)
+    fails(ValueError, "distances: the distance of vertex 2 is not a number", gd.certify, square, 0, d)
+    fails(FileNotFoundError, "none.obj", gd.read, tmp_path / "none.obj")
+    fails(IsADirectoryError, "directory", gd.read, tmp_path)
     bad = tmp_path / "bad.obj"
     bad.write_text("v 0 0 0\nv 1 0 x\n")
-    fails(gb.MeshError, "line 2", gb.read, bad)
-    fails(ValueError, "spec: ", gb.generate, "tours,faces=5")
-    fails(ValueError, "models: ", gb.run, "mmp", "gen:tours")
-    fails(TypeError, "models: 3 is no model", gb.run, "mmp", [3])
-    fails(ValueError, "algorithms: there is no algorithm", gb.run, "mpm", square)
-    fails(ValueError, "repeat: 0", gb.run, "mmp", square, repeat=0)
-    fails(ValueError, "sources: ", gb.run, "mmp", square, sources="x")
+    fails(gd.MeshError, "line 2", gd.read, bad)
+    fails(ValueError, "spec: ", gd.generate, "tours,faces=5")
+    fails(ValueError, "models: ", gd.run, "mmp", "gen:tours")
+    fails(TypeError, "models: 3 is no model", gd.run, "mmp", [3])
+    fails(ValueError, "algorithms: there is no algorithm", gd.run, "mpm", square)
+    fails(ValueError, "repeat: 0", gd.run, "mmp", square, repeat=0)
+    fails(ValueError, "sources: ", gd.run, "mmp", square, sources="x")

@@ -12,7 +12,7 @@ import trimesh
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
-import geobench as gb
+import geodesics as gd
 
 MODEL = "gen:holes"
 
@@ -27,7 +27,7 @@ def field(request, command, tmp_path_factory):
         (folder / model).write_text("v 0 0 0\nv 3 0 0\nv 0 4 0\nv 9 9 9\nf 1 2 3\n")
     for ending in ["vtp", "vtk", "ply", "npy", "csv"]:
         command("distance", model, "--source", "0", "-o", f"d.{ending}", cwd=folder)
-    mesh = gb.generate(model) if model == MODEL else gb.read(folder / model)
+    mesh = gd.generate(model) if model == MODEL else gd.read(folder / model)
     d = mesh.distance(0)
     return folder, mesh, d
 
@@ -99,7 +99,7 @@ def test_ply_in_pyvista(field):
 def test_meshes_are_written_and_read(torus, tmp_path, ending):
     path = tmp_path / f"mesh.{ending}"
     torus.write(path)
-    again = gb.read(path)
+    again = gd.read(path)
     assert again.name == "mesh"
     np.testing.assert_array_equal(again.vertices, torus.vertices)
     np.testing.assert_array_equal(again.faces, torus.faces)
@@ -112,7 +112,7 @@ def test_meshes_are_written_and_read(torus, tmp_path, ending):
 def test_meshes_of_meshio_and_pyvista():
     source = pyvista.Sphere()
     triangles = source.faces.reshape(-1, 4)[:, 1:]
-    mesh = gb.Mesh(source.points, triangles)
+    mesh = gd.Mesh(source.points, triangles)
     source["distance"] = mesh.distance(0)
     assert mesh.n_faces == source.n_cells
 
@@ -220,7 +220,7 @@ def test_surfaces_of_other_programs_are_read(tmp_path):
     files = sorted(tmp_path.iterdir())
     assert len(files) == 9
     for file in files:
-        mesh = gb.read(file)
+        mesh = gd.read(file)
         # VTK writes six digits as text.
         np.testing.assert_allclose(mesh.vertices, points, atol=1e-6, err_msg=file.name)
         np.testing.assert_array_equal(mesh.faces, faces, err_msg=file.name)
@@ -239,7 +239,7 @@ def test_scenes_of_other_programs_are_read(tmp_path, ending):
         files = {f"model.{ending}": files}
     for name, content in files.items():
         (tmp_path / name).write_bytes(content)
-    mesh = gb.read(tmp_path / f"model.{ending}")
+    mesh = gd.read(tmp_path / f"model.{ending}")
     expected = np.concatenate([box.vertices, trimesh.transform_points(box.vertices, turned)])
     assert mesh.n_faces == 24
     found, wanted = (np.array(sorted(v.round(5).tolist())) for v in [mesh.vertices, expected])

@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-import geobench as gb
+import geodesics as gd
 
 CALLS = {
     "distance": "mesh.distance(0)",
@@ -18,8 +18,8 @@ CALLS = {
     "paths": "mesh.paths(0, range(mesh.n_vertices))",
     "voronoi": "mesh.voronoi(range(0, 90000, 3))",
     "isolines": "mesh.isolines(0, every=0.1)",
-    "certify": "gb.certify(mesh, 0)",
-    "run": "gb.run(['mmp', 'vtp'], [mesh], repeat=100)",
+    "certify": "gd.certify(mesh, 0)",
+    "run": "gd.run(['mmp', 'vtp'], [mesh], repeat=100)",
 }
 
 
@@ -29,11 +29,11 @@ def test_ctrl_c_ends_a_call(name):
     """The calls take seconds to minutes. Each must end within 10 seconds of the signal."""
     program = f"""
         import signal
-        import geobench as gb
+        import geodesics as gd
         # A shell lets programs that it starts in the background ignore Ctrl-C.
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        mesh = gb.generate("terrain,n=300,seed=1")
-        solver = gb.Solver(mesh, "mmp") if {name!r} == "solver" else None
+        mesh = gd.generate("terrain,n=300,seed=1")
+        solver = gd.Solver(mesh, "mmp") if {name!r} == "solver" else None
         print("ready", flush=True)
         try:
             while True:
@@ -59,8 +59,8 @@ def test_ctrl_c_ends_a_call(name):
 
 
 def test_other_threads_run_during_a_call():
-    mesh = gb.generate("terrain,n=250,seed=1")
-    solver = gb.Solver(mesh, "mmp")
+    mesh = gd.generate("terrain,n=250,seed=1")
+    solver = gd.Solver(mesh, "mmp")
     beats, done = [], threading.Event()
 
     def beat():

@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 from conftest import REPOSITORY, shared
 
-import geobench as gb
+import geodesics as gd
 
 PAGE = REPOSITORY / "docs" / "python.md"
 
 
 def test_the_stubs_are_those_of_the_package(tmp_path):
     done = subprocess.run(
-        [sys.executable, "-m", "mypy.stubtest", "geobench", "--ignore-missing-stub"],
+        [sys.executable, "-m", "mypy.stubtest", "geodesics", "--ignore-missing-stub"],
         capture_output=True,
         text=True,
         check=False,
@@ -25,9 +25,9 @@ def test_the_stubs_are_those_of_the_package(tmp_path):
 
 
 def test_users_are_type_checked(tmp_path):
-    good = "import geobench as gb\nd = gb.generate('holes').distance([0, gb.vertex(3)], radius=1.0)\n"
+    good = "import geodesics as gd\nd = gd.generate('holes').distance([0, gd.vertex(3)], radius=1.0)\n"
     path = tmp_path / "user.py"
-    for text, status in [(good, 0), (good + "gb.Solver(3)\n", 1), (good + "d.nothing\n", 1)]:
+    for text, status in [(good, 0), (good + "gd.Solver(3)\n", 1), (good + "d.nothing\n", 1)]:
         path.write_text(text)
         done = subprocess.run(
             [sys.executable, "-m", "mypy", "--strict", str(path)],
@@ -40,10 +40,10 @@ def test_users_are_type_checked(tmp_path):
 
 
 def test_everything_public_is_documented():
-    for name in gb.__all__:
+    for name in gd.__all__:
         if name == "__version__":
             continue
-        item = getattr(gb, name)
+        item = getattr(gd, name)
         assert item.__doc__, name
         if isinstance(item, type):
             for member, value in vars(item).items():
@@ -54,7 +54,7 @@ def test_everything_public_is_documented():
 def test_the_versions_are_in_step():
     workspace = (REPOSITORY / "Cargo.toml").read_text()
     version = re.search(r'\[workspace\.package\]\nversion = "(.*?)"', workspace).group(1)
-    assert gb.__version__ == version
+    assert gd.__version__ == version
     for key in ["rust-version", "edition", "license"]:
         line = re.search(rf'^{key} = ".*"$', workspace, re.MULTILINE).group(0)
         assert line in (REPOSITORY / "crates/python/Cargo.toml").read_text()
@@ -77,7 +77,7 @@ def test_the_page_runs(code, tmp_path, monkeypatch):
     if scan.exists():
         Path("bunny.obj").symlink_to(scan)
     else:
-        gb.generate("torus,faces=5000,bump=0.1").write("bunny.obj")
+        gd.generate("torus,faces=5000,bump=0.1").write("bunny.obj")
     exec(compile(code, str(PAGE), "exec"), {})
     for picture in re.findall(r'savefig\("(.*?)"', code):
         assert Path(picture).stat().st_size > 10_000
@@ -86,4 +86,4 @@ def test_the_page_runs(code, tmp_path, monkeypatch):
 def test_doctests():
     import doctest
 
-    assert doctest.testmod(gb).failed == 0
+    assert doctest.testmod(gd).failed == 0

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import geobench as gb
+import geodesics as gd
 
 
 def test_a_path_has_the_length_of_the_distance(torus):
@@ -23,7 +23,7 @@ def test_a_path_has_the_length_of_the_distance(torus):
 
 
 def test_paths_between_points_inside_faces(torus):
-    source, target = gb.face(3, 0.2, 0.3, 0.5), gb.edge(*map(int, torus.faces[700][:2]), 0.25)
+    source, target = gd.face(3, 0.2, 0.3, 0.5), gd.edge(*map(int, torus.faces[700][:2]), 0.25)
     path = torus.path(source, target)
     assert path.faces[0] == 3
     np.testing.assert_allclose(path.barycentric[0], [0.2, 0.3, 0.5], atol=1e-15)
@@ -31,7 +31,7 @@ def test_paths_between_points_inside_faces(torus):
 
 
 def test_many_paths_of_one_search(torus):
-    solver = gb.Solver(torus)
+    solver = gd.Solver(torus)
     targets = [5, 17, 900]
     for path, target in zip(solver.paths([0, 40], targets), targets):
         assert path.vertices[-1] == target and path.vertices[0] in (0, 40)
@@ -53,19 +53,19 @@ def test_isolines_are_at_their_distance(torus):
         for line in isoline.lines:
             points = line.points()
             assert line.closed and (points[0] == points[-1]).all()
-            targets = [gb.at(*p) for p in points[:40]]
+            targets = [gd.at(*p) for p in points[:40]]
             # Chords deviate from the arcs by at most a thousandth of the distance.
             found = torus.distance(0, targets=targets)
             np.testing.assert_allclose(found, isoline.distance, rtol=2e-3)
             short = np.linalg.norm(np.diff(line.points(1e-6), axis=0), axis=1).sum()
             assert short == pytest.approx(line.length, rel=1e-4)
-    (one,) = torus.isolines([0, gb.face(700, 0.2, 0.3, 0.5)], levels=[0.25])
+    (one,) = torus.isolines([0, gd.face(700, 0.2, 0.3, 0.5)], levels=[0.25])
     assert len(one.lines) == 2
 
 
 def test_a_circle_has_its_length():
-    mesh = gb.generate("grid,n=8")
-    middle = gb.at(*mesh.vertices.mean(axis=0))
+    mesh = gd.generate("grid,n=8")
+    middle = gd.at(*mesh.vertices.mean(axis=0))
     (isoline,) = mesh.isolines(middle, levels=[1.5])
     assert isoline.length == pytest.approx(3 * np.pi, rel=1e-12)
 
@@ -106,7 +106,7 @@ def test_voronoi_cells_share_the_surface(torus):
 
 
 def test_voronoi_takes_points_anywhere(torus):
-    points = [gb.face(12, 0.2, 0.3, 0.5), 99, gb.at(1, 0, 0), 700]
+    points = [gd.face(12, 0.2, 0.3, 0.5), 99, gd.at(1, 0, 0), 700]
     diagram = torus.voronoi(points)
     rows = torus.distances(points)
     nearest = rows.min(axis=0)
@@ -125,7 +125,7 @@ def test_voronoi_takes_points_anywhere(torus):
 
 
 def test_the_dual_is_a_mesh():
-    mesh = gb.generate("sphere,subdiv=4")
+    mesh = gd.generate("sphere,subdiv=4")
     sources = np.random.default_rng(1).choice(mesh.n_vertices, 100, replace=False)
     dual = mesh.voronoi(sources).dual()
     assert dual.n_vertices == 100

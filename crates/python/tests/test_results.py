@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-import geobench as gb
+import geodesics as gd
 
 
 @pytest.fixture(scope="module")
 def table(torus):
-    return gb.run(algorithms=["vtp", "mmp"], models=[torus, "gen:sphere,subdiv=2"], repeat=5)
+    return gd.run(algorithms=["vtp", "mmp"], models=[torus, "gen:sphere,subdiv=2"], repeat=5)
 
 
 def test_rows_are_dictionaries(table, torus):
@@ -37,16 +37,16 @@ def test_frames(table):
 def test_results_are_written_and_read(table, tmp_path):
     path = tmp_path / "r.json"
     table.write(path)
-    frame = gb.read_results(path)
+    frame = gd.read_results(path)
     assert frame.equals(table.to_pandas())
-    assert gb.read_results(path, samples=True).equals(table.to_pandas(samples=True))
+    assert gd.read_results(path, samples=True).equals(table.to_pandas(samples=True))
 
 
 def test_the_command_line_reads_them(table, command, tmp_path):
     table.write(tmp_path / "r.json")
     command("compare", "r.json", "r.json", cwd=tmp_path)
     command("run", "--algo", "vtp", "--repeat", "2", "gen:torus,faces=500", "-o", "s.json", cwd=tmp_path)
-    frame = gb.read_results(tmp_path / "s.json")
+    frame = gd.read_results(tmp_path / "s.json")
     assert frame["algorithm"].tolist() == ["vtp"] and frame["faces"].tolist() == [500]
     # The frame has all columns of the CSV format, except lists and the machine.
     command("run", "--algo", "vtp", "--repeat", "2", "gen:torus,faces=500", "-o", "s.csv", cwd=tmp_path)
@@ -56,9 +56,9 @@ def test_the_command_line_reads_them(table, command, tmp_path):
 
 
 def test_sources_and_options(torus):
-    table = gb.run("vtp-fast", torus, sources=[3, gb.face(0, 0.2, 0.3, 0.5)], repeat=1, warmup=0)
+    table = gd.run("vtp-fast", torus, sources=[3, gd.face(0, 0.2, 0.3, 0.5)], repeat=1, warmup=0)
     assert [row["source"] for row in table] == [3, "face:0,0.2,0.3,0.5"]
-    table = gb.run("pvtp", torus, sources="random:2", repeat=1, threads=2, check="mmp")
+    table = gd.run("pvtp", torus, sources="random:2", repeat=1, threads=2, check="mmp")
     assert len(table) == 2 and {row["threads"] for row in table} == {2}
     assert table[0]["check_reference"] == "mmp"
 
@@ -66,7 +66,7 @@ def test_sources_and_options(torus):
 def test_a_model_that_cannot_be_used_is_a_row(tmp_path):
     path = tmp_path / "bad.obj"
     path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")
-    row = gb.run("mmp", path, repeat=1)[0]
+    row = gd.run("mmp", path, repeat=1)[0]
     assert row["status"] == "refused" and "vertex 8" in row["message"]
 
 
@@ -74,28 +74,28 @@ def test_other_files_are_refused(tmp_path):
     path = tmp_path / "r.json"
     path.write_text("{}")
     with pytest.raises(ValueError, match="not a result file"):
-        gb.read_results(path)
+        gd.read_results(path)
 
 
 def test_right_distances_are_certified(torus):
     d = torus.distance(0)
-    proof = gb.certify(torus, 0, d)
+    proof = gd.certify(torus, 0, d)
     assert proof and proof.certified and proof.relative < 1e-9 and not proof.failures
     np.testing.assert_allclose(proof.distances, d, rtol=1e-12)
     d[77] *= 1 + 1e-6
-    proof = gb.certify(torus, 0, d)
+    proof = gd.certify(torus, 0, d)
     assert not proof and ("vertex", 77) == proof.failures[0][:2]
-    assert gb.certify(torus, 0, d, tolerance=1e-3)
-    assert gb.certify(torus, [0, 9], threads=2)
+    assert gd.certify(torus, 0, d, tolerance=1e-3)
+    assert gd.certify(torus, [0, 9], threads=2)
 
 
 def test_distances_from_points_of_the_surface_are_certified(torus):
-    source = [gb.face(7, 0.2, 0.3, 0.5), gb.at(3, 0, 0)]
+    source = [gd.face(7, 0.2, 0.3, 0.5), gd.at(3, 0, 0)]
     d = torus.distance(source)
-    proof = gb.certify(torus, source, d)
+    proof = gd.certify(torus, source, d)
     assert proof and len(proof.distances) == torus.n_vertices
     np.testing.assert_allclose(proof.distances, d, rtol=1e-12)
     d[77] *= 1 + 1e-6
-    assert ("vertex", 77) == gb.certify(torus, source, d).failures[0][:2]
+    assert ("vertex", 77) == gd.certify(torus, source, d).failures[0][:2]
     with pytest.raises(IndexError, match="face 99999 does not exist"):
-        gb.certify(torus, gb.face(99999, 1, 0, 0))
+        gd.certify(torus, gd.face(99999, 1, 0, 0))

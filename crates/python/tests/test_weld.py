@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import geobench as gb
+import geodesics as gd
 
 # A unit square as two triangles that share no vertex. Vertex 3 lies at 0, and 4 at 2.
 VERTICES = np.array(
@@ -14,35 +14,35 @@ EXPECTED = [1, 0, 1, 1, 1, 2**0.5]
 
 
 def test_copies_have_the_distance_of_the_first():
-    apart = gb.Mesh(VERTICES, FACES)
+    apart = gd.Mesh(VERTICES, FACES)
     assert np.isinf(apart.distance(1)[3:]).all()
     assert any("lie at the place of another" in defect for defect in apart.defects)
     for weld in [True, 0, 1e-6]:
-        mesh = gb.Mesh(VERTICES, FACES, weld=weld)
+        mesh = gd.Mesh(VERTICES, FACES, weld=weld)
         np.testing.assert_allclose(mesh.distance(1), EXPECTED, rtol=1e-12)
         np.testing.assert_array_equal(mesh.distance(4), mesh.distance(2))
         assert mesh.path(1, 5).length == pytest.approx(2**0.5)
         labels = mesh.voronoi([1, 5]).labels
         assert labels[3] == labels[0] and labels[4] == labels[2]
-    assert np.isinf(gb.Mesh(VERTICES, FACES, weld=False).distance(1)[5])
+    assert np.isinf(gd.Mesh(VERTICES, FACES, weld=False).distance(1)[5])
 
 
 def test_a_tolerance_is_a_fraction_of_the_size(tmp_path):
     moved = VERTICES + np.array([[0, 0, 0]] * 3 + [[0, 0, 1e-7]] * 3)
-    assert np.isinf(gb.Mesh(moved, FACES, weld=True).distance(1)[5])
-    np.testing.assert_allclose(gb.Mesh(moved, FACES, weld=1e-6).distance(1), EXPECTED)
+    assert np.isinf(gd.Mesh(moved, FACES, weld=True).distance(1)[5])
+    np.testing.assert_allclose(gd.Mesh(moved, FACES, weld=1e-6).distance(1), EXPECTED)
     for wrong in [-1, 0.5, float("nan")]:
         with pytest.raises(ValueError, match="weld"):
-            gb.Mesh(moved, FACES, weld=wrong)
+            gd.Mesh(moved, FACES, weld=wrong)
     path = tmp_path / "moved.obj"
-    gb.Mesh(moved, FACES).write(path)
-    np.testing.assert_allclose(gb.read(path, weld=1e-6).distance(1), EXPECTED)
+    gd.Mesh(moved, FACES).write(path)
+    np.testing.assert_allclose(gd.read(path, weld=1e-6).distance(1), EXPECTED)
 
 
 def test_numbers_of_faces_are_those_of_the_array():
     faces = [[0, 1, 2], [1, 1, 2], [1, 2, 0], [0, 2, 5]]
-    mesh = gb.Mesh(VERTICES, faces)
+    mesh = gd.Mesh(VERTICES, faces)
     assert len(mesh.faces) == 2
-    inside = mesh.distance(gb.face(2, 0.2, 0.3, 0.5))
-    np.testing.assert_array_equal(inside, mesh.distance(gb.face(0, 0.5, 0.2, 0.3)))
-    assert mesh.locate(gb.face(3, 0.2, 0.3, 0.5))[0] == 3
+    inside = mesh.distance(gd.face(2, 0.2, 0.3, 0.5))
+    np.testing.assert_array_equal(inside, mesh.distance(gd.face(0, 0.5, 0.2, 0.3)))
+    assert mesh.locate(gd.face(3, 0.2, 0.3, 0.5))[0] == 3

@@ -1,7 +1,7 @@
 """Exact geodesic distances on triangle meshes.
 
->>> import geobench as gb
->>> mesh = gb.generate("grid,n=4")
+>>> import geodesics as gd
+>>> mesh = gd.generate("grid,n=4")
 >>> float(mesh.distance(0)[24])
 5.656854249492381
 

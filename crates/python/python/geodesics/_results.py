@@ -109,7 +109,7 @@ class Table(Sequence[Row]):
         return self._rows[place]
 
     def __repr__(self) -> str:
-        lines = [f"<geobench.Table of {len(self)} cells>"]
+        lines = [f"<geodesics.Table of {len(self)} cells>"]
         for row in self._rows:
             median = row.get("time_median")
             time = f"{median:.4g} s" if median is not None else row["message"] or ""
@@ -235,7 +235,7 @@ def run(
         models = [models]
     models = [os.fspath(model) if isinstance(model, os.PathLike) else model for model in models]
     algorithms, sources = _words(algorithms, "algorithms"), _sources(sources)
-    command = ["geobench.run", f"algorithms={algorithms}", f"sources={sources}"]
+    command = ["geodesics.run", f"algorithms={algorithms}", f"sources={sources}"]
     if repeat is not None:
         command.append(f"repeat={repeat}")
     text = _core.run_to_json(

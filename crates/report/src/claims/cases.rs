@@ -36,7 +36,11 @@ pub(super) enum JudgedPrograms {
 }
 
 /// Public programs of authors, as outside algorithms, by the names of the algorithms here.
-const AUTHORS: [(&str, &str); 2] = [("vtp", "ext:vtp"), ("mmp", "ext:kirsanov")];
+const AUTHORS: [(&str, &str); 3] = [
+    ("vtp", "ext:vtp"),
+    ("mmp", "ext:kirsanov"),
+    ("ich", "ext:ich"),
+];
 
 /// The value of the parameter `queue` for a binary heap, and for the heap of four children a node.
 const HEAPS: [&str; 2] = ["heap", "heap4"];

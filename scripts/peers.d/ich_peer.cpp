@@ -1,0 +1,73 @@
+// ICH by an author of its paper (Xin), as GeodesicGraph/DGG_and_SVG has it: the filter of Xin and
+// Wang and a priority queue of windows. `mend_ich` of scripts/peers says what is changed.
+
+#include "session.hpp"
+
+#include <cfloat>
+
+// The program draws its models, too; nothing is drawn here.
+using GLenum = unsigned;
+using GLfloat = float;
+inline void glColor3f(GLfloat, GLfloat, GLfloat) {}
+inline void glNormal3f(GLfloat, GLfloat, GLfloat) {}
+inline void glVertex3f(GLfloat, GLfloat, GLfloat) {}
+
+inline unsigned GetTickCount() { return 0; }
+
+// Values by vertex or by edge, in an array, where the source has a tree.
+template <typename Value>
+class Values {
+public:
+    struct Entry {
+        Value second;
+    };
+    using const_iterator = const Entry*;
+
+    void resize(std::size_t count) { entries.resize(count); }
+    Value& operator[](int index) { return entries[index].second; }
+    const_iterator find(int index) const { return &entries[index]; }
+    const_iterator end() const { return entries.data() + entries.size(); }
+
+private:
+    std::vector<Entry> entries;
+};
+
+#include "stdafx.h"
+
+#include "ICH/ExactMethodForDGP.cpp"
+#include "ICH/ICHWithFurtherPriorityQueue.cpp"
+#include "ICH/ImprovedCHWithEdgeValve.cpp"
+#include "ICH/Point3D.cpp"
+#include "ICH/PreviousCH.cpp"
+#include "ICH/RichModel.cpp"
+
+// What reads files and draws is not compiled.
+CBaseModel::CBaseModel(const std::string& filename) : m_filename(filename), m_fBeLoaded(true) {}
+void CBaseModel::Render(GLenum) const {}
+void CBaseModel::Render(GLenum, const std::vector<float>*) const {}
+void CBaseModel::LoadModel() {}
+
+struct Surface : CRichModel {
+    explicit Surface(const peer::Model& model) : CBaseModel(""), CRichModel("") {
+        const double* at = model.points.data();
+        for (std::size_t vertex = 0; vertex < model.vertices(); ++vertex, at += 3)
+            m_Verts.emplace_back(at[0], at[1], at[2]);
+        for (std::size_t face = 0; face < model.faces.size(); face += 3)
+            m_Faces.emplace_back(model.faces[face], model.faces[face + 1], model.faces[face + 2]);
+        Preprocess();
+    }
+};
+
+struct Solver {
+    Surface surface;
+    CICHWithFurtherPriorityQueue algorithm;
+
+    Solver(const peer::Model& model, unsigned source)
+        : surface(model), algorithm(surface, {static_cast<int>(source)}) {}
+
+    void solve() { algorithm.Execute(); }
+
+    double distance(std::size_t vertex) { return algorithm.m_InfoAtVertices[vertex].disUptodate; }
+};
+
+int main(int argc, char** argv) { return peer::serve<Solver>(argc, argv); }

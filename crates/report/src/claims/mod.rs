@@ -37,11 +37,7 @@ macro_rules! file {
     ($name:literal) => {
         (
             $name,
-            include_str!(concat!(
-                "../../../../bench-configs/papers/claims/",
-                $name,
-                ".toml"
-            )),
+            include_str!(concat!("../../papers/claims/", $name, ".toml")),
         )
     };
 }

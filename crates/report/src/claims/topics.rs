@@ -33,7 +33,7 @@ pub(super) fn topics() -> Vec<Topic> {
     struct File {
         topic: Vec<Topic>,
     }
-    let text = include_str!("../../../../bench-configs/papers/topics.toml");
+    let text = include_str!("../../papers/topics.toml");
     let document = TomlDocument::new(Path::new("bench-configs/papers/topics.toml"), text);
     let file = document
         .parse()

@@ -1,4 +1,5 @@
-//! The suites of `bench-configs`, which are part of the program.
+//! The suites of `bench-configs`, which are part of the program. The link `suites` of this crate puts
+//! them into its package, too.
 
 use std::path::Path;
 
@@ -21,7 +22,7 @@ macro_rules! file {
     ($name:literal) => {
         EmbeddedSuite {
             name: $name,
-            text: include_str!(concat!("../../../../../bench-configs/", $name, ".toml")),
+            text: include_str!(concat!("../../../suites/", $name, ".toml")),
         }
     };
 }

@@ -23,11 +23,13 @@ use crate::plan::{Plan, Reference};
 use crate::schema::GroupRecord;
 use crate::usage::DocumentError;
 
+#[cfg(feature = "suites")]
 mod embedded;
 mod file;
 mod programs;
 mod settings;
 
+#[cfg(feature = "suites")]
 pub use embedded::{EmbeddedSuite, SUITES};
 pub use file::{Suite, SuiteGroup};
 pub use programs::read_programs;

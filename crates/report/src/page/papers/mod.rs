@@ -17,11 +17,7 @@ macro_rules! file {
     ($name:literal) => {
         (
             $name,
-            include_str!(concat!(
-                "../../../../../bench-configs/papers/",
-                $name,
-                ".csv"
-            )),
+            include_str!(concat!("../../../papers/", $name, ".csv")),
         )
     };
 }

@@ -1,7 +1,7 @@
 //! Whole solves of approximate algorithms on three generated models.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use geobench_approx::{Dijkstra, Fmm, avtp, mmp_approx};
+use geobench_approx::{Dijkstra, Fmm, Vsp, avtp, mmp_approx};
 use geobench_benches::{named, whole_solves};
 
 /// Relative error that is allowed.
@@ -12,6 +12,7 @@ fn solve(criterion: &mut Criterion) {
         vec![
             named("dijkstra", Dijkstra::new(mesh)),
             named("fmm", Fmm::new(mesh, true)),
+            named("vsp", Vsp::new(mesh, 1)),
             named("mmp-approx", mmp_approx(mesh, ERROR)),
             named("avtp", avtp(mesh, ERROR)),
         ]

@@ -19,6 +19,7 @@
 //! |---|---|---|
 //! | [`Dijkstra`] | shortest paths along edges | too long, whatever the resolution |
 //! | [`Fmm`], [`FmmUntidy`] | fast marching | about the length of an edge |
+//! | [`Vsp`] | virtual source propagation | some 0.2 % in the mean |
 //! | `Heat`, with the feature `heat` | the heat method | about the length of an edge |
 //! | [`SaddleVertexGraph`] | a graph of direct geodesics | too long; none if the graph is complete |
 //! | [`mmp_approx`], [`avtp`] | windows replaced by vertices | too long, at most by the given factor |
@@ -30,6 +31,7 @@ mod heat;
 mod order;
 mod relayed;
 mod svg;
+mod vsp;
 
 pub use dijkstra::Dijkstra;
 pub use fmm::{Fmm, FmmUntidy};
@@ -37,3 +39,4 @@ pub use fmm::{Fmm, FmmUntidy};
 pub use heat::{Boundary, Heat, HeatOptions};
 pub use relayed::{Avtp, MmpApprox, avtp, mmp_approx, mmp_approx_from};
 pub use svg::{SaddleVertexGraph, SvgBuilder, SvgOptions};
+pub use vsp::Vsp;

@@ -1,7 +1,7 @@
 //! Small surfaces with all features that break geodesic programs: no method panics, and all results
 //! are distances.
 
-use geobench_approx::{Boundary, Dijkstra, Fmm, FmmUntidy, Heat, HeatOptions};
+use geobench_approx::{Boundary, Dijkstra, Fmm, FmmUntidy, Heat, HeatOptions, Vsp};
 use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_oracle::{Geometry, Model, zoo};
 use geobench_window::Solver;
@@ -19,6 +19,7 @@ fn mesh_of(model: &Model) -> Mesh {
 
 fn solvers(mesh: &Mesh) -> Vec<(String, Box<dyn Solver>)> {
     let mut all: Vec<(String, Box<dyn Solver>)> = Vec::new();
+    all.push(("vsp".to_owned(), Box::new(Vsp::new(mesh, 1))));
     for unfold in [true, false] {
         all.push((format!("fmm {unfold}"), Box::new(Fmm::new(mesh, unfold))));
         for width in [1e-3, 0.1, 1e6] {

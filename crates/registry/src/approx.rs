@@ -1,7 +1,8 @@
 //! Approximate algorithms, for comparison with exact ones.
 
-use geobench_approx::{Boundary, Dijkstra, Fmm, FmmUntidy, Heat, HeatOptions};
+use geobench_approx::{Boundary, Dijkstra, Fmm, FmmUntidy, Heat, HeatOptions, Vsp};
 
+use super::parameter::THREADS;
 use super::{Algorithm, Parameter, Values};
 
 const UNFOLD: Parameter = Parameter::word(
@@ -83,6 +84,21 @@ pub(crate) const FAMILY: &[Algorithm] = &[
             let unfold = is_on(values, &UNFOLD);
             Box::new(FmmUntidy::new(mesh, unfold, values.real(&BUCKET)))
         },
+        ..Algorithm::APPROXIMATE
+    },
+    Algorithm {
+        name: "vsp",
+        queue: "buckets",
+        paper: "Trettner, Bommes, Kobbelt 2021",
+        summary: "virtual source propagation: one unfolded source for each face",
+        departs: "a face keeps the place of its source, not three squared distances; what a face sees depends on saddles; sources move in rounds, so that threads do not change distances",
+        complexity: "time O(n) in practice, space O(n)",
+        keeps: "one virtual source for each face",
+        choose: "for a mean error of some 0.2 % in a fraction of the time of any exact algorithm",
+        ends_early: false,
+        crosses_junctions: true,
+        parameters: &[THREADS],
+        build: |mesh, values| Box::new(Vsp::new(mesh, values.threads())),
         ..Algorithm::APPROXIMATE
     },
     Algorithm {

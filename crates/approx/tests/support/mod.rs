@@ -1,5 +1,8 @@
 //! Small difficult meshes with their exact distances.
 
+// Each test file uses its part.
+#![allow(dead_code)]
+
 use geobench_mesh::{Mesh, TriangleSoup, VertexId};
 use geobench_mmp::mmp;
 use geobench_oracle::{Geometry, Model, distances, nasty, rounded, zoo};

@@ -47,7 +47,7 @@ const ADVICE: [(&str, &str); 7] = [
     ("Voronoi diagrams", "window-vtp, by geobench voronoi"),
     (
         "an approximation",
-        "fmm; for many sources heat or svg; with a bound avtp",
+        "vsp; for many sources heat or svg; with a bound avtp",
     ),
 ];
 

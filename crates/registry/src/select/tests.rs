@@ -7,7 +7,7 @@ use crate::Numbers;
 /// The names that scripts may rely on.
 const PROMISED: &str = "ch ich1 ich mmp mmp-edge fwp-mmp fwp-ch lc-mmp lc-ch ftp opftp vtp opvtp \
     vtp-exhaustive vtp-trimming vtp-mmp vtp-ch edge-based vtp-no-rule1 vtp-no-rules23 vtp-fast \
-    mmp-fast pvtp window-vtp lct11 xls14 dijkstra fmm fmm-untidy heat svg avtp \
+    mmp-fast pvtp window-vtp lct11 xls14 dijkstra fmm fmm-untidy vsp heat svg avtp \
     mmp-approx pch ich-fast";
 
 fn names(list: &str) -> Vec<String> {

@@ -72,6 +72,7 @@ pub const SUITES: &[EmbeddedSuite] = &[
     file!("004-table-4"),
     file!("004-table-5"),
     file!("004-table-6"),
+    file!("approximate"),
     file!("growth"),
     file!("quick"),
     file!("regression"),

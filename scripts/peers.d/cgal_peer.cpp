@@ -3,6 +3,8 @@
 
 #include "session.hpp"
 
+#include <cstdlib>
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/Surface_mesh_shortest_path.h>
@@ -30,12 +32,11 @@ static Mesh build(const peer::Model& model) {
 struct Solver {
     Mesh mesh;
     CGAL::Surface_mesh_shortest_path<Traits> paths;
-    Mesh::Vertex_index source;
 
-    Solver(const peer::Model& model, unsigned source) : mesh(build(model)), paths(mesh), source(source) {}
+    explicit Solver(const peer::Model& model) : mesh(build(model)), paths(mesh) {}
 
-    void solve() {
-        paths.add_source_point(source);
+    void solve(unsigned source) {
+        paths.add_source_point(Mesh::Vertex_index(source));
         paths.build_sequence_tree();
     }
 
@@ -44,4 +45,4 @@ struct Solver {
     }
 };
 
-int main(int argc, char** argv) { return peer::serve<Solver>(argc, argv); }
+int main() { return peer::serve<Solver>(); }

@@ -8,15 +8,14 @@
 
 struct Solver {
     geodesic::Mesh mesh;
-    unsigned source;
     std::unique_ptr<geodesic::GeodesicAlgorithmExact> algorithm;
 
-    Solver(const peer::Model& model, unsigned source) : source(source) {
+    explicit Solver(const peer::Model& model) {
         mesh.initialize_mesh_data(model.points, model.faces);
         algorithm = std::make_unique<geodesic::GeodesicAlgorithmExact>(&mesh);
     }
 
-    void solve() {
+    void solve(unsigned source) {
         const std::vector<geodesic::SurfacePoint> sources(1, geodesic::SurfacePoint(&mesh.vertices()[source]));
         algorithm->propagate(sources);
     }
@@ -29,4 +28,4 @@ struct Solver {
     }
 };
 
-int main(int argc, char** argv) { return peer::serve<Solver>(argc, argv); }
+int main() { return peer::serve<Solver>(); }

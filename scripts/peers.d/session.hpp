@@ -1,14 +1,14 @@
-// The protocol of docs/protocol.md for adapters in C++: `peer::serve` loads the model, and
-// for each request makes a solver, times its solve alone and writes the distances.
+// Protocol 2 of docs/protocol.md for adapters in C++: `peer::serve` answers requests with a solver, and
+// times its solve alone.
 
 #pragma once
 
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <iostream>
+#include <memory>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -45,21 +45,6 @@ inline Model load(const char* path) {
     return model;
 }
 
-// Lets the system forget the peak of memory until now; false where it cannot.
-inline bool reset_peak() {
-    std::ofstream file("/proc/self/clear_refs");
-    file << "5" << std::flush;
-    return file.good();
-}
-
-inline std::string peak() {
-    std::ifstream file("/proc/self/status");
-    std::string line;
-    while (std::getline(file, line))
-        if (line.rfind("VmHWM:", 0) == 0) return std::to_string(1024 * std::stoll(line.substr(6)));
-    return "null";
-}
-
 // Libraries print what they like; only answers may go where geobench reads.
 class Quiet {
 public:
@@ -70,45 +55,54 @@ private:
     std::streambuf* output;
 };
 
-// Answers requests until the end of input. `Solver(model, source)` is made anew for each, outside of
-// the measured time, since programs keep their tree or their windows after a solve; `solve()` is
-// measured, and then `distance(vertex)` answers, with infinity or a negative number for a vertex that
-// is not reached.
+// Answers requests until the end of input. `Solver(model)` is made when the model is loaded and anew after
+// each run, since programs keep their tree or their windows after a solve; `solve(source)` is measured, and
+// then `distance(vertex)` answers, with infinity or a negative number for a vertex that is not reached.
 template <typename Solver>
-int serve(int argc, char** argv) {
-    if (argc != 4) {
-        std::cerr << "usage: " << argv[0] << " MODEL SOURCE OUTPUT\n";
-        return 2;
-    }
-    const Model model = load(argv[1]);
-    const auto source = static_cast<unsigned>(std::strtoul(argv[2], nullptr, 10));
-    std::printf("{\"ready\": true}\n");
-    std::fflush(stdout);
+int serve() {
+    using Clock = std::chrono::steady_clock;
+    Model model;
+    std::unique_ptr<Solver> solver;
+    const auto timed = [](auto work) {
+        const Quiet quiet;
+        const auto start = Clock::now();
+        work();
+        return std::chrono::duration<double>(Clock::now() - start).count();
+    };
+    const auto prepare = [&] {
+        solver.reset();
+        std::printf("{\"setup_seconds\": %.9f}\n", timed([&] { solver = std::make_unique<Solver>(model); }));
+    };
     std::string request;
     while (std::getline(std::cin, request)) {
-        using Clock = std::chrono::steady_clock;
-        const Quiet quiet;
-        const auto begin = Clock::now();
-        Solver solver(model, source);
-        const std::chrono::duration<double> setup = Clock::now() - begin;
-        const bool known = reset_peak();
-        const auto start = Clock::now();
-        solver.solve();
-        const std::chrono::duration<double> seconds = Clock::now() - start;
-        const std::string bytes = known ? peak() : "null";
-        std::FILE* output = std::fopen(argv[3], "w");
-        if (output == nullptr) return 1;
-        std::fputs("vertex,distance\n", output);
-        for (std::size_t vertex = 0; vertex < model.vertices(); ++vertex) {
-            const double distance = solver.distance(vertex);
-            if (distance < 0 || std::isinf(distance) || distance >= 1e30)
-                std::fprintf(output, "%zu,inf\n", vertex);
-            else
-                std::fprintf(output, "%zu,%.17g\n", vertex, distance);
+        const auto space = request.find(' ');
+        const std::string word = request.substr(0, space);
+        const std::string rest = space == std::string::npos ? "" : request.substr(space + 1);
+        if (word == "load") {
+            model = load(rest.c_str());
+            prepare();
+        } else if (word == "ping") {
+            std::printf("{}\n");
+        } else if (word == "solve") {
+            const auto source = static_cast<unsigned>(std::stoul(rest));
+            std::printf("{\"seconds\": %.9f}\n", timed([&] { solver->solve(source); }));
+        } else if (word == "write") {
+            std::FILE* output = std::fopen(rest.c_str(), "w");
+            if (output == nullptr) return 1;
+            std::fputs("vertex,distance\n", output);
+            for (std::size_t vertex = 0; vertex < model.vertices(); ++vertex) {
+                const double distance = solver->distance(vertex);
+                if (distance < 0 || std::isinf(distance) || distance >= 1e30)
+                    std::fprintf(output, "%zu,inf\n", vertex);
+                else
+                    std::fprintf(output, "%zu,%.17g\n", vertex, distance);
+            }
+            std::fclose(output);
+            prepare();
+        } else {
+            std::cerr << "unknown request: " << request << "\n";
+            return 2;
         }
-        std::fclose(output);
-        std::printf("{\"seconds\": %.9f, \"setup_seconds\": %.9f, \"rss_peak_bytes\": %s}\n",
-                    seconds.count(), setup.count(), bytes.c_str());
         std::fflush(stdout);
     }
     return 0;

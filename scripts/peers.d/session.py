@@ -1,4 +1,4 @@
-"""The protocol of docs/protocol.md for adapters in Python: an adapter gives `serve` a function
+"""Protocol 2 of docs/protocol.md for adapters in Python: an adapter gives `serve` a function
 that prepares its library for a mesh and returns another one that solves."""
 
 import json
@@ -30,42 +30,28 @@ def _load(path):
     return numpy.array(positions), numpy.array(triangles)
 
 
-def _reset_peak():
-    """Lets the system forget the peak of memory until now; false where it cannot."""
-    try:
-        with open("/proc/self/clear_refs", "w", encoding="ascii") as file:
-            file.write("5")
-        return True
-    except OSError:
-        return False
-
-
-def _peak():
-    with open("/proc/self/status", encoding="ascii") as lines:
-        for line in lines:
-            if line.startswith("VmHWM:"):
-                return 1024 * int(line.split()[1])
-    return None
-
-
 def serve(prepare):
-    """Loads the model and answers requests. `prepare(positions, triangles)` returns `solve(source)`,
-    which returns the distances of all vertices; only `solve` is timed as the solve."""
-    model, source, output = sys.argv[1], int(sys.argv[2]), sys.argv[3]
-    positions, triangles = _load(model)
-    start = time.perf_counter()
-    solve = prepare(positions, triangles)
-    setup_seconds = time.perf_counter() - start
-    _say(ready=True)
-    for _ in sys.stdin:
-        known = _reset_peak()
-        start = time.perf_counter()
-        distances = solve(source)
-        seconds = time.perf_counter() - start
-        peak = _peak() if known else None
-        with open(output, "w", encoding="ascii") as file:
-            file.write("vertex,distance\n")
-            for vertex, distance in enumerate(distances):
-                file.write(f"{vertex},{float(distance)!r}\n")
-        _say(seconds=seconds, setup_seconds=setup_seconds, rss_peak_bytes=peak)
-        setup_seconds = None
+    """Answers requests. `prepare(positions, triangles)` returns `solve(source)`, which returns the distances
+    of all vertices; only `solve` is timed as the solve."""
+    for line in sys.stdin:
+        request, _, rest = line.rstrip("\n").partition(" ")
+        if request == "load":
+            positions, triangles = _load(rest)
+            start = time.perf_counter()
+            solve = prepare(positions, triangles)
+            _say(setup_seconds=time.perf_counter() - start)
+        elif request == "ping":
+            _say()
+        elif request == "solve":
+            source = int(rest)
+            start = time.perf_counter()
+            distances = solve(source)
+            _say(seconds=time.perf_counter() - start)
+        elif request == "write":
+            with open(rest, "w", encoding="ascii") as file:
+                file.write("vertex,distance\n")
+                for vertex, distance in enumerate(distances):
+                    file.write(f"{vertex},{float(distance)!r}\n")
+            _say()
+        else:
+            sys.exit(f"unknown request: {line}")

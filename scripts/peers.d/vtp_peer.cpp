@@ -14,17 +14,16 @@ struct Solver {
     geodesic::Mesh mesh;
     std::vector<double> points;
     std::vector<unsigned> faces;
-    unsigned source;
     std::unique_ptr<geodesic::GeodesicAlgorithmExact> algorithm;
 
-    Solver(const peer::Model& model, unsigned source) : points(model.points), faces(model.faces), source(source) {
+    explicit Solver(const peer::Model& model) : points(model.points), faces(model.faces) {
         mesh.initialize_mesh_data(points, faces);
         algorithm.reset(new geodesic::GeodesicAlgorithmExact(&mesh));
     }
 
-    void solve() { algorithm->propagate(source); }
+    void solve(unsigned source) { algorithm->propagate(source); }
 
     double distance(std::size_t vertex) { return mesh.vertices()[vertex].geodesic_distance(); }
 };
 
-int main(int argc, char** argv) { return peer::serve<Solver>(argc, argv); }
+int main() { return peer::serve<Solver>(); }

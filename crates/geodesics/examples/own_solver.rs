@@ -1,8 +1,8 @@
 //! A solver of one's own in the benchmark: the policy of ICH under a queue from the standard
 //! library.
 //!
-//! `geobench` starts it as an outside program, which times its own solves
-//! (`bench-configs/PEERS.md`), checks its distances and shows it beside the others:
+//! `geobench` starts it as an outside program, which answers requests and times its own solves
+//! (`docs/protocol.md`), checks both and shows it beside the others:
 //!
 //! ```sh
 //! cargo build --release -p geodesics --example own_solver
@@ -51,29 +51,41 @@ impl Discipline for StdHeap {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [model, source, output] = &arguments[..] else {
-        return Err("give a model, a source and a file for the distances".into());
+    let mut requests = io::stdin().lock().lines();
+    let model = loop {
+        let request = requests.next().ok_or("no model was loaded")??;
+        match request.strip_prefix("load ") {
+            Some(path) => break path.to_owned(),
+            None => println!("{{}}"),
+        }
     };
-    let source: u32 = source.parse()?;
     let mesh = Mesh::read(model)?;
+    let start = Instant::now();
     let policy = Splitting::new(&mesh, VertexFilter::On);
     let mut solver = Continuous::new(&mesh, policy, StdHeap::default());
-    println!(r#"{{"ready": true}}"#);
+    println!(r#"{{"setup_seconds": {}}}"#, start.elapsed().as_secs_f64());
 
-    for line in io::stdin().lock().lines() {
-        if line? != "solve" {
-            return Err("only `solve` is understood".into());
+    let mut distances = Vec::new();
+    for request in requests {
+        let request = request?;
+        match request.split_once(' ').unwrap_or((&request, "")) {
+            ("ping", _) => println!("{{}}"),
+            ("solve", source) => {
+                let source: u32 = source.parse()?;
+                let start = Instant::now();
+                distances = solver.distances_from(source)?;
+                println!(r#"{{"seconds": {}}}"#, start.elapsed().as_secs_f64());
+            }
+            ("write", output) => {
+                let mut text = String::from("vertex,distance\n");
+                for (vertex, distance) in distances.iter().enumerate() {
+                    writeln!(text, "{vertex},{distance}")?;
+                }
+                fs::write(output, text)?;
+                println!("{{}}");
+            }
+            _ => return Err(format!("unknown request: {request}").into()),
         }
-        let start = Instant::now();
-        let distances = solver.distances_from(source)?;
-        let seconds = start.elapsed().as_secs_f64();
-        let mut text = String::from("vertex,distance\n");
-        for (vertex, distance) in distances.iter().enumerate() {
-            writeln!(text, "{vertex},{distance}")?;
-        }
-        fs::write(output, text)?;
-        println!(r#"{{"seconds": {seconds}}}"#);
     }
     Ok(())
 }

@@ -54,6 +54,9 @@ enum FigureSource {
     OnModel(fn(&Cell, f64) -> Option<f64>),
 }
 
+/// The mark of times that an external program claims and its protocol does not let anyone check.
+pub const CLAIMED: &str = "(claimed)";
+
 const MEGABYTE: f64 = 1e6;
 
 /// The default rows of a table.

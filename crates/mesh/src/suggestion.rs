@@ -10,10 +10,16 @@
 /// ```
 pub fn did_you_mean(name: &str, known: &[&str]) -> String {
     let name = name.to_lowercase();
+    let most = |known: &str| 1 + known.len() / 3;
+    // A beginning of three letters or more is similar, but less than any misspelling.
+    let edits = |known: &str| match strsim::damerau_levenshtein(&name, known) {
+        edits if edits > most(known) && name.len() >= 3 && known.starts_with(&name) => most(known),
+        edits => edits,
+    };
     known
         .iter()
-        .map(|known| (strsim::damerau_levenshtein(&name, known), known))
-        .filter(|(edits, known)| *edits <= 1 + known.len() / 3)
+        .map(|known| (edits(known), known))
+        .filter(|(edits, known)| *edits <= most(known))
         .min()
         .map_or_else(String::new, |(_, known)| {
             format!(", did you mean `{known}`?")
@@ -31,6 +37,8 @@ mod tests {
         assert_eq!(found("shpere"), ", did you mean `sphere`?");
         assert_eq!(found("Tours"), ", did you mean `torus`?");
         assert_eq!(found("tetraeder"), ", did you mean `tetrahedron`?");
+        assert_eq!(found("tetra"), ", did you mean `tetrahedron`?");
+        assert_eq!(found("te"), "");
         assert_eq!(found("xyz"), "");
         assert_eq!(found(""), "");
         assert_eq!(found(&"sphere".repeat(9)), "");

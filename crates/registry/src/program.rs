@@ -26,37 +26,47 @@ pub struct Program {
     pub command: Vec<String>,
     /// Working directory: the directory of the TOML file.
     pub directory: PathBuf,
-    /// Lifetime of its process.
-    pub lifetime: ProcessLifetime,
+    /// How it is asked.
+    pub protocol: Protocol,
     /// Whether its distances are approximate. They are compared with the reference, but the
     /// tolerance does not apply.
     pub approximate: bool,
 }
 
-/// Lifetime of the process of an external program.
+/// The protocol of an external program; `docs/protocol.md` describes it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ProcessLifetime {
-    /// All runs of a cell. Each run is requested on standard input.
+pub enum Protocol {
+    /// Version 2: one process for all runs of a cell, which is told the source when it is asked to
+    /// solve. Its times can be checked from outside.
+    Two,
+    /// Version 1: one process for all runs of a cell. Its command names the source, and each run is
+    /// requested on standard input.
     #[default]
     Session,
-    /// One run, which starts without a request.
+    /// Version 1: one process for each run, which starts without a request.
     Once,
     /// One run, from the start of a command to its exit. The program writes the distances and no
     /// reply.
     Command,
 }
 
-impl ProcessLifetime {
+impl Protocol {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Session, Self::Once, Self::Command];
+    pub const ALL: [Self; 4] = [Self::Two, Self::Session, Self::Once, Self::Command];
 
     /// The name in TOML files.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Two => "2",
             Self::Session => "session",
             Self::Once => "once",
             Self::Command => "none",
         }
+    }
+
+    /// Whether one process makes all runs of a cell.
+    pub const fn keeps_process(self) -> bool {
+        matches!(self, Self::Two | Self::Session)
     }
 }
 
@@ -115,25 +125,35 @@ impl Program {
 
 /// External programs with different names, in the order of their files.
 #[derive(Clone, Debug, Default)]
-pub struct Programs(Vec<Arc<Program>>);
+pub struct Programs(Vec<(String, Result<Arc<Program>, UsageError>)>);
 
 impl Programs {
-    fn called(&self, name: &str) -> Option<&Arc<Program>> {
-        self.0.iter().find(|program| program.name == name)
+    fn called(&self, name: &str) -> Option<&Result<Arc<Program>, UsageError>> {
+        let found = self.0.iter().find(|(known, _)| known == name);
+        found.map(|(_, program)| program)
     }
 
     /// Adds a program; false if the name is taken.
     pub fn add(&mut self, program: Arc<Program>) -> bool {
         let is_free = self.called(&program.name).is_none();
-        self.0.extend(is_free.then_some(program));
+        let entry = is_free.then(|| (program.name.clone(), Ok(program)));
+        self.0.extend(entry);
         is_free
+    }
+
+    /// Adds a description with an error, which is reported if the program is selected.
+    pub fn add_faulty(&mut self, name: &str, error: UsageError) {
+        self.0.retain(|(known, _)| known != name);
+        self.0.push((name.to_owned(), Err(error)));
     }
 
     /// These programs, and those of `others` with other names.
     #[must_use]
     pub fn or(mut self, others: &Self) -> Self {
-        for program in &others.0 {
-            self.add(program.clone());
+        for (name, program) in &others.0 {
+            if self.called(name).is_none() {
+                self.0.push((name.clone(), program.clone()));
+            }
         }
         self
     }
@@ -145,7 +165,7 @@ impl Programs {
             return vec![name.to_owned()];
         }
         let begins = |full: &&str| full.strip_prefix(name).is_some_and(|r| r.starts_with('{'));
-        let names = self.0.iter().map(|program| program.name.as_str());
+        let names = self.0.iter().map(|(name, _)| name.as_str());
         names.filter(begins).map(str::to_owned).collect()
     }
 
@@ -153,25 +173,29 @@ impl Programs {
     ///
     /// # Errors
     ///
-    /// If there is no program of this name.
+    /// If there is no program of this name, or its description has an error.
     pub fn find(&self, name: &str) -> Result<Arc<Program>, UsageError> {
-        self.called(name).cloned().ok_or_else(|| {
-            let mut known: Vec<&str> = self.0.iter().map(|p| p.name.as_str()).collect();
-            known.sort_unstable();
-            let prefixed: Vec<String> =
-                known.iter().map(|name| format!("{PREFIX}{name}")).collect();
-            let prefixed: Vec<&str> = prefixed.iter().map(String::as_str).collect();
-            let hint = did_you_mean(&format!("{PREFIX}{name}"), &prefixed);
-            let described = if known.is_empty() {
-                String::new()
-            } else {
-                format!("; described are {}", known.join(", "))
-            };
-            UsageError(format!(
-                "there is no outside program `{name}`{hint}: describe it in a table [ext.{name}] \
-                 of the suite file, or of a file given with --ext{described}"
-            ))
-        })
+        let described = name.split('{').next().unwrap_or(name);
+        if let Some(known) = self.called(name) {
+            return known.clone();
+        }
+        if let Some(Err(error)) = self.called(described) {
+            return Err(error.clone());
+        }
+        let mut known: Vec<&str> = self.0.iter().map(|(name, _)| name.as_str()).collect();
+        known.sort_unstable();
+        let prefixed: Vec<String> = known.iter().map(|name| format!("{PREFIX}{name}")).collect();
+        let prefixed: Vec<&str> = prefixed.iter().map(String::as_str).collect();
+        let hint = did_you_mean(&format!("{PREFIX}{name}"), &prefixed);
+        let described = if known.is_empty() {
+            String::new()
+        } else {
+            format!("; described are {}", known.join(", "))
+        };
+        Err(UsageError(format!(
+            "there is no outside program `{name}`{hint}: describe it in a table [ext.{name}] of \
+             the suite file, or of a file given with --ext{described}"
+        )))
     }
 }
 
@@ -214,7 +238,7 @@ mod tests {
             prepare: Vec::new(),
             cleanup: Vec::new(),
             directory: "/here".into(),
-            lifetime: ProcessLifetime::Once,
+            protocol: Protocol::Once,
             approximate: false,
         };
         let call = Call {

@@ -85,12 +85,15 @@ fn an_outside_program_is_one_process_that_is_asked_and_checked_like_any_algorith
     let cell = &cells[1];
     assert_eq!(cell["algorithm"], "ext:honest");
     assert_eq!(cell["status"], "ok");
-    // It claims more time than it took, so the time measured from outside is used.
+    // Under protocol 1 a claim cannot be checked.
     let time = &cell["time"];
     assert_eq!(time["claimed"], json!([0.25, 0.25, 0.25]));
-    assert_eq!(time["doubted"], true);
-    assert_eq!(time["samples"], time["outside"]);
-    assert_eq!(time["samples"].as_array().unwrap().len(), 3);
+    assert_eq!(time["samples"], time["claimed"]);
+    assert_eq!(
+        (&time["doubted"], &time["unconfirmed"]),
+        (&json!(false), &json!(true))
+    );
+    assert_eq!(time["outside"].as_array().unwrap().len(), 3);
     assert_eq!(cell["counters"]["propagated"], 7);
     assert_eq!(cell["counters"]["kept"], Value::Null);
     // The memory is measured, not claimed: a shell uses more than a page.
@@ -162,50 +165,221 @@ fn whatever_an_outside_program_does_costs_its_own_row() {
     insta::assert_snapshot!(rows.join(" "));
 }
 
-/// A program that copies our answer and claims a time of 0 was once listed as the best.
-#[test]
-fn a_claim_that_cannot_be_is_shown_beside_the_time_from_outside() {
-    let sandbox = sandbox();
-    let fast = r#"printf '0,0\n1,1\n2,1.4142135623730951\n3,1\n' > "$3"
-        sleep 0.05; echo '{"seconds": 1e-9}'"#;
-    sandbox.write("fast.sh", fast);
-    let modest = r#"sleep 0.02; printf '0,0\n1,1\n2,1.4142135623730951\n3,1\n' > "$3"
-        echo '{"seconds": 0.02}'"#;
-    sandbox.write("modest.sh", modest);
-    let table = |name: &str| {
-        format!(
-            "[ext.{name}]\nprotocol = 'once'\n\
-             command = ['sh', '{name}.sh', '{{model}}', '{{source}}', '{{output}}']\n"
-        )
-    };
-    sandbox.write("two.toml", &(table("fast") + &table("modest")));
-    let call = sandbox.call(
-        "run square.off --ext two.toml --algo mmp,ext:fast,ext:modest --repeat 3 --timeout 20s -o r.json",
-    );
-    assert_eq!(call.code, 0, "{}", call.stderr);
-    let file = sandbox.json("r.json");
-    let fast = &file["cells"][1]["time"];
-    assert_eq!(fast["doubted"], true);
-    assert!(fast["median"].as_f64().unwrap() >= 0.05, "{fast}");
-    let shown = &call.stdout;
-    assert!(shown.contains("Time from outside (s)"), "{shown}");
-    assert!(shown.contains("Time it claims (s)"), "{shown}");
-    assert!(
-        shown.contains(
-            "! ext:fast: the time that it claims is more than that from outside, or less"
-        ),
-        "{shown}"
-    );
-    // On a slow machine, a shell may not start within a fraction of 0.2 s.
-    let modest = &file["cells"][2]["time"];
-    let outside = modest["outside"][0].as_f64().unwrap();
-    assert!(outside >= 0.02, "{modest}");
-    if outside < 0.19 {
-        assert_eq!(
-            (&modest["doubted"], &modest["samples"][0]),
-            (&json!(false), &json!(0.02))
+/// A solver under protocol 2 in Python. Its options say how long it works and what it claims.
+const VERSION_2: &str = r#"
+import json, sys, time
+
+def option(name, value):
+    for word in sys.argv[1:]:
+        if word.startswith(name + "="):
+            return float(word.partition("=")[2])
+    return value
+
+work, late, share = option("work", 0.0), option("late", 0.0), option("share", 1.0)
+kept = None
+for line in sys.stdin:
+    request, _, rest = line.rstrip("\n").partition(" ")
+    answer = {}
+    if request == "load":
+        if option("early", 0.0):
+            time.sleep(work)
+            kept = True
+    elif request == "solve":
+        source = int(rest)
+        start = time.perf_counter()
+        if not kept:
+            time.sleep(work) if work else None
+        distances = [[0, 1, 2**0.5, 1], [1, 0, 1, 2**0.5], [2**0.5, 1, 0, 1], [1, 2**0.5, 1, 0]][source]
+        seconds = time.perf_counter() - start
+        answer["seconds"] = share * (work if kept else seconds)
+        time.sleep(late) if late else None
+        answer["counters"] = {"propagated": 7}
+    elif request == "write":
+        with open(rest, "w") as file:
+            file.writelines(f"{v},{d!r}\n" for v, d in enumerate(distances))
+    print(json.dumps(answer), flush=True)
+"#;
+
+/// Runs the programs of [`VERSION_2`] with these options on the square; returns the cells and what
+/// was shown.
+fn run_version_2(options: &[(&str, &[&str])], code: i32, more: &str) -> (Vec<Value>, String) {
+    let sandbox = Sandbox::with_square();
+    sandbox.write("solver.py", VERSION_2);
+    let mut tables = String::new();
+    for (name, options) in options {
+        let words: Vec<String> = options.iter().map(|word| format!(", '{word}'")).collect();
+        tables += &format!(
+            "[ext.{name}]\nprotocol = 2\ncommand = ['python3', 'solver.py'{}]\n",
+            words.concat()
         );
     }
+    sandbox.write("peers.toml", &tables);
+    let names: Vec<String> = options
+        .iter()
+        .map(|(name, _)| format!("ext:{name}"))
+        .collect();
+    let call = sandbox.call(&format!(
+        "run square.off --ext peers.toml --algo mmp,{} --repeat 6 --timeout 20s -o r.json {more}",
+        names.join(",")
+    ));
+    assert_eq!(call.code, code, "{}", call.stderr);
+    let cells = sandbox.json("r.json")["cells"].as_array().unwrap().clone();
+    (cells[1..].to_vec(), call.stdout)
+}
+
+/// The clock is fair to honest programs, also of microseconds, and finds the others.
+#[test]
+fn a_claim_is_checked_under_protocol_2() {
+    let (cells, shown) = run_version_2(
+        &[
+            ("fast", &[]),
+            ("slow", &["work=0.03"]),
+            ("liar", &["work=0.03", "share=0.12"]),
+            ("late", &["late=0.03"]),
+        ],
+        0,
+        "--source 1",
+    );
+    let [fast, slow, liar, late] = &cells[..] else {
+        panic!("{cells:?}");
+    };
+    for cell in &cells {
+        assert_eq!(cell["status"], "ok", "{cell}");
+        assert_eq!(cell["counters"]["propagated"], 7);
+        assert_eq!(cell["time"]["unconfirmed"], false);
+        assert_eq!(cell["time"]["ping"].as_array().unwrap().len(), 6);
+    }
+    for honest in [fast, slow] {
+        let time = &honest["time"];
+        assert_eq!(time["doubted"], false, "{time}");
+        assert_eq!(time["samples"], time["claimed"]);
+    }
+    assert!(fast["time"]["median"].as_f64().unwrap() < 1e-3, "{fast}");
+    for other in [liar, late] {
+        let time = &other["time"];
+        assert_eq!(time["doubted"], true, "{time}");
+        assert_eq!(time["samples"], time["outside"]);
+        assert!(time["median"].as_f64().unwrap() >= 0.029, "{time}");
+    }
+    for text in ["Time from outside (s)", "Time it claims (s)"] {
+        assert!(shown.contains(text), "{shown}");
+    }
+    for name in ["liar", "late"] {
+        let note = format!("! ext:{name}: the time that it claims is less than that from outside");
+        assert!(shown.contains(&note), "{shown}");
+    }
+    assert!(!shown.contains("(claimed)"), "{shown}");
+}
+
+#[test]
+fn a_claim_above_the_time_from_outside_is_an_error_of_the_program() {
+    // It solves while it loads, and claims the time of that solve.
+    let (cells, _) = run_version_2(
+        &[
+            ("early", &["early=1", "work=0.05"]),
+            ("boast", &["work=0.02", "share=3"]),
+        ],
+        1,
+        "",
+    );
+    for cell in cells {
+        assert_eq!(cell["status"], "crashed");
+        let message = cell["message"].as_str().unwrap();
+        assert!(
+            message.starts_with("broke the protocol: `seconds` is 0.0")
+                && message.contains("s after the request, and pings took"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn claims_without_a_check_are_marked_in_every_output() {
+    let sandbox = sandbox();
+    let files = "-o r.json -o r.csv -o r.md -o r.tex -o r.bmf.json -o r.gab.json";
+    let run = "run square.off --ext peers.toml --algo vtp,ext:once --repeat 6 --timeout 9s";
+    let call = sandbox.call(&format!("{run} {files}"));
+    assert_eq!(call.code, 0, "{}", call.stderr);
+    sandbox.succeed("report r.json -o r.html");
+    let cell = &sandbox.json("r.json")["cells"][1];
+    assert_eq!(cell["time"]["unconfirmed"], true);
+    for shown in [
+        call.stdout.as_str(),
+        &sandbox.read("r.md"),
+        &sandbox.read("r.tex"),
+        &sandbox.read("r.html"),
+    ] {
+        assert!(shown.contains("ext:once (claimed)"), "{shown}");
+    }
+    for file in ["r.bmf.json", "r.gab.json"] {
+        let text = sandbox.read(file);
+        assert!(
+            text.contains("square, ext:once (claimed), source 0"),
+            "{text}"
+        );
+    }
+    let csv = sandbox.read("r.csv");
+    let mut lines = csv.lines();
+    let place = lines.next().unwrap().split(',');
+    let place = place
+        .clone()
+        .position(|name| name == "time_unconfirmed")
+        .unwrap();
+    assert!(
+        csv.lines().last().unwrap().split(',').nth(place).unwrap() == "true",
+        "{csv}"
+    );
+    // Comparisons and histories.
+    let call =
+        sandbox.call("compare r.json r.json --fail-on time=5%,outside_time=5%,claimed_time=5%");
+    assert_eq!(call.code, 0, "{}", call.stderr);
+    assert!(
+        call.stdout.contains("ext:once (claimed)"),
+        "{}",
+        call.stdout
+    );
+    let mut slower = sandbox.json("r.json");
+    let time = &mut slower["cells"][1]["time"];
+    time["claimed"] = json!([2.0, 2.0, 2.0, 2.0, 2.0, 2.0]);
+    sandbox.write("slower.json", &slower.to_string());
+    let call = sandbox.call("compare r.json slower.json --fail-on claimed_time=5%");
+    assert_eq!(call.code, 1, "{}", call.stderr);
+    let shown = call.stdout + &call.stderr;
+    assert!(shown.contains("claimed_time +300"), "{shown}");
+    sandbox.succeed("record r.json --into history --commit 0123456789abcdef");
+    let record = std::fs::read_dir(sandbox.path("history")).unwrap();
+    let record = record
+        .flatten()
+        .find(|entry| entry.path().extension().is_some_and(|e| e == "json"));
+    let text = std::fs::read_to_string(record.unwrap().path()).unwrap();
+    assert!(text.contains("\"claimed\": true"), "{text}");
+}
+
+#[test]
+fn an_error_in_an_answer_names_the_key() {
+    let sandbox = Sandbox::with_square();
+    sandbox.write(
+        "typo.sh",
+        "while read -r request; do echo '{\"sec\": 0.1}'; done",
+    );
+    sandbox.write(
+        "typo.toml",
+        "[ext.typo]\nprotocol = 2\ncommand = ['sh', 'typo.sh']\n[ext.unused]\nnonsense = 1\n",
+    );
+    let call = sandbox.call("run square.off --ext typo.toml --algo mmp,ext:typo --quiet -o r.json");
+    assert_eq!(call.code, 1, "{}", call.stderr);
+    assert_eq!(
+        sandbox.json("r.json")["cells"][1]["message"],
+        "broke the protocol: there is no key `sec`, did you mean `seconds`?; known are seconds, \
+         setup_seconds, rss_peak_bytes, heap_peak_bytes, counters, refused, ready (starting)"
+    );
+    let call = sandbox.call("run square.off --ext typo.toml --algo ext:unused");
+    assert_eq!(call.code, 2);
+    assert!(
+        call.stderr.contains("there is no key `nonsense` here"),
+        "{}",
+        call.stderr
+    );
 }
 
 #[test]

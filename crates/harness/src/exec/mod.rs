@@ -76,9 +76,13 @@ pub struct Observation {
     /// Number of solves; `None` means one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub solves: Option<usize>,
-    /// For an external program: seconds from request to answer by the clock of the harness.
+    /// For an external program: seconds from request to answer by the clock of the harness, under
+    /// protocol 2 less `ping_seconds`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outside_seconds: Option<f64>,
+    /// For an external program under protocol 2: seconds to answer a ping, the median of several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ping_seconds: Option<f64>,
     /// Seconds of the set-up, if the run included one.
     pub setup_seconds: Option<f64>,
     /// Seconds to extract the Voronoi diagram after the solve. `None` if the algorithm does not

@@ -3,15 +3,36 @@
 //! A child writes a [`Reply`], one line of JSON, when it has loaded the model and after each
 //! request. Children are outside programs, and this program itself for the algorithms of the suite.
 
+use std::time::Duration;
+
+use geobench_mesh::did_you_mean;
 use geobench_window::Counters;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use crate::exec::{Observation, Pass};
 use crate::measure::memory::Peaks;
 use crate::schema::{ModelRecord, PhaseSeconds, SourceLabel, WavefrontSample};
 
-/// Request to an outside program. Its command names the model and the source.
+/// Request to an outside program under protocol 1. Its command names the model and the source.
 pub(crate) const SOLVE: &str = "solve";
+
+/// Number of pings before each solve of protocol 2.
+pub(crate) const PINGS: usize = 5;
+
+/// Pause before each ping. As during a solve, both processes then sleep.
+pub(crate) const PAUSE: Duration = Duration::from_micros(500);
+
+/// The keys that outside programs may use.
+const KEYS: [&str; 7] = [
+    "seconds",
+    "setup_seconds",
+    "rss_peak_bytes",
+    "heap_peak_bytes",
+    "counters",
+    "refused",
+    "ready",
+];
 
 /// Request to a child of this program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -94,11 +115,38 @@ pub(crate) struct Reply {
 }
 
 impl Reply {
-    /// Parses a line; `None` if malformed.
-    pub(crate) fn parse(line: &[u8]) -> Option<Self> {
-        let line: Self = serde_json::from_slice(line).ok()?;
-        let sound = |seconds: Option<f64>| seconds.is_none_or(|s| s.is_finite() && s >= 0.0);
-        (sound(line.seconds) && sound(line.setup_seconds)).then_some(line)
+    /// Parses a line.
+    ///
+    /// # Errors
+    ///
+    /// If it is not one JSON object, or a key or a value is not allowed.
+    pub(crate) fn parse(line: &[u8]) -> Result<Self, ReplyError> {
+        let is_object = serde_json::from_slice::<serde_json::Map<String, Value>>(line).is_ok();
+        if !is_object {
+            return Err(ReplyError::NoObject);
+        }
+        let mut json = serde_json::Deserializer::from_slice(line);
+        let reply: Self = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+            let problem = error.inner().to_string();
+            let at = error.path().to_string();
+            ReplyError::Key(match unknown_key(&problem) {
+                Some(problem) => problem,
+                // The position in a line says no more than the key.
+                None => format!(
+                    "`{at}`: {}",
+                    problem.split(" at line ").next().unwrap_or("")
+                ),
+            })
+        })?;
+        for (key, seconds) in [
+            ("seconds", reply.seconds),
+            ("setup_seconds", reply.setup_seconds),
+        ] {
+            if let Some(seconds) = seconds.filter(|s| !s.is_finite() || *s < 0.0) {
+                return Err(ReplyError::Key(format!("`{key}`: {seconds} is no time")));
+            }
+        }
+        Ok(reply)
     }
 
     /// Maximum number of bytes of a line with at most `answers` distances and labels.
@@ -116,6 +164,7 @@ impl Reply {
             seconds: self.seconds,
             solves: self.solves,
             outside_seconds: None,
+            ping_seconds: None,
             setup_seconds: self.setup_seconds,
             extraction_seconds: self.extraction_seconds,
             labels: self.labels,
@@ -130,6 +179,26 @@ impl Reply {
             note: self.note,
         }
     }
+}
+
+/// Why a line is no reply.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum ReplyError {
+    /// It is not one JSON object.
+    NoObject,
+    /// A key or its value is not allowed.
+    Key(String),
+}
+
+/// The message for an unknown key; `None` if `problem` of serde is another one.
+fn unknown_key(problem: &str) -> Option<String> {
+    let name = problem.strip_prefix("unknown field `")?.split('`').next()?;
+    let name: String = name.chars().take(40).collect();
+    Some(format!(
+        "there is no key `{name}`{}; known are {}",
+        did_you_mean(&name, &KEYS),
+        KEYS.join(", ")
+    ))
 }
 
 impl From<Observation> for Reply {
@@ -235,6 +304,7 @@ mod tests {
                 seconds: Some(1.0 / 3.0),
                 solves: Some(7),
                 outside_seconds: None,
+                ping_seconds: None,
                 setup_seconds: None,
                 extraction_seconds: Some(0.1),
                 labels: Some(vec![0, u32::MAX]),
@@ -315,7 +385,21 @@ mod tests {
             r#"{"seconds": "fast"}"#,
             "{",
         ] {
-            assert_eq!(Reply::parse(garbage.as_bytes()), None, "{garbage}");
+            assert!(Reply::parse(garbage.as_bytes()).is_err(), "{garbage}");
         }
+        let wrong = |line: &str| match Reply::parse(line.as_bytes()) {
+            Err(ReplyError::Key(problem)) => problem,
+            other => panic!("{line}: {other:?}"),
+        };
+        assert_eq!(
+            wrong(r#"{"sec": 1}"#),
+            "there is no key `sec`, did you mean `seconds`?; known are seconds, setup_seconds, \
+             rss_peak_bytes, heap_peak_bytes, counters, refused, ready"
+        );
+        assert_eq!(wrong(r#"{"seconds": -1}"#), "`seconds`: -1 is no time");
+        assert_eq!(
+            wrong(r#"{"seconds": "fast"}"#),
+            "`seconds`: invalid type: string \"fast\", expected f64"
+        );
     }
 }

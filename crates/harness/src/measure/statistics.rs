@@ -66,6 +66,49 @@ pub fn time(samples: Vec<f64>, setup: Option<f64>) -> Time {
     }
 }
 
+/// Tolerated relative difference between the clocks of a program and of the harness.
+pub const CLOCKS: f64 = 0.01;
+
+/// The record of the times of an external program with a protocol: for each run, the seconds that it
+/// `claimed`, those from `outside`, and under protocol 2 those to answer a `ping`, which are
+/// already subtracted from those from outside.
+///
+/// The claims are the times. Under protocol 2 they are doubted if they are below the times from
+/// outside by more than the noise of these, which are then the times. Otherwise nothing confirms
+/// the claims.
+pub fn time_of_program(
+    claimed: Vec<f64>,
+    outside: Vec<f64>,
+    ping: Vec<f64>,
+    setup: Option<f64>,
+) -> Time {
+    let doubted = are_doubted(&claimed, &outside, &ping);
+    let samples = if doubted { &outside } else { &claimed };
+    let time = Time {
+        doubted,
+        unconfirmed: ping.len() < claimed.len(),
+        ..time(samples.clone(), setup)
+    };
+    Time {
+        outside,
+        claimed,
+        ping,
+        ..time
+    }
+}
+
+/// Whether the claims of a program under protocol 2 are below the times from outside by more than
+/// their noise, in the median over the runs. The noise is the median ping of the run, for an answer
+/// to `solve` is a little more work than an answer to `ping`, and the tolerance of the clocks.
+fn are_doubted(claimed: &[f64], outside: &[f64], ping: &[f64]) -> bool {
+    let runs = claimed.iter().zip(outside).zip(ping);
+    let excess = runs.map(|((claimed, outside), ping)| {
+        let noise = ping + CLOCKS * (outside + ping);
+        outside - claimed - noise
+    });
+    median(&excess.collect::<Vec<f64>>()).is_some_and(|excess| excess > 0.0)
+}
+
 /// The note that explains why there is no interval; `None` if there are enough `samples` for one.
 pub fn too_few(samples: usize) -> Option<String> {
     (samples < FEWEST_FOR_INTERVAL)
@@ -460,6 +503,28 @@ fn normal(m: f64, n: f64, u: f64, ties: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Claims within the noise of the time from outside are the times; lower ones are not.
+    #[test]
+    fn claims_are_checked_in_the_median_over_the_runs() {
+        let ping = vec![2e-5; 3];
+        let time = |claims: [f64; 3], outside: [f64; 3], ping: &[f64]| {
+            time_of_program(claims.to_vec(), outside.to_vec(), ping.to_vec(), None)
+        };
+        let fast = time([1e-6; 3], [8e-6, 0.0, 1.5e-5], &ping);
+        assert_eq!((fast.doubted, fast.median), (false, Some(1e-6)));
+        // One late answer, by the load of the machine, is no lie.
+        let loaded = time([0.1; 3], [0.1001, 0.15, 0.1002], &ping);
+        assert_eq!((loaded.doubted, loaded.median), (false, Some(0.1)));
+        let lie = time([0.012; 3], [0.1, 0.1001, 0.1002], &ping);
+        assert_eq!((lie.doubted, lie.median), (true, Some(0.1001)));
+        assert_eq!(lie.claimed, [0.012; 3]);
+        // Without pings, nothing confirms a claim.
+        let alone = time([0.012; 3], [0.1; 3], &[]);
+        assert_eq!((alone.doubted, alone.unconfirmed), (false, true));
+        assert_eq!(alone.median, Some(0.012));
+        assert!(!lie.unconfirmed);
+    }
 
     #[test]
     fn odd_even_and_no_samples() {

@@ -390,7 +390,7 @@ pub fn planned(selection: &Selection) -> PlannedAlgorithm {
     let program = selection.program().into_iter().flat_map(|program| {
         [
             ("command", program.command.clone().into()),
-            ("protocol", program.lifetime.name().into()),
+            ("protocol", program.protocol.name().into()),
             ("prepare", program.prepare.clone().into()),
             ("cleanup", program.cleanup.clone().into()),
             ("parameters", serde_json::json!(program.parameters)),

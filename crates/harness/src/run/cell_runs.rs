@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use geobench_registry::{ProcessLifetime, Program, Selection};
+use geobench_registry::{Program, Protocol, Selection};
 use geobench_window::Counter;
 
 use crate::exec::{Failure, Pass};
 use crate::measure::memory::Peaks;
+use crate::measure::statistics::{self, time_of_program};
 use crate::plan::Plan;
 use crate::plan::sampling::Sampling;
 use crate::run::agreement;
@@ -84,23 +85,23 @@ impl<'p> CellRuns<'p> {
         runs.map(|(_, outcome)| outcome)
     }
 
-    /// Decides whether the timed runs so far are enough. If the times that an external program
-    /// reports are doubtful, those by the clock of the harness are used instead.
+    /// Decides whether the timed runs so far are enough.
     pub(super) fn count_samples(&mut self) {
-        let of = |found: &RunOutcome| {
-            let seconds = found.observation.seconds?;
-            let solves = found.observation.solves.unwrap_or(1) as f64;
-            let outside = found.observation.outside_seconds;
-            Some((seconds, outside.unwrap_or(seconds * solves)))
-        };
-        let (samples, spent): (Vec<f64>, Vec<f64>) = self.timed().filter_map(of).unzip();
-        let is_outside = self.algorithm.program().is_some();
-        let samples = if is_outside && is_doubtful(&samples, &spent) {
-            &spent
+        let observations = || self.timed().map(|found| &found.observation);
+        let spent = observations().filter_map(|one| {
+            let solves = one.solves.unwrap_or(1) as f64;
+            one.outside_seconds.or(Some(one.seconds? * solves))
+        });
+        let spent = spent.sum();
+        let seconds = observations().filter_map(|one| one.seconds).collect();
+        let samples = if self.algorithm.program().is_some() {
+            let outside = observations().filter_map(|one| one.outside_seconds);
+            let ping = observations().filter_map(|one| one.ping_seconds);
+            time_of_program(seconds, outside.collect(), ping.collect(), None).samples
         } else {
-            &samples
+            seconds
         };
-        self.has_time = self.sampling.is_enough(samples, spent.iter().sum());
+        self.has_time = self.sampling.is_enough(&samples, spent);
     }
 
     /// Number of solves of a timed run, from the time of the first run. External programs solve
@@ -204,8 +205,7 @@ impl<'p> CellRuns<'p> {
         }
         let (mut samples, mut solves, mut setup) = (Vec::new(), Vec::new(), None);
         let mut extraction = None;
-        // `claimed` are the times that an external program reports, `outside` those by our clock.
-        let (mut outside, mut claimed, mut doubted) = (Vec::new(), Vec::new(), false);
+        let (mut outside, mut ping) = (Vec::new(), Vec::new());
         for ((pass, _), outcome) in self.outcomes {
             let observation = outcome.observation;
             cell.message = cell.message.or(observation.note);
@@ -221,6 +221,7 @@ impl<'p> CellRuns<'p> {
                     samples.extend(observation.seconds);
                     solves.push(observation.solves.unwrap_or(1));
                     outside.extend(observation.outside_seconds);
+                    ping.extend(observation.ping_seconds);
                 }
                 Pass::Count => {
                     cell.check.edge_excess = observation.edge_excess;
@@ -243,23 +244,21 @@ impl<'p> CellRuns<'p> {
             solves.clear();
         }
         // Only a program with a protocol reports its own times; a command does not.
-        let speaks = |program: &Arc<Program>| program.lifetime != ProcessLifetime::Command;
-        if !outside.is_empty() && self.algorithm.program().is_some_and(speaks) {
-            claimed.clone_from(&samples);
-            doubted = is_doubtful(&claimed, &outside);
-            if doubted {
-                samples.clone_from(&outside);
+        let speaks = |program: &Arc<Program>| program.protocol != Protocol::Command;
+        let time = if self.algorithm.program().is_some_and(speaks) {
+            time_of_program(samples, outside, ping, setup)
+        } else {
+            Time {
+                outside,
+                ..statistics::time(samples, setup)
             }
-        }
+        };
         cell.time = Time {
             extraction,
             places,
             solves,
-            outside,
-            claimed,
-            doubted,
             precision: self.sampling.precision().map(|wanted| wanted.relative),
-            ..crate::measure::statistics::time(samples, setup)
+            ..time
         };
         cell.phases = cell.phases.of_time(cell.time.median);
         let count = |counter| cell.counters.get(counter);
@@ -313,22 +312,6 @@ impl<'p> CellRuns<'p> {
             ..worst.cloned().unwrap_or_default()
         }
     }
-}
-
-/// Minimum plausible ratio of the time that an external program reports to the time by the clock of
-/// the harness. Below it, the reported time is doubtful.
-const LEAST_CLAIM: f64 = 0.1;
-
-/// Tolerated relative difference between the clocks of a program and of the harness.
-const CLOCKS: f64 = 0.01;
-
-/// Whether a time that an external program reports exceeds the time by the clock of the harness, or
-/// is less than [`LEAST_CLAIM`] of it.
-fn is_doubtful(claimed: &[f64], outside: &[f64]) -> bool {
-    let mut pairs = claimed.iter().zip(outside);
-    pairs.any(|(&claimed, &outside)| {
-        claimed > outside * (1.0 + CLOCKS) || claimed < LEAST_CLAIM * outside
-    })
 }
 
 /// A short outcome: the status of a failure, or the seconds of the solve, if measured.

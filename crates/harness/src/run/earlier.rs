@@ -93,6 +93,7 @@ pub(super) fn outcome(cell: &Cell, pass: Pass, round: usize) -> Option<RunOutcom
                 seconds: Some(seconds),
                 solves: solves.filter(|solves| *solves > 1),
                 outside_seconds: cell.time.outside.get(round).copied(),
+                ping_seconds: cell.time.ping.get(round).copied(),
                 ..Observation::default()
             }))
         }

@@ -535,16 +535,24 @@ pub struct Time {
     #[serde(default)]
     pub precision: Option<f64>,
     /// Of an external program, for each run: seconds from request to answer by the clock of the
-    /// harness. If the process solves once, from its start.
+    /// harness, under protocol 2 less `ping`. If the process solves once, from its start.
     #[serde(default)]
     pub outside: Vec<f64>,
     /// Of an external program, for each run: seconds that the program reports.
     #[serde(default)]
     pub claimed: Vec<f64>,
-    /// Whether a reported time exceeds the time by the clock of the harness, or is a small part of
-    /// it. The samples are then the times by the clock of the harness.
+    /// Of an external program under protocol 2, for each run: seconds to answer a ping, the median
+    /// of several. Empty for the other protocols.
+    #[serde(default)]
+    pub ping: Vec<f64>,
+    /// Whether the claims are below the times by the clock of the harness by more than the noise of
+    /// these. The samples are then the times by the clock of the harness.
     #[serde(default)]
     pub doubted: bool,
+    /// Whether the samples are claims of an external program that its protocol does not let anyone
+    /// check. Tables mark them as claimed.
+    #[serde(default)]
+    pub unconfirmed: bool,
 }
 
 impl Time {

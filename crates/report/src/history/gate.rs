@@ -8,7 +8,7 @@ use geobench_harness::measure::statistics::median;
 use geobench_harness::schema::Status;
 use serde::Serialize;
 
-use crate::history::compare::{CellKey, Measure, Rules, Subject, percent};
+use crate::history::compare::{CellKey, Measure, Rules, Subject, TimeKind, percent};
 use crate::history::records::{CellRecord, Record};
 
 /// The schema of the comparison in JSON.
@@ -110,9 +110,14 @@ pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Re
         // Times of other vector instructions do not compare.
         let alike = |c: &&&CellRecord| c.simd.is_none() || c.simd == cell.simd;
         let timed: Vec<&CellRecord> = earlier.iter().filter(alike).copied().collect();
-        match time(cell, &timed, rules) {
+        for kind in [TimeKind::Outside, TimeKind::Claimed] {
+            if rules.on(Subject::Time(kind)).is_some() {
+                lines.extend(time(kind, cell, &timed, rules));
+            }
+        }
+        match time(TimeKind::Time, cell, &timed, rules) {
             Some(line) => lines.push(line),
-            None if rules.on(Subject::Time).is_some() => {
+            None if rules.on(Subject::Time(TimeKind::Time)).is_some() => {
                 let with = if timed.len() < earlier.len() {
                     " of the same vector instructions"
                 } else {
@@ -219,8 +224,13 @@ fn base<'r>(
 /// Compares the time of a cell with the medians of the base commits. The interval is the 95 %
 /// prediction interval for one more value, from the mean and the standard deviation of the
 /// logarithms and Student's t-distribution. `None` if fewer than [`FEWEST`] commits have times.
-fn time(cell: &CellRecord, earlier: &[&CellRecord], rules: &Rules) -> Option<GateLine> {
-    let of = |cell: &CellRecord| median(&cell.samples).filter(|median| *median > 0.0);
+fn time(
+    kind: TimeKind,
+    cell: &CellRecord,
+    earlier: &[&CellRecord],
+    rules: &Rules,
+) -> Option<GateLine> {
+    let of = |cell: &CellRecord| median(cell.samples_of(kind)).filter(|median| *median > 0.0);
     let medians: Vec<f64> = earlier.iter().filter_map(|cell| of(cell)).collect();
     let new = of(cell)?;
     if medians.len() < FEWEST {
@@ -236,12 +246,12 @@ fn time(cell: &CellRecord, earlier: &[&CellRecord], rules: &Rules) -> Option<Gat
     let ci95 = [ratio * (-reach).exp(), ratio * reach.exp()];
     let noise = noise(&logarithms);
     let is_noise = noise.is_some_and(|noise| (ratio.max(1.0 / ratio) - 1.0) <= noise);
-    let rule = rules.on(Subject::Time).filter(|_| !is_noise);
+    let rule = rules.on(Subject::Time(kind)).filter(|_| !is_noise);
     let broken = rule.filter(|rule| ci95[0] > 1.0 + rule.limit);
     let improved = rule.filter(|rule| ci95[1] < 1.0 - rule.limit);
     Some(GateLine {
         cell: cell.cell.clone(),
-        figure: "time",
+        figure: kind.name(),
         base: Some(mean.exp()),
         new: Some(new),
         ratio: Some(ratio),

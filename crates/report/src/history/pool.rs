@@ -101,15 +101,25 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
     };
     let most = |of: fn(&Cell) -> Option<u64>| rounds.iter().filter_map(of).max();
     let mut cell = rounds[0].clone();
-    let samples = rounds.iter().flat_map(|c| c.time.samples.clone()).collect();
+    let all = |of: fn(&Cell) -> &Vec<f64>| -> Vec<f64> {
+        let values = rounds.iter().flat_map(of);
+        values.copied().collect()
+    };
+    let (samples, setup) = (all(|c| &c.time.samples), over(|c| c.time.setup));
+    let (outside, claimed) = (all(|c| &c.time.outside), all(|c| &c.time.claimed));
+    let time = if claimed.is_empty() {
+        Time {
+            outside,
+            ..statistics::time(samples, setup)
+        }
+    } else {
+        statistics::time_of_program(claimed, outside, all(|c| &c.time.ping), setup)
+    };
     cell.time = Time {
         places: rounds.iter().flat_map(|c| c.time.places.clone()).collect(),
         solves: joined_solves(&rounds),
-        outside: rounds.iter().flat_map(|c| c.time.outside.clone()).collect(),
-        claimed: rounds.iter().flat_map(|c| c.time.claimed.clone()).collect(),
-        doubted: rounds.iter().any(|c| c.time.doubted),
         extraction: over(|c| c.time.extraction),
-        ..statistics::time(samples, over(|c| c.time.setup))
+        ..time
     };
     cell.phases.propagation = over(|c| c.phases.propagation);
     cell.phases.pruning = over(|c| c.phases.pruning);

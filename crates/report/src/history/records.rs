@@ -11,7 +11,7 @@ use geobench_harness::usage::{check_schema, files_in};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::history::compare::{CellKey, CellKeys, Measure};
+use crate::history::compare::{CellKey, CellKeys, Measure, TimeKind};
 
 /// The schema of a record.
 pub const SCHEMA: &str = "geobench-record/1";
@@ -62,8 +62,25 @@ pub struct CellRecord {
     pub instructions_simd: Option<String>,
     /// Every sample of its time.
     pub samples: Vec<f64>,
+    /// Of an outside program, the times from outside; absent for others, and in older records.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outside: Vec<f64>,
+    /// Of an outside program, the times that it claims; absent as those from outside.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub claimed: Vec<f64>,
     /// All other figures of the cell, by their names in result files.
     pub figures: BTreeMap<String, f64>,
+}
+
+impl CellRecord {
+    /// The samples of a kind of time.
+    pub(crate) fn samples_of(&self, kind: TimeKind) -> &[f64] {
+        match kind {
+            TimeKind::Time => &self.samples,
+            TimeKind::Outside => &self.outside,
+            TimeKind::Claimed => &self.claimed,
+        }
+    }
 }
 
 impl Record {
@@ -164,7 +181,10 @@ impl Record {
                     let count = cell.samples.len().max(1);
                     if !known.samples.windows(count).any(|w| w == cell.samples) {
                         known.samples.extend(cell.samples);
+                        known.outside.extend(cell.outside);
+                        known.claimed.extend(cell.claimed);
                     }
+                    known.cell.claimed |= cell.cell.claimed;
                     known.figures.extend(cell.figures);
                     known.instructions_simd =
                         cell.instructions_simd.or(known.instructions_simd.take());
@@ -197,6 +217,8 @@ fn record(keys: &CellKeys<'_>, planned: &[&PlannedAlgorithm], cell: &Cell) -> Ce
         simd: cell.simd.clone(),
         instructions_simd: cell.instructions_simd.clone(),
         samples: cell.time.samples.clone(),
+        outside: cell.time.outside.clone(),
+        claimed: cell.time.claimed.clone(),
         figures: figures.collect(),
     }
 }

@@ -101,6 +101,7 @@ pub fn series(records: &[Record]) -> Vec<TrendSeries> {
                         changes: Vec::new(),
                     });
                 }
+                all[place].cell.claimed |= cell.cell.claimed;
                 all[place].points.push(point);
             }
         }

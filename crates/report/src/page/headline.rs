@@ -51,7 +51,7 @@ pub(crate) fn headline(group: &GroupCells<'_>) -> Option<Headline> {
             faster: faster.to_owned(),
             slower: slower.to_owned(),
             of_next,
-            text: found.in_words(faster, slower, of_next),
+            text: found.in_words(&group.shown(faster), &group.shown(slower), of_next),
         }))
     };
     let (best, next) = (*ranking.first()?, *ranking.get(1)?);

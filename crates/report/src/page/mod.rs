@@ -232,6 +232,7 @@ fn of_result(
         blocks: head,
     }];
     let styles = algorithms(&result.cells);
+    let claimed = algorithms(result.cells.iter().filter(|cell| cell.time.unconfirmed));
     let tables = options.tables.of(result);
     for (i, group) in groups.iter().enumerate() {
         let record = group.record;
@@ -242,6 +243,7 @@ fn of_result(
         let setting = Setting {
             prefix: &id,
             styles: &styles,
+            claimed: &claimed,
             base: record.ratios_to.as_deref(),
         };
         let mut blocks = of_group(group, setting);

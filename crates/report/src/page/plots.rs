@@ -50,7 +50,7 @@ fn bands(group: &GroupCells<'_>, lane: impl Fn(&str, &str) -> Option<Lane>) -> V
 fn point(setting: Setting<'_>, model: &str, algorithm: &str, value: Estimate) -> ChartPoint {
     ChartPoint {
         style: setting.style(algorithm),
-        name: algorithm.to_owned(),
+        name: setting.shown(algorithm),
         model: Some(model.to_owned()),
         value,
         hollow: false,
@@ -78,7 +78,7 @@ fn bands_of_values(
         (point.is_some() || absent.is_some()).then(|| Lane {
             points: point.into_iter().collect(),
             absent,
-            ..Lane::of(algorithm)
+            ..setting.lane(algorithm)
         })
     })
 }
@@ -116,7 +116,8 @@ fn ratios(group: &GroupCells<'_>, setting: Setting<'_>, base: &str) -> Option<Pl
     });
     // The ratio of `base` to itself is always 1.
     for band in &mut bands {
-        band.lanes.retain(|lane| lane.label != base);
+        band.lanes
+            .retain(|lane| lane.algorithm.as_deref() != Some(base));
     }
     bands.retain(|band| !band.lanes.is_empty());
     drawn(&bands).next()?;
@@ -156,7 +157,7 @@ fn phases(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
             continue;
         }
         let bars = group.algorithms.iter().filter_map(|name| {
-            let label = (*name).to_owned();
+            let label = setting.shown(name);
             Some(match of(name) {
                 Some(parts) => Bar {
                     label,
@@ -216,7 +217,7 @@ fn spread(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
                 ..point(setting, model, algorithm, median)
             }],
             samples,
-            ..Lane::of(algorithm)
+            ..setting.lane(algorithm)
         })
     });
     // A chart with more lanes merges the lanes of a model, which would mix their samples.

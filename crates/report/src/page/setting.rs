@@ -1,6 +1,8 @@
 //! What the plots of a group share.
 
-use super::chart::{LinePoint, Series};
+use geobench_harness::figures::CLAIMED;
+
+use super::chart::{Lane, LinePoint, Series};
 
 /// The context of the plots of a group.
 #[derive(Clone, Copy, Debug)]
@@ -10,6 +12,8 @@ pub(super) struct Setting<'a> {
     /// The algorithms of the whole result. The index of an algorithm is its style: marker and
     /// colour.
     pub(super) styles: &'a [&'a str],
+    /// Those whose times are claims that nothing confirms.
+    pub(super) claimed: &'a [&'a str],
     /// The base of ratios.
     pub(super) base: Option<&'a str>,
 }
@@ -20,11 +24,29 @@ impl Setting<'_> {
         found.unwrap_or(0)
     }
 
+    /// The name of an algorithm in a chart.
+    pub(super) fn shown(&self, algorithm: &str) -> String {
+        if self.claimed.contains(&algorithm) {
+            format!("{algorithm} {CLAIMED}")
+        } else {
+            algorithm.to_owned()
+        }
+    }
+
+    /// A lane of an algorithm in a chart.
+    pub(super) fn lane(&self, algorithm: &str) -> Lane {
+        Lane {
+            label: self.shown(algorithm),
+            algorithm: Some(algorithm.to_owned()),
+            ..Lane::default()
+        }
+    }
+
     /// The line of an algorithm in a chart.
     pub(super) fn series(&self, algorithm: &str, points: Vec<LinePoint>) -> Series {
         Series {
             style: self.style(algorithm),
-            name: algorithm.to_owned(),
+            name: self.shown(algorithm),
             algorithm: algorithm.to_owned(),
             joined: true,
             hollow: false,

@@ -354,7 +354,11 @@ fn errors_beside_times_have_a_front() {
     let svg = file(&report, Form::Svg, "g1-error.svg");
     assert_eq!(svg.matches("class=\"front\"").count(), 1);
     let html = page(&report);
-    assert!(html.contains("On the front: svg, vtp."), "{}", bare(&html));
+    assert!(
+        html.contains("On the front: svg (approx.), vtp."),
+        "{}",
+        bare(&html)
+    );
     // Without approximate algorithms, the plot shows rounding errors.
     let names: Vec<String> = files(&report_on(mixed(), &options()), Form::Svg)
         .unwrap()
@@ -378,8 +382,8 @@ fn set_up_is_paid_once() {
         [
             "horse,mmp,0,4.00,4.00,400,40000,never",
             "horse,vtp,0.500,1.00,1.50,100,10000,",
-            "horse,heat,3.00,0.750,3.75,78.0,7503,from 11 on",
-            "horse,svg,100,0.125,100,112,1350,from 114 on",
+            "horse,heat (approx.),3.00,0.750,3.75,78.0,7503,from 11 on",
+            "horse,svg (approx.),100,0.125,100,112,1350,from 114 on",
         ]
     );
     let csv = file(&report, Form::Csv, "g1-sources-0.csv");

@@ -105,8 +105,8 @@ fn on_fronts(group: &GroupCells<'_>, series: &[Series]) -> String {
     // by time.
     counted.sort_by_key(|(count, _)| std::cmp::Reverse(*count));
     let words = counted.iter().map(|(count, name)| match fronts.len() {
-        1 => (*name).to_owned(),
-        all => format!("{name} ({count} of {all})"),
+        1 => group.shown(name),
+        all => format!("{} ({count} of {all})", group.shown(name)),
     });
     let words: Vec<String> = words.collect();
     format!("On the front: {}.", words.join(", "))
@@ -344,14 +344,18 @@ pub(super) fn crossings(id: &str, group: &GroupCells<'_>) -> Option<Table> {
             };
             let totals = [1.0, 100.0, 10_000.0].map(|sources| cost.total(sources));
             let seconds = [cost.setup, cost.solve].into_iter().chain(totals);
-            std::iter::once(Entry::new(cost.algorithm))
+            std::iter::once(Entry::new(group.shown(cost.algorithm)))
                 .chain(seconds.map(|seconds| Entry::new(number::seconds(seconds, 9))))
                 .chain([Entry::new(when)])
                 .collect()
         };
         Some(Part {
             title: model.name.clone(),
-            detail: format!("compared with {}, {}", base.algorithm, fastest(group, base)),
+            detail: format!(
+                "compared with {}, {}",
+                group.shown(base.algorithm),
+                fastest(group, base)
+            ),
             rows: costs.iter().map(row).collect(),
             ..Part::default()
         })

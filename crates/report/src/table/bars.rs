@@ -84,7 +84,7 @@ pub fn model_bars(
         return String::new();
     };
     let bar = |name: &&str| TimeBar {
-        label: printable(name).into_owned(),
+        label: printable(&group.shown(name)).into_owned(),
         seconds: group
             .value(time(), &model.name, name)
             .map(|time| time.value),
@@ -95,7 +95,7 @@ pub fn model_bars(
         return String::new();
     }
     let head = format!("  time, and as a multiple of that of {}", printable(base));
-    let lines = lines(&bars, Some(&printable(base)), width);
+    let lines = lines(&bars, Some(&printable(&group.shown(base))), width);
     let head = std::iter::once(head.chars().take(width).collect());
     head.chain(lines).collect::<Vec<String>>().join("\n") + "\n\n"
 }

@@ -37,7 +37,7 @@ pub(crate) fn table(table: &Table) -> anyhow::Result<String> {
 /// The columns of results before and after the counters, as JSON pointers into a cell.
 const BEFORE_COUNTERS: &str = "/model /algorithm /source /goal /threads /approximate /status /message \
     /time/samples /time/median /time/min /time/mad /time/ci95 /time/note /time/setup /time/extraction \
-    /time/outliers /time/places /time/solves /time/precision /time/outside /time/claimed /time/doubted";
+    /time/outliers /time/places /time/solves /time/precision /time/outside /time/claimed /time/ping /time/doubted /time/unconfirmed";
 const AFTER_COUNTERS: &str = "/memory/papers_bytes /memory/windows_peak_bytes /memory/heap_peak_bytes \
     /memory/rss_peak_bytes /phases/propagation /phases/pruning /phases/management /phases/samples \
     /check/reference /check/max_abs /check/max_rel /check/unreachable /check/compared \

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use geobench_harness::figures::Figure;
+use geobench_harness::figures::{CLAIMED, Figure};
 use geobench_harness::measure::statistics::{Variable, interval_of, median};
 use geobench_harness::schema::{Cell, GroupRecord, ModelRecord, Status};
 
@@ -104,6 +104,19 @@ impl<'r> GroupCells<'r> {
     pub(crate) fn is_approximate(&self, algorithm: &str) -> bool {
         let mut cells = self.cells.iter();
         cells.any(|cell| cell.algorithm == algorithm && cell.approximate)
+    }
+
+    /// An algorithm as tables and plots show it: marked if it is approximate, and if its times are
+    /// claims that nothing confirms.
+    pub(crate) fn shown(&self, algorithm: &str) -> String {
+        let mut cells = self.cells.iter();
+        let is_claimed = cells.any(|cell| cell.algorithm == algorithm && cell.time.unconfirmed);
+        match (self.is_approximate(algorithm), is_claimed) {
+            (false, false) => algorithm.to_owned(),
+            (true, false) => format!("{algorithm} (approx.)"),
+            (false, true) => format!("{algorithm} {CLAIMED}"),
+            (true, true) => format!("{algorithm} (approx.) {CLAIMED}"),
+        }
     }
 
     /// The cells of an algorithm on a model, one for each source.

@@ -13,7 +13,7 @@ use crate::table::terminal::{self, Look};
 /// A value of a figure: seconds, or a number with all digits.
 fn shown(figure: &str, value: f64) -> String {
     match figure {
-        "time" => format!("{value:.*}", decimals([value], 9)),
+        name if name.ends_with("time") => format!("{value:.*}", decimals([value], 9)),
         _ => exact(value),
     }
 }

@@ -44,14 +44,8 @@ pub(crate) fn table(group: &GroupCells<'_>) -> Table {
 
 /// A column for the labels of rows, and one for each algorithm.
 pub(super) fn columns(group: &GroupCells<'_>) -> Vec<Column> {
-    let algorithms = group.algorithms.iter().map(|name| {
-        if group.is_approximate(name) {
-            format!("{name} (approx.)")
-        } else {
-            (*name).to_owned()
-        }
-    });
-    Column::of([""], algorithms)
+    let algorithms = group.algorithms.iter();
+    Column::of([""], algorithms.map(|name| group.shown(name)))
 }
 
 /// A row with `entries` in the columns of the algorithms.
@@ -153,8 +147,11 @@ fn figure_row(figure: &Figure, columns: &[Vec<&Cell>], vertices: Option<u64>) ->
     let found = columns.iter().map(|cells| overall(figure, cells, vertices));
     let values: Vec<Option<f64>> = found.collect();
     let present = || values.iter().copied().flatten();
-    // Approximate algorithms are not the best at anything.
-    let is_exact = |cells: &[&Cell]| !cells.iter().any(|cell| cell.approximate);
+    // Approximate algorithms are not the best at anything, and no claim is the best time.
+    let is_exact = |cells: &[&Cell]| {
+        let is_time = figure.key.ends_with("time");
+        !cells.iter().any(|cell| cell.approximate) && !(is_time && is_claimed(cells))
+    };
     let exact = || {
         let both = columns.iter().zip(&values);
         both.filter_map(|(cells, value)| value.filter(|_| is_exact(cells)))
@@ -184,6 +181,11 @@ fn figure_row(figure: &Figure, columns: &[Vec<&Cell>], vertices: Option<u64>) ->
         Entry::marked(text, if is_best { Mark::Best } else { Mark::None })
     });
     row(&figure.label, entries)
+}
+
+/// Whether one of the times is a claim that nothing confirms.
+fn is_claimed(cells: &[&Cell]) -> bool {
+    cells.iter().any(|cell| cell.time.unconfirmed)
 }
 
 /// The mark of a time whose interval is wider than the wanted precision.
@@ -339,8 +341,14 @@ fn notes_on_times(cells: &[&Cell]) -> Vec<String> {
     let doubted = timed().filter(|cell| cell.time.doubted);
     for name in distinct(doubted.map(|cell| cell.algorithm.as_str())) {
         notes.push(format!(
-            "! {name}: the time that it claims is more than that from outside, or less than a tenth \
-             of it; the time is that from outside"
+            "! {name}: the time that it claims is less than that from outside; the time is that \
+             from outside"
+        ));
+    }
+    let claimed = timed().filter(|cell| cell.time.unconfirmed);
+    for name in distinct(claimed.map(|cell| cell.algorithm.as_str())) {
+        notes.push(format!(
+            "{name}: its times are claims that nothing confirms; protocol 2 lets them be checked"
         ));
     }
     for name in algorithms(cells.iter().copied()) {

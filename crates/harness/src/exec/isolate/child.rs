@@ -15,7 +15,7 @@ use signal_hook::low_level::signal_name;
 use super::system;
 use super::system::{AtWork, Descendants};
 use crate::exec::limits::{Limits, MemoryLimit, Timeout};
-use crate::exec::protocol::Reply;
+use crate::exec::protocol::{Reply, ReplyError};
 use crate::exec::{Failure, affinity, interrupt};
 use crate::schema::Status;
 
@@ -156,20 +156,26 @@ impl ChildProcess {
     }
 
     /// Sends `request` as a line, unless it is empty, and waits for a reply of at most `longest`
-    /// bytes. The parent sleeps meanwhile, except for memory checks.
-    pub(super) fn ask(&mut self, request: &str, longest: usize) -> Result<Reply, ChildError> {
+    /// bytes. Returns it with the time from the request to the reply. The parent sleeps meanwhile,
+    /// except for memory checks.
+    pub(super) fn ask(
+        &mut self,
+        request: &str,
+        longest: usize,
+    ) -> Result<(Reply, Duration), ChildError> {
         let _at_work = AtWork::begin();
         let kills = system::kernel_out_of_memory_kills();
         let error = match self.converse(request, longest) {
-            Ok(line) => match Reply::parse(&line) {
-                Some(Reply {
+            Ok((line, time)) => match Reply::parse(&line) {
+                Ok(Reply {
                     refused: Some(why), ..
                 }) => ChildError::Refused(why),
-                Some(Reply {
+                Ok(Reply {
                     crashed: Some(how), ..
                 }) => ChildError::Crashed(how),
-                Some(reply) => return Ok(reply),
-                None => ChildError::garbage(&line),
+                Ok(reply) => return Ok((reply, time)),
+                Err(ReplyError::NoObject) => ChildError::garbage(&line),
+                Err(ReplyError::Key(problem)) => ChildError::Protocol(problem),
             },
             Err(ChildError::Closed) => self.why_closed(kills),
             Err(error) => error,
@@ -178,9 +184,14 @@ impl ChildProcess {
         Err(error)
     }
 
-    /// Sends a request and returns the line of the reply.
-    fn converse(&mut self, request: &str, longest: usize) -> Result<Vec<u8>, ChildError> {
+    /// Sends a request and returns the line of the reply, with the time that it took.
+    fn converse(
+        &mut self,
+        request: &str,
+        longest: usize,
+    ) -> Result<(Vec<u8>, Duration), ChildError> {
         let deadline = self.deadline();
+        let start = Instant::now();
         if let Some(requests) = self.requests.as_mut().filter(|_| !request.is_empty()) {
             match requests.write_all(format!("{request}\n").as_bytes()) {
                 // The process has exited. The reason is determined below.
@@ -191,8 +202,9 @@ impl ChildProcess {
         let mut searched = 0;
         loop {
             if let Some(end) = self.received[searched..].iter().position(|b| *b == b'\n') {
+                let time = start.elapsed();
                 let rest = self.received.split_off(searched + end + 1);
-                return Ok(std::mem::replace(&mut self.received, rest));
+                return Ok((std::mem::replace(&mut self.received, rest), time));
             }
             searched = self.received.len();
             if searched > longest {
@@ -393,6 +405,9 @@ pub(super) enum ChildError {
     /// Output that is not a reply.
     #[error("printed what is no answer: {0:?}")]
     Garbage(String),
+    /// A reply that the protocol does not allow.
+    #[error("broke the protocol: {0}")]
+    Protocol(String),
     /// Standard output is closed, but the process still runs.
     #[error("closed its standard output without an answer")]
     Closed,

@@ -26,14 +26,16 @@
 //!
 //! **Clock.** The child reads it around the solve and nothing else (`exec::in_process`).
 //! Distances are sent afterwards, and only if they differ from the last ones sent. Outside programs
-//! read clocks of their own and write distances to a file, which is checked (`answer`).
+//! read clocks of their own and write distances to a file, which is checked (`answer`). Under
+//! protocol 2 their times are checked, too: by the time from the request `solve` to its answer, less
+//! the median time to answer a `ping`.
 
 use std::collections::BTreeMap;
 use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
 use std::process::Command;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use geobench_mesh::{Mesh, VertexId, Weld, io as mesh_io};
 use tempfile::TempDir;
@@ -42,10 +44,11 @@ use crate::exec::affinity::CpuList;
 use crate::exec::in_process::InProcess;
 use crate::exec::limits::{DecompressionLimit, Limits, Timeout};
 use crate::exec::model::ModelRef;
-use crate::exec::protocol::{ChildSettings, Reply, Request, SOLVE};
+use crate::exec::protocol::{ChildSettings, PAUSE, PINGS, Reply, Request, SOLVE};
 use crate::exec::source::{Locator, SourceSpec, TargetSpec};
 use crate::exec::{Backend, Components, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::Peaks;
+use crate::measure::statistics::{CLOCKS, median};
 use crate::schema::{ModelRecord, SourceLabel, Status};
 
 mod answer;
@@ -54,7 +57,7 @@ mod child;
 mod system;
 
 use child::{ChildError, ChildProcess};
-use geobench_registry::{Call, ProcessLifetime, Program};
+use geobench_registry::{Call, Program, Protocol};
 
 pub use cell::cell;
 pub use system::adopt_orphans;
@@ -164,8 +167,13 @@ struct ModelChild {
 
 struct Outside {
     program: Arc<Program>,
+    /// The file that it reads.
+    model: PathBuf,
+    source: u32,
     /// The file to which it writes distances.
     output: PathBuf,
+    /// Seconds of its set-up, until a run reports them.
+    setup_seconds: Option<f64>,
     /// The mesh that it reads, which is refined at the source.
     mesh: Mesh,
     /// Actual position of the source, if it differs from the requested one.
@@ -284,7 +292,7 @@ impl<'b> ChildPool<'b> {
         ))
     }
 
-    /// Starts a child. Unless its protocol is `once`, waits until it has loaded the model.
+    /// Starts a child. Unless it solves only once, waits until it has loaded the model.
     fn start(
         &self,
         command: Command,
@@ -304,9 +312,21 @@ impl<'b> ChildPool<'b> {
             child.process.watch();
             return Ok((child, None));
         }
-        let reply = child.ask("", Reply::longest(0), DOING)?;
+        if let Some(outside) = child.speaks_version_2() {
+            let request = format!("load {}", outside.model.display());
+            // The start of the process is no part of the set-up.
+            child.ask("ping", Reply::longest(0), "starting")?;
+            let (reply, time) = child.ask(&request, Reply::longest(0), DOING)?;
+            if let Some(outside) = &mut child.outside {
+                let seconds = reply.setup_seconds.unwrap_or(time.as_secs_f64());
+                outside.setup_seconds = Some(seconds);
+            }
+            return Ok((child, None));
+        }
+        let (reply, _) = child.ask("", Reply::longest(0), DOING)?;
         if !reply.ready {
-            return Err(ChildError::Garbage("not \"ready\": true".into()).failure(DOING));
+            let problem = "its first answer is not {\"ready\": true}";
+            return Err(ChildError::Protocol(problem.into()).failure(DOING));
         }
         Ok((child, reply.model))
     }
@@ -352,7 +372,10 @@ impl<'b> ChildPool<'b> {
         let command = program.command(&program.command, &call);
         let outside = Outside {
             program: program.clone(),
+            model: handover.model.clone(),
+            source: call.source,
             output: call.output,
+            setup_seconds: None,
             mesh: handover.mesh.clone(),
             note: handover.note.clone(),
         };
@@ -490,6 +513,7 @@ impl Session for ChildPool<'_> {
             Pass::Count => Observation {
                 seconds: None,
                 outside_seconds: None,
+                ping_seconds: None,
                 setup_seconds: None,
                 ..solved
             },
@@ -516,7 +540,13 @@ impl ModelChild {
     /// Whether it is an external program that exits after one solve.
     fn solves_once(&self) -> bool {
         let outside = self.outside.as_ref();
-        outside.is_some_and(|outside| outside.program.lifetime != ProcessLifetime::Session)
+        outside.is_some_and(|outside| !outside.program.protocol.keeps_process())
+    }
+
+    /// The external program, if its protocol is version 2.
+    fn speaks_version_2(&self) -> Option<&Outside> {
+        let outside = self.outside.as_ref();
+        outside.filter(|outside| outside.program.protocol == Protocol::Two)
     }
 
     /// Runs a command that knows no protocol, from its start to its exit.
@@ -550,7 +580,7 @@ impl ModelChild {
         step: &Step<'_>,
     ) -> Result<Observation, Failure> {
         if let Some(outside) = &self.outside
-            && outside.program.lifetime == ProcessLifetime::Command
+            && outside.program.protocol == Protocol::Command
         {
             let (output, mesh) = (outside.output.clone(), outside.mesh.clone());
             let mut observation = self.finish(timeout, mesh.vertex_count(), &output)?;
@@ -558,14 +588,8 @@ impl ModelChild {
             observation.distances.truncate(vertices);
             return Ok(observation);
         }
-        let mut start = Instant::now();
-        if self.outside.is_some() {
-            if self.solves_once() {
-                start = self.started;
-            } else {
-                self.process.reset_peak();
-                start = Instant::now();
-            }
+        if self.outside.is_some() && !self.solves_once() {
+            self.process.reset_peak();
         }
         let doing = match (&self.outside, step.pass) {
             (Some(_), _) => "solving",
@@ -576,34 +600,77 @@ impl ModelChild {
         };
         let targets = step.goal.targets.as_ref().map_or(0, TargetSpec::count);
         let longest = Reply::longest(vertices.saturating_add(targets));
-        let mut reply = self.ask(&self.request(step), longest, doing)?;
+        let pings = match self.speaks_version_2() {
+            Some(_) => Some(self.ping()?),
+            None => None,
+        };
+        let (mut reply, mut time) = self.ask(&self.request(step), longest, doing)?;
         if reply.ready && self.solves_once() {
-            reply = self.ask("", longest, doing)?;
+            reply = self.ask("", longest, doing)?.0;
         }
-        let outside_seconds = start.elapsed().as_secs_f64();
+        if self.solves_once() {
+            time = self.started.elapsed();
+        }
+        // The figure of the program itself is used only if the system provides none.
+        let measured = self.outside.as_ref().and_then(|_| self.process.peak());
+        if let Some(outside) = self.speaks_version_2() {
+            let request = format!("write {}", outside.output.display());
+            let (written, _) = self.ask(&request, longest, "writing the distances")?;
+            reply.counters = reply.counters.or(written.counters);
+            reply.rss_peak_bytes = reply.rss_peak_bytes.or(written.rss_peak_bytes);
+            reply.heap_peak_bytes = reply.heap_peak_bytes.or(written.heap_peak_bytes);
+            if let Some(outside) = &mut self.outside {
+                reply.setup_seconds = reply.setup_seconds.or(outside.setup_seconds.take());
+                outside.setup_seconds = written.setup_seconds;
+            }
+        }
         let Some(outside) = &self.outside else {
             if let Some(distances) = reply.distances.take() {
                 self.distances = distances;
             }
             return Ok(reply.observation(self.distances.clone()));
         };
-        if reply.seconds.is_none() {
-            return Err(ChildError::Garbage("no \"seconds\"".into()).failure(doing));
-        }
+        let Some(seconds) = reply.seconds else {
+            let problem = "its answer to a solve has no key `seconds`";
+            return Err(ChildError::Protocol(problem.into()).failure(doing));
+        };
+        let outside_seconds = time.as_secs_f64();
+        let (outside_seconds, ping_seconds) = match pings {
+            Some(ping) if seconds > outside_seconds * (1.0 + CLOCKS) => {
+                let problem = format!(
+                    "`seconds` is {seconds}, but the answer came {outside_seconds} s after the \
+                     request, and pings took {ping} s"
+                );
+                return Err(ChildError::Protocol(problem).failure(doing));
+            }
+            Some(ping) => ((outside_seconds - ping).max(0.0), Some(ping)),
+            None => (outside_seconds, None),
+        };
         (reply.solves, reply.extraction_seconds, reply.labels) = (None, None, None);
-        // The figure of the program itself is used only if the system provides none.
-        let measured = self.process.peak();
         reply.rss_peak_bytes = measured.or(reply.rss_peak_bytes);
         reply.note.clone_from(&outside.note);
         let mesh = &outside.mesh;
+        let start = Instant::now();
         let mut distances =
             answer::read_distances(&outside.output, mesh.vertex_count(), timeout, start)?;
         mesh.fill_copies(&mut distances);
         distances.truncate(vertices);
         Ok(Observation {
             outside_seconds: Some(outside_seconds),
+            ping_seconds,
             ..reply.observation(distances)
         })
+    }
+
+    /// The median of the times to answer pings.
+    fn ping(&mut self) -> Result<f64, Failure> {
+        let mut times = Vec::with_capacity(PINGS);
+        for _ in 0..PINGS {
+            std::thread::sleep(PAUSE);
+            let (_, time) = self.ask("ping", Reply::longest(0), "answering a ping")?;
+            times.push(time.as_secs_f64());
+        }
+        Ok(median(&times).unwrap_or(0.0))
     }
 
     /// The request of a run.
@@ -623,12 +690,20 @@ impl ModelChild {
             Some(_) if self.solves_once() => String::new(),
             Some(outside) => {
                 outside.forget();
-                SOLVE.to_owned()
+                match outside.program.protocol {
+                    Protocol::Two => format!("solve {}", outside.source),
+                    _ => SOLVE.to_owned(),
+                }
             }
         }
     }
 
-    fn ask(&mut self, request: &str, longest: usize, doing: &str) -> Result<Reply, Failure> {
+    fn ask(
+        &mut self,
+        request: &str,
+        longest: usize,
+        doing: &str,
+    ) -> Result<(Reply, Duration), Failure> {
         let reply = self.process.ask(request, longest);
         reply.map_err(|error| match (error, &self.outside) {
             (ChildError::Refused(why), Some(Outside { program, .. })) => {

@@ -9,7 +9,7 @@ use toml::Spanned;
 use toml::de::DeTable;
 
 use super::Settings;
-use super::programs::{self, ProgramTables};
+use super::programs;
 use crate::usage::document::{DocumentError, TomlDocument};
 
 /// A suite file.
@@ -60,7 +60,6 @@ impl Suite {
         #[serde(default)]
         struct File {
             full: Settings,
-            ext: ProgramTables,
         }
         #[derive(Default, Deserialize)]
         #[serde(default)]
@@ -71,6 +70,7 @@ impl Suite {
         }
 
         let (mut table, mut groups) = (document.parse()?, Vec::<SuiteGroup>::new());
+        let programs = programs::take_programs(document, &mut table)?.unwrap_or_default();
         let tables = document.take_tables(&mut table, "group")?;
         let known = ["group", "full", "ext"];
         let (file, common) = read_with_settings::<File>(document, table, &known)?;
@@ -103,7 +103,7 @@ impl Suite {
         Ok(Self {
             path: path.to_owned(),
             groups,
-            programs: programs::programs(file.ext, document)?,
+            programs,
         })
     }
 }

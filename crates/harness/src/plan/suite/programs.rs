@@ -1,25 +1,26 @@
 //! External programs in TOML files: tables `[ext.NAME]`.
 
 use std::collections::BTreeMap;
+use std::fmt;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use geobench_registry::{PLACEHOLDERS, ProcessLifetime, Program, Programs};
+use geobench_registry::{PLACEHOLDERS, Program, Programs, Protocol, UsageError};
+use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 
-use crate::usage::document::{DocumentError, TomlDocument, parsed};
-
-/// The tables `[ext.NAME]`.
-pub(super) type ProgramTables = BTreeMap<String, Spanned<ProgramTable>>;
+use crate::usage::document::{DocumentError, TomlDocument};
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct ProgramTable {
+struct ProgramTable {
     #[serde(default)]
     command: Option<Spanned<Vec<String>>>,
     #[serde(default, deserialize_with = "protocol")]
-    protocol: ProcessLifetime,
+    protocol: Protocol,
     #[serde(default)]
     approximate: bool,
     #[serde(default)]
@@ -34,78 +35,104 @@ pub(super) struct ProgramTable {
 ///
 /// # Errors
 ///
-/// Names the file, the line and the key.
+/// If the file is no TOML or has no such table. Errors in a table are reported if its program is
+/// selected.
 pub fn read_programs(path: &Path) -> Result<Programs, DocumentError> {
-    /// Other keys are ignored.
-    #[derive(Deserialize)]
-    struct File {
-        ext: Option<ProgramTables>,
-    }
-
     let document = TomlDocument::open(path)?;
-    match document.read::<File>(document.parse()?, &[])?.ext {
-        Some(tables) => programs(tables, &document),
+    match take_programs(&document, &mut document.parse()?)? {
+        Some(programs) => Ok(programs),
         None => Err(document.error(None, "there is no table [ext.NAME] here")),
     }
 }
 
-/// The programs of all tables.
-pub(super) fn programs(
-    tables: ProgramTables,
+/// Removes the tables `[ext.NAME]` from a file and returns their programs; `None` if there are no
+/// such tables.
+///
+/// # Errors
+///
+/// If `ext` is no table. Errors in a table are reported if its program is selected.
+pub(super) fn take_programs(
     document: &TomlDocument<'_>,
-) -> Result<Programs, DocumentError> {
+    file: &mut Spanned<DeTable<'_>>,
+) -> Result<Option<Programs>, DocumentError> {
+    let Some(tables) = file.get_mut().remove("ext") else {
+        return Ok(None);
+    };
+    let span = tables.span();
+    let DeValue::Table(tables) = tables.into_inner() else {
+        return Err(document.error_at("ext", Some(span), "a table is expected"));
+    };
+    let mut all = Programs::default();
+    for (name, table) in tables {
+        let name = name.get_ref().to_string();
+        let read = read_table(document, &name, table).and_then(|(span, programs)| {
+            let mut programs = programs.into_iter();
+            match programs.all(|program| all.add(Arc::new(program))) {
+                true => Ok(()),
+                false => {
+                    let problem = "two are called so, letter case apart";
+                    Err(document.error_at(&name, span, problem))
+                }
+            }
+        });
+        if let Err(error) = read {
+            all.add_faulty(&name.to_lowercase(), UsageError(error.to_string()));
+        }
+    }
+    Ok(Some(all))
+}
+
+/// The programs of a table, one for each combination of parameters, and its place.
+fn read_table(
+    document: &TomlDocument<'_>,
+    name: &str,
+    table: Spanned<DeValue<'_>>,
+) -> Result<(Option<Range<usize>>, Vec<Program>), DocumentError> {
     // The parent of a bare file name is empty, which is not a valid directory for the system.
     let folder = Some(document.directory()).filter(|folder| *folder != Path::new(""));
     let folder = folder.unwrap_or(Path::new("."));
     let directory = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
-    let mut programs = Programs::default();
-    for (name, table) in tables {
-        let (span, table) = (Some(table.span()), table.into_inner());
-        let error = |problem| Err(document.error_at(&name, span.clone(), problem));
-        if name.contains(|c: char| " ,{}=:".contains(c)) || name.is_empty() {
-            return error("a name is a word without any of `,{}=:`");
-        }
-        let no_command = Spanned::new(0..0, Vec::new());
-        let command = table.command.unwrap_or(no_command);
-        let command_span = Some(command.span());
-        let command = command.into_inner();
-        if command.is_empty() {
-            return error("an outside program must have a `command`");
-        }
-        let combinations = match combinations(&table.parameters) {
-            Ok(combinations) => combinations,
-            Err(problem) => return error(&problem),
-        };
-        if let Err(problem) = check_command(&command, &table.parameters) {
-            return Err(document.error_at("command", command_span, &problem));
-        }
-        for word in table.prepare.iter().chain(&table.cleanup) {
-            if let Err(problem) = check_word(word, &table.parameters) {
-                return error(&problem);
-            }
-        }
-        for parameters in combinations {
-            let values: Vec<String> = parameters.iter().map(|(k, v)| format!("{k}={v}")).collect();
-            let added = programs.add(Arc::new(Program {
-                name: if values.is_empty() {
-                    name.to_lowercase()
-                } else {
-                    format!("{}{{{}}}", name.to_lowercase(), values.join(","))
-                },
-                parameters,
-                prepare: table.prepare.clone(),
-                cleanup: table.cleanup.clone(),
-                command: command.clone(),
-                directory: directory.clone(),
-                lifetime: table.protocol,
-                approximate: table.approximate,
-            }));
-            if !added {
-                return error("two are called so, letter case apart");
-            }
-        }
+    let span = table.span();
+    let error = |problem: &str| document.error_at(name, Some(span.clone()), problem);
+    let DeValue::Table(table) = table.into_inner() else {
+        return Err(error("a table is expected"));
+    };
+    if name.contains(|c: char| " ,{}=:".contains(c)) || name.is_empty() {
+        return Err(error("a name is a word without any of `,{}=:`"));
     }
-    Ok(programs)
+    let table: ProgramTable = document.read(Spanned::new(span.clone(), table), &[])?;
+    let no_command = Spanned::new(0..0, Vec::new());
+    let command = table.command.unwrap_or(no_command);
+    let command_span = Some(command.span());
+    let command = command.into_inner();
+    if command.is_empty() {
+        return Err(error("an outside program must have a `command`"));
+    }
+    let combinations = combinations(&table.parameters).map_err(|problem| error(&problem))?;
+    check_command(&command, table.protocol, &table.parameters)
+        .map_err(|problem| document.error_at("command", command_span, &problem))?;
+    for word in table.prepare.iter().chain(&table.cleanup) {
+        check_word(word, &table.parameters).map_err(|problem| error(&problem))?;
+    }
+    let program = |parameters: BTreeMap<String, String>| {
+        let values: Vec<String> = parameters.iter().map(|(k, v)| format!("{k}={v}")).collect();
+        Program {
+            name: if values.is_empty() {
+                name.to_lowercase()
+            } else {
+                format!("{}{{{}}}", name.to_lowercase(), values.join(","))
+            },
+            parameters,
+            prepare: table.prepare.clone(),
+            cleanup: table.cleanup.clone(),
+            command: command.clone(),
+            directory: directory.clone(),
+            protocol: table.protocol,
+            approximate: table.approximate,
+        }
+    };
+    let programs = combinations.into_iter().map(program).collect();
+    Ok((Some(span.clone()), programs))
 }
 
 /// All combinations of parameter values, by parameter name; one empty combination if there are no
@@ -151,17 +178,30 @@ fn combinations(
     Ok(all)
 }
 
-/// Checks that a command contains the placeholders of the model, the source and the output.
+/// Checks that a command contains the placeholders of the model, the source and the output, or, in
+/// protocol 2, none of them.
 fn check_command(
     command: &[String],
+    protocol: Protocol,
     parameters: &BTreeMap<String, Vec<toml::Value>>,
 ) -> Result<(), String> {
     for word in command {
         check_word(word, parameters)?;
     }
-    for needed in ["{model}", "{source}", "{output}"] {
-        if !command.iter().any(|word| word.contains(needed)) {
-            return Err(format!("{needed} is missing: nothing else tells it"));
+    for placeholder in ["{model}", "{source}", "{output}"] {
+        let is_there = command.iter().any(|word| word.contains(placeholder));
+        match (protocol, is_there) {
+            (Protocol::Two, true) => {
+                return Err(format!(
+                    "{placeholder} is not known at the start: protocol 2 tells it in a request"
+                ));
+            }
+            (Protocol::Two, false) | (_, true) => {}
+            (_, false) => {
+                return Err(format!(
+                    "{placeholder} is missing: nothing else tells it, except in protocol 2"
+                ));
+            }
         }
     }
     Ok(())
@@ -184,12 +224,27 @@ fn check_word(word: &str, parameters: &BTreeMap<String, Vec<toml::Value>>) -> Re
     Ok(())
 }
 
-fn protocol<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ProcessLifetime, D::Error> {
-    parsed(deserializer, |word| {
-        let mut all = ProcessLifetime::ALL.into_iter();
-        let known = all.find(|lifetime| lifetime.name() == word);
-        known.ok_or_else(|| "\"session\", \"once\" or \"none\" is expected".to_owned())
-    })
+/// A protocol by its name, or the number 2.
+fn protocol<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Protocol, D::Error> {
+    struct Name;
+    impl Visitor<'_> for Name {
+        type Value = Protocol;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("2, \"session\", \"once\" or \"none\"")
+        }
+
+        fn visit_str<E: Error>(self, word: &str) -> Result<Protocol, E> {
+            let mut all = Protocol::ALL.into_iter();
+            let known = all.find(|protocol| protocol.name() == word);
+            known.ok_or_else(|| E::custom("2, \"session\", \"once\" or \"none\" is expected"))
+        }
+
+        fn visit_i64<E: Error>(self, number: i64) -> Result<Protocol, E> {
+            self.visit_str(&number.to_string())
+        }
+    }
+    deserializer.deserialize_any(Name)
 }
 
 #[cfg(test)]
@@ -201,7 +256,17 @@ mod tests {
         let path = folder.path().join("peers.toml");
         std::fs::write(&path, text).unwrap();
         let place = format!("{}", path.display());
-        read_programs(&path).map_err(|error| error.to_string().replace(&place, "peers.toml"))
+        let short = |error: String| error.replace(&place, "peers.toml");
+        let programs = read_programs(&path).map_err(|error| short(error.to_string()))?;
+        // An error in a table is that of its program.
+        for name in ["a", "a,b"] {
+            if let Err(error) = programs.find(name)
+                && !error.0.starts_with("there is no outside program")
+            {
+                return Err(short(error.0));
+            }
+        }
+        Ok(programs)
     }
 
     #[test]
@@ -212,13 +277,27 @@ mod tests {
         )
         .unwrap();
         let fast = programs.find("fast").unwrap();
-        assert_eq!(fast.lifetime, ProcessLifetime::Once);
+        assert_eq!(fast.protocol, Protocol::Once);
         assert!(fast.approximate && fast.directory.is_absolute());
         assert_eq!(
             programs.find("fats").unwrap_err().to_string(),
             "there is no outside program `fats`, did you mean `ext:fast`?: describe it in a table \
              [ext.fats] of the suite file, or of a file given with --ext; described are fast"
         );
+    }
+
+    #[test]
+    fn a_table_that_is_not_used_is_not_checked() {
+        let programs = read(
+            "[ext.other]\ncomand = ['x']\n[ext.number]\nprotocol = 2\ncommand = ['x']\n\
+             [ext.word]\nprotocol = '2'\ncommand = ['x']\n",
+        )
+        .unwrap();
+        for name in ["number", "word"] {
+            assert_eq!(programs.find(name).unwrap().protocol, Protocol::Two);
+        }
+        let error = programs.find("other").unwrap_err().to_string();
+        assert!(error.contains("did you mean `command`?"), "{error}");
     }
 
     #[test]
@@ -242,11 +321,19 @@ mod tests {
             ),
             (
                 "[ext.a]\ncommand = ['x', '{model}', '{source}']\n",
-                "peers.toml, line 2: `command`: {output} is missing: nothing else tells it",
+                "peers.toml, line 2: `command`: {output} is missing: nothing else tells it, except in protocol 2",
+            ),
+            (
+                "[ext.a]\nprotocol = 2\ncommand = ['x', '{source}']\n",
+                "peers.toml, line 3: `command`: {source} is not known at the start: protocol 2 tells it in a request",
+            ),
+            (
+                "[ext.a]\nprotocol = 3\n",
+                "peers.toml, line 2: `protocol`: 2, \"session\", \"once\" or \"none\" is expected",
             ),
             (
                 "[ext.a]\nprotocol = 'twice'\n",
-                "peers.toml, line 2: `protocol`: \"session\", \"once\" or \"none\" is expected",
+                "peers.toml, line 2: `protocol`: 2, \"session\", \"once\" or \"none\" is expected",
             ),
             (
                 "[ext.a]\ncomand = []\n",

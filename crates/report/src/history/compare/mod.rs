@@ -18,9 +18,10 @@
 use std::collections::HashMap;
 use std::fmt;
 
+use geobench_harness::figures::CLAIMED;
 use geobench_harness::measure::number::group;
-use geobench_harness::measure::statistics::{mann_whitney, paired_ratio, unpaired_ratio};
-use geobench_harness::schema::{Cell, CellId, ResultFile, SourceLabel, Status, Time};
+use geobench_harness::measure::statistics::{mann_whitney, median, paired_ratio, unpaired_ratio};
+use geobench_harness::schema::{Cell, CellId, ResultFile, SourceLabel, Status};
 use geobench_registry::UsageError;
 use geobench_window::{Counter, Counters};
 use serde::{Deserialize, Serialize, Serializer};
@@ -29,7 +30,7 @@ mod rules;
 #[cfg(test)]
 mod tests;
 
-pub use rules::{ComparisonRule, Rules, Subject};
+pub use rules::{ComparisonRule, Rules, Subject, TimeKind};
 
 /// The schema of a comparison in JSON.
 pub const SCHEMA: &str = "geobench-comparison/1";
@@ -90,6 +91,12 @@ pub struct CellChange {
     pub status: [Status; 2],
     /// Time; null unless both cells are ok and have samples above 0.
     pub time: Option<TimeChange>,
+    /// Of an outside program, the time from outside.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outside_time: Option<TimeChange>,
+    /// Of an outside program, the time that it claims.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub claimed_time: Option<TimeChange>,
     /// All other figures that at least one of the cells has or that a rule requires.
     pub figures: Vec<FigureChange>,
     /// Regressions of the cell.
@@ -269,20 +276,25 @@ fn change(cell: CellKey, old: &Cell, new: &Cell, rules: &Rules, paired: bool) ->
         regressions.push(Regression::new(None, what));
     }
     let both_ok = old.status == Status::Ok && new.status == Status::Ok;
-    let time = TimeChange::between(&old.time, &new.time, paired).filter(|_| both_ok);
-    if let Some(rule) = rules.on(Subject::Time).filter(|_| both_ok)
-        && let Some(what) = worse_time(time.as_ref(), old, new, rule)
-    {
-        regressions.push(Regression::new(Some(rule), what));
-    }
-    if let (Some(rule), Some(time)) = (rules.on(Subject::Time), &time)
-        && time.is_below(rule.limit)
-    {
-        improvements.push(ImprovedFigure {
-            rule: rule.to_string(),
-            what: format!("time {}", time.in_words()),
-        });
-    }
+    let mut times = TimeKind::ALL.map(|kind| {
+        let [old, new] = [old, new].map(|cell| kind.of(&cell.time));
+        let time = TimeChange::between(old, new, paired).filter(|_| both_ok);
+        let rule = rules.on(Subject::Time(kind)).filter(|_| both_ok);
+        // Our algorithms have no times from outside, and claim none.
+        let rule = rule.filter(|_| kind == TimeKind::Time || !(old.is_empty() && new.is_empty()));
+        if let Some(rule) = rule {
+            if let Some(what) = worse_time(kind, time.as_ref(), old, new, rule) {
+                regressions.push(Regression::new(Some(rule), what));
+            } else if let Some(time) = time.as_ref().filter(|time| time.is_below(rule.limit)) {
+                improvements.push(ImprovedFigure {
+                    rule: rule.to_string(),
+                    what: format!("{} {}", kind.name(), time.in_words()),
+                });
+            }
+        }
+        time
+    });
+    let [time, outside_time, claimed_time] = times.each_mut().map(Option::take);
     let mut figures = Vec::new();
     for measure in Measure::all() {
         let figure = FigureChange {
@@ -327,6 +339,8 @@ fn change(cell: CellKey, old: &Cell, new: &Cell, rules: &Rules, paired: bool) ->
         cell,
         status: [old.status, new.status],
         time,
+        outside_time,
+        claimed_time,
         figures,
         regressions,
         improvements,
@@ -346,20 +360,21 @@ fn missing(name: &str, old: Option<String>, new: Option<String>) -> String {
 
 /// The description of the regression if the time of an ok cell breaks the rule on times.
 fn worse_time(
+    kind: TimeKind,
     time: Option<&TimeChange>,
-    old: &Cell,
-    new: &Cell,
+    old: &[f64],
+    new: &[f64],
     rule: &ComparisonRule,
 ) -> Option<String> {
     if let Some(time) = time {
         let is_worse = time.is_above(rule.limit);
-        return is_worse.then(|| format!("time {}", time.in_words()));
+        return is_worse.then(|| format!("{} {}", kind.name(), time.in_words()));
     }
-    let median = |cell: &Cell| cell.time.median.map(|median| format!("{median} s"));
+    let median = |samples: &[f64]| median(samples).map(|median| format!("{median} s"));
     match [median(old), median(new)] {
         // Both files have samples, but one of them is 0.
         [Some(_), Some(_)] => None,
-        [old, new] => Some(missing("time", old, new)),
+        [old, new] => Some(missing(kind.name(), old, new)),
     }
 }
 
@@ -485,7 +500,9 @@ fn notes_on_rules(cells: &[CellChange], rules: &Rules) -> Vec<String> {
         .filter(|c| c.status == [Status::Ok; 2])
         .collect();
     let mut notes = Vec::new();
-    let rule_on_time = rules.on(Subject::Time).map(ComparisonRule::to_string);
+    let rule_on_time = rules
+        .on(Subject::Time(TimeKind::Time))
+        .map(ComparisonRule::to_string);
     let without_effect = rule_on_time.as_ref().map_or_else(String::new, |rule| {
         format!(", so that the rule {rule} cannot be broken there")
     });
@@ -639,23 +656,20 @@ pub struct TimeChange {
 }
 
 impl TimeChange {
-    /// Compares `new` with `old`. `None` if one of them has no samples, or a sample of 0.
-    fn between(old: &Time, new: &Time, paired: bool) -> Option<Self> {
-        let pairs = paired_ratio(&new.samples, &old.samples).filter(|_| paired);
+    /// Compares `new` samples with `old` ones. `None` if one of them has none, or one of 0.
+    fn between(old: &[f64], new: &[f64], paired: bool) -> Option<Self> {
+        let pairs = paired_ratio(new, old).filter(|_| paired);
         let (method, ratio) = match pairs {
             Some(ratio) => (TimeMethod::Paired, ratio),
-            None => (
-                TimeMethod::Unpaired,
-                unpaired_ratio(&new.samples, &old.samples)?,
-            ),
+            None => (TimeMethod::Unpaired, unpaired_ratio(new, old)?),
         };
         Some(Self {
             method,
-            medians: [old.median?, new.median?],
-            samples: [old.samples.len(), new.samples.len()],
+            medians: [median(old)?, median(new)?],
+            samples: [old.len(), new.len()],
             ratio: ratio.ratio,
             ci95: ratio.ci95,
-            p: mann_whitney(&new.samples, &old.samples)
+            p: mann_whitney(new, old)
                 .filter(|_| method == TimeMethod::Unpaired)
                 .map(|test| test.p),
         })
@@ -703,6 +717,10 @@ pub struct CellKey {
     pub threads: usize,
     /// Name of the group.
     pub group: Option<String>,
+    /// Whether its times are claims of an outside program that nothing confirms. Not part of the
+    /// identity.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub claimed: bool,
 }
 
 /// The cells of two files.
@@ -733,8 +751,9 @@ fn matched<'f>(old: &'f ResultFile, new: &'f ResultFile) -> Matched<'f> {
         match waiting.get_mut(&key.identity()) {
             Some(candidates) if !candidates.is_empty() => {
                 let namesake = candidates.iter().position(|(k, _)| k.model == key.model);
-                let (_, old) = candidates.remove(namesake.unwrap_or(0));
-                common.push((key, old, cell));
+                let (former, old) = candidates.remove(namesake.unwrap_or(0));
+                let claimed = key.claimed || former.claimed;
+                common.push((CellKey { claimed, ..key }, old, cell));
             }
             _ => added.push(key),
         }
@@ -798,6 +817,7 @@ impl<'f> CellKeys<'f> {
             goal: cell.goal.clone(),
             threads: cell.threads,
             group: cell.group.clone(),
+            claimed: cell.time.unconfirmed,
         }
     }
 }
@@ -812,6 +832,7 @@ impl CellKey {
     /// have the same identity.
     pub(crate) fn identity(&self) -> Self {
         let mut key = self.clone();
+        key.claimed = false;
         if key.sha256.is_some() {
             key.model.clear();
         }
@@ -835,8 +856,13 @@ impl CellKey {
         };
         let goal = self.goal.as_ref();
         let goal = goal.map_or_else(String::new, |goal| format!(", {goal}"));
+        let claimed = if self.claimed {
+            format!(" {CLAIMED}")
+        } else {
+            String::new()
+        };
         format!(
-            "{group}{}, {}{source}{goal}{threads}",
+            "{group}{}, {}{claimed}{source}{goal}{threads}",
             self.model, self.algorithm
         )
     }

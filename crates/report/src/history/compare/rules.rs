@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use geobench_harness::schema::Time;
 use geobench_mesh::did_you_mean;
 use geobench_registry::UsageError;
 
@@ -12,24 +13,58 @@ use super::Measure;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// Times.
-    Time,
+    Time(TimeKind),
     /// Cells of the old file that the new one lacks.
     Missing,
     /// A figure that is compared exactly.
     Figure(Measure),
 }
 
+/// A time of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimeKind {
+    /// The time that all outputs show.
+    Time,
+    /// Of an outside program: the time by the clock of the harness.
+    Outside,
+    /// Of an outside program: the time that it claims.
+    Claimed,
+}
+
+impl TimeKind {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Time, Self::Outside, Self::Claimed];
+
+    /// The name in rules, as in the rows of tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Outside => "outside_time",
+            Self::Claimed => "claimed_time",
+        }
+    }
+
+    /// Its samples.
+    pub const fn of(self, time: &Time) -> &Vec<f64> {
+        match self {
+            Self::Time => &time.samples,
+            Self::Outside => &time.outside,
+            Self::Claimed => &time.claimed,
+        }
+    }
+}
+
 impl Subject {
     fn all() -> impl Iterator<Item = Self> {
-        [Self::Time, Self::Missing]
-            .into_iter()
+        (TimeKind::ALL.map(Self::Time).into_iter())
+            .chain([Self::Missing])
             .chain(Measure::all().map(Self::Figure))
     }
 
     /// The name in rules.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Time => "time",
+            Self::Time(kind) => kind.name(),
             Self::Missing => "missing",
             Self::Figure(measure) => measure.name(),
         }
@@ -38,7 +73,7 @@ impl Subject {
     /// Whether only an increase is worse.
     fn is_cost(self) -> bool {
         match self {
-            Self::Time | Self::Missing => true,
+            Self::Time(_) | Self::Missing => true,
             Self::Figure(measure) => measure.is_cost(),
         }
     }
@@ -209,7 +244,7 @@ mod tests {
         let unknown = refused("propogated=0");
         assert!(
             unknown.starts_with(
-                "there is no rule `propogated`, did you mean `propagated`?; known are time, missing, "
+                "there is no rule `propogated`, did you mean `propagated`?; known are time, outside_time, claimed_time, missing, "
             ),
             "{unknown}"
         );

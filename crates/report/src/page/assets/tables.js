@@ -11,8 +11,8 @@ function numberOf(text) {
   return parseFloat(plain) * (UNITS[plain.match(/^[\d.]+\s(\S+)/)?.[1]] ?? 1);
 }
 
-/** The name in a head of a row or column, without the mark of approximate algorithms. */
-const nameIn = head => head.textContent.replace(/[ \u00a0]\(approx\.\)$/, "");
+/** The name in a head of a row or column, without its marks. */
+const nameIn = head => head.textContent.replace(/([ \u00a0]\((approx\.|claimed)\))+$/, "");
 const nameOf = row => nameIn(row.cells[0]);
 
 /** A table of the page. */

@@ -47,17 +47,6 @@ pub(crate) struct Lane {
     pub(crate) absent: Option<String>,
 }
 
-impl Lane {
-    /// The lane of an algorithm.
-    pub(crate) fn of(algorithm: &str) -> Self {
-        Self {
-            label: algorithm.to_owned(),
-            algorithm: Some(algorithm.to_owned()),
-            ..Self::default()
-        }
-    }
-}
-
 impl Dots {
     /// A chart without a legend, because the names of lanes explain all markers.
     pub(crate) fn new(axis: Axis, reference: Option<f64>, bands: Vec<Band>) -> Self {

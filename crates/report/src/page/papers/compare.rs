@@ -291,7 +291,7 @@ fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
     Lane {
         label: format!("{} / {}", pair.algorithm, pair.to),
         points: paper.chain(ours).collect(),
-        ..Lane::of(&pair.algorithm)
+        ..setting.lane(&pair.algorithm)
     }
 }
 

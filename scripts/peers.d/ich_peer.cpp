@@ -4,6 +4,9 @@
 #include "session.hpp"
 
 #include <cfloat>
+#include <cstdlib>
+#include <memory>
+#include <set>
 
 // The program draws its models, too; nothing is drawn here.
 using GLenum = unsigned;
@@ -60,14 +63,17 @@ struct Surface : CRichModel {
 
 struct Solver {
     Surface surface;
-    CICHWithFurtherPriorityQueue algorithm;
+    std::unique_ptr<CICHWithFurtherPriorityQueue> algorithm;
 
-    Solver(const peer::Model& model, unsigned source)
-        : surface(model), algorithm(surface, {static_cast<int>(source)}) {}
+    explicit Solver(const peer::Model& model) : surface(model) {}
 
-    void solve() { algorithm.Execute(); }
+    void solve(unsigned source) {
+        const std::set<int> sources{static_cast<int>(source)};
+        algorithm.reset(new CICHWithFurtherPriorityQueue(surface, sources));
+        algorithm->Execute();
+    }
 
-    double distance(std::size_t vertex) { return algorithm.m_InfoAtVertices[vertex].disUptodate; }
+    double distance(std::size_t vertex) { return algorithm->m_InfoAtVertices[vertex].disUptodate; }
 };
 
-int main(int argc, char** argv) { return peer::serve<Solver>(argc, argv); }
+int main() { return peer::serve<Solver>(); }

@@ -1,8 +1,9 @@
-// Parallel VTP by its authors (djie-0329/PVTP). Its last argument is the number of threads.
+// Parallel VTP by its authors (djie-0329/PVTP). Its argument is the number of threads.
 // `mend_pvtp` of scripts/peers says what is changed.
 
 #include "session.hpp"
 
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 
@@ -42,10 +43,9 @@ struct Solver {
     geodesic::Mesh mesh;
     std::vector<double> points;
     std::vector<unsigned> faces;
-    unsigned source;
     std::unique_ptr<geodesic::GeodesicAlgorithmParallelFWPExact> algorithm;
 
-    Solver(const peer::Model& model, unsigned source) : points(model.points), faces(model.faces), source(source) {
+    explicit Solver(const peer::Model& model) : points(model.points), faces(model.faces) {
         mesh.initialize_mesh_data(points, faces);
         algorithm.reset(new geodesic::GeodesicAlgorithmParallelFWPExact(&mesh, threads, threads * 100));
         algorithm->Kmin = 6;
@@ -54,13 +54,13 @@ struct Solver {
         algorithm->binWidth = mesh.avg_edge() / whole_anisotropy(mesh);
     }
 
-    void solve() { algorithm->propagate(source); }
+    void solve(unsigned source) { algorithm->propagate(source); }
 
     double distance(std::size_t vertex) { return mesh.vertices()[vertex].geodesic_distance(); }
 };
 
 int main(int argc, char** argv) {
-    if (argc == 5) threads = std::max(1, std::atoi(argv[4]));
+    if (argc == 2) threads = std::max(1, std::atoi(argv[1]));
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return peer::serve<Solver>(argc == 5 ? 4 : argc, argv);
+    return peer::serve<Solver>();
 }

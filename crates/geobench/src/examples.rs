@@ -83,6 +83,10 @@ const EXAMPLES: &[Examples] = &[
         ("a page of how figures have changed", "trend history -o trend.html"),
         ("the changes, for programs", "trend history --format json"),
     ]),
+    ("init", [
+        ("the files, in the current directory", "init"),
+        ("which files these are", "init --list"),
+    ]),
     ("suites", [
         ("the names of all suites", "suites"),
         ("the same for programs", "suites --format json"),

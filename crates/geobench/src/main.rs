@@ -22,8 +22,9 @@ use geobench_harness::measure::instructions;
 use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAlloc};
 
 use commands::{
-    algos, certify, claims, cluster, compare, count_one_solve, distance, generate, info, isolines,
-    merge, path, pool, record, remesh, report, run, shell, suites, trend, verify, voronoi,
+    algos, certify, claims, cluster, compare, count_one_solve, distance, generate, info, init,
+    isolines, merge, path, pool, record, remesh, report, run, shell, suites, trend, verify,
+    voronoi,
 };
 use terminal::ColorChoice;
 use verdict::Verdict;
@@ -107,6 +108,9 @@ enum Command {
     Record(record::RecordOptions),
     /// Show how the figures of a history have changed, and since which commits
     Trend(trend::TrendOptions),
+    /// Write a suite, a program table, a solver to be replaced and a workflow for GitHub, to track a
+    /// solver of one's own
+    Init(init::InitOptions),
     /// Print a script that lets a shell complete commands, options and values
     Completions(shell::CompletionsOptions),
     /// Print the manual page of the program or of a command
@@ -184,6 +188,7 @@ fn command(arguments: Arguments) -> ExitCode {
         Command::Pool(options) => pool::pool(&options),
         Command::Record(options) => record::record(&options),
         Command::Trend(options) => trend::trend(&options, look),
+        Command::Init(options) => init::init(&options),
         Command::Completions(options) => shell::completions(&options, program()),
         Command::Man(options) => shell::man(&options, program()),
         Command::Cell { .. } => Ok(Verdict::Passed), // Served above.

@@ -9,6 +9,7 @@ pub(crate) mod count_one_solve;
 pub(crate) mod distance;
 pub(crate) mod generate;
 pub(crate) mod info;
+pub(crate) mod init;
 pub(crate) mod isolines;
 pub(crate) mod merge;
 pub(crate) mod path;

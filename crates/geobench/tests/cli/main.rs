@@ -35,6 +35,7 @@ mod suites;
 mod support;
 mod threads;
 mod tolerance;
+mod track;
 mod verify;
 mod voronoi;
 mod weld;

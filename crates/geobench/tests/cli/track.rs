@@ -1,0 +1,208 @@
+//! A solver of one's own in a fresh repository, as in `docs/track-your-solver.md`: what `geobench
+//! init` writes, and the steps of the workflow on a bare remote.
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use crate::support::Sandbox;
+
+/// Runs `git` in a directory of the sandbox, and returns its output.
+fn git(sandbox: &Sandbox, directory: &str, arguments: &[&str]) -> String {
+    let output = Command::new("git")
+        .args(["-c", "user.name=t", "-c", "user.email=t@localhost"])
+        .args(arguments)
+        .current_dir(sandbox.path(directory))
+        .output()
+        .unwrap();
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "git {arguments:?}: {error}");
+    String::from_utf8(output.stdout).unwrap().trim().to_owned()
+}
+
+/// Starts a step of the action in a directory of the sandbox. Its summary is a file beside it.
+fn track(sandbox: &Sandbox, directory: &str, mode: &str, more: &[(&str, &str)]) -> Child {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scripts/track");
+    Command::new(script)
+        .arg(mode)
+        .current_dir(sandbox.path(directory))
+        .env("GEOBENCH", assert_cmd::cargo::cargo_bin("geobench"))
+        .env("GITHUB_STEP_SUMMARY", summary(sandbox, directory))
+        .env("ROUNDS", "6")
+        .envs(more.iter().copied())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+fn summary(sandbox: &Sandbox, directory: &str) -> PathBuf {
+    sandbox.path(&format!("{directory}.md"))
+}
+
+/// The exit status of a step, and its summary.
+fn finished(sandbox: &Sandbox, directory: &str, step: Child) -> (i32, String) {
+    let output = step.wait_with_output().unwrap();
+    let log = String::from_utf8_lossy(&output.stderr).into_owned();
+    let path = summary(sandbox, directory);
+    let text = std::fs::read_to_string(&path).unwrap_or_default();
+    let _ = std::fs::remove_file(path);
+    (output.status.code().unwrap(), text + &log)
+}
+
+/// A repository with the files of `geobench init` on a bare remote.
+fn repository() -> Sandbox {
+    let sandbox = Sandbox::new();
+    for directory in ["remote", "mine"] {
+        std::fs::create_dir(sandbox.path(directory)).unwrap();
+    }
+    git(&sandbox, "remote", &["init", "-q", "--bare", "-b", "main"]);
+    git(&sandbox, "mine", &["init", "-q", "-b", "main"]);
+    git(&sandbox, "mine", &["remote", "add", "origin", "../remote"]);
+    let mut init = sandbox.command("init");
+    let output = init.current_dir(sandbox.path("mine")).output().unwrap();
+    assert!(output.status.success());
+    let suite = sandbox.read("mine/benchmarks/suite.toml");
+    let start = suite.find("models = [").unwrap();
+    let short = "models = [\"gen:sphere,subdiv=4\"]\nalgorithms = [\"ext:solver\"]\n";
+    let suite = suite[..start].to_owned() + short;
+    sandbox.write("mine/benchmarks/suite.toml", &suite);
+    commit(&sandbox, "solver");
+    sandbox
+}
+
+/// Commits everything and pushes it.
+fn commit(sandbox: &Sandbox, message: &str) {
+    git(sandbox, "mine", &["add", "-A"]);
+    git(sandbox, "mine", &["commit", "-q", "-m", message]);
+    git(sandbox, "mine", &["push", "-q", "origin", "HEAD"]);
+}
+
+/// Makes a branch in which `from` is `to` in a file, and merges it, as a pull request is.
+fn pull_request(sandbox: &Sandbox, file: &str, from: &str, to: &str) {
+    git(sandbox, "mine", &["checkout", "-q", "-B", "change", "main"]);
+    let text = sandbox.read(&format!("mine/{file}"));
+    assert!(text.contains(from), "{text}");
+    sandbox.write(&format!("mine/{file}"), &text.replace(from, to));
+    git(sandbox, "mine", &["commit", "-q", "-a", "-m", "change"]);
+    git(
+        sandbox,
+        "mine",
+        &["checkout", "-q", "-B", "merged", "main"],
+    );
+    let merge = ["merge", "-q", "--no-ff", "-m", "merge", "change"];
+    git(sandbox, "mine", &merge);
+}
+
+#[test]
+fn init_writes_files_that_work_and_replaces_none() {
+    let sandbox = Sandbox::new();
+    let listed = sandbox.succeed("init --list");
+    assert_eq!(listed.lines().count(), 4);
+    assert!(!listed.contains("exists"), "{listed}");
+    assert!(!sandbox.path("benchmarks").exists());
+    sandbox.write("benchmarks/solver.py", "mine");
+    assert_eq!(
+        sandbox.refuse("init"),
+        "benchmarks/solver.py exists already; nothing was written (--force replaces, --list shows)"
+    );
+    assert!(!sandbox.path("benchmarks/suite.toml").exists());
+    let listed = sandbox.succeed("init --list --force");
+    assert!(listed.contains("solver.py: a solver to be replaced (exists, would be replaced)"));
+    assert!(sandbox.refuse("init --action x").contains("OWNER/REPOSITORY@HASH"));
+    let said = sandbox.succeed("init --force --action some/geobench@0123abc");
+    assert!(said.contains("next:\n  1. geobench run --config"), "{said}");
+    let workflow = sandbox.read(".github/workflows/benchmarks.yml");
+    assert_eq!(workflow.matches("- uses: some/geobench@0123abc\n").count(), 2);
+    let run = "run --config benchmarks/suite.toml --ext benchmarks/programs.toml --repeat 1";
+    let shown = sandbox.succeed(run);
+    assert!(shown.contains("ext:solver (approx.)"), "{shown}");
+}
+
+/// Every action is pinned by the hash of a commit, in our workflows and in those of others.
+#[test]
+fn actions_are_pinned_and_tokens_may_do_little() {
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let workflows = std::fs::read_dir(top.join(".github/workflows")).unwrap();
+    let mut files: Vec<PathBuf> = workflows.map(|entry| entry.unwrap().path()).collect();
+    files.push(top.join("crates/geobench/templates/benchmarks.yml"));
+    files.push(top.join("action.yml"));
+    for path in files {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let uses = text.lines().filter_map(|line| line.split_once("uses: "));
+        for (_, action) in uses.filter(|(_, action)| !["./", "{action}"].contains(action)) {
+            let version = action.split('@').nth(1).unwrap_or_default();
+            let hash: String = version.chars().take_while(char::is_ascii_hexdigit).collect();
+            assert!(hash.len() == 40 && action.contains(" # v"), "{path:?}: {action}");
+        }
+        if !path.ends_with("action.yml") {
+            assert!(text.contains("\npermissions:\n  contents: read\n"), "{path:?}");
+        }
+        // A required check that does not run leaves a pull request pending.
+        let requests = text.split_once("\n  pull_request:\n").map(|(_, rest)| rest);
+        if let Some(rest) = requests.filter(|_| !path.ends_with("wheels.yml")) {
+            assert!(!rest.trim_start().starts_with("paths"), "{path:?}");
+        }
+    }
+}
+
+#[test]
+fn pushes_are_recorded_also_at_the_same_time() {
+    let sandbox = repository();
+    let (status, shown) = {
+        let step = track(&sandbox, "mine", "record", &[]);
+        finished(&sandbox, "mine", step)
+    };
+    assert_eq!(status, 0, "{shown}");
+    assert!(shown.contains("learning, 0 of 3 base commits"), "{shown}");
+    // Two pushes, one after the other, whose jobs run at the same time.
+    for name in ["first", "second"] {
+        sandbox.write("mine/README", name);
+        commit(&sandbox, name);
+        git(&sandbox, ".", &["clone", "-q", "remote", name]);
+    }
+    let steps = ["first", "second"].map(|name| (name, track(&sandbox, name, "record", &[])));
+    for (name, step) in steps {
+        let (status, shown) = finished(&sandbox, name, step);
+        assert_eq!(status, 0, "{shown}");
+    }
+    let branch = "refs/heads/benchmark-history";
+    let files = git(&sandbox, "remote", &["ls-tree", "-r", "--name-only", branch]);
+    let records = files.lines().filter(|line| line.starts_with("history/"));
+    assert_eq!(records.count(), 3, "{files}");
+    assert!(files.contains("index.html") && files.contains(".nojekyll"), "{files}");
+    // Nothing is left in the repository.
+    assert_eq!(git(&sandbox, "mine", &["worktree", "list"]).lines().count(), 1);
+    assert_eq!(git(&sandbox, "mine", &["status", "--porcelain"]), "");
+}
+
+#[test]
+fn a_pull_request_that_doubles_the_time_is_red() {
+    let sandbox = repository();
+    let solver = "benchmarks/solver.py";
+    let gate = |more: &[(&str, &str)]| {
+        let step = track(&sandbox, "mine", "gate", more);
+        finished(&sandbox, "mine", step)
+    };
+    // What does not concern the solver passes at once, and so does a change without effect.
+    pull_request(&sandbox, "benchmarks/suite.toml", "Three shapes", "A shape");
+    let (status, shown) = gate(&[("PATHS", "src benchmarks/solver.py")]);
+    assert_eq!(status, 0, "{shown}");
+    assert!(shown.contains("has changed: not measured"), "{shown}");
+    let (status, shown) = gate(&[("BUILD", "test -f benchmarks/solver.py")]);
+    assert_eq!(status, 0, "{shown}");
+    let call = "distances = solve(mesh, int(rest))";
+    let twice = format!("solve(mesh, int(rest)); {call}");
+    pull_request(&sandbox, solver, call, &twice);
+    let (status, shown) = gate(&[]);
+    assert_eq!(status, 1, "{shown}");
+    assert!(shown.contains("worse: measured again"), "{shown}");
+    assert!(shown.contains("ext:solver") && shown.contains("time=15%"), "{shown}");
+    // The first commit with a solver has nothing to be compared with.
+    git(&sandbox, "mine", &["checkout", "-q", "--orphan", "empty"]);
+    git(&sandbox, "mine", &["rm", "-rfq", "."]);
+    git(&sandbox, "mine", &["commit", "-q", "--allow-empty", "-m", "root"]);
+    let join = ["merge", "-q", "--no-ff", "--allow-unrelated-histories", "-m", "m", "main"];
+    git(&sandbox, "mine", &join);
+    let (status, shown) = gate(&[]);
+    assert_eq!(status, 0, "{shown}");
+    assert!(shown.contains("nothing to compare with yet"), "{shown}");
+}

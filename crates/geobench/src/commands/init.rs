@@ -98,7 +98,7 @@ pub(crate) fn init(options: &InitOptions) -> anyhow::Result<Verdict> {
             }
         );
     }
-    let mut said = String::new();
+    let mut said = Vec::new();
     for file in &FILES {
         let path = Path::new(file.path);
         if let Some(directory) = path.parent() {
@@ -107,13 +107,14 @@ pub(crate) fn init(options: &InitOptions) -> anyhow::Result<Verdict> {
         }
         let text = file.text.replace("{action}", &options.action);
         OutputFile::prepare(path)?.write(text.as_bytes())?;
-        said += &format!("{}: {}\n", file.path, file.shows);
+        said.push(format!("{}: {}\n", file.path, file.shows));
     }
     if options.action.starts_with("OWNER/") {
-        said += "replace OWNER in the workflow by the owner of the repository of geobench, or give \
-                 --action\n";
+        let replace = "replace OWNER in the workflow by the owner of the repository of geobench, or \
+                       give --action\n";
+        said.push(replace.to_owned());
     }
-    terminal::print(&(said + NEXT))?;
+    terminal::print(&(said.concat() + NEXT))?;
     Ok(Verdict::Passed)
 }
 

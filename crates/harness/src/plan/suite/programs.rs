@@ -67,13 +67,11 @@ pub(super) fn take_programs(
         let name = name.get_ref().to_string();
         let read = read_table(document, &name, table).and_then(|(span, programs)| {
             let mut programs = programs.into_iter();
-            match programs.all(|program| all.add(Arc::new(program))) {
-                true => Ok(()),
-                false => {
-                    let problem = "two are called so, letter case apart";
-                    Err(document.error_at(&name, span, problem))
-                }
+            if programs.all(|program| all.add(Arc::new(program))) {
+                return Ok(());
             }
+            let problem = "two are called so, letter case apart";
+            Err(document.error_at(&name, span, problem))
         });
         if let Err(error) = read {
             all.add_faulty(&name.to_lowercase(), UsageError(error.to_string()));

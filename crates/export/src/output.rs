@@ -8,6 +8,7 @@ use std::os::unix::fs::{FileTypeExt, MetadataExt, chown};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use geobench_mesh::io::files_beside;
 
 use crate::{FileFormat, STANDARD};
 
@@ -219,9 +220,23 @@ pub fn lock(path: &Path) -> io::Result<fs::File> {
     }
 }
 
-/// The canonical path of a file, which need not exist.
+/// Links after which a chain of them is taken to be a circle, as by the system.
+const MOST_LINKS: usize = 40;
+
+/// The canonical path of a file, which need not exist. Links are followed, also to nothing.
 fn canonical(path: &Path) -> PathBuf {
-    fs::canonicalize(path).unwrap_or_else(|_| in_canonical_directory(path))
+    let mut path = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        if let Ok(canonical) = fs::canonicalize(&path) {
+            return canonical;
+        }
+        path = in_canonical_directory(&path);
+        let Ok(target) = fs::read_link(&path) else {
+            break;
+        };
+        path = path.parent().unwrap_or(Path::new("")).join(target);
+    }
+    path
 }
 
 /// The path of a file that does not exist yet, canonical if its directory exists.
@@ -245,7 +260,8 @@ fn plain(error: &io::Error) -> anyhow::Error {
 }
 
 /// Checks that no two outputs are the same file, and that none is among the files that the command
-/// reads: `inputs`, and the file from which standard input comes.
+/// reads: `inputs`, files that models name ([`files_beside`]), and the file from which standard input
+/// comes. Standard output may be none of them, either.
 ///
 /// # Errors
 ///
@@ -261,9 +277,16 @@ pub fn check_files<'a>(
             bail!("{}: given twice as output", output.shown);
         }
     }
-    let read = inputs.into_iter();
-    let mut read: HashSet<FileIdentity> = read.map(|p| FileIdentity::of(p.as_ref())).collect();
-    read.extend(FileIdentity::of_standard_input());
+    let mut read = HashSet::new();
+    for input in inputs {
+        read.insert(FileIdentity::of(input.as_ref()));
+        let beside = files_beside(input.as_ref());
+        read.extend(beside.iter().map(|path| FileIdentity::of(path)));
+    }
+    if FileIdentity::of_stream(&io::stdout()).is_some_and(|file| read.contains(&file)) {
+        bail!("{STANDARD_OUTPUT}: would change a file that is read; name another output");
+    }
+    read.extend(FileIdentity::of_stream(&io::stdin()));
     for output in outputs.into_iter().filter(|output| output.replace) {
         if read.contains(&FileIdentity::of(&output.path)) {
             bail!(
@@ -297,9 +320,9 @@ impl FileIdentity {
         Ok(Self::Inode(found.dev(), found.ino()))
     }
 
-    /// The regular file from which standard input comes, if it does.
-    fn of_standard_input() -> Option<Self> {
-        let file = fs::File::from(io::stdin().as_fd().try_clone_to_owned().ok()?);
+    /// The regular file that `stream` reads or writes, if it does.
+    fn of_stream(stream: &impl AsFd) -> Option<Self> {
+        let file = fs::File::from(stream.as_fd().try_clone_to_owned().ok()?);
         let is_file = file.metadata().ok()?.is_file();
         is_file.then(|| Self::of_open(&file).ok()).flatten()
     }

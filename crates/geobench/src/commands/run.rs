@@ -274,6 +274,16 @@ pub(crate) struct ExtraOptions {
     pub(crate) instructions: bool,
 }
 
+/// The output beside which the results so far are stored: the first file of results, which the store
+/// then completes for every command that reads it, else the first file.
+fn stored_file(outputs: &[(ResultFormat, OutputFile)]) -> Option<&Path> {
+    let files = || outputs.iter().filter(|(_, file)| file.is_replaced());
+    let results = files().find(|(format, _)| *format == ResultFormat::Json);
+    results
+        .or_else(|| files().next())
+        .map(|(_, file)| file.path())
+}
+
 pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     options.isolation.check(options.jobs)?;
     let all = possible_plans(options)?;
@@ -283,7 +293,9 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
         .input_files(&all)
         .into_iter()
         .chain(options.resume.clone());
-    check_files(outputs.iter().map(|(_, file)| file), read)?;
+    let store = stored_file(&outputs).filter(|_| options.add_to.is_none());
+    let store = store.map(Unfinished::prepare).transpose()?;
+    check_files(outputs.iter().map(|(_, file)| file).chain(&store), read)?;
     let Plans { plans, notes, .. } = all;
     if options.extras.instructions {
         instructions::check_valgrind()?;
@@ -799,7 +811,9 @@ impl Reporter {
     fn store(&mut self, model: &ModelRecord, cells: &[Cell]) -> anyhow::Result<()> {
         self.note_time();
         if self.unfinished.is_none()
-            && let Some(path) = self.stored_file()
+            // Other processes extend the file of `--add-to` as well.
+            && self.add_to.is_none()
+            && let Some(path) = stored_file(&self.outputs)
         {
             self.unfinished = Unfinished::create(path, &self.result).ok();
         }
@@ -828,15 +842,6 @@ impl Reporter {
         }
         self.write_due.done(self.result.cells.len(), start);
         Ok(())
-    }
-
-    /// The file beside which the results so far are stored. None with `--add-to`, whose file other
-    /// processes extend as well.
-    fn stored_file(&self) -> Option<&Path> {
-        let mut files = self.outputs.iter();
-        let first = files.find(|(_, file)| file.is_replaced());
-        let first = first.filter(|_| self.add_to.is_none());
-        first.map(|(_, file)| file.path())
     }
 
     /// Writes the final results, with those of the file of `--add-to`, to all files, and returns

@@ -300,3 +300,108 @@ fn files_of_single_sources_and_of_standard_input_are_guarded() {
     assert_eq!(output.status.code(), Some(2));
     assert_eq!(sandbox.bytes("result.json"), before);
 }
+
+#[test]
+fn the_buffers_of_a_gltf_file_are_read() {
+    let sandbox = sandbox();
+    let corners = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let bytes: Vec<u8> = corners
+        .iter()
+        .flatten()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    fs::write(sandbox.path("corners.ply"), bytes).unwrap();
+    sandbox.write(
+        "a.gltf",
+        r#"{"asset": {"version": "2.0"},
+            "buffers": [{"byteLength": 36, "uri": "./corners.ply"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+            "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}]}"#,
+    );
+    sandbox.succeed("distance a.gltf --source 0 -o d.csv --quiet");
+    refuses(
+        &sandbox,
+        "distance a.gltf --source 0",
+        "-o",
+        "ply",
+        "corners.ply",
+    );
+    refuses(
+        &sandbox,
+        "run a.gltf --algo vtp",
+        "-o",
+        "csv",
+        "corners.ply",
+    );
+    // The hash of the model is that of all its bytes.
+    let hash = |name: &str| {
+        let call = "run a.gltf --algo vtp --repeat 1 --isolate none --quiet -o";
+        sandbox.succeed(&format!("{call} {name}"));
+        sandbox.json(name)["models"][0]["sha256"].clone()
+    };
+    let before = hash("before.json");
+    let mut moved = vec![0; 36];
+    moved[12..16].copy_from_slice(&2.0_f32.to_le_bytes());
+    moved[28..32].copy_from_slice(&1.0_f32.to_le_bytes());
+    fs::write(sandbox.path("corners.ply"), moved).unwrap();
+    assert_ne!(hash("after.json"), before);
+}
+
+#[test]
+fn links_to_nothing_are_followed() {
+    let sandbox = sandbox();
+    std::os::unix::fs::symlink("a.json", sandbox.path("l.csv")).unwrap();
+    let message = sandbox.refuse("run square.off --algo vtp --quiet -o a.json -o l.csv");
+    assert_eq!(message, "l.csv: given twice as output");
+}
+
+#[test]
+fn standard_output_is_no_file_that_is_read() {
+    let sandbox = sandbox();
+    let before = sandbox.bytes("result.json");
+    for call in [
+        "claims result.json",
+        "merge result.json -o - --output-format json",
+    ] {
+        let file = fs::OpenOptions::new()
+            .append(true)
+            .open(sandbox.path("result.json"));
+        let output = Command::new(cargo_bin("geobench"))
+            .current_dir(sandbox.path(""))
+            .args(call.split(' '))
+            .stdout(file.unwrap())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2), "{call}");
+        assert_eq!(sandbox.bytes("result.json"), before, "{call}");
+    }
+}
+
+#[test]
+fn only_a_store_of_results_is_replaced_by_another() {
+    let sandbox = sandbox();
+    let run = "run square.off --algo vtp --repeat 1 --isolate none --quiet -o a.json";
+    let model = sandbox.bytes("square.off");
+    let link = sandbox.path("a.json.unfinished");
+    std::os::unix::fs::symlink(sandbox.path("square.off"), &link).unwrap();
+    let message = sandbox.refuse(run);
+    assert!(
+        message.contains("a.json.unfinished: it is in the place"),
+        "{message}"
+    );
+    assert_eq!(sandbox.bytes("square.off"), model);
+    fs::remove_file(&link).unwrap();
+    // Files of users with such names.
+    sandbox.refuse(&format!("{run} --resume a.json.unfinished"));
+    sandbox.write("a.json.unfinished", "2\n");
+    sandbox.refuse(run);
+    sandbox.refuse(&format!("{run} --targets a.json.unfinished"));
+    assert_eq!(sandbox.read("a.json.unfinished"), "2\n");
+    // What a killed run has left.
+    let store = sandbox.json("result.json").to_string() + "\n";
+    sandbox.write("a.json.unfinished", &store);
+    sandbox.succeed(run);
+    assert!(!link.exists());
+}

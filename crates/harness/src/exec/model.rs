@@ -5,13 +5,14 @@ use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io;
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 pub mod standard_input;
 
 use geobench_mesh::generate::{self, Spec};
-use geobench_mesh::io::ReadOptions;
+use geobench_mesh::io::{ReadOptions, files_beside};
 use geobench_mesh::{
     InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, VertexId, Weld, io as mesh_io,
 };
@@ -553,13 +554,15 @@ fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, ModelErr
     read.map_err(ModelError::Unreadable)
 }
 
-/// SHA-256 of the bytes of a regular file in hexadecimal.
+/// SHA-256 in hexadecimal of the bytes of a regular file and of those that it names, in their order.
 fn hash_file(path: &Path) -> io::Result<String> {
-    if !fs::metadata(path)?.is_file() {
-        return Err(io::ErrorKind::InvalidInput.into());
-    }
     let mut hash = Sha256::new();
-    io::copy(&mut File::open(path)?, &mut HashWriter(&mut hash))?;
+    for path in iter::once(path.to_owned()).chain(files_beside(path)) {
+        if !fs::metadata(&path)?.is_file() {
+            return Err(io::ErrorKind::InvalidInput.into());
+        }
+        io::copy(&mut File::open(path)?, &mut HashWriter(&mut hash))?;
+    }
     Ok(hexadecimal(hash))
 }
 

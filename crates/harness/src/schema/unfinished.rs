@@ -9,9 +9,11 @@
 
 use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
 
+use anyhow::bail;
+use geobench_export::output::OutputFile;
 use serde::{Deserialize, Serialize};
 
 use super::{Cell, GroupRecord, ModelRecord, ResultFile};
@@ -46,15 +48,35 @@ fn path_of(output: &Path) -> PathBuf {
 }
 
 impl Unfinished {
+    /// The file of the store of `output`, before the run. It replaces a store only.
+    ///
+    /// # Errors
+    ///
+    /// If there is something else in its place.
+    pub fn prepare(output: &Path) -> anyhow::Result<OutputFile> {
+        let path = path_of(output);
+        if fs::symlink_metadata(&path).is_ok_and(|found| !is_store(&path, &found)) {
+            bail!(
+                "{}: it is in the place where the run stores results until it ends; rename it, or \
+                 name another output",
+                path.display()
+            );
+        }
+        OutputFile::prepare(&path)
+    }
+
     /// A new store for `output`, of a run with this `head`.
     ///
     /// # Errors
     ///
-    /// If it cannot be written.
+    /// If it cannot be written, or there is something else in its place.
     pub fn create(output: &Path, head: &ResultFile) -> io::Result<Self> {
         let path = path_of(output);
+        if fs::symlink_metadata(&path).is_ok_and(|found| is_store(&path, &found)) {
+            fs::remove_file(&path)?;
+        }
         let mut unfinished = Self {
-            file: File::create(&path)?,
+            file: File::create_new(&path)?,
             path,
         };
         unfinished.write(&ResultFile {
@@ -97,6 +119,16 @@ impl Unfinished {
         // What stays is harmless.
         let _ = fs::remove_file(&self.path);
     }
+}
+
+/// Whether the file at `path` is a store: no link, and with the first line of one.
+fn is_store(path: &Path, found: &fs::Metadata) -> bool {
+    let first_line = || {
+        let mut line = String::new();
+        io::BufReader::new(File::open(path)?).read_line(&mut line)?;
+        io::Result::Ok(line)
+    };
+    found.is_file() && first_line().is_ok_and(|line| parse(&line).is_some())
 }
 
 /// Whether `path` is that of a store.

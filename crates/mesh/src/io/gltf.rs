@@ -23,11 +23,7 @@ const COMPRESSED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compre
 /// Reads a glTF file at `path`, whose placed meshes take at most `room` bytes, and
 /// [`usual_decompression_limit`] of each file beside it.
 pub(super) fn read(bytes: &[u8], path: &Path, room: u64) -> Result<TriangleSoup, Flaw> {
-    let (json, binary) = if bytes.starts_with(b"glTF") {
-        chunks(bytes)?
-    } else {
-        (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None)
-    };
+    let (json, binary) = parts(bytes)?;
     let json: Value = serde_json::from_slice(json).map_err(|error| {
         Flaw::line(
             error.line() as u64,
@@ -60,6 +56,42 @@ pub(super) fn read(bytes: &[u8], path: &Path, room: u64) -> Result<TriangleSoup,
     };
     document.place()?;
     document.scene.into_soup()
+}
+
+/// The files that a glTF file at `path` names as buffers, where they would be read.
+pub(super) fn buffer_files(bytes: &[u8], path: &Path) -> Vec<PathBuf> {
+    let json = parts(bytes).ok().map(|(json, _)| json);
+    let json: Option<Value> = json.and_then(|json| serde_json::from_slice(json).ok());
+    let Some(json) = json else {
+        return Vec::new();
+    };
+    let names = list(&json, "buffers").iter();
+    let names = names.filter_map(|buffer| buffer["uri"].as_str());
+    let files = names.filter(|name| !name.starts_with("data:"));
+    files.filter_map(|name| place_beside(path, name)).collect()
+}
+
+/// The JSON of a file, and its binary part if it has one.
+fn parts(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Flaw> {
+    if bytes.starts_with(b"glTF") {
+        return chunks(bytes);
+    }
+    let json = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    Ok((json, None))
+}
+
+/// Where the file is that a glTF file at `path` calls `uri`: in the folder of this one or below.
+/// `None` for any other place.
+fn place_beside(path: &Path, uri: &str) -> Option<PathBuf> {
+    let name = percent_decoded(uri);
+    let parts = Path::new(&name).components();
+    let parts = parts.filter(|part| *part != Component::CurDir);
+    let is_inside = |part| matches!(part, Component::Normal(_));
+    if name.contains(':') || !parts.clone().all(is_inside) {
+        return None;
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    Some(folder.join(parts.collect::<PathBuf>()))
 }
 
 /// The JSON of a binary file, and its binary part.
@@ -376,20 +408,8 @@ impl GltfFile<'_> {
 
     /// The contents of a file in the folder of this one or below.
     fn beside(&mut self, uri: &str) -> Result<&[u8], String> {
-        let name = percent_decoded(uri);
-        let parts = Path::new(&name).components();
-        let parts = parts.filter(|part| *part != Component::CurDir);
-        let is_inside = |part| matches!(part, Component::Normal(_));
-        if name.contains(':') || !parts.clone().all(is_inside) {
-            return Err(format!(
-                "the buffer {uri:?} is not in the folder of the file"
-            ));
-        }
-        let path = self
-            .path
-            .parent()
-            .unwrap_or(Path::new(""))
-            .join(parts.collect::<PathBuf>());
+        let path = place_beside(self.path, uri)
+            .ok_or_else(|| format!("the buffer {uri:?} is not in the folder of the file"))?;
         match self.files.entry(path) {
             Entry::Occupied(known) => Ok(known.into_mut()),
             Entry::Vacant(place) => {

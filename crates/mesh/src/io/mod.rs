@@ -44,7 +44,7 @@ mod xml;
 use std::borrow::Cow;
 use std::fs;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::soup::TriangleSoup;
 use crate::weld::Weld;
@@ -175,6 +175,24 @@ impl Format {
 /// Whether `path` has an extension that [`read`] accepts.
 pub fn is_mesh_file(path: &Path) -> bool {
     Format::from_path(path).is_some()
+}
+
+/// The files that [`read`] reads beside that at `path`: the buffers that a glTF file names. None for
+/// other formats, and where the file cannot be read.
+pub fn files_beside(path: &Path) -> Vec<PathBuf> {
+    if Format::from_path(path) != Some(Format::Gltf) {
+        return Vec::new();
+    }
+    // Never waits for a pipe.
+    let is_file = fs::metadata(path).is_ok_and(|found| found.is_file());
+    let Some(bytes) = is_file.then(|| fs::read(path).ok()).flatten() else {
+        return Vec::new();
+    };
+    if !gzip::is_gzip(&bytes) {
+        return gltf::buffer_files(&bytes, path);
+    }
+    let inflated = gzip::inflate(&bytes, None, path).unwrap_or_default();
+    gltf::buffer_files(&inflated, path)
 }
 
 /// Reads a mesh file. The format follows from the file extension; gzip is recognised by its

@@ -222,9 +222,10 @@ fn json(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
     let vertices = diagram.vertices().iter().map(|vertex| {
         let node = diagram.nodes()[vertex.node as usize];
         let (face, barycentric) = file.in_model(node.face, node.place);
+        let (face, barycentric) = file.mesh.in_file(face, barycentric);
         VertexRecord {
             position: diagram.position(node.face, node.place),
-            face: file.mesh.file_triangle(face),
+            face,
             barycentric,
             sources: &vertex.cells,
             distance: vertex.distance,
@@ -238,7 +239,9 @@ fn json(file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
         kind: if arc.is_line() { "line" } else { "hyperbola" },
         foci: arc.bisector.map(|bisector| {
             let motion = file.refined.motion(arc.face);
-            bisector.images.map(|image| motion.of(image))
+            let face = file.refined.parent(arc.face);
+            let place = |image| file.mesh.in_plane_of_file(face, motion.of(image));
+            bisector.images.map(place)
         }),
         offsets: arc.bisector.map(|bisector| bisector.sigmas),
         nodes: arc.nodes,

@@ -140,13 +140,14 @@ fn json(set: &IsolineSet<'_>) -> anyhow::Result<Vec<u8>> {
             .iter()
             .map(|arc| {
                 let [from, to] = arc.ends.map(|end| arc.position(mesh, end));
+                let weights = |end| mesh.in_file(arc.face, arc.barycentric(mesh, end)).1;
                 IsolineArcRecord {
                     face: mesh.file_triangle(arc.face),
                     from,
                     to,
-                    centre: arc.centre,
+                    centre: mesh.in_plane_of_file(arc.face, arc.centre),
                     radius: arc.radius,
-                    barycentric: arc.ends.map(|end| arc.barycentric(mesh, end)),
+                    barycentric: arc.ends.map(weights),
                 }
             })
             .collect(),

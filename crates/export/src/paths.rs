@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use geobench_mesh::{Mesh, VertexId};
-use geobench_paths::Path;
+use geobench_paths::{Path, Point};
 use serde::Serialize;
 
 use crate::distances::csv_word;
@@ -107,6 +107,15 @@ impl PathSet<'_> {
     }
 }
 
+/// The triangle of the file on which a point lies, and its barycentric coordinates there.
+fn in_file(mesh: &Mesh, point: &Point) -> (Option<u32>, [f64; 3]) {
+    let Some(face) = point.face else {
+        return (None, point.barycentric);
+    };
+    let (triangle, weights) = mesh.in_file(face, point.barycentric);
+    (Some(triangle), weights)
+}
+
 fn csv(set: &PathSet<'_>) -> String {
     let mut text = "path,source,target,x,y,z,vertex,face,u,v,w\n".to_owned();
     let number = |id: Option<u32>| id.map_or_else(String::new, |id| id.to_string());
@@ -117,9 +126,9 @@ fn csv(set: &PathSet<'_>) -> String {
         let [source, target] = [source, &found.target].map(csv_word);
         for point in &path.points {
             let [x, y, z] = point.position(set.mesh).unwrap_or_default();
-            let [u, v, w] = point.barycentric;
+            let (face, [u, v, w]) = in_file(set.mesh, point);
             let vertex = number(point.vertex().map(VertexId::raw));
-            let face = number(point.face.map(|face| set.mesh.file_triangle(face)));
+            let face = number(face);
             let place = format!("{x},{y},{z},{vertex},{face},{u},{v},{w}");
             let _ = writeln!(text, "{i},{source},{target},{place}"); // A string takes all.
         }
@@ -162,11 +171,14 @@ fn json(set: &PathSet<'_>) -> anyhow::Result<Vec<u8>> {
             target: &found.target,
             length: path.map(|path| path.length),
             points: points
-                .map(|point| PointRecord {
-                    position: point.position(set.mesh),
-                    face: point.face.map(|face| set.mesh.file_triangle(face)),
-                    barycentric: point.barycentric,
-                    vertex: point.vertex().map(VertexId::raw),
+                .map(|point| {
+                    let (face, barycentric) = in_file(set.mesh, point);
+                    PointRecord {
+                        position: point.position(set.mesh),
+                        face,
+                        barycentric,
+                        vertex: point.vertex().map(VertexId::raw),
+                    }
                 })
                 .collect(),
             edges: edges.map(|([a, b], t)| (a.raw(), b.raw(), t)).collect(),

@@ -115,7 +115,7 @@ impl Sound {
             frames: BTreeMap::new(),
             stand_ins: StandIns {
                 copies,
-                left_out: Vec::new(),
+                ..StandIns::default()
             },
             junctions: Junctions::default(),
         };

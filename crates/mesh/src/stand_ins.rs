@@ -1,4 +1,5 @@
-//! The numbers of the file in a mesh that leaves out copies of vertices and triangles.
+//! The numbers and corners of the file in a mesh that leaves out copies of vertices and triangles,
+//! and turns triangles over.
 
 use std::ops::Range;
 
@@ -14,6 +15,9 @@ pub(crate) struct StandIns {
     pub(crate) copies: Vec<[u32; 2]>,
     /// Triangles that the mesh lacks, in ascending order of their numbers.
     pub(crate) left_out: Vec<LeftOutTriangle>,
+    /// The faces that are turned over: their last two corners are in the other order in the file.
+    /// Ascending.
+    pub(crate) turned: Vec<u32>,
 }
 
 /// A triangle of the file that the mesh lacks.
@@ -72,6 +76,42 @@ impl Mesh {
         face.raw() + range.start
     }
 
+    /// Whether the file has the last two corners of `face` in the other order.
+    fn is_turned(&self, face: FaceId) -> bool {
+        self.data
+            .stand_ins
+            .turned
+            .binary_search(&face.raw())
+            .is_ok()
+    }
+
+    /// The number of `face` among the triangles of the file, and the values of its corners in their
+    /// order there, such as the barycentric coordinates of a point.
+    pub fn in_file<T>(&self, face: FaceId, corners: [T; 3]) -> (u32, [T; 3]) {
+        (self.file_triangle(face), self.turn(face, corners))
+    }
+
+    /// Between the order of the corners of `face` in the mesh and in the file, in both directions.
+    fn turn<T>(&self, face: FaceId, mut corners: [T; 3]) -> [T; 3] {
+        if self.is_turned(face) {
+            corners.swap(1, 2);
+        }
+        corners
+    }
+
+    /// A point of the plane of `face` in the plane of its triangle of the file. In both the first
+    /// corner is the origin, the second one on the positive x-axis, and the third one above.
+    pub fn in_plane_of_file(&self, face: FaceId, [x, y]: [f64; 2]) -> [f64; 2] {
+        if !self.is_turned(face) {
+            return [x, y];
+        }
+        // The file's second corner is the third one here.
+        let [right, up] = self.apex(face.half_edge(0));
+        let length = right.hypot(up);
+        let [right, up] = [right / length, up / length];
+        [x * right + y * up, x * up - y * right]
+    }
+
     /// As [`point_in_face`](Self::point_in_face), of a triangle with its number in the file. If the
     /// triangle is left out, the point is in the face or on the edge that stands for it.
     ///
@@ -92,7 +132,7 @@ impl Mesh {
         let place = match left_out.binary_search_by_key(&triangle, |one| one.number) {
             Err(before) => {
                 let face = FaceId::new(triangle - before as u32);
-                let found = self.point_in_face(face, barycentric);
+                let found = self.point_in_face(face, self.turn(face, barycentric));
                 return found.map_err(|error| match error {
                     PointError::NoSuchFace { .. } => missing,
                     other => other,

@@ -153,7 +153,11 @@ impl Checked {
             triangles,
             self.lengths,
             (self.mates, junctions),
-            StandIns { copies, left_out },
+            StandIns {
+                copies,
+                left_out,
+                turned: self.flipped,
+            },
         );
         (mesh, self.report)
     }

@@ -265,7 +265,10 @@ impl PyMesh {
         let spec = single(point, "point")?;
         let (found, distance) = Finder::new(&self.mesh).find_from(spec, "point")?;
         let (face, weights) = match self.mesh.face_of(&found) {
-            Some((face, weights)) => (i64::from(self.mesh.file_triangle(face)), weights),
+            Some((face, weights)) => {
+                let (triangle, weights) = self.mesh.in_file(face, weights);
+                (i64::from(triangle), weights)
+            }
             None => (-1, [0.0; 3]),
         };
         let position = self.mesh.position_of(&found);

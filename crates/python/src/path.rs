@@ -37,7 +37,11 @@ impl PyPath {
         let vertices = points
             .clone()
             .map(|p| p.vertex().map_or(-1, |v| i64::from(v.raw())));
-        let barycentric: Vec<[f64; 3]> = points.map(|point| point.barycentric).collect();
+        let in_file = points.map(|point| {
+            let weights = point.barycentric;
+            point.face.map_or(weights, |face| mesh.in_file(face, weights).1)
+        });
+        let barycentric: Vec<[f64; 3]> = in_file.collect();
         Ok(Self {
             length: path.length,
             points: triples(py, &path.polyline(mesh))?,

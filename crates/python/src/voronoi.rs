@@ -302,9 +302,11 @@ impl PyVoronoi {
                 let node = diagram.nodes()[vertex.node as usize];
                 let weights = diagram.barycentric(node.face, node.place);
                 let weights = refined.in_parent(node.face, weights);
+                let face = refined.parent(node.face);
+                let (face, weights) = refined.original().in_file(face, weights);
                 PyVoronoiVertex {
                     position: diagram.position(node.face, node.place).map(Into::into),
-                    face: refined.original().file_triangle(refined.parent(node.face)),
+                    face,
                     barycentric: weights.into(),
                     sources: vertex.cells.clone(),
                     distance: vertex.distance,

@@ -534,3 +534,71 @@ fn runs_start_in_the_largest_component() {
     let said = sandbox.refuse("distance parts.off --source 0 --target largest -o d.csv");
     assert!(said.contains("`largest` is not a target"), "{said}");
 }
+
+/// A unit square whose second face is wound against the first one, so that the mesh turns it over.
+const TURNED: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 4 3\n";
+
+#[test]
+fn coordinates_in_faces_that_are_turned_over_are_those_of_the_file() {
+    let sandbox = Sandbox::new();
+    sandbox.write("turned.obj", TURNED);
+    // 0.1 of (0, 0), 0.2 of (0, 1) and 0.7 of (1, 1).
+    sandbox.succeed("distance turned.obj --source face:1,0.1,0.2,0.7 -o d.csv --quiet");
+    let distances = sandbox.read("d.csv");
+    let distances = distances
+        .lines()
+        .skip(1)
+        .map(|line| line.split_once(',').unwrap().1);
+    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0_f64]];
+    for (found, [x, y]) in distances.zip(corners) {
+        let right = (x - 0.7).hypot(y - 0.9);
+        assert!(
+            (found.parse::<f64>().unwrap() - right).abs() < 1e-12,
+            "{found} for {right}"
+        );
+    }
+    // What files say of points: each is where its triangle and coordinates in the file put it.
+    let triangles = [[0, 1, 2], [0, 3, 2]];
+    let is_there = |point: &serde_json::Value, face: &serde_json::Value| {
+        let triangle: [usize; 3] = triangles[face.as_u64().unwrap() as usize];
+        let weights = point["barycentric"].as_array().unwrap();
+        for k in 0..2 {
+            let weighted = triangle.iter().zip(weights);
+            let place: f64 = weighted
+                .map(|(&v, w)| corners[v][k] * w.as_f64().unwrap())
+                .sum();
+            assert!(
+                (point["position"][k].as_f64().unwrap() - place).abs() < 1e-12,
+                "{point}"
+            );
+        }
+    };
+    sandbox.succeed("path turned.obj --source 1 --target face:1,0.1,0.8,0.1 -o p.json --quiet");
+    for point in sandbox.json("p.json")["paths"][0]["points"]
+        .as_array()
+        .unwrap()
+    {
+        is_there(point, &point["face"]);
+    }
+    sandbox.succeed("voronoi turned.obj --source 0 --source 2 --source 3 -o v.json --quiet");
+    let diagram = sandbox.json("v.json");
+    let vertices = diagram["vertices"].as_array().unwrap();
+    assert!(!vertices.is_empty());
+    for vertex in vertices {
+        is_there(vertex, &vertex["face"]);
+    }
+    // The centre of an isoline is its source, in the plane of the triangle: from (0, 0) to (0, 1).
+    sandbox
+        .succeed("isolines turned.obj --source face:1,0.2,0.6,0.2 --levels 0.1 -o i.json --quiet");
+    let isolines = sandbox.json("i.json");
+    let arcs = isolines["levels"][0]["loops"][0]["arcs"]
+        .as_array()
+        .unwrap();
+    let arc = arcs.iter().find(|arc| arc["face"] == 1).unwrap();
+    for (k, right) in [0.8, 0.2].into_iter().enumerate() {
+        assert!(
+            (arc["centre"][k].as_f64().unwrap() - right).abs() < 1e-9,
+            "{arc}"
+        );
+    }
+}

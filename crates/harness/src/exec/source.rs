@@ -190,7 +190,8 @@ fn place_of(mesh: &Mesh, point: &SurfacePoint) -> String {
             PointSpec::Edge([mesh.tail(h).raw(), mesh.head(h).raw()], t).to_string()
         }
         Place::Face(face, weights) => {
-            PointSpec::Face(mesh.file_triangle(face), weights).to_string()
+            let (triangle, weights) = mesh.in_file(face, weights);
+            PointSpec::Face(triangle, weights).to_string()
         }
     }
 }

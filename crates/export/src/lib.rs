@@ -15,6 +15,7 @@ pub mod paths;
 pub mod picture;
 mod polylines;
 pub mod svg;
+pub mod temporary;
 mod vtp;
 
 pub use format::{

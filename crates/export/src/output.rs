@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use geobench_mesh::io::files_beside;
 
-use crate::{FileFormat, STANDARD};
+use crate::{FileFormat, STANDARD, temporary};
 
 /// A file that a command writes when it ends.
 #[derive(Clone, Debug)]
@@ -138,7 +138,7 @@ impl OutputFile {
         write: impl FnOnce(&Path) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
         if !self.replace {
-            let file = tempfile::Builder::new().suffix(ending).tempfile()?;
+            let file = temporary_file(&std::env::temp_dir(), ending)?;
             write(file.path()).with_context(|| self.failure())?;
             return self.write(&fs::read(file.path())?);
         }
@@ -199,7 +199,9 @@ pub fn temporary_file(directory: &Path, ending: &str) -> io::Result<tempfile::Na
     let mut builder = tempfile::Builder::new();
     builder.prefix(".geobench-").suffix(ending);
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(directory)
+    let file = builder.tempfile_in(directory)?;
+    temporary::register(file.path());
+    Ok(file)
 }
 
 /// Opens the file at `path` and locks it until the result is dropped, so that of several processes

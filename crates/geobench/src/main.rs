@@ -160,6 +160,8 @@ fn cell(model: &OsStr, settings: &str) -> ExitCode {
 /// Runs a command for the user.
 fn command(arguments: Arguments) -> ExitCode {
     isolate::adopt_orphans();
+    // Without it a signal ends the program, too, and leaves its temporary files.
+    let _ = interrupt::watch();
     let look = terminal::look(arguments.color);
     if let Some(form) = &arguments.input_format {
         standard_input::set_form(form);

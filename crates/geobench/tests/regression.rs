@@ -216,6 +216,34 @@ fn the_memory_of_a_daemon_without_environment_was_not_limited() {
 
 #[cfg(target_os = "linux")]
 #[test]
+fn the_daemon_of_one_program_failed_the_cells_of_others() {
+    let sandbox = Sandbox::with_square();
+    let large = "env -i setsid --fork perl -e '$x = \"a\" x 300_000_000; sleep 600'";
+    let script =
+        format!("{large} < /dev/null > /dev/null 2>&1\n{RIGHT}\necho '{{\"seconds\": 0.1}}'\n");
+    let waits = format!(
+        "echo '{{\"ready\": true}}'\nwhile read -r _; do\nsleep 0.3\n{RIGHT}\n\
+         echo '{{\"seconds\": 0.1}}'\ndone\n"
+    );
+    describe(
+        &sandbox,
+        &[("daemon", "once", script), ("waits", "session", waits)],
+    );
+    for seed in 1..=3 {
+        let options = "--algo vtp,ext:waits,ext:daemon --repeat 2 --warmup 0 --memory-limit 100MB";
+        sandbox.call(&format!(
+            "run square.off --ext peers.toml {options} --seed {seed} --quiet -o r.json"
+        ));
+        for cell in sandbox.json("r.json")["cells"].as_array().unwrap() {
+            let is_own = cell["algorithm"] == "ext:daemon";
+            assert!(is_own || cell["status"] == "ok", "seed {seed}: {cell}");
+        }
+        assert_eq!(running_in(&sandbox), [""; 0]);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
 fn what_a_child_had_started_outlived_it() {
     let sandbox = Sandbox::with_square();
     for algorithms in ["test-spawn", "test-spawn,vtp,test-spawn{after=2}"] {

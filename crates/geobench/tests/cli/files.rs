@@ -405,3 +405,44 @@ fn only_a_store_of_results_is_replaced_by_another() {
     sandbox.succeed(run);
     assert!(!link.exists());
 }
+
+#[test]
+fn temporary_files_go_on_every_signal() {
+    let sandbox = Sandbox::new();
+    fs::create_dir(sandbox.path("temporary")).unwrap();
+    let left = || fs::read_dir(sandbox.path("temporary")).unwrap().count();
+    for (signal, number) in [("HUP", 1), ("INT", 2), ("QUIT", 3), ("TERM", 15)] {
+        // It keeps standard input as a file until that ends.
+        let mut child = Command::new(cargo_bin("geobench"))
+            .current_dir(sandbox.path(""))
+            .env("TMPDIR", sandbox.path("temporary"))
+            .args([
+                "distance",
+                "-",
+                "--input-format",
+                "off",
+                "--source",
+                "0",
+                "-o",
+                "d.csv",
+            ])
+            .stdin(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        // To wait for a child closes its standard input.
+        let _stdin = child.stdin.take();
+        while left() == 0 {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        let kill = Command::new("kill")
+            .args(["-s", signal, &child.id().to_string()])
+            .status();
+        assert!(kill.unwrap().success());
+        let status = child.wait().unwrap();
+        assert_eq!(
+            std::os::unix::process::ExitStatusExt::signal(&status),
+            Some(number)
+        );
+        assert_eq!(left(), 0, "{signal}");
+    }
+}

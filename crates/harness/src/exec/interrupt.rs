@@ -1,53 +1,111 @@
-//! Ctrl-C and `SIGTERM`. The first signal stops a run and keeps its results so far. The second one
-//! terminates the program at once.
+//! Signals that end the program: Ctrl-C, `SIGTERM`, and those of a terminal that closes or quits.
+//!
+//! Each removes the temporary files and ends the program, unless the program was started to ignore it
+//! (`nohup`). A run listens to the first two: the first signal stops it and keeps its results so far,
+//! the second one ends the program at once.
 //!
 //! A terminal sends Ctrl-C to the foreground process group. Child processes have process groups of
 //! their own ([`crate::exec::isolate`]), so only the parent, which holds the results, receives it.
 
+use std::ffi::c_int;
 use std::io::{self, Read};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, LazyLock, OnceLock};
-use std::thread;
+use std::{fs, thread};
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use geobench_export::temporary;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use signal_hook::{flag, low_level};
 
 /// Exit status of an interrupted command: 128 plus the number of `SIGINT`, as in shells.
 pub const EXIT_STATUS: u8 = 130;
 
+/// The signals to which a run [listens](listen).
+const STOP: [c_int; 2] = [SIGINT, SIGTERM];
+
+/// Set by the first signal to a run that listens.
 static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
 /// Becomes readable with the first signal.
 static WAKE: OnceLock<UnixStream> = OnceLock::new();
 
-/// Installs handlers for both signals. A thread, which sleeps until then, calls `told` with the
-/// first signal.
+/// What tells the user about the first signal.
+static TOLD: OnceLock<fn()> = OnceLock::new();
+
+/// Lets the signals that end the program remove its temporary files first. A thread sleeps until
+/// one arrives.
 ///
 /// # Errors
 ///
 /// If a handler, a socket or a thread cannot be created.
+pub fn watch() -> io::Result<()> {
+    let last = Arc::new(AtomicUsize::new(0));
+    let (mut arrived, arrives) = UnixStream::pair()?;
+    for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
+        if !is_ignored(signal) {
+            flag::register_usize(signal, Arc::clone(&last), signal as usize)?;
+            low_level::pipe::register(signal, arrives.try_clone()?)?;
+        }
+    }
+    let watcher = thread::Builder::new().stack_size(1 << 16);
+    watcher.spawn(move || {
+        let mut is_first = true;
+        while arrived.read_exact(&mut [0]).is_ok() {
+            let signal = last.load(Ordering::SeqCst) as c_int;
+            match TOLD.get().filter(|_| STOP.contains(&signal)) {
+                // The user may stop reading what is told.
+                Some(&told) if is_first => drop(thread::spawn(told)),
+                Some(_) => {
+                    temporary::remove_all();
+                    low_level::exit(EXIT_STATUS.into());
+                }
+                None => {
+                    temporary::remove_all();
+                    let _ = low_level::emulate_default_handler(signal);
+                }
+            }
+            is_first = false;
+        }
+    })?;
+    Ok(())
+}
+
+/// Whether the program was started to ignore this signal. Where that cannot be known, only the
+/// signals of [`STOP`] are taken not to be ignored.
+fn is_ignored(signal: c_int) -> bool {
+    let ignored = fs::read_to_string("/proc/self/status")
+        .ok()
+        .and_then(|status| {
+            let mask = status
+                .lines()
+                .find_map(|line| line.strip_prefix("SigIgn:"))?;
+            u64::from_str_radix(mask.trim(), 16).ok()
+        });
+    match ignored {
+        Some(mask) => mask >> (signal - 1) & 1 == 1,
+        None => !STOP.contains(&signal),
+    }
+}
+
+/// From now on the first `SIGINT` or `SIGTERM` only sets [`requested`], and calls `told`.
+///
+/// # Errors
+///
+/// If a handler or a socket cannot be created.
 pub fn listen(told: fn()) -> io::Result<()> {
     let (wake, signalled) = UnixStream::pair()?;
     if WAKE.set(wake).is_err() {
         return Ok(());
     }
-    let (mut first, tells) = UnixStream::pair()?;
-    let teller = thread::Builder::new().stack_size(1 << 16);
-    teller.spawn(move || {
-        if first.read_exact(&mut [0]).is_ok() {
-            told();
+    for signal in STOP {
+        if !is_ignored(signal) {
+            flag::register(signal, Arc::clone(&REQUESTED))?;
+            low_level::pipe::register(signal, signalled.try_clone()?)?;
         }
-    })?;
-    for signal in [SIGINT, SIGTERM] {
-        // The order matters: the first signal sets the flag, with which the second one terminates.
-        let status = i32::from(EXIT_STATUS);
-        flag::register_conditional_shutdown(signal, status, Arc::clone(&REQUESTED))?;
-        flag::register(signal, Arc::clone(&REQUESTED))?;
-        low_level::pipe::register(signal, signalled.try_clone()?)?;
-        low_level::pipe::register(signal, tells.try_clone()?)?;
     }
+    let _ = TOLD.set(told);
     Ok(())
 }
 

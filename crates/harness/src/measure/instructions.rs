@@ -15,6 +15,7 @@ use std::process::{Command, ExitStatus, Stdio};
 use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
+use geobench_export::temporary;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_registry::{self as registry, Selection};
 use geobench_window::simd::Instructions;
@@ -106,6 +107,7 @@ fn count_with(
 ) -> anyhow::Result<Attempt> {
     let program = std::env::current_exe().context(FAILED)?;
     let counts = tempfile::NamedTempFile::new().context(FAILED)?;
+    temporary::register(counts.path());
     let mut out_file = std::ffi::OsString::from("--callgrind-out-file=");
     out_file.push(counts.path());
     let mut command = Command::new("valgrind");

@@ -13,7 +13,7 @@ use signal_hook::consts::{SIGABRT, SIGKILL};
 use signal_hook::low_level::signal_name;
 
 use super::system;
-use super::system::{AtWork, Descendants};
+use super::system::Descendants;
 use crate::exec::limits::{Limits, MemoryLimit, Timeout};
 use crate::exec::protocol::{Reply, ReplyError};
 use crate::exec::{Failure, affinity, interrupt};
@@ -132,7 +132,7 @@ impl ChildProcess {
     /// Waits for the exit of a process that does not reply. Its standard output is discarded, and
     /// its standard input is empty.
     pub(super) fn finish(&mut self) -> Result<(), ChildError> {
-        let _at_work = AtWork::begin();
+        let _at_work = self.descendants.at_work();
         let kills = system::kernel_out_of_memory_kills();
         let deadline = self.deadline();
         self.requests = None;
@@ -163,7 +163,7 @@ impl ChildProcess {
         request: &str,
         longest: usize,
     ) -> Result<(Reply, Duration), ChildError> {
-        let _at_work = AtWork::begin();
+        let _at_work = self.descendants.at_work();
         let kills = system::kernel_out_of_memory_kills();
         let error = match self.converse(request, longest) {
             Ok((line, time)) => match Reply::parse(&line) {

@@ -37,6 +37,7 @@ use std::process::Command;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use geobench_export::temporary;
 use geobench_mesh::{Mesh, VertexId, Weld, io as mesh_io};
 use tempfile::TempDir;
 
@@ -216,6 +217,7 @@ impl ExchangeFolder {
         };
         let folder = tempfile::Builder::new().prefix("geobench-").tempdir();
         let folder = folder.map_err(|error| crashed(error.into()))?;
+        temporary::register(folder.path());
         let (mesh, _) = model.mesh_within(limit).map_err(|e| crashed(e.into()))?;
         let found = Locator::new(&mesh).locate(point);
         let found = found.map_err(|error| refused(error.to_string()))?;

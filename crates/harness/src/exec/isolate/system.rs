@@ -2,7 +2,8 @@
 
 use std::path::Path;
 use std::process::{self, Command};
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use std::{fs, io, thread};
 
@@ -157,11 +158,11 @@ pub fn adopt_orphans() {
 ///
 /// 1. the mark in the environment, which descendants inherit unless they replace it;
 /// 2. the descendants of the child and of its orphans, recorded before these were killed;
-/// 3. being the only child at work, which is so without `--jobs`, for an orphan without a mark.
+/// 3. having been the only child at work, which is so without `--jobs`, when an orphan without a
+///    mark was first seen ([`OrphanOwners`]).
 ///
-/// By the last, memory is counted; the orphan may be of an idle child and is killed when no child
-/// is left. Children that this process has
-/// started itself are no orphans. Outside Linux, and in programs that use this library, nothing is
+/// An orphan that belongs to no child is killed when no child is left. Children that this process
+/// has started itself are no orphans. Outside Linux, and in programs that use this library, nothing is
 /// adopted.
 #[derive(Debug)]
 pub(super) struct Descendants {
@@ -222,13 +223,17 @@ impl Descendants {
         if !ADOPTS.load(Ordering::Relaxed) {
             return Vec::new();
         }
-        let is_alone = AT_WORK.load(Ordering::Relaxed) == 1;
-        let is_own = |orphan: &Process| match mark(*orphan) {
-            Some(mark) => mark == self.mark,
-            None => is_alone,
-        };
-        let orphans = orphans(&started()).into_iter();
-        orphans.filter(is_own).map(|orphan| orphan.number).collect()
+        let orphans = orphans(&started());
+        let owners = OrphanOwners::see(&orphans);
+        let owned = orphans
+            .into_iter()
+            .filter(|one| owners.has(*one, &self.mark));
+        owned.map(|orphan| orphan.number).collect()
+    }
+
+    /// Tells that the answer of the child is awaited, until the result is dropped.
+    pub(super) fn at_work(&self) -> AtWork {
+        AtWork::begin(&self.mark)
     }
 
     /// Kills all orphans of the child, which has been waited for. `present` lists the descendants
@@ -240,12 +245,14 @@ impl Descendants {
             return;
         }
         let deadline = Instant::now() + GRACE;
-        let is_marked = |orphan| mark(orphan).is_some_and(|mark| mark == self.mark);
         loop {
             let mut left = false;
-            for orphan in orphans(&started) {
-                let belongs =
-                    present.0.contains(&orphan) || started.is_empty() || is_marked(orphan);
+            let orphans = orphans(&started);
+            let owners = OrphanOwners::see(&orphans);
+            for orphan in orphans {
+                let belongs = present.0.contains(&orphan)
+                    || started.is_empty()
+                    || owners.has(orphan, &self.mark);
                 if belongs {
                     left = true;
                     present.add_below(orphan.number);
@@ -275,22 +282,82 @@ fn mark(process: Process) -> Option<String> {
     entries.find_map(value)
 }
 
-/// Number of children whose answer this process awaits.
-static AT_WORK: AtomicUsize = AtomicUsize::new(0);
+/// To which children the orphans without a mark belong: each to the child that was at work when it
+/// was first seen. It cannot have been started by another, which waits for a request.
+///
+/// Orphans are looked for when a child begins to work, while its memory is watched, and when it ends.
+/// So one that appears after the answer of a child still belongs to that child.
+#[derive(Debug)]
+pub(super) struct OrphanOwners {
+    /// The orphans that were seen, each with the mark of its child. It has none if several children
+    /// were at work, or the last one.
+    seen: Vec<(Process, Option<String>)>,
+    /// The marks of the children whose answers this process awaits.
+    at_work: Vec<String>,
+    /// The only child that was at work last.
+    last: Option<String>,
+}
+
+static OWNERS: Mutex<OrphanOwners> = Mutex::new(OrphanOwners {
+    seen: Vec::new(),
+    at_work: Vec::new(),
+    last: None,
+});
+
+impl OrphanOwners {
+    fn get() -> MutexGuard<'static, Self> {
+        OWNERS.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Assigns those of all current `orphans` that are new, and forgets those that are no more.
+    fn see(orphans: &[Process]) -> MutexGuard<'static, Self> {
+        let mut owners = Self::get();
+        owners.seen.retain(|(orphan, _)| orphans.contains(orphan));
+        for &orphan in orphans {
+            if owners.seen.iter().all(|(seen, _)| *seen != orphan) {
+                let owner = mark(orphan).or_else(|| owners.last.clone());
+                owners.seen.push((orphan, owner));
+            }
+        }
+        owners
+    }
+
+    /// Whether an orphan that was seen belongs to the child with this mark.
+    fn has(&self, orphan: Process, mark: &str) -> bool {
+        let found = self.seen.iter().find(|(seen, _)| *seen == orphan);
+        found.is_some_and(|(_, owner)| owner.as_deref() == Some(mark))
+    }
+}
 
 /// A child whose answer this process awaits.
-pub(super) struct AtWork(());
+pub(super) struct AtWork {
+    mark: String,
+}
 
 impl AtWork {
-    pub(super) fn begin() -> Self {
-        AT_WORK.fetch_add(1, Ordering::Relaxed);
-        Self(())
+    fn begin(mark: &str) -> Self {
+        if ADOPTS.load(Ordering::Relaxed) {
+            // Those that have appeared since the last child worked are of that child.
+            let mut owners = OrphanOwners::see(&orphans(&started()));
+            owners.at_work.push(mark.to_owned());
+            owners.last = owners
+                .at_work
+                .first()
+                .cloned()
+                .filter(|_| owners.at_work.len() == 1);
+        }
+        Self {
+            mark: mark.to_owned(),
+        }
     }
 }
 
 impl Drop for AtWork {
     fn drop(&mut self) {
-        AT_WORK.fetch_sub(1, Ordering::Relaxed);
+        let mut owners = OrphanOwners::get();
+        if let Some(place) = owners.at_work.iter().position(|mark| *mark == self.mark) {
+            owners.at_work.swap_remove(place);
+        }
     }
 }
 

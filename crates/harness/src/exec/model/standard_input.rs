@@ -6,6 +6,7 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock};
 
+use geobench_export::temporary;
 use geobench_mesh::io as mesh_io;
 use tempfile::TempDir;
 
@@ -40,6 +41,7 @@ pub(super) fn file() -> Result<PathBuf, String> {
     }
     let keep = || {
         let folder = tempfile::Builder::new().prefix("geobench-").tempdir()?;
+        temporary::register(folder.path());
         let path = folder.path().join(name);
         io::copy(&mut io::stdin().lock(), &mut File::create(&path)?)?;
         Ok((folder, path))

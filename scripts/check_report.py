@@ -14,7 +14,7 @@ SERVER, PAGE, WORK, BROWSER, PICTURES = sys.argv[1:6]
 # Elements that overflow the page to the right, unless they are in a scrolling container.
 OVERFLOWING = """
 const wide = document.documentElement.clientWidth;
-const scrolls = e => { for (; e; e = e.parentElement) if (e.classList.contains('scroll')) return true; return false; };
+const scrolls = e => { for (; e; e = e.parentElement) if (e.classList.contains('scroll') || e.localName === 'pre') return true; return false; };
 return {
     page: [document.documentElement.scrollWidth, wide],
     out: [...document.body.querySelectorAll('*')]
@@ -210,25 +210,6 @@ return e === document.body ? '' : e.className && e.localName === 'button' ? 'but
     : e.localName === 'div' ? 'div.' + e.className : e.localName === 'svg' ? 'svg' : e.localName;
 """
 
-SURFACE = """
-const canvas = document.querySelector('.stage canvas');
-if (!canvas) return null;
-canvas.scrollIntoView({ block: 'center', behavior: 'instant' });
-const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
-let drawn = 0, sum = 0, near = Infinity, pixel = [0, 0];
-for (let i = 3; i < data.length; i += 4) {
-    if (!data[i]) continue;
-    drawn++;
-    sum = (sum * 31 + data[i - 1] + 7 * data[i - 3]) % 1e9;
-    const x = (i >> 2) % canvas.width, y = Math.floor((i >> 2) / canvas.width);
-    const far = Math.hypot(x - canvas.width * 0.55, y - canvas.height * 0.45);
-    if (far < near) [near, pixel] = [far, [x, y]];
-}
-const b = canvas.getBoundingClientRect();
-return { share: drawn / (data.length / 4), sum, wide: canvas.width,
-    at: [b.x + (pixel[0] + 3) / canvas.width * b.width, b.y + (pixel[1] - 3) / canvas.height * b.height] };
-"""
-
 KEYS = {"Tab": 9, "ArrowRight": 39, "ArrowLeft": 37, "Enter": 13, "Escape": 27, "Home": 36}
 
 
@@ -280,13 +261,15 @@ class Browser:
     def run(self, script):
         return call("POST", self.base + "/execute/sync", {"script": script, "args": []})
 
-    def open(self, width, scheme, medium=""):
+    def open(self, width, scheme, medium="", page=PAGE):
         self.where = f"{width}-{scheme}" + (f"-{medium}" if medium else "")
+        if page != PAGE:
+            self.where = f"{page.rsplit('/', 1)[-1].removesuffix('.html')}-{self.where}"
         self.devtools("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1,
                       mobile=width < 600)
         self.devtools("Emulation.setEmulatedMedia", media=medium,
                       features=[{"name": "prefers-color-scheme", "value": scheme}])
-        call("POST", self.base + "/url", {"url": PAGE})
+        call("POST", self.base + "/url", {"url": page})
 
     def wrong(self, *what):
         self.problems += [f"{self.where}: {one}" for one in what]
@@ -366,7 +349,6 @@ def check_keyboard(browser):
     """Everything can be reached with Tab, and charts are read with arrows."""
     # Focus starts at the top of the page.
     call("POST", browser.base + "/url", {"url": PAGE})
-    browser.wait("no model in 3D", "return !document.querySelector('figure svg image');")
     reached = {}
     for _ in range(2500):
         browser.press("Tab")
@@ -391,44 +373,10 @@ def check_keyboard(browser):
         svg: document.querySelectorAll('svg[tabindex]').length,
         'button.sort': document.querySelectorAll('button.sort').length,
         summary: document.querySelectorAll('summary').length,
-        canvas: document.querySelectorAll('canvas[tabindex]').length,
     };""")
     for kind, count in counts.items():
         browser.expect(f"the keyboard reaches {reached.get(kind, 0)} of {count} {kind}",
                        reached.get(kind, 0) >= count)
-
-
-def check_surface(browser):
-    """The model is there, and turns by hand and by keys."""
-    if not browser.run("return !!document.querySelector('figure svg image, .stage');"):
-        return
-    browser.wait("no model in 3D", "return !!document.querySelector('.stage canvas');")
-    before = browser.run(SURFACE)
-    browser.expect(f"the model fills {before['share']:.2f} of its canvas", 0.05 < before["share"] < 0.95)
-    middle = before["at"]
-    time.sleep(0.3)
-    browser.pointer("mouseMoved", middle)
-    tip = browser.run(TIP)
-    browser.expect(f"a distance is shown, not {tip}", tip["shown"] and "distance" in tip["text"])
-    browser.pointer("mousePressed", middle, "left")
-    browser.pointer("mouseMoved", [middle[0] + 60, middle[1] + 20], "left")
-    browser.pointer("mouseReleased", [middle[0] + 60, middle[1] + 20], "left")
-    time.sleep(0.6)
-    turned = browser.run(SURFACE)
-    browser.expect("dragging turns it", turned["sum"] != before["sum"])
-    browser.run("document.querySelector('.stage canvas').focus();")
-    browser.press("ArrowRight")
-    time.sleep(0.6)
-    browser.expect("an arrow key turns it", browser.run(SURFACE)["sum"] != turned["sum"])
-    browser.run("document.querySelector('.tools button').click();")
-    time.sleep(0.6)
-    browser.expect("isolines can be switched off",
-                   browser.run("return document.querySelector('.tools button').ariaPressed;") == "false")
-    browser.run("[...document.querySelectorAll('.tools button')].find(b => b.textContent === 'Reset').click();"
-                "document.querySelector('.tools button').click();")
-    time.sleep(0.8)
-    browser.expect("Reset shows it as at first", browser.run(SURFACE)["sum"] == before["sum"])
-    browser.run("document.activeElement.blur(); scrollTo({ top: 0, behavior: 'instant' });")
 
 
 def check_console(browser):
@@ -442,9 +390,70 @@ def check_console(browser):
             browser.expect(f"the network is asked for {url}", url.startswith(allowed))
 
 
+# Addresses of links, with those within the page that lead to nothing.
+LINKS = """
+const links = [...document.querySelectorAll('a[href]')].map(a => a.getAttribute('href'));
+return { links, lost: links.filter(l => l.startsWith('#') && !document.getElementById(l.slice(1))),
+    title: document.title, headings: document.querySelectorAll('h1').length };
+"""
+
+
+def check_site(browser, directory):
+    """Every page of a site at three widths: layout, names, links, titles, and the keyboard."""
+    pages, titles = sorted(name for name in os.listdir(directory) if name.endswith(".html")), {}
+    for page in pages:
+        size = os.path.getsize(os.path.join(directory, page))
+        browser.where = page
+        browser.expect(f"it has {size} bytes", size < 500_000)
+        for width in (360, 768, 1440):
+            browser.open(width, "light", page=f"{PAGE}/{page}")
+            seen = browser.run(OVERFLOWING)
+            browser.expect(f"the page is {seen['page'][0]} px wide", seen["page"][0] <= seen["page"][1])
+            browser.wrong(*(f"sticks out: {what}" for what in seen["out"] + seen["text"]))
+            browser.wrong(*browser.run(CUT_OFF))
+            check_console(browser)
+            if width == 768 and page != "index.html":
+                continue
+            browser.picture()
+        browser.wrong(*browser.run(NAMES))
+        found = browser.run(LINKS)
+        browser.expect(f"the title is that of {titles.get(found['title'])}", found["title"] not in titles)
+        browser.expect("the page has one heading", found["title"] and found["headings"] == 1)
+        titles[found["title"]] = page
+        browser.wrong(*(f"leads nowhere: {link}" for link in found["lost"]))
+        for link in set(found["links"]):
+            path = os.path.join(directory, link.split("#")[0])
+            local = not link.startswith(("#", "https:", "data:"))
+            browser.expect(f"leads nowhere: {link}", not local or os.path.isfile(path))
+    browser.open(1440, "light", page=f"{PAGE}/index.html")
+    reached = 0
+    for _ in range(500):
+        browser.press("Tab")
+        kind = browser.run(FOCUS)
+        if not kind:
+            break
+        reached += kind == "a"
+    links = browser.run("return document.querySelectorAll('a[href]').length;")
+    browser.expect(f"the keyboard reaches {reached} of {links} links", reached == links)
+    return f"{len(pages)} pages at 360, 768 and 1440 px: nothing cut off, no errors, no requests; links, titles, names and keyboard work"
+
+
+def finish(browser, done):
+    call("DELETE", browser.base)
+    for problem in browser.problems:
+        print("check-report: " + problem, file=sys.stderr)
+    if browser.problems:
+        sys.exit(1)
+    print("check-report: " + done)
+
+
 def main():
     wait_for_driver()
     browser = Browser()
+    directory = urllib.parse.unquote(PAGE.removeprefix("file://"))
+    if os.path.isdir(directory):
+        finish(browser, check_site(browser, directory))
+        return
     for width in (360, 768, 1440):
         for scheme in ("light", "dark"):
             browser.open(width, scheme)
@@ -454,7 +463,6 @@ def main():
                 browser.wrong(*browser.run(NAMES))
                 browser.wrong(*browser.run(EXPLORED))
                 check_values(browser)
-                check_surface(browser)
                 if width == 1440:
                     check_keyboard(browser)
             check_console(browser)
@@ -462,7 +470,7 @@ def main():
     seen = browser.run(OVERFLOWING)
     browser.wrong(*(f"sticks out: {what}" for what in seen["out"]))
     browser.expect("controls are not printed", browser.run(
-        "return [...document.querySelectorAll('nav, .filters, .menu, .tools')]"
+        "return [...document.querySelectorAll('nav, .filters, .menu')]"
         ".every(e => getComputedStyle(e).display === 'none');"))
     browser.picture()
     # The content must also be there without scripts.
@@ -477,13 +485,8 @@ def main():
         "return !document.querySelector('.filters') && [...document.querySelectorAll('svg.chart')]"
         ".every(svg => svg.querySelectorAll('text, image').length > 0);"))
     browser.picture()
-    call("DELETE", browser.base)
-    for problem in browser.problems:
-        print("check-report: " + problem, file=sys.stderr)
-    if browser.problems:
-        sys.exit(1)
-    print("check-report: 360, 768 and 1440 px, light, dark, print and without scripts: nothing cut off, "
-          "no errors, no requests; sorting, filters, values, keyboard and names work")
+    finish(browser, "360, 768 and 1440 px, light, dark, print and without scripts: nothing cut off, "
+           "no errors, no requests; sorting, filters, values, keyboard and names work")
 
 
 main()

@@ -23,6 +23,14 @@ const EXAMPLES: &[Examples] = &[
         ("a page of tables and plots", "report horse.json -o report.html"),
         ("every plot as a file, with ratios to mmp", "report --format svg figures --ratio-to mmp horse.json"),
     ]),
+    ("site", [
+        ("pages of all records in a directory", "site results/ -o site"),
+        ("the same with the trends of a history", "site results/ --history history/ -o site"),
+    ]),
+    ("corpus", [
+        ("which models of the corpus a directory holds", "corpus check models/"),
+        ("the same for programs", "corpus check models/ --format json"),
+    ]),
     ("claims", [
         ("what results say of the papers' claims", "claims table-1.json table-2.json"),
         ("the same for programs", "claims table-1.json --format json -o claims.json"),

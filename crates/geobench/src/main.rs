@@ -22,9 +22,9 @@ use geobench_harness::measure::instructions;
 use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAlloc};
 
 use commands::{
-    algos, certify, claims, cluster, compare, count_one_solve, distance, generate, info, init,
-    isolines, merge, path, pool, record, remesh, report, run, shell, suites, trend, verify,
-    voronoi,
+    algos, certify, claims, cluster, compare, corpus, count_one_solve, distance, generate, info,
+    init, isolines, merge, path, pool, record, remesh, report, run, shell, site, suites, trend,
+    verify, voronoi,
 };
 use terminal::ColorChoice;
 use verdict::Verdict;
@@ -75,6 +75,10 @@ enum Command {
     Compare(compare::CompareOptions),
     /// Make tables, plots and a picture of result files: one page, or files to take into a paper
     Report(report::ReportOptions),
+    /// Make a static site of results: a page for each program, model and paper
+    Site(site::SiteOptions),
+    /// Check models against the corpus, on which results are compared
+    Corpus(corpus::CorpusOptions),
     /// Check the papers' claims against results
     Claims(claims::ClaimsOptions),
     /// Write the distances of all vertices from one or several sources
@@ -174,6 +178,8 @@ fn command(arguments: Arguments) -> ExitCode {
         Command::Verify(options) => verify::verify(&options),
         Command::Compare(options) => compare::compare(&options, look),
         Command::Report(options) => report::report(&options),
+        Command::Site(options) => site::site(&options),
+        Command::Corpus(options) => corpus::corpus(&options),
         Command::Claims(options) => claims::claims(&options, look),
         Command::Distance(options) => distance::distance(&options),
         Command::Path(options) => path::path(&options),

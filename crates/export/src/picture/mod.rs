@@ -31,6 +31,12 @@ const SIZE: [f64; 2] = [scale::WIDTH, 400.0];
 /// Pixels per unit of the drawing.
 const DENSITY: f64 = 1.5;
 
+/// The bytes of an image within a drawing, if fewer colours can achieve them.
+const MOST_EMBEDDED: usize = 180_000;
+
+/// Points of a line that are nearer to the one before, in units of the drawing, are left out.
+const NEAR: f64 = 0.5;
+
 /// The most sources that are marked in full size. The marks of more sources are smaller.
 const FULL_MARKS: f64 = 30.0;
 
@@ -271,7 +277,7 @@ impl Picture {
         let (width, height) = (self.width(), SIZE[1]);
         let data = format!(
             "data:image/png;base64,{}",
-            STANDARD.encode(self.image.png())
+            STANDARD.encode(self.image.png_within(MOST_EMBEDDED))
         );
         svg.leaf(
             "image",
@@ -306,7 +312,14 @@ impl Picture {
 /// Draws lines of a colour.
 fn draw_lines(svg: &mut Svg, lines: &[Vec<[f64; 2]>], half_width: f64, [r, g, b]: [u8; 3]) {
     for line in lines {
-        let points = line.iter().map(|[x, y]| format!("{x:.2},{y:.2}"));
+        let mut kept: Vec<[f64; 2]> = Vec::new();
+        for (i, at) in line.iter().enumerate() {
+            let is_near = |last: &[f64; 2]| (at[0] - last[0]).hypot(at[1] - last[1]) < NEAR;
+            if i + 1 == line.len() || !kept.last().is_some_and(is_near) {
+                kept.push(*at);
+            }
+        }
+        let points = kept.iter().map(|[x, y]| format!("{},{}", px(*x), px(*y)));
         let attributes = [
             ("points", points.collect::<Vec<_>>().join(" ")),
             ("fill", "none".to_owned()),

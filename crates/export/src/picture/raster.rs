@@ -287,6 +287,26 @@ impl Image {
         bytes
     }
 
+    /// The picture as a PNG file of at most `most` bytes, if levels of colours in steps of up to 16
+    /// achieve that. Only noisy pictures are larger, in which the steps are not seen.
+    pub(super) fn png_within(&self, most: usize) -> Vec<u8> {
+        let mut png = self.png();
+        for step in [4_u8, 8, 16] {
+            if png.len() <= most {
+                break;
+            }
+            let level = |level: u8| (level / step) * step + step / 2;
+            let pixel = |[r, g, b, a]: &[u8; 4]| [level(*r), level(*g), level(*b), *a];
+            let coarser = Self {
+                size: self.size,
+                pixels: self.pixels.iter().map(pixel).collect(),
+                samples: Vec::new(),
+            };
+            png = coarser.png();
+        }
+        png
+    }
+
     /// This picture with another one of the same height on its right.
     pub(super) fn beside(&self, right: &Self) -> Self {
         let [width, height] = self.size;

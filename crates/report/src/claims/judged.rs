@@ -21,7 +21,7 @@ pub enum ClaimVerdict {
 }
 
 impl ClaimVerdict {
-    pub(super) const ALL: [Self; 5] = [
+    pub(crate) const ALL: [Self; 5] = [
         Self::Confirmed,
         Self::DirectionOnly,
         Self::Partly,
@@ -95,7 +95,7 @@ pub struct JudgedClaim {
     pub printed: String,
     /// The cases in words.
     #[serde(skip)]
-    pub(super) shown: String,
+    pub(crate) shown: String,
     #[serde(skip)]
     pub(super) remark: Option<String>,
     #[serde(skip)]

@@ -19,7 +19,7 @@ mod cases;
 mod expression;
 mod file;
 mod judged;
-mod page;
+pub(crate) mod page;
 #[cfg(test)]
 mod tests;
 mod topics;

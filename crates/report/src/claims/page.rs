@@ -246,13 +246,13 @@ fn summary(report: &ClaimsReport) -> Table {
 }
 
 /// The verdict, with the cause if it has one.
-fn with_cause(claim: &JudgedClaim) -> String {
+pub(crate) fn with_cause(claim: &JudgedClaim) -> String {
     let cause = claim.cause.map(|cause| format!(" ({})", cause.in_words()));
     format!("{}{}", claim.verdict.in_words(), cause.unwrap_or_default())
 }
 
 /// The reason and what explains it, as sentences.
-fn why(claim: &JudgedClaim) -> String {
+pub(crate) fn why(claim: &JudgedClaim) -> String {
     let takes = claim
         .takes
         .as_ref()

@@ -32,6 +32,8 @@ pub(crate) enum SectionItem {
     Warnings(Vec<String>),
     /// A paragraph.
     Text(String),
+    /// Prose in the marks of `prose`.
+    Prose(String),
     /// Names and values.
     Facts(Vec<(String, String)>),
     /// A heading within the section.

@@ -1,6 +1,5 @@
 //! Writes a report as one self-contained HTML page that needs no network. The page shows everything
-//! without scripts. The scripts in `assets` add filters, sorting, values on hover and the model in
-//! 3D.
+//! without scripts. The scripts in `assets` add filters, sorting and values on hover.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -8,10 +7,10 @@ use geobench_export::escape::xml as escape;
 use geobench_export::svg;
 use sha2::{Digest, Sha256};
 
-use super::BuiltReport;
 use super::chart::Chart;
 use super::document::{Document, Headline, Plot, Section, SectionItem};
 use super::tables::by_algorithm;
+use super::{BuiltReport, prose};
 use crate::table;
 
 pub(super) const STYLE: &str = include_str!("assets/page.css");
@@ -20,7 +19,6 @@ pub(super) const STYLE: &str = include_str!("assets/page.css");
 const SCRIPTS: &str = concat!(
     include_str!("assets/charts.js"),
     include_str!("assets/tables.js"),
-    include_str!("assets/surface.js"),
     include_str!("assets/explore.js"),
 );
 
@@ -49,20 +47,28 @@ pub(super) fn head(title: &str, meta: &str, styles: [&str; 2]) -> String {
 
 /// The report as an HTML page.
 pub fn page(report: &BuiltReport) -> String {
-    let document = &report.document;
+    whole(&report.document, "", "report")
+}
+
+/// A document as a page, with `links` to other pages above its contents, made by `command`.
+pub(crate) fn whole(document: &Document, links: &str, command: &str) -> String {
     let policy = format!(
         "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n",
         policy()
     );
     let mut html = head(&document.title, &policy, [svg::STYLE, STYLE]);
-    contents(&mut html, document);
+    html += links;
+    if document.sections.len() > 1 {
+        contents(&mut html, document);
+    }
     html += "<main>\n";
     for part in &document.sections {
         section(&mut html, part);
     }
-    html += "</main>\n<footer><p>Made by <code>geobench report</code> ";
-    html += env!("CARGO_PKG_VERSION");
-    html += ".</p></footer>\n";
+    html += &format!(
+        "</main>\n<footer><p>Made by <code>geobench {command}</code> {}.</p></footer>\n",
+        env!("CARGO_PKG_VERSION")
+    );
     html += &format!("<script>{SCRIPTS}</script>\n");
     html += "</body>\n</html>\n";
     html
@@ -101,6 +107,7 @@ fn write_block(html: &mut String, block: &SectionItem) {
             }
             html.push_str("</ul>\n");
         }
+        SectionItem::Prose(text) => *html += &prose::html(text),
         SectionItem::Text(text) => *html += &format!("<p>{}</p>\n", escape(text)),
         SectionItem::Heading(text) => *html += &format!("<h4>{}</h4>\n", escape(text)),
         SectionItem::Facts(facts) => {
@@ -187,7 +194,7 @@ fn write_plot(html: &mut String, plot: &Plot) {
 /// The data from which the scripts draw a plot, as a JSON script element.
 fn data(plot: &Plot) -> String {
     let json = match &plot.chart {
-        Chart::Picture(picture) => picture.surface_json(),
+        Chart::Picture(_) => None,
         chart => serde_json::to_string(chart).ok(),
     };
     // A `<` in the text could end the element or start a comment.

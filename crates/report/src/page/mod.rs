@@ -12,17 +12,18 @@
 // Positions, sizes and counts are never negative here, and writing a page is not a hot loop.
 #![allow(clippy::cast_sign_loss, clippy::format_push_string)]
 
-mod chart;
-mod document;
+pub(crate) mod chart;
+pub(crate) mod document;
 mod environment;
 mod files;
 mod headline;
-mod html;
+pub(crate) mod html;
 pub(crate) mod papers;
-mod picture;
+pub(crate) mod picture;
 mod plots;
+mod prose;
 mod scaling;
-mod setting;
+pub(crate) mod setting;
 mod tables;
 #[cfg(test)]
 mod tests;

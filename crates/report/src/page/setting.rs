@@ -6,20 +6,20 @@ use super::chart::{Lane, LinePoint, Series};
 
 /// The context of the plots of a group.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Setting<'a> {
+pub(crate) struct Setting<'a> {
     /// The prefix of the ids of plots.
-    pub(super) prefix: &'a str,
+    pub(crate) prefix: &'a str,
     /// The algorithms of the whole result. The index of an algorithm is its style: marker and
     /// colour.
-    pub(super) styles: &'a [&'a str],
+    pub(crate) styles: &'a [&'a str],
     /// Those whose times are claims that nothing confirms.
-    pub(super) claimed: &'a [&'a str],
+    pub(crate) claimed: &'a [&'a str],
     /// The base of ratios.
-    pub(super) base: Option<&'a str>,
+    pub(crate) base: Option<&'a str>,
 }
 
 impl Setting<'_> {
-    pub(super) fn style(&self, algorithm: &str) -> usize {
+    pub(crate) fn style(&self, algorithm: &str) -> usize {
         let found = self.styles.iter().position(|name| *name == algorithm);
         found.unwrap_or(0)
     }
@@ -43,7 +43,7 @@ impl Setting<'_> {
     }
 
     /// The line of an algorithm in a chart.
-    pub(super) fn series(&self, algorithm: &str, points: Vec<LinePoint>) -> Series {
+    pub(crate) fn series(&self, algorithm: &str, points: Vec<LinePoint>) -> Series {
         Series {
             style: self.style(algorithm),
             name: self.shown(algorithm),

@@ -74,7 +74,10 @@ fn body(html: &mut String, table: &Table, part: &Part) {
     for entries in &part.rows {
         let fields = entries.iter().zip(&table.columns).enumerate();
         let fields = fields.map(|(i, (entry, column))| match i {
-            0 => format!("<th scope=\"row\">{}</th>", escape(&entry.text)),
+            0 => format!(
+                "<th scope=\"row\">{}</th>",
+                linked(entry, &escape(&entry.text))
+            ),
             _ => self::entry(entry, column.numeric),
         });
         row(html, fields);
@@ -86,11 +89,29 @@ fn row(html: &mut String, fields: impl Iterator<Item = String>) {
     let _ = writeln!(html, "<tr>{}</tr>", fields.collect::<String>());
 }
 
+/// Whether a text is a day, such as 2026-11-25.
+fn is_date(text: &str) -> bool {
+    let parts: Vec<&str> = text.split('-').collect();
+    let digits = |(part, count): (&&str, usize)| {
+        part.len() == count && part.bytes().all(|b| b.is_ascii_digit())
+    };
+    parts.len() == 3 && parts.iter().zip([4, 2, 2]).all(digits)
+}
+
+/// `text`, within a link if the entry has one.
+fn linked(entry: &Entry, text: &str) -> String {
+    match &entry.link {
+        Some(address) => format!("<a href=\"{}\">{text}</a>", escape(address)),
+        None => text.to_owned(),
+    }
+}
+
 fn entry(entry: &Entry, numeric: bool) -> String {
     let class = match (entry.mark, numeric, entry.heat) {
         (Mark::Failed, ..) => " class=\"n failed\"".to_owned(),
         (_, true, 0) => " class=\"n\"".to_owned(),
         (_, true, heat) => format!(" class=\"n heat-{heat}\""),
+        _ if is_date(&entry.text) => " class=\"date\"".to_owned(),
         _ => String::new(),
     };
     // Non-breaking spaces allow line breaks only before the interval of a value.
@@ -100,7 +121,7 @@ fn entry(entry: &Entry, numeric: bool) -> String {
     } else {
         entry.text.clone()
     };
-    let text = escape(&text);
+    let text = linked(entry, &escape(&text));
     match entry.mark {
         Mark::Best => format!("<td{class}><b>{text}</b></td>"),
         _ => format!("<td{class}>{text}</td>"),

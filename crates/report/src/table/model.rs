@@ -58,6 +58,8 @@ pub struct Entry {
     /// The intensity of the background on pages, from 1, the best, to [`Self::HOTTEST`]; 0 for
     /// none.
     pub(crate) heat: u8,
+    /// The address that the text links to on pages.
+    pub(crate) link: Option<String>,
 }
 
 /// The emphasis of an entry.
@@ -163,7 +165,15 @@ impl Entry {
         Self {
             text: text.into(),
             mark,
-            heat: 0,
+            ..Self::default()
+        }
+    }
+
+    /// An entry that links to an address on pages.
+    pub(crate) fn linked(text: impl Into<String>, address: impl Into<String>) -> Self {
+        Self {
+            link: Some(address.into()),
+            ..Self::new(text)
         }
     }
 

@@ -48,9 +48,7 @@ function explore() {
   const tables = [...document.querySelectorAll("main table")].map(table => new LiveTable(table));
   const charts = [];
   for (const data of document.querySelectorAll('figure > script[type="application/json"]')) {
-    const content = JSON.parse(data.textContent);
-    if (content.kind === "surface") showSurface(data.parentElement, content);
-    else charts.push(new LiveChart(data.parentElement, content));
+    charts.push(new LiveChart(data.parentElement, JSON.parse(data.textContent)));
   }
   const names = kind => [...new Set(tables.filter(table => table.rowsAre === kind)
     .flatMap(table => table.bodies).flatMap(({ rows }) => rows).map(nameOf))];

@@ -7,6 +7,7 @@ const UNITS = { ms: 1e-3, "\u00b5s": 1e-6, ns: 1e-9 };
  * a number. `~` marks a wide interval.
  */
 function numberOf(text) {
+  if (/^\d{4}-\d\d-\d\d$/.test(text.trim())) return Date.parse(text.trim());
   const plain = text.trim().replace(/^~/, "").replace(/(\d),(?=\d{3})/g, "$1");
   return parseFloat(plain) * (UNITS[plain.match(/^[\d.]+\s(\S+)/)?.[1]] ?? 1);
 }

@@ -28,7 +28,7 @@ struct Pair {
 /// A heading, a text, a table and plots of the ratios in `table` and in `group`, for the figures
 /// and algorithms that both have; empty if there are none. The base of ratios is that of `setting`
 /// if the table has it, else the last algorithm of the table.
-pub(in crate::page) fn compare(
+pub(crate) fn compare(
     group: &GroupCells<'_>,
     table: &PaperTable,
     setting: Setting<'_>,

@@ -10,7 +10,7 @@ use geobench_registry::UsageError;
 
 mod compare;
 
-pub(super) use compare::compare;
+pub(crate) use compare::compare;
 
 /// The name and the content of a file of `bench-configs/papers`.
 macro_rules! file {

@@ -17,10 +17,6 @@ use geobench_registry::UsageError;
 use geobench_vtp::VtpFast;
 use geobench_window::Goal;
 
-use self::surface::{SurfacePath, SurfaceView};
-
-mod surface;
-
 /// Approximate number of isolines.
 const ISOLINES: f64 = 24.0;
 
@@ -37,7 +33,7 @@ const MOST_BYTES: u64 = 1 << 32;
 /// The number of shortest paths that are drawn.
 const PATHS: usize = 5;
 
-/// A picture of a model, with the data of its view in 3D.
+/// A picture of a model.
 #[derive(Clone, Debug)]
 pub(crate) struct ModelPicture {
     /// The name of the model.
@@ -45,14 +41,6 @@ pub(crate) struct ModelPicture {
     /// What is drawn, in words.
     pub(crate) caption: String,
     pub(crate) flat: Picture,
-    surface: SurfaceView,
-}
-
-impl ModelPicture {
-    /// The data of the view in 3D as JSON.
-    pub(crate) fn surface_json(&self) -> Option<String> {
-        serde_json::to_string(&self.surface).ok()
-    }
 }
 
 /// The model that is drawn.
@@ -188,38 +176,25 @@ fn of_model(
         Vec::new()
     };
     let far = far_vertices(mesh, distances);
-    let traced: Vec<SurfacePath> = far
+    let lines = far
         .iter()
-        .filter_map(|&v| {
-            let path = paths.to(v).ok()??;
-            Some(SurfacePath::new(v, path.length, path.polyline(mesh)))
-        })
-        .collect();
-    let lines = traced.iter().map(SurfacePath::points);
-    let paths_drawn = traced.len();
+        .filter_map(|&v| Some(paths.to(v).ok()??.polyline(mesh)));
+    let lines: Vec<Vec<[f64; 3]>> = lines.collect();
     let scene = Scene {
         sources: mesh
             .positions()
             .get(vertex.index()..=vertex.index())
             .unwrap_or_default(),
         isolines: &isolines,
-        paths: &lines.collect::<Vec<_>>(),
+        paths: &lines,
         ..Scene::new(mesh, distances)
     };
     let drawn_step = if is_exact { f64::INFINITY } else { step };
     let flat = Picture::new(&scene, drawn_step).ok_or_else(|| error(&"it has no coordinates"))?;
-    let range = [flat.farthest().unwrap_or_default(), step];
-    let surface = SurfaceView::new(&scene, flat.axes(), range, traced);
-    let decimated = surface.decimated().map_or_else(String::new, |faces| {
-        format!(
-            " The view in 3D is decimated to {} faces.",
-            grouped(faces as u64)
-        )
-    });
     Ok(ModelPicture {
         model: name.to_owned(),
         caption: format!(
-            "From vertex {source} ({}), an isoline every {} units{}, and shortest paths to {} far vertices; {} vertices, {} faces, computed anew.{decimated}",
+            "From vertex {source} ({}), an isoline every {} units{}, and shortest paths to {} far vertices; {} vertices, {} faces, computed anew.",
             if flat.shows_a_source() {
                 "white dot"
             } else {
@@ -231,12 +206,11 @@ fn of_model(
             } else {
                 " between vertices interpolated"
             },
-            paths_drawn,
+            lines.len(),
             grouped(loaded.measures.vertices as u64),
             grouped(loaded.measures.faces as u64),
         ),
         flat,
-        surface,
     })
 }
 

@@ -1,0 +1,136 @@
+//! A static site of many results: a page for each program, model and paper, and pages that compare
+//! all of them. It is made from records alone and asks the network for nothing.
+
+// Counts are never negative here, and writing pages is not a hot loop.
+#![allow(clippy::cast_sign_loss, clippy::format_push_string)]
+
+mod front;
+mod measured;
+mod model;
+mod pages;
+mod paper;
+mod program;
+mod records;
+#[cfg(test)]
+mod tests;
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::Context as _;
+use geobench_export::output::OutputFile;
+
+use self::measured::Measurement;
+use self::pages::{PAGES, Pages, TREND, model_address, program_address, prose};
+pub use self::records::SiteRecords;
+use crate::corpus::Corpus;
+use crate::page::document::{Document, Section};
+use crate::page::html;
+
+/// A site, ready to be written: names and contents of its pages.
+#[derive(Clone, Debug)]
+pub struct StaticSite {
+    pages: Vec<(String, String)>,
+}
+
+impl StaticSite {
+    /// Builds the pages. `trend` is the page of a history.
+    ///
+    /// # Errors
+    ///
+    /// When the claims of papers or the descriptions of programs cannot be read, which does not
+    /// occur.
+    pub fn build(
+        records: &SiteRecords,
+        corpus: &Corpus,
+        trend: Option<String>,
+    ) -> anyhow::Result<Self> {
+        let all = Measurement::all(records);
+        let context = Pages {
+            records,
+            corpus,
+            programs: pages::public()?,
+            all: &all,
+            has_trend: trend.is_some(),
+        };
+        let mut site = Self { pages: Vec::new() };
+        let mut add = |name: &str, title: &str, sections: Vec<Section>| {
+            let document = Document {
+                title: title.to_owned(),
+                sections,
+            };
+            let page = html::whole(&document, &context.links(name), "site");
+            site.pages.push((name.to_owned(), page));
+        };
+        let judged = paper::judged(records)?;
+        for (name, _, title) in PAGES {
+            let sections = match name {
+                "index" => front::sections(&context),
+                "programs" => program::list(&context),
+                "models" => model::list(&context),
+                "papers" => paper::list(&judged),
+                "wrong" => program::wrong(&context),
+                "records" => context.records_and_machines(),
+                "method" => prose("method", include_str!("prose/method.md")),
+                "program" => prose("program", include_str!("prose/program.md")),
+                "submit" => prose("submit", include_str!("prose/submit.md")),
+                _ => prose("wishes", include_str!("prose/wishes.md")),
+            };
+            add(name, title, sections);
+        }
+        for name in context.program_names() {
+            let (title, sections) = program::page(&context, name);
+            add(&program_address(name), &title, sections);
+        }
+        for model in context.models() {
+            let name = context.name_of(model);
+            add(
+                &model_address(model, context.corpus),
+                name,
+                model::page(&context, model),
+            );
+        }
+        for one in &judged {
+            let title = format!("{}: {}", one.paper, one.title);
+            add(
+                &paper::address(&one.paper),
+                &title,
+                paper::page(records, one),
+            );
+        }
+        if let Some(page) = trend {
+            let links = context.links(TREND.0);
+            let page = page.replacen("</header>\n", &format!("</header>\n{links}"), 1);
+            site.pages.push((TREND.0.to_owned(), page));
+        }
+        Ok(site)
+    }
+
+    /// The names and the contents of the pages.
+    pub fn pages(&self) -> impl Iterator<Item = (&str, &str)> {
+        let pages = self.pages.iter();
+        pages.map(|(name, page)| (name.as_str(), page.as_str()))
+    }
+
+    /// Writes the pages and copies of the records into `directory`, which is created if missing.
+    /// Files of the same names are replaced; others are kept. Returns the number of pages.
+    ///
+    /// # Errors
+    ///
+    /// When something cannot be written.
+    pub fn write(&self, records: &SiteRecords, directory: &Path) -> anyhow::Result<usize> {
+        let copies = directory.join("records");
+        fs::create_dir_all(&copies)
+            .with_context(|| format!("{}: cannot be made", copies.display()))?;
+        for record in &records.results {
+            let bytes = fs::read(&record.path)
+                .with_context(|| format!("{}: cannot be read", record.path.display()))?;
+            OutputFile::prepare(&directory.join(record.address()))?.write(&bytes)?;
+        }
+        for (name, page) in &self.pages {
+            let path = directory.join(format!("{name}.html"));
+            OutputFile::prepare(&path)?.write(page.as_bytes())?;
+        }
+        Ok(self.pages.len())
+    }
+}

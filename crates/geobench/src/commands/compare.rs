@@ -82,13 +82,17 @@ pub(crate) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Ve
     let (name, first) = &files[0];
     let render: Box<dyn Fn(ComparisonFormat, Look) -> anyhow::Result<String>>;
     let is_worse;
+    let unjudged;
     if let [(new_name, new)] = &files[1..] {
         let comparison = comparing::compare((name, first), (new_name, new), &rules)?;
         is_worse = comparison.is_worse();
+        unjudged = comparison.unjudged_rule(&rules);
         render = Box::new(move |format, look| format.render(&comparison, look));
     } else {
         let several = BaselineComparisons::new((name, first), &files[1..], &rules)?;
         is_worse = several.is_worse();
+        let files = several.comparisons.iter();
+        unjudged = files.filter_map(|file| file.unjudged_rule(&rules)).next();
         render = Box::new(move |format, look| format.render_several(&several, look));
     }
     for (format, file) in &outputs {
@@ -96,6 +100,11 @@ pub(crate) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Ve
     }
     if outputs.iter().all(|(_, file)| !file.is_standard_output()) {
         terminal::print_rendered(&render(options.format, look)?)?;
+    }
+    if let (Some(rule), false) = (unjudged, is_worse) {
+        bail!(
+            "the rule {rule} is judged in no cell: an interval of the time takes six runs of each file"
+        );
     }
     Ok(Verdict::of(!is_worse))
 }
@@ -111,9 +120,9 @@ fn against(options: &CompareOptions, range: &str, look: Look) -> anyhow::Result<
     let history = ordered(directory, &options.line)?;
     terminal::notes(&history.notes);
     let records = up_to_head(directory, history.records, &options.line)?;
-    let commits = commits_of(range)?;
+    let commits = commits_of(range, &history.line)?;
     let rules = options.fail_on.clone().unwrap_or_default();
-    let gate = gate::gate(&records, &commits, &rules)?;
+    let gate = gate::gate(&records, &history.apart, &commits, &rules)?;
     let render = |format: ComparisonFormat, look: Look| match format {
         ComparisonFormat::Json => json_lines(&gate),
         ComparisonFormat::Table => Ok(table::gate(&gate, look)),
@@ -132,10 +141,20 @@ fn against(options: &CompareOptions, range: &str, look: Look) -> anyhow::Result<
 }
 
 /// The commits of a range, full hashes. A range that begins before the first commit begins there,
-/// with a note.
-fn commits_of(range: &str) -> anyhow::Result<Vec<String>> {
+/// with a note. What the repository here does not know, as a shallow clone or none, is looked for in
+/// `line`, the commits that the history knows, the newest first.
+fn commits_of(range: &str, line: &[String]) -> anyhow::Result<Vec<String>> {
     let list = |range: &str| git(&["rev-list", "--end-of-options", range]);
     let mut found = list(range);
+    // `None` without a repository.
+    let is_shallow = git(&["rev-parse", "--is-shallow-repository"]);
+    let is_shallow = is_shallow.map(|text| text.trim() == "true");
+    if found.is_none()
+        && is_shallow != Some(false)
+        && let Some(commits) = range_in(range, line)
+    {
+        return Ok(commits.to_vec());
+    }
     // `HEAD~10` where `HEAD` has fewer commits before it.
     let is_before_all = |begin: &str| {
         let commit = begin.split(['~', '^']).next();
@@ -144,8 +163,7 @@ fn commits_of(range: &str) -> anyhow::Result<Vec<String>> {
     if let (None, Some((begin, end))) = (&found, range.split_once(".."))
         && is_before_all(begin)
     {
-        if git(&["rev-parse", "--is-shallow-repository"]).is_some_and(|text| text.trim() == "true")
-        {
+        if is_shallow == Some(true) {
             bail!(
                 "--against {range}: this clone is shallow and has no such beginning; fetch more of it"
             );
@@ -162,4 +180,47 @@ fn commits_of(range: &str) -> anyhow::Result<Vec<String>> {
         bail!("--against {range}: not a range of commits of the git repository here");
     };
     Ok(found.lines().map(str::to_owned).collect())
+}
+
+/// The commits of `line`, the newest first, in a range `BEGIN..END`, or up to a single commit. An end
+/// is `HEAD`, the first commit, or the beginning of a hash, with `~N` or `^`; one of `BEGIN` that is
+/// beyond the line takes all.
+fn range_in<'l>(range: &str, line: &'l [String]) -> Option<&'l [String]> {
+    let place = |name: &str| {
+        let (commit, back) = match name.split_once(['~', '^']) {
+            Some((commit, "")) => (commit, 1),
+            Some((commit, back)) => (commit, back.parse().ok()?),
+            None => (name, 0),
+        };
+        let found = match commit {
+            "" | "HEAD" => 0,
+            hash if hash.len() >= 4 => line.iter().position(|known| known.starts_with(hash))?,
+            _ => return None,
+        };
+        found.checked_add(back)
+    };
+    let (begin, end) = range.split_once("..").unwrap_or(("", range));
+    let until = match begin {
+        "" if !range.contains("..") => line.len(),
+        begin => place(begin)?.min(line.len()),
+    };
+    line.get(place(end)?..until)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_are_found_in_what_a_history_knows() {
+        let line: Vec<String> = (0..5).map(|k| format!("{k}abcdef")).collect();
+        let found = |range| range_in(range, &line).map(<[String]>::len);
+        assert_eq!(range_in("HEAD~3..HEAD", &line), Some(&line[..3]));
+        assert_eq!(range_in("3abc..1abc", &line), Some(&line[1..3]));
+        assert_eq!(range_in("HEAD^..", &line), Some(&line[..1]));
+        assert_eq!(found("2abcd"), Some(3));
+        assert_eq!(found("HEAD~9..HEAD~1"), Some(4));
+        assert_eq!(found("main..HEAD"), None);
+        assert_eq!(found("HEAD~x..HEAD"), None);
+    }
 }

@@ -115,14 +115,33 @@ fn measured(file: &ResultFile, options: &RecordOptions) -> anyhow::Result<String
     }
 }
 
-/// Parses a time: RFC 3339 in UTC, or a date alone.
+/// Parses a time: RFC 3339 with any offset, or a date alone.
 fn time(text: &str) -> Result<String, String> {
     let whole = [text.to_owned(), format!("{text}T00:00:00Z")];
-    let found = whole
+    let utc = whole
         .iter()
         .find_map(|text| humantime::parse_rfc3339(text).ok());
+    let found = utc.or_else(|| with_offset(text));
     let found = found.ok_or("give a time such as 2025-03-04T05:06:07Z, or a date")?;
     Ok(humantime::format_rfc3339_seconds(found).to_string())
+}
+
+/// Parses a time such as `2025-03-04T05:06:07+02:00`, as `git log --format=%cI` prints it.
+fn with_offset(text: &str) -> Option<SystemTime> {
+    let (local, offset) = text.split_at_checked(text.len().checked_sub("+00:00".len())?)?;
+    let sign = offset.chars().next().filter(|sign| "+-".contains(*sign))?;
+    let (hours, minutes) = offset[1..].split_once(':')?;
+    let number = |digits: &str| {
+        let is_number = digits.len() == 2 && digits.bytes().all(|b| b.is_ascii_digit());
+        is_number.then(|| digits.parse::<u64>().ok()).flatten()
+    };
+    let offset = Duration::from_secs(3600 * number(hours)? + 60 * number(minutes)?);
+    let local = humantime::parse_rfc3339(&format!("{local}Z")).ok()?;
+    if sign == '+' {
+        local.checked_sub(offset)
+    } else {
+        local.checked_add(offset)
+    }
 }
 
 /// Commit time in the repository of the current directory, RFC 3339 in UTC. `None` if the commit is

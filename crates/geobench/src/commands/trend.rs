@@ -104,7 +104,7 @@ pub(crate) fn trend(options: &TrendOptions, look: Look) -> anyhow::Result<Verdic
         Some(rules) => {
             let records = up_to_head(&options.history, history.records, &options.line)?;
             let earlier: Vec<String> = records.iter().map(|r| r.commit.clone()).collect();
-            Some(gate::gate(&records, &earlier, rules)?)
+            Some(gate::gate(&records, &[], &earlier, rules)?)
         }
         None => None,
     };

@@ -47,9 +47,14 @@ fn comments_and_short_loops_pass_and_are_shown() {
         assert!(outcome.stdout.contains("times are compared pair by pair"));
     }
     assert!(compared(SLOWER, &rules()).stdout.contains("| +1.32 % |"));
-    // The times are from a busy machine. No interval lies entirely beyond 10 %.
+    // The times of five runs have no interval, so that a rule on them could never be broken.
     let strict = compared(COMMENTS, &(rules() + ",time=10%"));
-    assert_eq!(strict.code, 0, "{}", strict.stdout);
+    assert_eq!(strict.code, 2, "{}", strict.stdout);
+    assert!(
+        strict
+            .stderr
+            .contains("the rule time=10% is judged in no cell")
+    );
 }
 
 #[test]

@@ -24,10 +24,10 @@ const NEIGHBOURS: usize = 2;
 
 /// A value is an outlier if it differs from the median of its neighbourhood by more than this many
 /// standard deviations of the noise.
-const FAR: f64 = 3.0;
+pub(super) const FAR: f64 = 3.0;
 
 /// The median absolute deviation of the normal distribution with standard deviation 1.
-const NORMAL_MAD: f64 = 0.674_489_750_196_081_7;
+pub(super) const NORMAL_MAD: f64 = 0.674_489_750_196_081_7;
 
 /// A change of the level of a series.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,6 +8,7 @@ use geobench_harness::measure::statistics::median;
 use geobench_harness::schema::Status;
 use serde::Serialize;
 
+use crate::history::changes::{FAR, NORMAL_MAD, changes};
 use crate::history::compare::{CellKey, Measure, Rules, Subject, TimeKind, percent};
 use crate::history::records::{CellRecord, Record};
 
@@ -78,19 +79,25 @@ impl GateReport {
 }
 
 /// Compares the last of `records`, which are in the order of their commits, with the records of the
-/// commits `against`, which are full hashes. Only records of the same machine class and suite are
-/// used. While the history has records of fewer than [`FEWEST`] of these commits, whatever the
-/// machine, it is learning.
+/// commits `against`, which are full hashes. These may also be among the records `apart`, of commits
+/// on other lines. Only records of the same machine class and suite are used. While the history has
+/// records of fewer than [`FEWEST`] other commits, whatever the machine, it is learning.
 ///
 /// # Errors
 ///
-/// When `records` is empty, or has records of enough of these commits but none that can be compared
-/// with the last.
-pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Result<GateReport> {
+/// When `records` is empty, or the history has records of enough commits but none of those asked for
+/// that can be compared with the last.
+pub fn gate(
+    records: &[Record],
+    apart: &[Record],
+    against: &[String],
+    rules: &Rules,
+) -> anyhow::Result<GateReport> {
     let Some(newest) = records.last() else {
         bail!("the history has no records");
     };
-    let (base, learning) = base(records, newest, against)?;
+    let known: Vec<&Record> = apart.iter().chain(records).collect();
+    let (base, learning) = base(&known, newest, against)?;
     let (mut lines, mut notes) = (Vec::new(), Vec::new());
     for cell in &newest.cells {
         let earlier: Vec<&CellRecord> = base
@@ -189,24 +196,35 @@ pub fn gate(records: &[Record], against: &[String], rules: &Rules) -> anyhow::Re
     })
 }
 
-/// The records of the commits `against` that can be compared with `newest`, and, while they are too
-/// few to judge by, of how many commits there are records.
+/// The records of the commits `against` that can be compared with `newest`, and, while the history
+/// has too few to judge by, of how many other commits it has records.
 ///
 /// # Errors
 ///
 /// As [`gate`].
 fn base<'r>(
-    records: &'r [Record],
+    records: &[&'r Record],
     newest: &Record,
     against: &[String],
 ) -> anyhow::Result<(Vec<&'r Record>, Option<usize>)> {
+    let others = records.iter().copied();
+    let others = others.filter(|record| record.commit != newest.commit);
+    let commits: HashSet<&str> = others
+        .clone()
+        .map(|record| record.commit.as_str())
+        .collect();
+    let learning = (commits.len() < FEWEST).then_some(commits.len());
     let is_asked = |record: &&Record| {
         let mut asked = against.iter();
-        record.commit != newest.commit && asked.any(|commit| commit.starts_with(&record.commit))
+        asked.any(|commit| commit.starts_with(&record.commit))
     };
-    let asked: Vec<&Record> = records.iter().filter(is_asked).collect();
-    let commits: HashSet<&str> = asked.iter().map(|record| record.commit.as_str()).collect();
-    let learning = (commits.len() < FEWEST).then_some(commits.len());
+    let asked: Vec<&Record> = others.filter(is_asked).collect();
+    if asked.is_empty() && learning.is_none() {
+        bail!(
+            "the history has no record of the commits to compare with, apart from the newest, {}",
+            newest.short()
+        );
+    }
     let is_base =
         |record: &&Record| record.machine() == newest.machine() && record.suite == newest.suite;
     let base: Vec<&Record> = asked.into_iter().filter(is_base).collect();
@@ -221,7 +239,29 @@ fn base<'r>(
     Ok((base, learning))
 }
 
-/// Compares the time of a cell with the medians of the base commits. The interval is the 95 %
+/// Fewest values of which a minority can be told.
+const FEWEST_OF_LEVEL: usize = 5;
+
+/// The last level of a series of times: the values since the last change of level by a factor of
+/// `1 + least`, without those that are farther from their median than that and than noise (Hampel
+/// 1974). So a few slow commits neither widen the noise nor are the measure of the next ones. A level
+/// of [`FEWEST`] commits or more is taken to be meant.
+fn last_level(values: &[f64], least: f64) -> Vec<f64> {
+    let start = changes(values, least)
+        .last()
+        .map_or(0, |change| change.index);
+    let level = &values[start..];
+    let middle = |values: &[f64]| median(values).unwrap_or(f64::NAN);
+    let centre = middle(level);
+    let off = |value: &f64| (value / centre).ln().abs();
+    let spread = middle(&level.iter().map(off).collect::<Vec<_>>()) / NORMAL_MAD;
+    let far = (FAR * spread).max((1.0 + least).ln());
+    let is_kept = |value: &&f64| level.len() < FEWEST_OF_LEVEL || off(value) <= far;
+    level.iter().filter(is_kept).copied().collect()
+}
+
+/// Compares the time of a cell with the medians of the base commits, as far as they are of their [last
+/// level](last_level). The interval is the 95 %
 /// prediction interval for one more value, from the mean and the standard deviation of the
 /// logarithms and Student's t-distribution. `None` if fewer than [`FEWEST`] commits have times.
 fn time(
@@ -232,6 +272,8 @@ fn time(
 ) -> Option<GateLine> {
     let of = |cell: &CellRecord| median(cell.samples_of(kind)).filter(|median| *median > 0.0);
     let medians: Vec<f64> = earlier.iter().filter_map(|cell| of(cell)).collect();
+    let rule = rules.on(Subject::Time(kind));
+    let medians = last_level(&medians, rule.map_or(USUAL_LIMIT, |rule| rule.limit));
     let new = of(cell)?;
     if medians.len() < FEWEST {
         return None;
@@ -246,7 +288,7 @@ fn time(
     let ci95 = [ratio * (-reach).exp(), ratio * reach.exp()];
     let noise = noise(&logarithms);
     let is_noise = noise.is_some_and(|noise| (ratio.max(1.0 / ratio) - 1.0) <= noise);
-    let rule = rules.on(Subject::Time(kind)).filter(|_| !is_noise);
+    let rule = rule.filter(|_| !is_noise);
     let broken = rule.filter(|rule| ci95[0] > 1.0 + rule.limit);
     let improved = rule.filter(|rule| ci95[1] < 1.0 - rule.limit);
     Some(GateLine {
@@ -261,6 +303,9 @@ fn time(
         improved: improved.map(ToString::to_string),
     })
 }
+
+/// The change that ends a level where no rule has a limit.
+const USUAL_LIMIT: f64 = 0.05;
 
 /// Fewest changes from commit to commit from which the threshold of a cell is taken.
 const FEWEST_CHANGES: usize = 4;
@@ -343,7 +388,7 @@ mod tests {
 
     fn compared(records: &[Record], rules: &str) -> GateReport {
         let all: Vec<String> = records.iter().map(|r| r.commit.clone()).collect();
-        gate(records, &all, &rules.parse().unwrap()).unwrap()
+        gate(records, &[], &all, &rules.parse().unwrap()).unwrap()
     }
 
     fn broken(gate: &GateReport) -> Vec<String> {
@@ -372,6 +417,46 @@ mod tests {
         let mut failed = records[..5].to_vec();
         failed[4].cells[0].status = Status::Crashed;
         assert_eq!(broken(&compared(&failed, "time=5%")), ["mmp status"]);
+    }
+
+    #[test]
+    fn a_slow_commit_opens_the_gate_for_no_other() {
+        // Ten commits at one level, then twice that.
+        let mut records = history()[..8].to_vec();
+        let fast = records[7].clone();
+        let push = |records: &mut Vec<Record>, factor: f64| {
+            let mut next = fast.clone();
+            let number = records.len();
+            next.commit = format!("{number:040x}");
+            for (k, sample) in next.cells[0].samples.iter_mut().enumerate() {
+                // Noise of a percent.
+                *sample *= factor * (1.0 + 0.01 * (f64::from((7 * number + k) as u32 % 5) - 2.0));
+            }
+            records.push(next);
+        };
+        push(&mut records, 1.0);
+        push(&mut records, 1.0);
+        let mut verdicts = Vec::new();
+        for _ in 0..6 {
+            push(&mut records, 2.0);
+            verdicts.push(compared(&records, "time=5%").is_worse());
+        }
+        // After three commits the new level is taken to be meant.
+        assert_eq!(verdicts, [true, true, true, false, false, false]);
+    }
+
+    #[test]
+    fn commits_on_another_line_are_a_base_and_too_few_are_no_pass() {
+        let records = history()[..8].to_vec();
+        let rules = "time=5%".parse().unwrap();
+        let (apart, line) = (&records[..7], &records[7..]);
+        let all: Vec<String> = apart.iter().map(|r| r.commit.clone()).collect();
+        let found = gate(line, apart, &all, &rules).unwrap();
+        assert_eq!((found.learning, found.base.len()), (None, 7));
+        // A range with records of one commit, in a history of many.
+        let found = gate(line, apart, &all[..1], &rules).unwrap();
+        assert!(found.has_compared_nothing(), "{found:?}");
+        assert!(gate(line, apart, &["f".repeat(40)], &rules).is_err());
     }
 
     #[test]
@@ -428,7 +513,9 @@ mod tests {
         assert!(gate_of_two.notes[0].contains("the noise needs 3 base commits"));
         assert!(gate_of_two.lines.is_empty());
         assert_eq!(gate_of_two.learning, Some(2));
-        let of_none = gate(&records, &[], &Rules::default()).unwrap();
+        // None of those asked for has a record, in a history of many.
+        assert!(gate(&records, &[], &[], &Rules::default()).is_err());
+        let of_none = gate(&records[..1], &[], &[], &Rules::default()).unwrap();
         assert_eq!(of_none.learning, Some(0));
         assert!(!of_none.is_worse() && !of_none.has_compared_nothing());
         // A slow commit is not judged by two others.
@@ -437,7 +524,7 @@ mod tests {
         let mut records = records[..4].to_vec();
         records[3].host.cores = 64;
         let all: Vec<String> = records.iter().map(|r| r.commit.clone()).collect();
-        let error = gate(&records, &all, &Rules::default()).unwrap_err();
+        let error = gate(&records, &[], &all, &Rules::default()).unwrap_err();
         assert!(error.to_string().contains("no record of these commits"));
     }
 }

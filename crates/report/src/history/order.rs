@@ -14,6 +14,9 @@ pub struct OrderedHistory {
     pub records: Vec<Record>,
     /// Those of other commits, by the times of their runs.
     pub apart: Vec<Record>,
+    /// The commits of the line, the newest first, as far as they are known, whether or not they have
+    /// records.
+    pub line: Vec<String>,
     /// The commit that was measured last on the line.
     pub head: Option<String>,
     /// What is unusual about the order, in sentences.
@@ -72,6 +75,7 @@ impl OrderedHistory {
         Self {
             head: records.last().map(|record| record.commit.clone()),
             notes: Self::note(&apart, line).into_iter().collect(),
+            line: line.to_vec(),
             records,
             apart,
         }
@@ -86,6 +90,11 @@ impl OrderedHistory {
             notes: (records.len() > 1)
                 .then(|| note.to_owned())
                 .into_iter()
+                .collect(),
+            line: records
+                .iter()
+                .rev()
+                .map(|record| record.commit.clone())
                 .collect(),
             records,
             apart: Vec::new(),

@@ -67,6 +67,16 @@ impl FileComparison {
     pub fn is_worse(&self) -> bool {
         self.regressions > 0 || !self.overall.is_empty()
     }
+
+    /// The rule on times, if times are compared but none has the interval by which it is judged: a
+    /// comparison that can never fail is no comparison.
+    pub fn unjudged_rule(&self, rules: &Rules) -> Option<String> {
+        let rule = rules.on(Subject::Time(TimeKind::Time))?;
+        let mut times = self.cells.iter().filter_map(|cell| cell.time.as_ref());
+        let is_compared = times.clone().next().is_some();
+        let is_judged = times.any(|time| time.ci95.is_some());
+        (is_compared && !is_judged).then(|| rule.to_string())
+    }
 }
 
 /// One of the two files.

@@ -1,6 +1,6 @@
 //! Vertices by distance: the schedule of VTP for single windows or lists.
 
-use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Numbering, Splice, VertexId};
 use geobench_window::continuous::Surface;
 use geobench_window::queue::{Arena, Chain, Discipline, Event, EventKind, Heap, MinHeap};
 use geobench_window::trimming::ThinFaces;
@@ -116,6 +116,18 @@ impl Discipline for VertexOrder {
 
     fn start(&mut self, source: VertexId) {
         self.pass(source);
+    }
+
+    fn splice(&mut self, mesh: &Mesh, splice: &Splice) {
+        self.clear();
+        // Its own copy: a clone would keep the algorithm from changing its mesh in place.
+        self.mesh.splice(splice);
+        self.waiting.resize(mesh.half_edge_count(), Chain::EMPTY);
+        self.joined.resize(mesh.face_count(), 0);
+        let numbering = &self.numbering;
+        let number = |h| numbering.new_half_edge(h).index();
+        let half_edges = mesh.half_edge_count();
+        self.thin.splice(mesh, splice, half_edges, number);
     }
 
     #[inline]

@@ -61,7 +61,7 @@
 //! be the point nearest to a position in space:
 //!
 //! ```
-//! use geodesics::{Distances, Mesh, SurfacePoint};
+//! use geodesics::{Distances, Mesh, SurfacePoint, SurfaceSolver};
 //!
 //! let mesh = Mesh::generate("sphere,subdiv=2")?;
 //! let inside = mesh.point_in_face(7.into(), [0.2, 0.3, 0.5])?;
@@ -70,10 +70,11 @@
 //! let distances = mesh.distances_from([inside, pole])?; // From the nearer one.
 //! assert_eq!(distances.len(), mesh.vertex_count());
 //!
-//! // A refined mesh has a vertex at each point, so that any solver can start or end there.
-//! let refined = mesh.with_points(&[inside, pole])?;
-//! let from_inside = refined.mesh.distances_from(refined.vertices[0])?;
-//! assert!(from_inside[refined.vertices[1].index()] > 0.0);
+//! // A solver that is set up once starts and ends anywhere, as fast as at vertices.
+//! let mut solver = SurfaceSolver::new(&mesh);
+//! let path = solver.path(inside, pole)?.expect("the sphere is in one piece");
+//! let between = solver.distances_to(inside, pole, f64::INFINITY)?[0];
+//! assert!((path.length - between).abs() < 1e-12);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -109,16 +110,18 @@
 //!
 //! * [`Mesh`]: reading, building and querying meshes. [`io`] reads and writes files, [`generate`]
 //!   makes models, [`Mesh::from_soup`] reports every defect that it finds or repairs.
+//! * [`SurfaceSolver`], a solver for points anywhere on the surface; [`DistanceField`], the distance
+//!   of every point after one solve, with paths, gradients and isolines.
 //! * [`VtpFast`], the fastest solver, and [`Pvtp`], the same on several threads.
 //! * [`solvers`]: all solvers, with the names of the papers.
 //! * [`Paths`]: the shortest paths to many vertices, from one run of a solver.
 //! * [`Diagram`]: geodesic Voronoi diagrams. [`remesh`]: new meshes; [`Quality`] and
-//!   [`SurfaceDeviation`] measure them. [`Certificate`]: proofs of distances. [`DistanceField`]:
-//!   the distance of every point of a surface, for isolines.
+//!   [`SurfaceDeviation`] measure them. [`Certificate`]: proofs of distances.
 //! * [`Solver`]: the interface of all solvers. It also counts windows and samples phases.
 //! * [`mesh`](mod@mesh), [`window`], [`mmp`], [`ich`], [`fwp`], [`vtp`], [`paths`], [`isolines`],
 //!   [`voronoi`], [`certify`]: the crates of the suite, with the parts from which solvers are
-//!   built.
+//!   built. What is in these modules only may change in any version; what is at the root changes
+//!   with the version of the crate.
 //! * [`approx`]: approximate solvers for comparison, such as fast marching; the heat method with
 //!   the feature `heat`.
 //!
@@ -137,6 +140,7 @@
 //!   faces: some 20 ms for 20,000 faces, one to several seconds for a million.
 
 mod certificate;
+mod surface_solver;
 
 pub use geobench_approx as approx;
 pub use geobench_certify as certify;
@@ -154,7 +158,9 @@ use geobench_mmp::mmp_fast;
 
 pub use certificate::{Certificate, CertificateError, Judgement, OriginalFailure};
 pub use geobench_certify::FailurePlace;
-pub use geobench_isolines::{CircleArc, DistanceField, FieldError, Isoline, Line, TooManyLevels};
+pub use geobench_isolines::{
+    CircleArc, DistanceField, FieldError, Isoline, Line, QueryError, TooManyLevels,
+};
 pub use geobench_mesh::{
     InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined, SurfacePoint,
     TriangleSoup, VertexId, Weld, WeldError, generate, io,
@@ -166,6 +172,7 @@ pub use geobench_voronoi::{
 };
 pub use geobench_vtp::{Pvtp, VtpFast};
 pub use geobench_window::{Goal, Solution, SolveError, Solver, Sources, Stop};
+pub use surface_solver::SurfaceSolver;
 
 /// All exact solvers, named as in their papers and in the benchmark.
 ///

@@ -51,6 +51,11 @@ impl Angles {
         }
     }
 
+    /// Changes the number of angles. The next [`clear`](Self::clear) frees them.
+    pub(crate) fn resize(&mut self, half_edges: usize) {
+        self.angles.resize(half_edges, Angle::FREE);
+    }
+
     pub(crate) fn clear(&mut self) {
         self.angles.fill(Angle::FREE);
     }

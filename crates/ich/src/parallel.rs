@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Splice, VertexId};
 use geobench_window::continuous::{EdgeView, Surface};
 use geobench_window::queue::mean_edge_length;
 use geobench_window::trimming::KeptWindows;
@@ -489,6 +489,17 @@ impl Propagate for Pch {
             return Err(SolveError::NoThreads { threads });
         }
         Ok(())
+    }
+
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        let undo = self.mesh.splice(splice);
+        let (mesh, half_edges) = (&self.mesh, self.mesh.half_edge_count());
+        self.surface.splice(mesh, splice);
+        self.angles.resize(half_edges);
+        let faces = self.surface.faces();
+        let number = |h| faces.number(h).index();
+        self.kept.splice(mesh, splice, half_edges, number);
+        Some(undo)
     }
 
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {

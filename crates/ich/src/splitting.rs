@@ -1,7 +1,7 @@
 //! The policy of the CH family: windows are filtered, wait, are split once at each angle, and are
 //! not stored.
 
-use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Splice, VertexId};
 use geobench_window::continuous::{Arrival, Child, Dequeued, Policy, Surface};
 use geobench_window::trimming::KeptWindows;
 use geobench_window::{
@@ -126,6 +126,15 @@ impl<const JOINT: bool> Policy for Splitting<JOINT> {
     ];
 
     const WINDOW_BYTES: usize = size_of::<Leaf>();
+    const SPLICES: bool = true;
+
+    fn splice(&mut self, mesh: &Mesh, splice: &Splice, surface: &Surface) {
+        self.level_limit = mesh.face_count() as u32;
+        self.angles.resize(mesh.half_edge_count());
+        let number = |h| surface.faces().number(h).index();
+        self.kept
+            .splice(mesh, splice, mesh.half_edge_count(), number);
+    }
 
     fn reset(&mut self) {
         self.leaves.clear();

@@ -93,7 +93,7 @@ impl Cone {
     }
 
     /// The length of the path from the source through the apex to `x`.
-    fn distance(&self, x: Point) -> f64 {
+    pub(crate) fn distance(&self, x: Point) -> f64 {
         self.sigma + norm(sub(x, self.centre))
     }
 

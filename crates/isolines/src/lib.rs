@@ -31,6 +31,7 @@ mod arc;
 mod cones;
 mod crossings;
 mod face;
+mod query;
 
 use std::collections::HashMap;
 
@@ -40,6 +41,7 @@ use geobench_window::queue::CalendarQueue;
 use geobench_window::{SolveError, Solver, Window};
 
 pub use arc::CircleArc;
+pub use query::QueryError;
 
 use cones::{ConeArc, FaceCones};
 use crossings::crossings;

@@ -53,31 +53,42 @@ pub(crate) fn build(
     mesh
 }
 
-impl MeshData {
-    /// Adds a vertex inside a face, or on an edge of `faces` faces, which may be a junction.
-    pub(crate) fn add_flat_vertex(&mut self, faces: u32, junction: bool) {
-        self.total_angles.push(f64::from(faces) * PI);
-        self.flags.push(VertexFlags {
-            boundary: faces == 1,
-            pinched: junction,
-            ..VertexFlags::default()
-        });
+/// The flags of a vertex inside a face, or on an edge of `faces` faces, which may be a junction.
+pub(crate) fn flat_flags(faces: u32, is_junction: bool) -> VertexFlags {
+    VertexFlags {
+        boundary: faces == 1,
+        pinched: is_junction,
+        ..VertexFlags::default()
     }
 }
 
-/// Builds a mesh of `data`, keeping its angles and flags: rounding in the parts of split faces must
-/// not change them. Corners of new slivers are flagged.
-pub(crate) fn build_refined(data: MeshData) -> Mesh {
-    let (angles, flags) = (data.total_angles.clone(), data.flags.clone());
-    let mut mesh = Mesh {
-        data: Arc::new(data),
+/// The ascending half-edges that leave a vertex, in the order of [`Mesh::outgoing`].
+pub(crate) fn in_fans(
+    outgoing: &[HalfEdgeId],
+    twin: impl Fn(HalfEdgeId) -> Option<HalfEdgeId>,
+) -> Vec<HalfEdgeId> {
+    let mut fans = Vec::with_capacity(outgoing.len());
+    let mut seen = vec![false; outgoing.len()];
+    let mut is_new = |h: &HalfEdgeId| {
+        let place = outgoing.binary_search(h);
+        place.is_ok_and(|place| !std::mem::replace(&mut seen[place], true))
     };
-    link_fans(&mut mesh);
-    let data = data_of(&mut mesh);
-    data.total_angles = angles;
-    data.flags = flags;
-    mark_slivers(&mut mesh);
-    mesh
+    // Open fans first, each from its clockwise end. All remaining fans are closed.
+    for open in [true, false] {
+        for &h in outgoing {
+            let mut next = Some(h).filter(|&h| !(open && twin(h).is_some()));
+            while let Some(g) = next.filter(&mut is_new) {
+                fans.push(g);
+                next = twin(g.prev());
+            }
+        }
+    }
+    fans
+}
+
+/// Whether a face with this longest edge and twice this area is a sliver.
+pub(crate) fn is_sliver(longest: f64, twice_area: f64) -> bool {
+    twice_area < SLIVER_HEIGHT * longest * longest
 }
 
 /// The data of a mesh that is not shared yet, so that nothing is copied.
@@ -93,7 +104,7 @@ fn mark_slivers(mesh: &mut Mesh) {
         let longest = lengths[0].max(lengths[1]).max(lengths[2]);
         let twice_area = lengths[0] * mesh.apexes(face)[0][1];
         extremes = extremes.with(Extremes::of(longest, twice_area));
-        if twice_area < SLIVER_HEIGHT * longest * longest {
+        if is_sliver(longest, twice_area) {
             for v in mesh.face_vertices(face) {
                 data_of(mesh).flags[v.index()].beside_sliver = true;
             }

@@ -2,7 +2,7 @@
 
 use crate::frames::longest_side;
 use crate::ids::{FaceId, VertexId};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, diagonal_of};
 use crate::point::{PointError, SurfacePoint};
 use crate::vector::{cross, dot, norm, sub};
 
@@ -131,6 +131,12 @@ impl NearestPoint {
         place
     }
 
+    /// The diagonal of the bounding box of the surface; 0 without faces.
+    pub fn diagonal(&self) -> f64 {
+        let whole = self.boxes.first();
+        whole.map_or(0.0, |whole| diagonal_of([whole.low, whole.high]))
+    }
+
     /// The point of the surface nearest to `position`, and its distance from there. Of several
     /// nearest points the one in the face with the lowest number is returned.
     ///
@@ -144,12 +150,76 @@ impl NearestPoint {
             return Err(PointError::Position { value });
         }
         let mut best = (f64::INFINITY, FaceId::new(u32::MAX), [0.0; 3]);
+        self.search(position, |face| {
+            let (distance, weights) = nearest_in_triangle(self.corners(face), position);
+            if distance < best.0 || distance == best.0 && face < best.1 {
+                best = (distance, face, weights);
+            }
+            best.0
+        });
+        let from = |v: VertexId| length(sub(self.mesh.positions()[v.index()], position));
+        let lone = self.isolated.iter().map(|&v| (from(v), v));
+        if let Some((distance, vertex)) = lone.min_by(|a, b| a.0.total_cmp(&b.0))
+            && distance < best.0
+        {
+            return Ok((vertex.into(), distance));
+        }
+        let (distance, face, weights) = best;
+        Ok((self.mesh.point_in_face(face, weights)?, distance))
+    }
+
+    /// The vertex nearest to `position`, and its distance from there. Of several nearest ones the
+    /// one with the lowest number is returned.
+    ///
+    /// ```
+    /// use geobench_mesh::{Mesh, NearestPoint};
+    ///
+    /// let mesh = Mesh::generate("cube,n=2")?;
+    /// let nearest = NearestPoint::new(&mesh)?;
+    /// let (vertex, distance) = nearest.vertex_to([1.0, 1.0, 1.5])?;
+    /// assert_eq!((mesh.positions()[vertex.index()], distance), ([1.0; 3], 0.5));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If a coordinate is not finite, or the mesh has no vertex.
+    pub fn vertex_to(&self, position: [f64; 3]) -> Result<(VertexId, f64), PointError> {
+        if let Some(&value) = position.iter().find(|x| !x.is_finite()) {
+            return Err(PointError::Position { value });
+        }
+        let from = |v: VertexId| length(sub(self.mesh.positions()[v.index()], position));
+        let mut best = (f64::INFINITY, VertexId::new(u32::MAX));
+        let mut offer = |v: VertexId| {
+            let offer = (from(v), v);
+            if offer.0 < best.0 || offer.0 == best.0 && v < best.1 {
+                best = offer;
+            }
+            best.0
+        };
+        self.isolated.iter().for_each(|&v| {
+            offer(v);
+        });
+        self.search(position, |face| {
+            let distances = self.mesh.face_vertices(face).map(&mut offer);
+            distances[2]
+        });
+        match best {
+            (distance, vertex) if distance < f64::INFINITY => Ok((vertex, distance)),
+            _ => Err(PointError::NoPositions),
+        }
+    }
+
+    /// Visits all faces nearer to `position` than the least distance that `visit` has returned,
+    /// those of near boxes first.
+    fn search(&self, position: [f64; 3], mut visit: impl FnMut(FaceId) -> f64) {
+        let mut least = f64::INFINITY;
         let mut open = Vec::new();
         if !self.boxes.is_empty() {
             open.push((self.boxes[0].distance(position), 0));
         }
         while let Some((bound, place)) = open.pop() {
-            if bound > best.0 {
+            if bound > least {
                 continue;
             }
             let node = &self.boxes[place];
@@ -164,21 +234,9 @@ impl NearestPoint {
                 continue;
             }
             for &face in &self.faces[node.faces[0]..node.faces[1]] {
-                let (distance, weights) = nearest_in_triangle(self.corners(face), position);
-                if distance < best.0 || distance == best.0 && face < best.1 {
-                    best = (distance, face, weights);
-                }
+                least = visit(face);
             }
         }
-        let from = |v: VertexId| length(sub(self.mesh.positions()[v.index()], position));
-        let lone = self.isolated.iter().map(|&v| (from(v), v));
-        if let Some((distance, vertex)) = lone.min_by(|a, b| a.0.total_cmp(&b.0))
-            && distance < best.0
-        {
-            return Ok((vertex.into(), distance));
-        }
-        let (distance, face, weights) = best;
-        Ok((self.mesh.point_in_face(face, weights)?, distance))
     }
 }
 

@@ -7,7 +7,8 @@ use crate::{FaceId, HalfEdgeId, Mesh, VertexId};
 /// A solver with its own layout orders elements as a wavefront meets them, whatever the order of
 /// the file. New numbers are used inside the solver only. The corners of a face keep their order.
 ///
-/// Without a map, numbers stay the same. This holds for [`same`](Self::same) and after
+/// Without a map, numbers stay the same, and so do those of elements that were added to the mesh
+/// later. This holds for [`same`](Self::same) and after
 /// [`keep_new_vertices`](Self::keep_new_vertices) or [`keep_new_faces`](Self::keep_new_faces).
 ///
 /// ```
@@ -133,8 +134,11 @@ impl Numbering {
         if self.new_vertices.is_empty() {
             return values.to_vec();
         }
+        // Vertices that were added later follow in both orders.
+        let added = &values[self.new_vertices.len()..];
         let places = self.new_vertices.iter();
-        places.map(|&place| values[place as usize]).collect()
+        let known = places.map(|&place| values[place as usize]);
+        known.chain(added.iter().copied()).collect()
     }
 }
 

@@ -8,8 +8,9 @@ use crate::mesh::Mesh;
 /// which a point is moved to that edge or vertex.
 pub(crate) const SNAP: f64 = 1e-12;
 
-/// Tolerance of the sum of three barycentric coordinates, which must be 1.
-const SUM_SLACK: f64 = 1e-9;
+/// Tolerance of the sum of three barycentric coordinates, which must be 1: ten roundings in single
+/// precision.
+const SUM_SLACK: f64 = 1e-6;
 
 /// A point of the surface of a mesh.
 ///
@@ -215,7 +216,7 @@ impl Mesh {
     /// # Errors
     ///
     /// If there is no such face, a coordinate is negative or not finite, or their sum is not 1
-    /// within 1e-9. The coordinates are then scaled to the sum 1.
+    /// within 1e-6. The coordinates are then scaled to the sum 1.
     pub fn point_in_face(
         &self,
         face: FaceId,

@@ -5,12 +5,14 @@ mod patch;
 mod tests;
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
-use crate::build::build_refined;
+use crate::build::{flat_flags, in_fans, is_sliver};
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::junctions::Junctions;
-use crate::mesh::{Mesh, NO_TWIN};
+use crate::mesh::{Extremes, Mesh, NO_TWIN};
 use crate::point::{Place, PointError, SNAP, SurfacePoint};
+use crate::splice::{FaceData, Splice, VertexData};
 use patch::{Patch, PatchNeighbour};
 
 /// A mesh with the same surface as another one, in which given points are vertices.
@@ -134,6 +136,54 @@ impl Refined {
     }
 }
 
+/// A [`Splice`] that makes given points vertices; see [`Refined`].
+#[derive(Clone, Debug)]
+pub struct Insertion {
+    splice: Splice,
+    vertices: Vec<VertexId>,
+    original: Mesh,
+    added: Vec<SurfacePoint>,
+    parents: Vec<FaceId>,
+}
+
+impl Insertion {
+    /// The change of the mesh.
+    pub const fn splice(&self) -> &Splice {
+        &self.splice
+    }
+
+    /// The vertex at each point, in the order of the points, after the change.
+    pub fn vertices(&self) -> &[VertexId] {
+        &self.vertices
+    }
+
+    /// The mesh before the change.
+    pub const fn original(&self) -> &Mesh {
+        &self.original
+    }
+
+    /// Whether all points are vertices of the mesh, so that nothing changes.
+    pub fn is_empty(&self) -> bool {
+        self.added.is_empty()
+    }
+
+    /// The refined mesh, where `mesh` is the original with [`splice`](Self::splice).
+    ///
+    /// # Panics
+    ///
+    /// If `mesh` has another number of faces.
+    pub fn into_refined(self, mesh: Mesh) -> Refined {
+        assert_eq!(mesh.face_count(), self.splice.face_count(), "another mesh");
+        Refined {
+            mesh,
+            vertices: self.vertices,
+            original: self.original,
+            added: self.added,
+            parents: self.parents,
+        }
+    }
+}
+
 /// The corners of `face` in the frame of its first half-edge.
 fn corners(mesh: &Mesh, face: FaceId) -> [[f64; 2]; 3] {
     let h = face.half_edge(0);
@@ -216,6 +266,21 @@ impl Mesh {
     ///
     /// If a point is not one of this mesh, or the numbers of vertices or faces exceed 32 bits.
     pub fn with_points(&self, points: &[SurfacePoint]) -> Result<Refined, PointError> {
+        let insertion = self.insertion(points)?;
+        let mut mesh = self.clone();
+        if !insertion.is_empty() {
+            mesh.splice(insertion.splice());
+        }
+        Ok(insertion.into_refined(mesh))
+    }
+
+    /// The change of this mesh by which [`with_points`](Self::with_points) refines it. Takes time in
+    /// the size of the faces around the points only.
+    ///
+    /// # Errors
+    ///
+    /// As [`with_points`](Self::with_points).
+    pub fn insertion(&self, points: &[SurfacePoint]) -> Result<Insertion, PointError> {
         let mut edges: BTreeMap<HalfEdgeId, Vec<EdgeVertex>> = BTreeMap::new();
         let mut faces: BTreeMap<FaceId, Vec<([f64; 3], u32)>> = BTreeMap::new();
         let mut vertices = Vec::with_capacity(points.len());
@@ -272,9 +337,9 @@ impl Mesh {
             faces,
             places,
         };
-        let (mesh, parents, added) = refinement.build();
-        Ok(Refined {
-            mesh,
+        let (splice, parents, added) = refinement.build();
+        Ok(Insertion {
+            splice,
             vertices,
             original: self.clone(),
             added,
@@ -304,11 +369,8 @@ struct Refinement<'m> {
 }
 
 impl Refinement<'_> {
-    /// The refined mesh, the parents of the added faces, and the points of the added vertices.
-    fn build(mut self) -> (Mesh, Vec<FaceId>, Vec<SurfacePoint>) {
-        if self.places.is_empty() {
-            return (self.mesh.clone(), Vec::new(), Vec::new());
-        }
+    /// The change of the mesh, the parents of the added faces, and the points of the added vertices.
+    fn build(mut self) -> (Splice, Vec<FaceId>, Vec<SurfacePoint>) {
         for stops in self.edges.values_mut() {
             // From the tail to the head. Near the head the weight of the tail distinguishes points.
             stops.sort_by(|a, b| {
@@ -316,86 +378,134 @@ impl Refinement<'_> {
                 by_head.then(b.weights[0].total_cmp(&a.weights[0]))
             });
         }
-        let patches = self.patches();
-        let mut faces: Vec<[u32; 3]> = self
-            .mesh
-            .faces()
-            .map(|face| self.mesh.face_vertices(face).map(VertexId::raw))
-            .collect();
-        let mut lengths = self.mesh.data.lengths.as_chunks::<3>().0.to_vec();
-        let mut twins = self.mesh.data.twins.clone();
+        let mesh = self.mesh;
+        let mut changed: BTreeMap<FaceId, FaceData> = BTreeMap::new();
         let mut parents = Vec::new();
-        let mut frames = self.mesh.data.frames.clone();
         // Half-edges along the edges of the original, by the original half-edge and the rank of the
         // part from its tail.
         let mut along: BTreeMap<(HalfEdgeId, usize), u32> = BTreeMap::new();
-        for (&face, patch) in &patches {
-            let first = faces.len();
+        for (&face, patch) in &self.patches() {
+            let first = mesh.face_count() + parents.len();
             let number = |t: usize| if t == 0 { face.index() } else { first + t - 1 };
             for (t, triangle) in patch.triangles().iter().enumerate() {
-                let place = number(t);
+                let place = FaceId::new(number(t) as u32);
                 if t > 0 {
-                    faces.push([0; 3]);
-                    lengths.push([0.0; 3]);
-                    twins.extend([NO_TWIN; 3]);
                     parents.push(face);
                 }
-                faces[place] = triangle.corners.map(|p| patch.vertex(p));
                 let shape = patch.shape_of(triangle, |side, rank| self.part(face, side, rank));
-                lengths[place] = shape.lengths;
-                frames.insert(FaceId::new(place as u32), shape.apexes);
+                let mut twins = [NO_TWIN; 3];
                 for (k, neighbour) in triangle.neighbours.iter().enumerate() {
-                    let h = (3 * place + k) as u32;
                     match *neighbour {
                         PatchNeighbour::Inside(other, edge) => {
-                            twins[h as usize] = (3 * number(other) + edge) as u32;
+                            twins[k] = (3 * number(other) + edge) as u32;
                         }
                         PatchNeighbour::Side(side) => {
                             let rank = patch.rank_of_edge(triangle, k, side);
-                            along.insert((face.half_edge(side as u32), rank), h);
+                            let h = place.half_edge(k as u32);
+                            along.insert((face.half_edge(side as u32), rank), h.raw());
                         }
                     }
                 }
+                let part = FaceData {
+                    tails: triangle.corners.map(|p| VertexId::new(patch.vertex(p))),
+                    twins,
+                    lengths: shape.lengths,
+                    apexes: Some(shape.apexes),
+                };
+                changed.insert(place, part);
             }
         }
+        let parts: Vec<FaceId> = changed.keys().copied().collect();
+        let mut link = |h: HalfEdgeId, twin: u32| {
+            let face = h.face();
+            let data = changed
+                .entry(face)
+                .or_insert_with(|| FaceData::of(mesh, face));
+            data.twins[h.corner() as usize] = twin;
+        };
         for (&(parent, rank), &h) in &along {
-            twins[h as usize] = self.mesh.twin(parent).map_or(NO_TWIN, |twin| {
+            let twin = mesh.twin(parent).map_or(NO_TWIN, |twin| {
                 let parts = self.stops(parent).len() + 1;
                 let rank = parts - 1 - rank;
                 along.get(&(twin, rank)).copied().unwrap_or(twin.raw())
             });
+            link(HalfEdgeId::new(h), twin);
             // The neighbour may be a face that is not split.
-            if twins[h as usize] != NO_TWIN {
-                let twin = twins[h as usize] as usize;
-                twins[twin] = h;
+            if twin != NO_TWIN {
+                link(HalfEdgeId::new(twin), h);
             }
         }
-        let junctions = self.junctions(&along);
-        let mut data = (*self.mesh.data).clone();
-        data.junctions = junctions;
-        if !data.positions.is_empty() {
-            let added = self.places.iter().filter_map(|p| self.mesh.position_of(p));
-            data.positions.extend(added);
-        }
-        data.tails = faces
-            .into_flattened()
-            .into_iter()
-            .map(VertexId::new)
-            .collect();
-        data.lengths = lengths.into_flattened();
-        data.twins = twins;
-        data.frames = frames;
-        for place in &self.places {
-            let (faces, junction) = match place.place() {
+        let (vertices, extremes) = self.vertices(&changed, &parts);
+        let junctions = mesh.has_junctions().then(|| self.junctions(&along));
+        let splice = Splice {
+            vertex_count: mesh.vertex_count() + self.places.len(),
+            face_count: mesh.face_count() + parents.len(),
+            faces: changed.into_iter().collect(),
+            vertices,
+            extremes,
+            junctions,
+        };
+        (splice, parents, self.places)
+    }
+
+    /// The corners of `parts`, which are among the `changed` faces, and the extremes of all faces.
+    /// Angles and flags of vertices of the original stay as they are: rounding in the parts of split
+    /// faces must not change them. Corners of new slivers are flagged.
+    fn vertices(
+        &self,
+        changed: &BTreeMap<FaceId, FaceData>,
+        parts: &[FaceId],
+    ) -> (Vec<(VertexId, VertexData)>, Extremes) {
+        let mesh = self.mesh;
+        let mut vertices: BTreeMap<VertexId, VertexData> = BTreeMap::new();
+        for (i, place) in self.places.iter().enumerate() {
+            let (faces, is_junction) = match place.place() {
                 Place::Edge(h, _) => {
-                    let faces = self.mesh.along_edge(h).count() as u32;
-                    (faces, !self.mesh.junction(h).is_empty())
+                    let faces = mesh.along_edge(h).count() as u32;
+                    (faces, !mesh.junction(h).is_empty())
                 }
                 _ => (2, false),
             };
-            data.add_flat_vertex(faces, junction);
+            let data = VertexData {
+                position: mesh.position_of(place),
+                flags: flat_flags(faces, is_junction),
+                total_angle: f64::from(faces) * PI,
+                outgoing: Vec::new(),
+            };
+            vertices.insert(VertexId::new((mesh.vertex_count() + i) as u32), data);
         }
-        (build_refined(data), parents, self.places)
+        let mut extremes = mesh.data.extremes;
+        for face in parts {
+            let data = &changed[face];
+            let longest = data.lengths.into_iter().fold(0.0, f64::max);
+            let height = data.apexes.map_or(0.0, |apexes| apexes[0][1]);
+            let twice_area = data.lengths[0] * height;
+            extremes = extremes.with(Extremes::of(longest, twice_area));
+            for (k, &v) in data.tails.iter().enumerate() {
+                let vertex = vertices.entry(v).or_insert_with(|| {
+                    let mut vertex = VertexData::of(mesh, v);
+                    // A split face keeps its number for one of its parts.
+                    vertex
+                        .outgoing
+                        .retain(|h| parts.binary_search(&h.face()).is_err());
+                    vertex
+                });
+                vertex.outgoing.push(face.half_edge(k as u32));
+                vertex.flags.beside_sliver |= is_sliver(longest, twice_area);
+            }
+        }
+        for vertex in vertices.values_mut() {
+            vertex.outgoing.sort_unstable();
+            let twin = |h: HalfEdgeId| match changed.get(&h.face()) {
+                Some(face) => {
+                    let twin = face.twins[h.corner() as usize];
+                    (twin != NO_TWIN).then(|| HalfEdgeId::new(twin))
+                }
+                None => mesh.twin(h),
+            };
+            vertex.outgoing = in_fans(&vertex.outgoing, twin);
+        }
+        (vertices.into_iter().collect(), extremes)
     }
 
     /// The junctions of the refined mesh: the parts of those of the original.

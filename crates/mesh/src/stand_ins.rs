@@ -58,6 +58,25 @@ impl Mesh {
         }
     }
 
+    /// The corners of all triangles of the file, with those that are left out. A mesh that is built of
+    /// them and the [copies](Self::copies) leaves out the same ones.
+    pub fn file_triangles(&self) -> Vec<[u32; 3]> {
+        let left_out = &self.data.stand_ins.left_out;
+        let mut all = Vec::with_capacity(self.face_count() + left_out.len());
+        let mut rest = left_out.iter().peekable();
+        let mut faces = self.faces();
+        loop {
+            if let Some(triangle) = rest.next_if(|t| t.number as usize == all.len()) {
+                all.push(triangle.corners);
+            } else if let Some(face) = faces.next() {
+                all.push(self.turn(face, self.face_vertices(face).map(VertexId::raw)));
+            } else {
+                break;
+            }
+        }
+        all
+    }
+
     /// The number of `face` among the triangles of the file, some of which may be left out.
     pub fn file_triangle(&self, face: FaceId) -> u32 {
         let left_out = &self.data.stand_ins.left_out;

@@ -148,6 +148,49 @@ impl Paths {
         })
     }
 
+    /// The shortest paths of a field with these exact `distances` of all vertices of `mesh`, without
+    /// the origins that a solver records: every path is found by a search from its end, which takes
+    /// longer.
+    pub fn of_distances(mesh: &Mesh, distances: Vec<f64>) -> Self {
+        Self {
+            mesh: mesh.clone(),
+            origins: Origins::none(distances.len()),
+            distances,
+            entries: Vec::new(),
+        }
+    }
+
+    /// For each vertex the source of its shortest path; `None` if no path leads there. The source of
+    /// a source is itself. O(faces crossed by the last lines of all paths).
+    pub fn roots(&self) -> Vec<Option<VertexId>> {
+        let mut order: Vec<VertexId> = self.mesh.vertices().collect();
+        order.retain(|v| self.distances[v.index()].is_finite());
+        let distance = |v: &VertexId| self.distances[v.index()];
+        order.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let mut roots = vec![None; self.distances.len()];
+        // A line may lead from a vertex at the same distance, up to rounding.
+        let mut waiting = Vec::new();
+        for v in order {
+            waiting.push(v);
+            while let Some(&last) = waiting.last() {
+                if roots[last.index()].is_some() {
+                    waiting.pop();
+                    continue;
+                }
+                let line = self.last_line(last);
+                let from = line.and_then(|line| line.vertices().next());
+                let from = from.filter(|from| *from != last && !waiting.contains(from));
+                match from.map(|from| (from, roots[from.index()])) {
+                    None => roots[last.index()] = Some(last),
+                    Some((_, Some(root))) => roots[last.index()] = Some(root),
+                    Some((from, None)) => waiting.push(from),
+                }
+            }
+        }
+        self.mesh.fill_copies(&mut roots);
+        roots
+    }
+
     /// The distances of all vertices, in the order of the mesh. A distance is infinite if no path
     /// leads to the vertex or the goal of the run did not ask for it.
     pub fn distances(&self) -> &[f64] {

@@ -53,6 +53,11 @@ pub trait Exits: Send {
     /// Sets up for a mesh with this number of faces.
     fn new(faces: usize) -> Self;
 
+    /// Changes the number of faces, before the next [`reset`](Self::reset).
+    fn resize(&mut self, faces: usize) {
+        let _ = faces;
+    }
+
     /// Clears the state of the last run.
     fn reset(&mut self) {}
 
@@ -113,6 +118,10 @@ impl Exits for AcrossTheFace {
         }
     }
 
+    fn resize(&mut self, faces: usize) {
+        self.records.least.resize(4 * faces, f64::INFINITY);
+    }
+
     fn reset(&mut self) {
         self.records.reset();
     }
@@ -146,6 +155,10 @@ impl Exits for EveryPath {
             paths: Vec::new(),
             keep: Vec::new(),
         }
+    }
+
+    fn resize(&mut self, faces: usize) {
+        self.records.least.resize(4 * faces, f64::INFINITY);
     }
 
     fn reset(&mut self) {

@@ -69,6 +69,13 @@ impl Front {
         }
     }
 
+    /// Changes the number of faces, and the half-edges beside thin ones; see [`new`](Self::new).
+    pub(crate) fn splice(&mut self, faces: usize, thin: Vec<bool>) {
+        self.reset();
+        self.places.resize(faces, FaceLists::default());
+        self.thin = thin;
+    }
+
     /// Clears the state of the last run. No list may be queued. O(faces) after a run that ended
     /// while windows waited.
     pub(crate) fn reset(&mut self) {

@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Numbering, Splice, VertexId};
 use geobench_window::trimming::KeptWindows;
 use geobench_window::{
     CompiledRuns, Counter, EndCheck, Phase, Probe, Propagate, Solution, Way, Window,
@@ -63,6 +63,17 @@ pub struct ListPropagation<S, M, P, E> {
     choices: PhantomData<(M, P)>,
 }
 
+/// Whether the face on either side is thin, by half-edge; empty if no face is thin.
+fn thin(layout: &MeshLayout) -> Vec<bool> {
+    let kept = &layout.kept;
+    let half_edges = if kept.is_empty() {
+        0
+    } else {
+        4 * layout.faces.len()
+    };
+    (0..half_edges).map(|h| kept.holds(h)).collect()
+}
+
 impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
     /// Sets up any combination of choices for `mesh`; O(faces).
     pub fn with_choices(mesh: &Mesh) -> Self {
@@ -71,8 +82,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         numbering.keep_new_vertices();
         let faces = mesh.face_count();
         let kept = layout.kept.clone();
-        let half_edges = if kept.is_empty() { 0 } else { 4 * faces };
-        let thin = (0..half_edges).map(|h| kept.holds(h)).collect();
+        let thin = thin(&layout);
         Self {
             runs: CompiledRuns::new(),
             mesh: mesh.clone(),
@@ -485,6 +495,19 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S,
 
     fn mesh(&self) -> &Mesh {
         &self.mesh
+    }
+
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        let around = self.layout.around(&self.mesh, &self.numbering, splice);
+        let undo = self.mesh.splice(splice);
+        self.layout
+            .splice(&self.mesh, &self.numbering, splice, &around);
+        let faces = self.mesh.face_count();
+        self.front.splice(faces, thin(&self.layout));
+        self.schedule.resize(faces);
+        self.exits.resize(faces);
+        self.kept.clone_from(&self.layout.kept);
+        Some(undo)
     }
 
     fn runs(&self) -> CompiledRuns<Self> {

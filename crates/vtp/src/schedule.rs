@@ -22,6 +22,11 @@ pub trait Schedule: Send {
     /// of the solver.
     fn new(faces: usize) -> Self;
 
+    /// Changes the number of faces, before the next [`reset`](Self::reset).
+    fn resize(&mut self, faces: usize) {
+        let _ = faces;
+    }
+
     /// Removes all elements.
     fn reset(&mut self);
 
@@ -93,6 +98,10 @@ impl Schedule for NearestFace {
             front: Heap::default(),
             offers: vec![f64::INFINITY; faces],
         }
+    }
+
+    fn resize(&mut self, faces: usize) {
+        self.offers.resize(faces, f64::INFINITY);
     }
 
     fn reset(&mut self) {

@@ -1,6 +1,6 @@
 //! The frame of a half-edge, and the compact table from which frames are read.
 
-use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, Splice, VertexId};
 
 use crate::origins::Way;
 use crate::prefetch::prefetch;
@@ -311,6 +311,11 @@ impl Faces {
     /// methods that return corners and lengths accept it. It has no face, and nothing waits there.
     #[must_use]
     pub fn with_gates(mut self, mesh: &Mesh) -> Self {
+        self.add_gates(mesh);
+        self
+    }
+
+    fn add_gates(&mut self, mesh: &Mesh) {
         self.gates.push(0);
         for h in mesh.junction_sides() {
             let gate = self.half_edges.len() as u32;
@@ -333,7 +338,33 @@ impl Faces {
             }));
             self.gates.push(self.beyond.len() as u32);
         }
-        self
+    }
+
+    /// Follows a change of the mesh, which is `mesh` now. Takes time in the size of the change, and
+    /// with [gates](Self::with_gates) in their number.
+    pub fn splice(&mut self, mesh: &Mesh, splice: &Splice) {
+        let has_gates = !self.gates.is_empty();
+        self.half_edges.truncate(self.first_gate as usize);
+        self.first_gate = mesh.half_edge_count() as u32;
+        let none = HalfEdge {
+            length: 0.0,
+            inverse_length: 0.0,
+            apex: [0.0; 2],
+            apex_from_head: 0.0,
+            exit_edge: ExitEdge::NONE,
+            exits: [HalfEdgeId::default(); 2],
+        };
+        self.half_edges.resize(self.first_gate as usize, none);
+        for face in splice.faces() {
+            let first = self.numbering.new_face(face).half_edge(0).index();
+            let records = HalfEdge::of_face(mesh, &self.numbering, face);
+            self.half_edges[first..first + 3].copy_from_slice(&records);
+        }
+        self.gates.clear();
+        self.beyond.clear();
+        if has_gates {
+            self.add_gates(mesh);
+        }
     }
 
     /// The half-edges of the other faces at a junction, if `h` is a

@@ -31,6 +31,7 @@ mod frame;
 mod goal;
 mod origins;
 mod phases;
+mod points;
 pub mod precision;
 mod prefetch;
 mod probe;
@@ -52,6 +53,7 @@ pub use frame::{EdgePath, Entrance, Exit, ExitEdge, FaceView, Faces, Frame, Side
 pub use goal::{EndCheck, Goal, Stop};
 pub use origins::{Origin, Origins, Way};
 pub use phases::{PhaseProbe, PhaseSampler, Phases};
+pub use points::at_points;
 pub use prefetch::{prefetch, prefetch_line};
 pub use probe::{Count, Phase, Probe};
 pub use solver::{

@@ -104,6 +104,11 @@ impl Origins {
         }
     }
 
+    /// No origins for this number of vertices.
+    pub fn none(vertices: usize) -> Self {
+        Self::new(vertices, false)
+    }
+
     /// Whether the algorithm knows only paths along edges, which are not straight.
     pub const fn are_along_edges(&self) -> bool {
         self.along_edges

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 use std::fmt;
 
-use geobench_mesh::{Mesh, VertexId};
+use geobench_mesh::{Mesh, Splice, VertexId};
 
 use crate::connected::reach_over_edges;
 use crate::counters::{Counter, Counters};
@@ -218,6 +218,17 @@ pub trait Solver: Send {
         observer: Observer<'_>,
     ) -> Result<Solution, SolveError>;
 
+    /// Makes a change of the mesh in place of a new set-up, between two runs: returns the changed
+    /// mesh, and the change that undoes it. `None` if the algorithm cannot, and nothing changes.
+    ///
+    /// Runs on the changed mesh are those of a solver that is set up for it, except for widths of
+    /// buckets and the like, on which no distance depends. [`at_points`](crate::at_points) runs a
+    /// solver with points inserted.
+    fn splice(&mut self, splice: &Splice) -> Option<(Mesh, Splice)> {
+        let _ = splice;
+        None
+    }
+
     /// Distances of all vertices from the nearest of `sources`. This is the call that is timed.
     ///
     /// # Errors
@@ -359,6 +370,13 @@ pub trait Propagate: Send {
     /// The mesh for which it is set up.
     fn mesh(&self) -> &Mesh;
 
+    /// Makes a change of the mesh in place, in all data that a run uses; see [`Solver::splice`].
+    /// Returns the one that undoes it, or `None` if the algorithm cannot.
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        let _ = splice;
+        None
+    }
+
     /// Checks that set-up got all that a run needs. Most algorithms need nothing that can fail.
     ///
     /// # Errors
@@ -444,6 +462,11 @@ impl<T> fmt::Debug for CompiledRuns<T> {
 }
 
 impl<T: Propagate> Solver for T {
+    fn splice(&mut self, splice: &Splice) -> Option<(Mesh, Splice)> {
+        let undo = Propagate::splice(self, splice)?;
+        Some((self.mesh().clone(), undo))
+    }
+
     fn run(
         &mut self,
         sources: &[VertexId],

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 use std::fmt;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use geobench_mesh::{Mesh, NearestPoint, Place, SplitMix64, SurfacePoint, VertexId};
 use geobench_registry::UsageError;
@@ -94,9 +95,7 @@ impl LocatedPoint {
 #[derive(Debug)]
 pub struct Locator<'m> {
     mesh: &'m Mesh,
-    nearest: Option<NearestPoint>,
-    /// The diagonal of the bounding box of the surface, from the first position on.
-    size: f64,
+    nearest: Option<Arc<NearestPoint>>,
 }
 
 impl<'m> Locator<'m> {
@@ -105,8 +104,12 @@ impl<'m> Locator<'m> {
         Self {
             mesh,
             nearest: None,
-            size: 0.0,
         }
+    }
+
+    /// Uses this tree, which must be that of the mesh, for positions.
+    pub fn set_tree(&mut self, tree: Arc<NearestPoint>) {
+        self.nearest = Some(tree);
     }
 
     /// The point itself.
@@ -131,12 +134,12 @@ impl<'m> Locator<'m> {
         };
         let point = point.map_err(|error| UsageError(format!("{spec}: {error}")))?;
         if let (PointSpec::At([x, y, z]), Some(distance)) = (spec, from_position)
-            && distance > self.size
+            && let Some(size) = self.nearest.as_ref().map(|tree| tree.diagonal())
+            && distance > size
         {
             return Err(UsageError(format!(
-                "{spec} is {distance} from the surface, whose size is {}; far:{x},{y},{z} or the \
-                 option --far accepts that (in Python, far=True)",
-                self.size
+                "{spec} is {distance} from the surface, whose size is {size}; far:{x},{y},{z} or the \
+                 option --far accepts that (in Python, far=True)"
             )));
         }
         let as_asked = matches!(
@@ -157,29 +160,12 @@ impl<'m> Locator<'m> {
         &mut self,
         position: [f64; 3],
     ) -> Result<(SurfacePoint, f64), geobench_mesh::PointError> {
-        if self.nearest.is_none() {
-            self.nearest = Some(NearestPoint::new(self.mesh)?);
-            self.size = size(self.mesh);
+        if let Some(nearest) = &self.nearest {
+            return nearest.to(position);
         }
-        match &self.nearest {
-            Some(nearest) => nearest.to(position),
-            None => Err(geobench_mesh::PointError::NoPositions),
-        }
+        let nearest = Arc::new(NearestPoint::new(self.mesh)?);
+        self.nearest.insert(nearest).to(position)
     }
-}
-
-/// The diagonal of the bounding box of the surface.
-fn size(mesh: &Mesh) -> f64 {
-    let corners = mesh
-        .half_edges()
-        .map(|h| mesh.positions()[mesh.tail(h).index()]);
-    let [mut low, mut high] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-    for corner in corners {
-        low = [0, 1, 2].map(|k| corner[k].min(low[k]));
-        high = [0, 1, 2].map(|k| corner[k].max(high[k]));
-    }
-    let [x, y, z] = [0, 1, 2].map(|k| high[k] - low[k]);
-    x.hypot(y).hypot(z)
 }
 
 /// The place of a point in the form of a source.

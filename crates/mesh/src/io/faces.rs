@@ -157,6 +157,38 @@ impl FaceList {
     }
 }
 
+/// Why polygons cannot be cut into triangles: there are none, or one is too complex.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct PolygonError(String);
+
+/// The soup of polygons, cut into triangles as those of a file.
+///
+/// ```
+/// use geobench_mesh::{Mesh, io};
+///
+/// let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let soup = io::polygons(positions, [[0, 1, 2, 3]])?;
+/// let (mesh, _) = Mesh::from_soup(soup)?;
+/// assert_eq!(mesh.face_count(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+///
+/// If there is no polygon with three corners or more, or one with very many corners is not convex.
+pub fn polygons(
+    positions: Vec<[f64; 3]>,
+    polygons: impl IntoIterator<Item = impl AsRef<[u32]>>,
+) -> Result<TriangleSoup, PolygonError> {
+    let mut faces = FaceList::default();
+    for corners in polygons {
+        faces.push(corners.as_ref());
+    }
+    let soup = faces.into_soup(positions);
+    soup.map_err(|flaw| PolygonError(flaw.problem))
+}
+
 /// A polygon without the repetition of its first corner at its end, by which some programs close it.
 fn open(mut corners: &[u32]) -> &[u32] {
     while let [first, .., last] = corners

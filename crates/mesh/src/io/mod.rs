@@ -50,6 +50,7 @@ use crate::soup::TriangleSoup;
 use crate::weld::Weld;
 use error::Flaw;
 pub use error::{FileError, FilePosition};
+pub use faces::{PolygonError, polygons};
 pub use gzip::usual_decompression_limit;
 pub use write::{PlyEncoding, PlyWriter, write, write_obj};
 

@@ -28,10 +28,31 @@ fn any_point(mesh: &Mesh, faces: usize, random: &mut SplitMix64) -> SurfacePoint
     mesh.point_in_face(face, weights).unwrap()
 }
 
+/// Checks that the half-edges around each vertex have the order of a mesh that is built anew.
+fn check_rings(mesh: &Mesh) {
+    for v in mesh.vertices() {
+        let mut sorted = mesh.outgoing(v).to_vec();
+        sorted.sort_unstable();
+        let expected = crate::build::in_fans(&sorted, |h| mesh.twin(h));
+        assert_eq!(mesh.outgoing(v), expected);
+    }
+}
+
+/// Checks that an insertion made in place gives `refined` and can be undone.
+fn check_undo(mesh: &Mesh, points: &[SurfacePoint], refined: &Refined) {
+    let insertion = mesh.insertion(points).unwrap();
+    let mut changed = mesh.clone();
+    let undo = changed.splice(insertion.splice());
+    assert_eq!(*changed.data, *refined.mesh.data);
+    changed.splice(&undo);
+    assert_eq!(*changed.data, *mesh.data);
+}
+
 /// Checks that `refined` has the same surface as `mesh`.
 fn check(mesh: &Mesh, refined: &Refined) -> Result<(), String> {
     let fine = &refined.mesh;
     fine.sanity_check()?;
+    check_rings(fine);
     let (coarse, finer) = (MeshMeasures::of(mesh), MeshMeasures::of(fine));
     let same = |what, a: usize, b: usize| {
         if a == b {
@@ -130,6 +151,7 @@ fn a_refined_mesh_has_the_same_junctions() {
                 .collect();
             let refined = mesh.with_points(&points).unwrap();
             check(&mesh, &refined).unwrap();
+            check_undo(&mesh, &points, &refined);
             let length = |mesh: &Mesh| -> f64 {
                 let sides = mesh.junction_sides();
                 let edges = sides.filter(|&h| mesh.edge_of(h) == h);
@@ -170,6 +192,7 @@ fn a_refined_mesh_has_the_same_surface() {
                 .collect();
             let refined = mesh.with_points(&points).unwrap();
             check(&mesh, &refined).unwrap_or_else(|e| panic!("{spec}, seed {seed}: {e}"));
+            check_undo(&mesh, &points, &refined);
             for (point, vertex) in points.iter().zip(&refined.vertices) {
                 let (a, b) = (
                     mesh.position_of(point).unwrap(),
@@ -249,6 +272,7 @@ fn a_refined_mesh_can_be_refined() {
             .collect();
         let refined = fine.with_points(&points).unwrap();
         check(&fine, &refined).unwrap();
+        check_undo(&fine, &points, &refined);
         fine = refined.mesh;
     }
     let area = |mesh: &Mesh| MeshMeasures::of(mesh).area;

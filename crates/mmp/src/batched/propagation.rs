@@ -1,6 +1,6 @@
 //! The main loop of the batched form.
 
-use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Splice, VertexId};
 use geobench_window::continuous::Surface;
 use geobench_window::queue::{Discipline, Event, EventKind};
 use geobench_window::trimming::ThinFaces;
@@ -542,6 +542,22 @@ impl<Q: Discipline> Propagate for Batched<Q> {
 
     fn mesh(&self) -> &Mesh {
         &self.state.mesh
+    }
+
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        let state = &mut self.state;
+        let undo = state.mesh.splice(splice);
+        let mesh = &state.mesh;
+        let half_edges = mesh.half_edge_count();
+        state.surface.splice(mesh, splice);
+        state.queue.splice(mesh, splice);
+        state
+            .store
+            .set_count(half_edges, mesh.junction_sides().len());
+        let faces = state.surface.faces();
+        let number = |h| faces.number(h).index();
+        state.thin.splice(mesh, splice, half_edges, number);
+        Some(undo)
     }
 
     fn runs(&self) -> CompiledRuns<Self> {

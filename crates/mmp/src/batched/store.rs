@@ -126,6 +126,13 @@ impl Store {
         store
     }
 
+    /// Changes the numbers of lists and gates. All lists are emptied by the next
+    /// [`clear`](Self::clear).
+    pub(super) fn set_count(&mut self, count: usize, gates: usize) {
+        self.lists.resize(count + gates, ListBlock::default());
+        self.first_gate = count;
+    }
+
     /// Empties all lists for a new run.
     pub(super) fn clear(&mut self, keeps_levels: bool) {
         self.lists.fill(ListBlock::default());

@@ -114,6 +114,13 @@ impl Lists {
         lists
     }
 
+    /// Changes the numbers of lists and gates. The next [`clear`](Self::clear) makes all lists
+    /// empty.
+    pub(crate) fn set_count(&mut self, count: usize, gates: usize) {
+        self.heads.resize(count + gates, ListHead::default());
+        self.first_gate = count;
+    }
+
     /// Makes all lists empty.
     pub(crate) fn clear(&mut self) {
         self.heads.fill(ListHead::default());

@@ -1,6 +1,6 @@
 //! The policy of MMP: every window is stored on the range on which it is the shortest.
 
-use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Splice, VertexId};
 use geobench_window::continuous::{Arrival, Continuous, Dequeued, Policy, Surface};
 use geobench_window::queue::Discipline;
 use geobench_window::trimming::ThinFaces;
@@ -193,6 +193,15 @@ impl Policy for Trimming {
 
     const WINDOW_BYTES: usize = Lists::WINDOW_BYTES;
     const JUNCTIONS: bool = true;
+    const SPLICES: bool = true;
+
+    fn splice(&mut self, mesh: &Mesh, splice: &Splice, surface: &Surface) {
+        let half_edges = mesh.half_edge_count();
+        self.lists
+            .set_count(half_edges, mesh.junction_sides().len());
+        let number = |h| surface.faces().number(h).index();
+        self.thin.splice(mesh, splice, half_edges, number);
+    }
 
     fn reset(&mut self) {
         self.lists.clear();

@@ -41,6 +41,11 @@ impl VertexBuckets {
         }
     }
 
+    /// Changes the number of vertices, none of which may wait.
+    pub(crate) fn resize(&mut self, vertices: usize) {
+        self.bucket_of.resize(vertices, NONE);
+    }
+
     /// Removes all vertices and starts again at distance 0.
     pub(crate) fn reset(&mut self) {
         self.current = 0;

@@ -1,9 +1,12 @@
 //! The mesh laid out for crossing, in the solver's own order.
 
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, VertexId, threads};
+use geobench_mesh::{
+    FaceId, HalfEdgeId, Mesh, Numbering, Splice, VertexId, move_starts, threads, with_rows,
+};
 use geobench_window::Probe;
 use geobench_window::prefetch_line;
 use geobench_window::trimming::KeptWindows;
@@ -113,6 +116,18 @@ impl FaceLayout {
         let last = mesh.face_count() - 1;
         let old: [FaceId; TOGETHER] =
             std::array::from_fn(|i| numbering.old_face(FaceId::new((first + i).min(last) as u32)));
+        let vertex = |v| numbering.new_vertex(v).raw();
+        Self::of(mesh, old, vertex, |h| number(numbering, h), vertices)
+    }
+
+    /// These faces of `mesh`, and the angles of their corners.
+    fn of<const N: usize>(
+        mesh: &Mesh,
+        old: [FaceId; N],
+        vertex: impl Fn(VertexId) -> u32,
+        number: impl Fn(HalfEdgeId) -> u32,
+        vertices: &[VertexFacts],
+    ) -> ([Self; N], [[f32; 3]; N]) {
         let shapes = mesh.shapes(old);
         let mut inverse = shapes.lengths;
         for length in inverse.as_flattened_mut() {
@@ -120,12 +135,12 @@ impl FaceLayout {
         }
         let faces = std::array::from_fn(|i| {
             let sides = [0, 1, 2].map(|corner| old[i].half_edge(corner));
-            let vertex = sides.map(|h| numbering.new_vertex(mesh.tail(h)).raw());
+            let vertex = sides.map(|h| vertex(mesh.tail(h)));
             let [a, b, c] = vertex.map(|v| vertices[v as usize].flat);
             Self {
                 length: shapes.lengths.map(|l| l[i]),
                 vertex,
-                twin: sides.map(|h| mesh.twin(h).map_or(NO_TWIN, |twin| number(numbering, twin))),
+                twin: sides.map(|h| mesh.twin(h).map_or(NO_TWIN, &number)),
                 state: FaceState::default(),
                 apex_x: shapes.apexes_x.map(|x| x[i]),
                 inverse_length: inverse.map(|l| l[i]),
@@ -135,6 +150,11 @@ impl FaceLayout {
         });
         let angles = std::array::from_fn(|i| shapes.angles.map(|angle| angle[i] as f32));
         (faces, angles)
+    }
+
+    /// Whether a side is [long](LONG).
+    fn is_long(&self, typical_length: f64) -> bool {
+        self.length.iter().any(|&l| l > LONG * typical_length)
     }
 
     /// The apex in the frame of a half-edge.
@@ -244,6 +264,17 @@ impl VertexFacts {
     }
 }
 
+/// The numbers of the faces around a [change](MeshLayout::splice) in the layout.
+pub(crate) struct FacesAround(HashMap<FaceId, u32>);
+
+impl FacesAround {
+    /// The number of a half-edge around the change. Added faces have the same number in both.
+    fn number(&self, h: HalfEdgeId) -> u32 {
+        let face = self.0.get(&h.face()).copied();
+        half_edge(face.unwrap_or(h.face().raw()), h.corner() as usize)
+    }
+}
+
 /// The mesh in the order of the solver.
 #[derive(Clone, Debug)]
 pub(crate) struct MeshLayout {
@@ -261,6 +292,8 @@ pub(crate) struct MeshLayout {
     /// Whether the list on each half-edge crosses when its nearest window is due: beside thin faces
     /// and on [long](LONG) ones. Empty if there are none.
     by_distance: Vec<bool>,
+    /// Whether there are some on the mesh of the set-up.
+    waits_by_distance: bool,
     /// The windows stored beside thin faces, as at the start of a run.
     pub(crate) kept: KeptWindows,
 }
@@ -322,25 +355,9 @@ impl MeshLayout {
         let kept = KeptWindows::new(mesh, 4 * mesh.face_count(), |h| {
             number(numbering, h) as usize
         });
-        if !kept.is_empty() {
-            // Stored windows are found by their images, which coalescing changes.
-            for (f, face) in faces.iter_mut().enumerate() {
-                for (corner, flat) in face.flat.iter_mut().enumerate() {
-                    *flat &= !kept.holds(half_edge(f as u32, corner) as usize);
-                }
-            }
-        }
-        let is_long = |f: &FaceLayout| f.length.iter().any(|&l| l > LONG * typical_length);
-        let mut by_distance = Vec::new();
-        if !kept.is_empty() || faces.iter().any(is_long) {
-            let of_face = |(f, face): (usize, &FaceLayout)| {
-                let is_long = is_long(face);
-                let thin = |corner| kept.holds(half_edge(f as u32, corner) as usize);
-                [0, 1, 2, 3].map(|corner| is_long || thin(corner))
-            };
-            by_distance = faces.iter().enumerate().flat_map(of_face).collect();
-        }
-        Self {
+        let is_long = |f: &FaceLayout| f.is_long(typical_length);
+        let waits_by_distance = !kept.is_empty() || faces.iter().any(is_long);
+        let mut layout = Self {
             faces,
             vertices,
             ring_starts,
@@ -348,8 +365,106 @@ impl MeshLayout {
             angles,
             longest_edge: mesh.longest_edge(),
             typical_length,
-            by_distance,
+            by_distance: Vec::new(),
+            waits_by_distance,
             kept,
+        };
+        if waits_by_distance {
+            layout.by_distance.resize(4 * layout.faces.len(), false);
+            (0..layout.faces.len()).for_each(|f| layout.mark(f));
+        }
+        layout
+    }
+
+    /// Marks what waits by distance at face `f`, and where windows are not coalesced.
+    fn mark(&mut self, f: usize) {
+        let face = &mut self.faces[f];
+        let is_long = face.is_long(self.typical_length);
+        for corner in 0..3 {
+            let h = half_edge(f as u32, corner) as usize;
+            let thin = self.kept.holds(h);
+            // Stored windows are found by their images, which coalescing changes.
+            face.flat[corner] &= !thin;
+            self.by_distance[h] = is_long || thin;
+        }
+    }
+
+    /// The numbers here of the faces around a change of `mesh`, which has not been made yet. Every
+    /// edge of a changed face has an end that changes.
+    pub(crate) fn around(
+        &self,
+        mesh: &Mesh,
+        numbering: &Numbering,
+        splice: &Splice,
+    ) -> FacesAround {
+        let known = splice
+            .vertices()
+            .filter(|v| v.index() < mesh.vertex_count());
+        let faces = known.flat_map(|v| {
+            let ring = self.ring(numbering.new_vertex(v).raw()).iter();
+            let outgoing = mesh.outgoing(v).iter();
+            outgoing
+                .zip(ring)
+                .map(|(h, &number)| (h.face(), number >> 2))
+        });
+        FacesAround(faces.collect())
+    }
+
+    /// Follows a change of the mesh, which is `mesh` now, between two runs. O(vertices + faces) at
+    /// the rate of copying memory.
+    pub(crate) fn splice(
+        &mut self,
+        mesh: &Mesh,
+        numbering: &Numbering,
+        splice: &Splice,
+        around: &FacesAround,
+    ) {
+        let vertex = |v| numbering.new_vertex(v).raw();
+        let number = |h| around.number(h);
+        let vertex_count = mesh.vertex_count();
+        self.vertices.resize(vertex_count, VertexFacts::default());
+        for v in splice.vertices() {
+            self.vertices[vertex(v) as usize] = VertexFacts::new(mesh, v);
+        }
+        let none = self.faces.first().copied();
+        self.faces.truncate(mesh.face_count());
+        if let Some(none) = none {
+            self.faces.resize(mesh.face_count(), none);
+        }
+        for face in splice.faces() {
+            let ([layout], _) = FaceLayout::of(mesh, [face], vertex, number, &self.vertices);
+            self.faces[number(face.half_edge(0)) as usize >> 2] = layout;
+        }
+        let mut rows: Vec<(usize, Vec<u32>, Vec<f32>)> = splice
+            .vertices()
+            .map(|v| {
+                let outgoing = mesh.outgoing(v).iter();
+                let (ring, angles) = outgoing
+                    .map(|&h| {
+                        let angles = mesh.shapes([h.face()]).angles;
+                        (number(h), angles[h.corner() as usize][0] as f32)
+                    })
+                    .unzip();
+                (vertex(v) as usize, ring, angles)
+            })
+            .collect();
+        rows.sort_unstable_by_key(|row| row.0);
+        let rings: Vec<_> = rows.iter().map(|row| (row.0, row.1.as_slice())).collect();
+        let angles: Vec<_> = rows.iter().map(|row| (row.0, row.2.as_slice())).collect();
+        self.rings = with_rows(&self.ring_starts, &self.rings, vertex_count, &rings);
+        self.angles = with_rows(&self.ring_starts, &self.angles, vertex_count, &angles);
+        let lengths = rings.iter().map(|&(v, ring)| (v, ring.len()));
+        move_starts(&mut self.ring_starts, vertex_count, lengths);
+        let half_edges = 4 * mesh.face_count();
+        self.kept
+            .splice(mesh, splice, half_edges, |h| number(h) as usize);
+        if !self.waits_by_distance && self.kept.is_empty() {
+            self.by_distance.clear();
+            return;
+        }
+        self.by_distance.resize(half_edges, false);
+        for face in splice.faces() {
+            self.mark(number(face.half_edge(0)) as usize >> 2);
         }
     }
 
@@ -447,5 +562,68 @@ impl MeshLayout {
     #[inline]
     pub(crate) fn ring(&self, v: u32) -> &[u32] {
         &self.rings[self.ring_places(v)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn same(found: &str, expected: &str) {
+        for (found, expected) in found.lines().zip(expected.lines()) {
+            assert_eq!(found, expected);
+        }
+    }
+
+    #[test]
+    fn a_changed_layout_is_that_of_the_changed_mesh_and_is_undone() {
+        for spec in [
+            "terrain,n=8,seed=1",
+            "strip,n=30,aspect=40",
+            "torus,faces=200",
+        ] {
+            let mut mesh = Mesh::generate(spec).unwrap();
+            let numbering = Numbering::breadth_first(&mesh);
+            let mut layout = MeshLayout::new(&mesh, &numbering);
+            let text = |layout: &MeshLayout, digits: usize| {
+                let MeshLayout {
+                    faces,
+                    vertices,
+                    ring_starts,
+                    rings,
+                    angles,
+                    by_distance,
+                    ..
+                } = layout;
+                let kept = (0..4 * faces.len()).map(|h| layout.kept.holds(h));
+                let kept: Vec<bool> = kept.collect();
+                let rest = format!("{ring_starts:?} {rings:?} {by_distance:?} {kept:?}");
+                let faces = faces.iter().map(|f| format!("{f:.digits$?}"));
+                let faces: Vec<String> = faces.collect();
+                format!(
+                    "{}\n{vertices:.digits$?}\n{angles:.digits$?}\n{rest}",
+                    faces.join("\n")
+                )
+            };
+            let before = text(&layout, 17);
+            for face in 0..20 {
+                let inside = mesh
+                    .point_in_face(FaceId::new(face), [0.1, 0.01, 0.89])
+                    .unwrap();
+                let [a, b, _] = mesh.face_vertices(FaceId::new(face + 1));
+                let on_edge = mesh.point_on_edge([a, b], 0.3).unwrap();
+                let insertion = mesh.insertion(&[inside, on_edge]).unwrap();
+                let around = layout.around(&mesh, &numbering, insertion.splice());
+                let undo = mesh.splice(insertion.splice());
+                layout.splice(&mesh, &numbering, insertion.splice(), &around);
+                let anew = MeshLayout::new(&mesh, &numbering);
+                // Unchanged faces of a refined mesh are measured by another formula.
+                same(&text(&layout, 5), &text(&anew, 5));
+                let around = layout.around(&mesh, &numbering, &undo);
+                mesh.splice(&undo);
+                layout.splice(&mesh, &numbering, &undo, &around);
+                same(&text(&layout, 17), &before);
+            }
+        }
     }
 }

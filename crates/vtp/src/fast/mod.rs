@@ -5,7 +5,7 @@
 
 mod serial_state;
 
-use geobench_mesh::{Mesh, Numbering, VertexId};
+use geobench_mesh::{Mesh, Numbering, Splice, VertexId};
 use geobench_window::simd::{Instructions, Lanes, Simd, SimdProgram};
 use geobench_window::{CompiledRuns, Counter, Probe, Propagate, Solution};
 
@@ -163,6 +163,15 @@ impl Propagate for VtpFast {
 
     fn mesh(&self) -> &Mesh {
         &self.mesh
+    }
+
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        let layout = &mut self.state.layout;
+        let around = layout.around(&self.mesh, &self.numbering, splice);
+        let undo = self.mesh.splice(splice);
+        layout.splice(&self.mesh, &self.numbering, splice, &around);
+        self.wavefront.splice(layout);
+        Some(undo)
     }
 
     #[inline(never)]

@@ -10,7 +10,7 @@ use geobench_window::prefetch_line;
 /// The surface state of a single wavefront. The state of each face is stored in its layout record.
 #[derive(Clone, Debug)]
 pub(super) struct SerialState {
-    layout: MeshLayout,
+    pub(super) layout: MeshLayout,
     /// The number of this run. Faces with this number belong to the traversed area.
     run: u8,
     pub(super) distances: Vec<f64>,

@@ -18,7 +18,7 @@ mod worker;
 
 use std::sync::{Mutex, PoisonError};
 
-use geobench_mesh::{Mesh, Numbering, VertexId};
+use geobench_mesh::{Mesh, Numbering, Splice, VertexId};
 use geobench_window::simd::{Lanes, Simd, SimdProgram};
 use geobench_window::{CompiledRuns, Count, Counter, Probe, Propagate, Solution, SolveError};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -207,6 +207,18 @@ impl Propagate for Pvtp {
 
     fn mesh(&self) -> &Mesh {
         &self.mesh
+    }
+
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        let layout = &mut self.shared.layout;
+        let around = layout.around(&self.mesh, &self.numbering, splice);
+        let undo = self.mesh.splice(splice);
+        layout.splice(&self.mesh, &self.numbering, splice, &around);
+        self.shared.splice();
+        for worker in &mut self.workers {
+            worker.splice(&self.shared.layout);
+        }
+        Some(undo)
     }
 
     #[inline(never)]

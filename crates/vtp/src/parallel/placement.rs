@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use geobench_mesh::{Mesh, Numbering, VertexId};
 
 use super::padded::Padded;
+use crate::engine::layout::{MeshLayout, parts};
 
 /// A position. Single precision suffices to compare distances.
 type Position = [f32; 3];
@@ -41,6 +42,20 @@ impl Placement {
         Self {
             positions: mesh.vertices().map(position).collect(),
             centers: (0..threads).map(|_| Padded::default()).collect(),
+        }
+    }
+
+    /// Follows a change of the mesh, of which `layout` is the layout now. An added vertex counts as
+    /// being where the lowest neighbour is; it has one that is no added one, or is beside one.
+    pub(super) fn splice(&mut self, layout: &MeshLayout) {
+        let known = self.positions.len().min(layout.vertices.len());
+        self.positions.truncate(known);
+        for v in known..layout.vertices.len() {
+            let faces = layout.ring(v as u32).iter().map(|&h| parts(h).0);
+            let around = faces.flat_map(|f| layout.faces[f].vertex);
+            let lowest = around.min().unwrap_or(0) as usize;
+            let position = self.positions.get(lowest).copied();
+            self.positions.push(position.unwrap_or_default());
         }
     }
 

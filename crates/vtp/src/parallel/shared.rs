@@ -51,6 +51,14 @@ impl Shared {
         }
     }
 
+    /// Follows a change of the layout.
+    pub(super) fn splice(&mut self) {
+        let vertices = self.layout.vertices.len();
+        self.distances
+            .resize_with(vertices, AtomicDistance::unknown);
+        self.placement.splice(&self.layout);
+    }
+
     /// Removes the handoffs of a run that has panicked.
     pub(super) fn recover(&mut self) {
         self.handoffs = Handoffs::new(self.threads);

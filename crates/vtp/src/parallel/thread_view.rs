@@ -37,6 +37,12 @@ impl ThreadState {
         }
     }
 
+    /// Follows a change of the layout.
+    pub(super) fn splice(&mut self, layout: &MeshLayout) {
+        self.faces.resize(layout.faces.len(), FaceState::default());
+        self.reached.resize(layout.vertices.len(), f64::INFINITY);
+    }
+
     /// Clears the state of the last run.
     pub(super) fn reset(&mut self) {
         if self.run == u8::MAX {

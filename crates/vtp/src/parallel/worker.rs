@@ -55,6 +55,12 @@ impl Worker {
         }
     }
 
+    /// Follows a change of the layout.
+    pub(super) fn splice(&mut self, layout: &MeshLayout) {
+        self.wavefront.splice(layout);
+        self.state.splice(layout);
+    }
+
     /// Runs this thread's part of a run from `sources`. Coalesces windows if `COALESCE`.
     #[inline(always)]
     pub(super) fn run<L: Lanes, P: Probe, const COALESCE: bool>(

@@ -157,6 +157,15 @@ impl Wavefront {
         }
     }
 
+    /// Follows a change of the mesh, of which `layout` is the layout now. Every list must be empty.
+    pub(crate) fn splice(&mut self, layout: &MeshLayout) {
+        let vertices = layout.vertices.len();
+        self.buckets.reset();
+        self.buckets.resize(vertices);
+        self.origins.resize(vertices, PathOrigin::default());
+        self.kept.clone_from(&layout.kept);
+    }
+
     /// Clears the state of the last run. Every list must be empty, as after a complete run or
     /// [`abandon`](Self::abandon).
     pub(crate) fn reset(&mut self) {

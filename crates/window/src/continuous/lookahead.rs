@@ -36,6 +36,12 @@ impl Lookahead {
         self.next = 0;
     }
 
+    /// Forgets all half-edges, before a change of the mesh.
+    pub(super) fn forget(&mut self) {
+        self.crossings.forget();
+        self.next = 0;
+    }
+
     pub(super) fn crossings(&self) -> &Crossings {
         &self.crossings
     }

@@ -1,6 +1,6 @@
 //! Policies: what happens to the windows of an algorithm.
 
-use geobench_mesh::{HalfEdgeId, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Splice, VertexId};
 
 use super::edge::EdgeView;
 use super::surface::Surface;
@@ -270,6 +270,15 @@ pub trait Policy: Send {
         inherited: Self::Lineage,
         surface: &Surface,
     ) -> [Option<Self::Lineage>; 2];
+
+    /// Whether it follows changes of the mesh by [`splice`](Self::splice).
+    const SPLICES: bool = false;
+
+    /// Follows a change of the mesh, which is `mesh` now, between two runs. `surface` has followed
+    /// it.
+    fn splice(&mut self, mesh: &Mesh, splice: &Splice, surface: &Surface) {
+        let _ = (mesh, splice, surface);
+    }
 
     /// Called at the end of a run, for the last counts.
     fn finish<P: Probe>(&mut self, probe: &mut P) {

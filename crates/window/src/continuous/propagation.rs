@@ -3,7 +3,7 @@
 // Keeps a window in registers between its crossing and the place where it is stored.
 #![allow(clippy::inline_always)]
 
-use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Splice, VertexId};
 
 use super::edge::EdgeView;
 use super::lookahead::Lookahead;
@@ -602,6 +602,15 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
 
     fn mesh(&self) -> &Mesh {
         &self.mesh
+    }
+
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        let undo = W::SPLICES.then(|| self.mesh.splice(splice))?;
+        self.lookahead.forget();
+        self.surface.splice(&self.mesh, splice);
+        self.policy.splice(&self.mesh, splice, &self.surface);
+        self.queue.splice(&self.mesh, splice);
+        Some(undo)
     }
 
     fn runs(&self) -> CompiledRuns<Self> {

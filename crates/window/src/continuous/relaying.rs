@@ -1,6 +1,6 @@
 //! Approximation: vertices replace windows, within a bound of the error.
 
-use geobench_mesh::{HalfEdgeId, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Splice, VertexId};
 
 use super::policy::{Arrival, Child, Dequeued, Policy};
 use super::surface::Surface;
@@ -24,6 +24,11 @@ impl<W: Policy> Policy for Relaying<W> {
     const WINDOW_BYTES: usize = W::WINDOW_BYTES;
     const FORESEES: bool = W::FORESEES;
     const RELAYS: bool = true;
+    const SPLICES: bool = W::SPLICES;
+
+    fn splice(&mut self, mesh: &Mesh, splice: &Splice, surface: &Surface) {
+        self.0.splice(mesh, splice, surface);
+    }
 
     fn reset(&mut self) {
         self.0.reset();

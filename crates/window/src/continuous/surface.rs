@@ -1,6 +1,6 @@
 //! The faces of a mesh and the vertex distances of a run.
 
-use geobench_mesh::{HalfEdgeId, Mesh, Numbering, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Numbering, Splice, VertexId};
 
 use super::edge::{Behind, EdgeView};
 use crate::frame::Faces;
@@ -40,6 +40,11 @@ impl Surface {
             faces: Faces::in_order(mesh, Self::order(mesh)).with_gates(mesh),
             distances: Vec::new(),
         }
+    }
+
+    /// Follows a change of the mesh, as [`Faces::splice`].
+    pub fn splice(&mut self, mesh: &Mesh, splice: &Splice) {
+        self.faces.splice(mesh, splice);
     }
 
     /// Sets the distances of all `vertices` to infinity.

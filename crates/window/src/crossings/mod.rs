@@ -120,6 +120,12 @@ impl Crossings {
         self.len = 0;
     }
 
+    /// Makes all lanes those of a half-edge that every mesh has: half-edges may be removed.
+    pub(crate) fn forget(&mut self) {
+        self.clear();
+        self.entrances = [HalfEdgeId::new(0); LANES];
+    }
+
     /// Adds `window`, which enters through `h`.
     ///
     /// # Panics

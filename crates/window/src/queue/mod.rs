@@ -18,7 +18,7 @@ pub use fifo::Fifo;
 pub use heap::{MinHeap, QuaternaryHeap};
 pub use heap_queue::{Heap, HeapQueue, HeapShape};
 
-use geobench_mesh::{HalfEdgeId, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Splice, VertexId};
 
 use crate::counters::Counter;
 use crate::goal::EndCheck;
@@ -111,6 +111,12 @@ pub trait Discipline: Send {
 
     /// Removes all events, keeping the memory.
     fn clear(&mut self);
+
+    /// Follows a change of the mesh, which is `mesh` now, between two runs. Queues that hold
+    /// nothing for each face or vertex need not.
+    fn splice(&mut self, mesh: &Mesh, splice: &Splice) {
+        let _ = (mesh, splice);
+    }
 
     /// Whether a run ends now that an event under `label` has left the queue: everything that
     /// `probe` wants is final, given the known distances.

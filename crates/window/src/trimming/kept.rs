@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use geobench_mesh::{HalfEdgeId, Mesh};
+use geobench_mesh::{HalfEdgeId, Mesh, Splice};
 
 use super::compare::is_sliver;
 use super::foot::pieces;
@@ -21,7 +21,7 @@ use crate::window::Window;
 /// does the same on the half-edges of thin faces, which few meshes have.
 ///
 /// ```
-/// use geobench_mesh::{HalfEdgeId, Mesh};
+/// use geobench_mesh::{HalfEdgeId, Mesh, Splice};
 /// use geobench_window::Window;
 /// use geobench_window::trimming::KeptWindows;
 ///
@@ -39,9 +39,12 @@ pub struct KeptWindows {
     /// thin.
     lists: Vec<u32>,
     kept: Vec<KeptList>,
+    /// The thin faces, without their half-edges.
+    limits: ThinFaces,
+    /// The number of lists on the mesh of the set-up, and its doubt.
+    own: (usize, f64),
     doubt: f64,
     reach: f64,
-    has_tip: bool,
     overlap: Overlap,
     replaced: Vec<Window>,
 }
@@ -70,22 +73,73 @@ impl KeptWindows {
     pub fn new(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
         let mut kept = Self::default();
         let thin = ThinFaces::of(mesh, numbers, &number);
-        if thin.is_empty() {
-            return kept;
-        }
-        kept.doubt = thin.doubt();
-        kept.reach = 4.0 * thin.doubt() / MARGIN;
-        kept.has_tip = thin.has_tip();
         for h in mesh.half_edges().filter(|&h| thin.is_beside(number(h))) {
             kept.lists.resize(numbers, NO_LIST);
-            kept.lists[number(h)] = kept.kept.len() as u32;
-            kept.kept.push(KeptList {
-                length: mesh.length(h),
-                windows: Vec::new(),
-                has_received: false,
-            });
+            kept.add(number(h), mesh.length(h));
         }
+        kept.set_doubt(thin.doubt());
+        kept.own = (kept.kept.len(), thin.doubt());
+        kept.limits = thin.without_half_edges();
         kept
+    }
+
+    fn add(&mut self, h: usize, length: f64) {
+        self.lists[h] = self.kept.len() as u32;
+        self.kept.push(KeptList {
+            length,
+            windows: Vec::new(),
+            has_received: false,
+        });
+    }
+
+    fn set_doubt(&mut self, doubt: f64) {
+        self.doubt = doubt;
+        self.reach = 4.0 * doubt / MARGIN;
+    }
+
+    /// Follows a change of the mesh, as [`ThinFaces::splice`]. No window may be stored.
+    pub fn splice(
+        &mut self,
+        mesh: &Mesh,
+        splice: &Splice,
+        numbers: usize,
+        number: impl Fn(HalfEdgeId) -> usize,
+    ) {
+        let (own, own_doubt) = self.own;
+        self.kept.truncate(own);
+        self.clear();
+        let mut doubt = own_doubt;
+        if own == 0 {
+            self.lists.clear();
+        } else {
+            self.lists.resize(numbers, NO_LIST);
+        }
+        for h in splice
+            .faces()
+            .flat_map(|f| [0, 1, 2].map(|k| f.half_edge(k)))
+        {
+            let beside = self.limits.is_beside_on(mesh, h);
+            if beside && self.lists.is_empty() {
+                self.lists.resize(numbers, NO_LIST);
+            }
+            for h in (!self.lists.is_empty())
+                .then(|| mesh.along_edge(h))
+                .into_iter()
+                .flatten()
+            {
+                // A list of the set-up stays: storing windows where no face is thin does no harm.
+                let i = number(h);
+                match self.kept.get_mut(self.lists[i] as usize) {
+                    Some(list) => list.length = mesh.length(h),
+                    None if beside => self.add(i, mesh.length(h)),
+                    None => self.lists[i] = NO_LIST,
+                }
+            }
+            if self.limits.is_thin_on(mesh, h) {
+                doubt = doubt.max(MARGIN * mesh.length(h));
+            }
+        }
+        self.set_doubt(doubt);
     }
 
     /// Whether no face is thin. Then no window is stored, and calls of the other methods can be
@@ -115,7 +169,7 @@ impl KeptWindows {
     /// Whether faces are thin and the mesh has the tip of a needle, as [`ThinFaces::has_tip`].
     #[inline]
     pub fn has_tip(&self) -> bool {
-        self.has_tip
+        !self.is_empty() && self.limits.has_tip()
     }
 
     /// Whether windows that arrive at half-edge number `h` are stored.

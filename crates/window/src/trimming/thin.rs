@@ -1,6 +1,6 @@
 //! Faces so thin that windows wind around needles.
 
-use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Splice, VertexId};
 
 use crate::precision::MARGIN;
 
@@ -52,29 +52,53 @@ pub struct ThinFaces {
     beside: Vec<bool>,
     doubt: f64,
     has_tip: bool,
+    limits: Limits,
+    /// The doubt of the mesh of the set-up; negative if no face is thin there.
+    own_doubt: f64,
+}
+
+/// The limits of a mesh below which a face is thin.
+#[derive(Clone, Copy, Debug, Default)]
+struct Limits {
+    /// Height relative to the longest side.
+    height: f64,
+    /// Longest side.
+    side: f64,
+}
+
+impl Limits {
+    fn of(mesh: &Mesh, has_tip: bool) -> Self {
+        Self {
+            height: if has_tip { THIN_AROUND_TIPS } else { THIN },
+            side: TINY * mesh.longest_edge(),
+        }
+    }
+
+    fn is_thin(self, mesh: &Mesh, face: FaceId) -> bool {
+        let h = face.half_edge(0);
+        relative_height(mesh, h) < self.height || longest_side(mesh, h) < self.side
+    }
 }
 
 impl ThinFaces {
     /// The thin faces of `mesh`. `number` gives the number of each half-edge, which is less than
     /// `numbers`; [gates](crate::Faces::with_gates) follow. O(faces).
     pub fn of(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
+        let has_tip = mesh.vertices().any(|v| is_tip(mesh, v));
+        let limits = Limits::of(mesh, has_tip);
         let mut thin = Self {
-            has_tip: mesh.vertices().any(|v| is_tip(mesh, v)),
+            has_tip,
+            limits,
+            own_doubt: -1.0,
             ..Self::default()
         };
-        let limit = if thin.has_tip { THIN_AROUND_TIPS } else { THIN };
-        let tiny = TINY * mesh.longest_edge();
         // Some rounding slack: the faces are selected by another formula.
-        let any_thin = mesh.least_relative_height() <= 1.001 * limit;
-        let any_tiny = mesh.half_edges().any(|h| mesh.length(h) < tiny);
+        let any_thin = mesh.least_relative_height() <= 1.001 * limits.height;
+        let any_tiny = mesh.half_edges().any(|h| mesh.length(h) < limits.side);
         if !(any_thin || any_tiny) {
             return thin;
         }
-        let is_thin = |face: &FaceId| {
-            let h = face.half_edge(0);
-            relative_height(mesh, h) < limit || longest_side(mesh, h) < tiny
-        };
-        for face in mesh.faces().filter(is_thin) {
+        for face in mesh.faces().filter(|&face| limits.is_thin(mesh, face)) {
             let gates = mesh.junction_sides().len();
             thin.beside.resize(numbers + gates, false);
             for h in [0, 1, 2].map(|corner| face.half_edge(corner)) {
@@ -87,7 +111,74 @@ impl ThinFaces {
                 }
             }
         }
+        if !thin.is_empty() {
+            thin.own_doubt = thin.doubt;
+        }
         thin
+    }
+
+    /// Follows a change of the mesh, which is `mesh` now; the other arguments are as for
+    /// [`of`](Self::of). Takes time in the size of the change, unless the number of half-edges
+    /// changes where faces are thin.
+    ///
+    /// Parts of a split face may be thin. Tips stay where they are: angles do not change.
+    pub fn splice(
+        &mut self,
+        mesh: &Mesh,
+        splice: &Splice,
+        numbers: usize,
+        number: impl Fn(HalfEdgeId) -> usize,
+    ) {
+        if self.own_doubt < 0.0 {
+            // What is thin is what the last change has made.
+            self.beside.clear();
+        }
+        self.doubt = self.own_doubt.max(0.0);
+        let gates = mesh.junction_sides().len();
+        if !self.is_empty() {
+            self.beside.resize(numbers + gates, false);
+        }
+        for h in splice
+            .faces()
+            .flat_map(|f| [0, 1, 2].map(|k| f.half_edge(k)))
+        {
+            let beside = is_beside_thin(mesh, h, self.limits);
+            if beside && self.is_empty() {
+                self.beside.resize(numbers + gates, false);
+            }
+            if !self.is_empty() {
+                for h in mesh.along_edge(h) {
+                    self.beside[number(h)] = beside;
+                }
+            }
+            if self.limits.is_thin(mesh, h.face()) {
+                self.doubt = self.doubt.max(MARGIN * mesh.length(h));
+            }
+        }
+        if !self.is_empty() {
+            for (gate, h) in mesh.junction_sides().enumerate() {
+                self.beside[numbers + gate] = self.beside[number(h)];
+            }
+        }
+    }
+
+    /// Whether the face on either side of `h` is thin, by the limits of the mesh of the set-up. For
+    /// data that follow the same [changes](Self::splice).
+    pub(super) fn is_beside_on(&self, mesh: &Mesh, h: HalfEdgeId) -> bool {
+        is_beside_thin(mesh, h, self.limits)
+    }
+
+    /// Whether the face of `h` is thin, as [`is_beside_on`](Self::is_beside_on).
+    pub(super) fn is_thin_on(&self, mesh: &Mesh, h: HalfEdgeId) -> bool {
+        self.limits.is_thin(mesh, h.face())
+    }
+
+    /// The limits alone.
+    pub(super) fn without_half_edges(self) -> Self {
+        Self {
+            beside: Vec::new(),
+            ..self
+        }
     }
 
     /// Whether no face is thin, as on nearly all meshes.
@@ -114,6 +205,11 @@ impl ThinFaces {
     pub fn is_beside(&self, h: usize) -> bool {
         self.beside.get(h).copied().unwrap_or(false)
     }
+}
+
+/// Whether the face on any side of `h` is thin.
+fn is_beside_thin(mesh: &Mesh, h: HalfEdgeId, limits: Limits) -> bool {
+    mesh.along_edge(h).any(|h| limits.is_thin(mesh, h.face()))
 }
 
 /// Height of the face of `h`, relative to its longest edge.

@@ -1,0 +1,154 @@
+//! A solver for points anywhere on the surface.
+
+use geobench_mesh::{Insertion, Mesh, Refined, SurfacePoint};
+use geobench_paths::{Path, PathError, Paths};
+use geobench_window::{Goal, SolveError, Solver, at_points};
+
+use crate::{Points, not_on_the_mesh, usual_solver};
+
+/// Sets up an algorithm for a mesh.
+type SetUp = Box<dyn Fn(&Mesh) -> Box<dyn Solver> + Send>;
+
+/// A solver for sources and targets anywhere on the surface, set up once.
+///
+/// Points on edges and in faces are inserted into the data of the solver for a run, and removed
+/// after it. A run takes as long as one between vertices. A solver that cannot do so, an approximate
+/// one, is set up anew for each such run.
+///
+/// ```
+/// use geodesics::{Mesh, SurfaceSolver};
+///
+/// let mesh = Mesh::generate("torus,faces=2000")?;
+/// let mut solver = SurfaceSolver::new(&mesh);
+/// let a = mesh.point_in_face(7.into(), [0.2, 0.3, 0.5])?;
+/// let b = mesh.point_in_face(900.into(), [0.6, 0.1, 0.3])?;
+/// let from_a: Vec<f64> = solver.distances_from(a)?;
+/// let between = solver.distances_to(a, b, f64::INFINITY)?[0];
+/// let path = solver.path(a, b)?.expect("the torus is in one piece");
+/// assert!((path.length - between).abs() < 1e-12 && from_a.len() == mesh.vertex_count());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct SurfaceSolver {
+    mesh: Mesh,
+    solver: Box<dyn Solver>,
+    set_up: SetUp,
+}
+
+impl SurfaceSolver {
+    /// Sets up [`VtpFast`](crate::VtpFast), or [`mmp_fast`](crate::solvers::mmp_fast) on a mesh with
+    /// [junctions](Mesh::junction).
+    pub fn new(mesh: &Mesh) -> Self {
+        Self::with(mesh, usual_solver)
+    }
+
+    /// Sets up another algorithm, as `|mesh| Box::new(mmp(mesh))`.
+    pub fn with(mesh: &Mesh, set_up: impl Fn(&Mesh) -> Box<dyn Solver> + Send + 'static) -> Self {
+        Self {
+            mesh: mesh.clone(),
+            solver: set_up(mesh),
+            set_up: Box::new(set_up),
+        }
+    }
+
+    /// Distances of all vertices from the nearest of `sources`.
+    ///
+    /// # Errors
+    ///
+    /// If there is no source, or one that is not on the mesh.
+    pub fn distances_from(&mut self, sources: impl Points) -> Result<Vec<f64>, SolveError> {
+        self.distances_within(sources, f64::INFINITY)
+    }
+
+    /// Distances of all vertices from the nearest of `sources`, as far as they are at most `radius`;
+    /// others are infinite. The search ends at the radius.
+    ///
+    /// # Errors
+    ///
+    /// As [`distances_from`](Self::distances_from).
+    pub fn distances_within(
+        &mut self,
+        sources: impl Points,
+        radius: f64,
+    ) -> Result<Vec<f64>, SolveError> {
+        let vertices = self.mesh.vertex_count();
+        let goal = Goal::everything().within(radius);
+        let insertion = self.insertion(&sources.into_points())?;
+        let solution = self.at(insertion, |solver, refined| {
+            solver.solve_until(&refined.vertices, &goal)
+        })?;
+        let mut distances = solution.distances;
+        distances.truncate(vertices);
+        Ok(distances)
+    }
+
+    /// Distances of `targets` from the nearest of `sources`, infinite beyond `radius`. The search
+    /// ends when all are known.
+    ///
+    /// # Errors
+    ///
+    /// As [`distances_from`](Self::distances_from), or if a target is not on the mesh.
+    pub fn distances_to(
+        &mut self,
+        sources: impl Points,
+        targets: impl Points,
+        radius: f64,
+    ) -> Result<Vec<f64>, SolveError> {
+        let sources = sources.into_points();
+        let points = [&sources[..], &targets.into_points()].concat();
+        let insertion = self.insertion(&points)?;
+        self.at(insertion, |solver, refined| {
+            let (from, to) = refined.vertices.split_at(sources.len());
+            let goal = Goal::targets(to.iter().copied()).within(radius);
+            let found = solver.solve_until(from, &goal)?.distances;
+            Ok(to.iter().map(|v| found[v.index()]).collect())
+        })
+    }
+
+    /// The shortest path from the nearest of `sources` to `target`; `None` if no path leads there.
+    ///
+    /// # Errors
+    ///
+    /// As [`distances_to`](Self::distances_to). [`SolveError::NoPaths`] if the algorithm traces no
+    /// paths.
+    pub fn path(
+        &mut self,
+        sources: impl Points,
+        target: impl Into<SurfacePoint>,
+    ) -> Result<Option<Path>, PathError> {
+        let mut points = sources.into_points();
+        points.push(target.into());
+        let insertion = self.insertion(&points)?;
+        let is_refined = !insertion.is_empty();
+        self.at(insertion, |solver, refined| {
+            let Some((&to, from)) = refined.vertices.split_last() else {
+                return Err(SolveError::NoSource.into());
+            };
+            let paths = Paths::find(solver, &refined.mesh, from, &Goal::targets([to]))?;
+            let path = paths.to(to)?;
+            Ok(path.map(|path| {
+                if is_refined {
+                    path.of_original(refined)
+                } else {
+                    path
+                }
+            }))
+        })
+    }
+
+    fn insertion(&self, points: &[SurfacePoint]) -> Result<Insertion, SolveError> {
+        self.mesh.insertion(points).map_err(not_on_the_mesh)
+    }
+
+    fn at<T>(
+        &mut self,
+        insertion: Insertion,
+        run: impl FnOnce(&mut dyn Solver, &Refined) -> T,
+    ) -> T {
+        at_points(
+            &mut *self.solver,
+            insertion,
+            |mesh| (self.set_up)(mesh),
+            run,
+        )
+    }
+}

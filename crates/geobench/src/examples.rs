@@ -56,7 +56,7 @@ const EXAMPLES: &[Examples] = &[
         ("the same from a generated model", "remesh gen:torus,faces=20000 --sites 500 -o torus.ply"),
     ]),
     ("certify", [
-        ("prove the distances of the default algorithm", "certify horse.obj --source 0"),
+        ("prove the distances of `mmp`", "certify horse.obj --source 0"),
         ("prove distances of a file, or find where they are wrong", "certify horse.obj --source 0 --distances d.csv --format json"),
     ]),
     ("gen", [

@@ -70,7 +70,7 @@ pub(crate) struct RunOptions {
     #[command(flatten, next_help_heading = "Sources and targets")]
     pub(crate) goal: GoalOptions,
 
-    /// Timed runs of each cell [default: 5 to 100, as many as --precision needs]
+    /// Timed runs of each cell [default: 6 to 100, as many as --precision needs]
     #[arg(help_heading = "Repetitions", long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_RUNS)))]
     pub(crate) repeat: Option<u32>,
 

@@ -81,9 +81,16 @@ pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<ClaimsReport, Us
         if has_authors {
             authors.push(&input.result);
         }
-        let Some(suite) = input.result.suite().filter(|s| wanted(s)) else {
+        let suite = input.result.suite().filter(|suite| wanted(suite));
+        let Some(suite) = suite.filter(|_| input.result.suite_with_its_models().is_some()) else {
             if !has_authors {
-                notes.push(format!("{shown}: no claim is decided by its suite"));
+                let why = match input.result.suite() {
+                    Some(suite) if wanted(&suite) => {
+                        "its models are not those of the suite, so that it decides no claim"
+                    }
+                    _ => "no claim is decided by its suite",
+                };
+                notes.push(format!("{shown}: {why}"));
             }
             continue;
         };

@@ -6,7 +6,9 @@ use geobench_harness::exec::mock::MockBackend;
 use geobench_harness::measure::statistics::time;
 use geobench_harness::plan;
 use geobench_harness::run::mock::{self, result, run_mock};
-use geobench_harness::schema::{Cell, IsolationRecord, PlannedAlgorithm, SourceLabel, Status};
+use geobench_harness::schema::{
+    Cell, GroupRecord, IsolationRecord, PlannedAlgorithm, SourceLabel, Status,
+};
 use geobench_registry::Selection;
 use geobench_window::Counter;
 
@@ -28,6 +30,11 @@ fn made_up(algorithms: &str) -> ResultFile {
         jobs: None,
     };
     made.plan = Some(geobench_harness::plan::record(&[plan], isolation));
+    // The models are those of the suite.
+    made.groups = vec![GroupRecord {
+        shows: Some("what it shows".to_owned()),
+        ..GroupRecord::default()
+    }];
     for (i, model) in made.models.iter_mut().enumerate() {
         model.faces = Some(1000 << (2 * i));
         model.vertices = Some(500 << (2 * i));
@@ -934,6 +941,18 @@ fn causes_come_from_the_authors_programs() {
     assert_eq!(judged(&confirmed, Some(&authors)), (Confirmed, None));
     let counts = test.replace("holds", "figure = \"propagated\"\nholds");
     assert_eq!(judged(&counts, Some(&authors)).1, Some(ClaimCause::Open));
+}
+
+#[test]
+fn models_of_a_user_decide_no_claim() {
+    let mut result = made_up("ich,vtp");
+    let test = "of = [\"ich\"]\nfigure = \"propagated\"\nholds = \"> 1\"";
+    assert_eq!(verdict_of(test, &result).0, Confirmed);
+    // The text of a suite goes with its models.
+    for group in &mut result.groups {
+        group.shows = None;
+    }
+    assert_eq!(verdict_of(test, &result).0, Unjudged);
 }
 
 #[test]

@@ -241,8 +241,11 @@ impl LocatedPoints {
         if all <= 1 || reached.len() >= all {
             return;
         }
-        let connected = reached.iter().filter_map(|part| components.get(part));
-        let connected: usize = connected.map(|component| component.vertices).sum();
+        // A vertex in no face is a component of its own.
+        let connected = reached.iter().map(|part| components.get(part));
+        let connected: usize = connected
+            .map(|part| part.map_or(1, |part| part.vertices))
+            .sum();
         terminal::notes(&[match &self.sources[..] {
             [(label, _)] => format!(
                 "source {label} is in a component of {connected} of {vertices} vertices; {all} \

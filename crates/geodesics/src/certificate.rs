@@ -178,7 +178,11 @@ impl Certificate {
         let by = if given.is_nan() || given == f64::INFINITY && greatest.is_finite() {
             f64::INFINITY
         } else {
-            (given - greatest).max(least - given).next_down()
+            match (given - greatest).max(least - given) {
+                // Finite where no path leads.
+                f64::INFINITY => f64::INFINITY,
+                by => by.next_down(),
+            }
         };
         let rounding = self.rounding(v) * (tolerance / RELATIVE).min(1.0);
         if by == f64::INFINITY || by > tolerance * self.distances[v] + rounding {

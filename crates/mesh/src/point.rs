@@ -197,6 +197,10 @@ impl Mesh {
             return Err(PointError::Parameter { value: t });
         }
         let [from, to] = ends.map(|end| self.kept_vertex(end));
+        // An edge of the file whose ends are one place.
+        if from == to && ends[0] != ends[1] {
+            return self.point_at_vertex(from);
+        }
         let leaving = |from: VertexId, to: VertexId| {
             let mut outgoing = self.outgoing(from).iter().copied();
             outgoing.find(|&h| self.head(h) == to)

@@ -212,5 +212,6 @@ fn a_finite_distance_of_an_unreachable_vertex_was_certified() {
     assert_eq!(json["certified"], false);
     assert_eq!(json["relative"], serde_json::Value::Null);
     assert_eq!(json["failures"][0]["vertex"], 4);
+    assert_eq!(json["failures"][0]["wrong"], true);
     assert_eq!(json["failures"].as_array().unwrap().len(), 1);
 }

@@ -181,3 +181,16 @@ fn faces_that_are_left_out_keep_their_numbers() {
     let last = &sandbox.json("p.json")["paths"][0]["points"];
     assert_eq!(last.as_array().unwrap().last().unwrap()["face"], 3);
 }
+
+#[test]
+fn an_edge_of_the_file_that_welding_has_shrunk_is_a_vertex() {
+    let sandbox = with_seam();
+    // Vertices 0 and 3 are a millionth apart and become one.
+    let at_vertex = distances(&sandbox, "close.obj --weld=1e-5 --source 0");
+    let on_edge = distances(&sandbox, "close.obj --weld=1e-5 --source edge:0-3,0.5");
+    assert_eq!(at_vertex, on_edge);
+    let outcome = sandbox.call("distance close.obj --source edge:0-3,0.5 -o d.csv");
+    assert_eq!(outcome.code, 2);
+    let message = "no edge joins the vertices 0 and 3";
+    assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
+}

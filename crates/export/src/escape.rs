@@ -87,7 +87,8 @@ pub fn markdown_line(text: &str) -> String {
 }
 
 /// `text` within a line of Markdown, without markup: no HTML, no link, no end of a table cell, and
-/// on GitHub no mention of a user and no reference to an issue.
+/// on GitHub no mention of a user, no reference to an issue, no formula and no address that becomes
+/// a link.
 pub fn markdown(text: &str) -> String {
     /// Invisible. Letters behind it are no name of a user, and digits no number of an issue.
     const BREAK: &str = "&#8203;";
@@ -100,7 +101,9 @@ pub fn markdown(text: &str) -> String {
         match c {
             '<' => escaped.push_str("&lt;"),
             '&' => escaped.push_str("&amp;"),
-            '\\' | '|' | '`' | '*' | '~' => escaped.extend(['\\', c]),
+            '\\' | '|' | '`' | '*' | '~' | '$' => escaped.extend(['\\', c]),
+            ':' if letters.clone().take(2).eq("//".chars()) => escaped.extend([":", BREAK]),
+            '.' if ends_with_www(&escaped) => escaped.extend([BREAK, "."]),
             '@' if next.is_alphanumeric() => escaped.extend(["@", BREAK]),
             '#' if next.is_ascii_digit() => escaped.extend(["#", BREAK]),
             // Within a word an underscore is no markup.
@@ -112,6 +115,12 @@ pub fn markdown(text: &str) -> String {
         last = c;
     }
     escaped
+}
+
+/// Whether what follows a dot would make a link of `text`.
+fn ends_with_www(text: &str) -> bool {
+    let end = text.as_bytes().last_chunk::<3>();
+    end.is_some_and(|end| end.eq_ignore_ascii_case(b"www"))
 }
 
 /// `text` with the special characters of XML and HTML escaped, for attributes and content.
@@ -209,6 +218,9 @@ mod tests {
             ("12 x", "12 x"),
             ("hi @everyone a@ b", "hi @&#8203;everyone a@ b"),
             ("horse #2 # x", "horse #&#8203;2 # x"),
+            ("see https://a.b", "see https:&#8203;//a.b"),
+            ("WWW.a.b c:/d", "WWW&#8203;.a.b c:/d"),
+            ("$x^2$", "\\$x^2\\$"),
         ] {
             assert_eq!(markdown_line(text), escaped);
         }

@@ -4,6 +4,7 @@
 #include "session.hpp"
 
 #include <cfloat>
+#include <memory>
 #include <cstdlib>
 #include <memory>
 #include <set>
@@ -68,7 +69,7 @@ struct Solver {
     explicit Solver(const peer::Model& model) : surface(model) {}
 
     void solve(unsigned source) {
-        const std::set<int> sources{static_cast<int>(source)};
+        const std::vector<int> sources{static_cast<int>(source)};
         algorithm.reset(new CICHWithFurtherPriorityQueue(surface, sources));
         algorithm->Execute();
     }

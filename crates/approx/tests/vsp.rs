@@ -185,40 +185,35 @@ fn sources_start_anew_at_pinched_vertices() {
     assert!(found[0] < 0.01 && found[1] < 0.1, "{found:?}");
 }
 
-/// Three half discs along one edge.
+/// Three squares with a common side.
 #[test]
 fn sources_pass_edges_of_three_faces() {
     let n = 24;
     let mut positions = Vec::new();
     let mut triangles = Vec::new();
     for page in 0..3 {
-        let angle = f64::from(page) * 2.0;
+        let (sin, cos) = (2.0 * f64::from(page)).sin_cos();
         for j in 0..=n {
             for i in 0..=n {
-                let [x, r] = [f64::from(i), f64::from(j)];
-                positions.push([x, r * angle.cos(), r * angle.sin()]);
+                let [x, r] = [i, j].map(f64::from);
+                positions.push([x, r * cos, r * sin]);
             }
         }
         let at = |i: u32, j: u32| {
-            if j == 0 {
-                i
-            } else {
-                page as u32 * (n as u32 + 1).pow(2) + j * (n as u32 + 1) + i
-            }
+            let page = if j == 0 { 0 } else { page };
+            (page * (n + 1) + j) * (n + 1) + i
         };
-        for j in 0..n as u32 {
-            for i in 0..n as u32 {
+        for j in 0..n {
+            for i in 0..n {
                 triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
                 triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
             }
         }
     }
-    let mesh = Mesh::from_soup(TriangleSoup::new(positions, triangles))
-        .unwrap()
-        .0;
+    let soup = TriangleSoup::new(positions, triangles);
+    let (mesh, _) = Mesh::from_soup(soup).unwrap();
     assert!(mesh.has_junctions());
-    let source = 10 * (n as u32 + 1) + 3;
-    let found = errors(&mesh, &[source]);
+    let found = errors(&mesh, &[10 * (n + 1) + 3]);
     assert!(found[0] < 0.05 && found[1] < 1.0, "{found:?}");
 }
 

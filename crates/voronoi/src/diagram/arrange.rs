@@ -282,14 +282,15 @@ pub(crate) fn arrange(
         most_cuts: MOST_CUTS,
         ..joining
     };
-    let ranked = sites.ranked();
     let mut best: Option<(Arrangement, f64)> = None;
-    for (effort, sites) in [
-        (simple, sites),
-        (joining, sites),
-        (thorough, &ranked),
-        (thorough, sites),
+    for (effort, is_ranked) in [
+        (simple, false),
+        (joining, false),
+        (thorough, true),
+        (thorough, false),
     ] {
+        let ranked = is_ranked.then(|| sites.ranked());
+        let sites = ranked.as_ref().unwrap_or(sites);
         let found = arrange_within(effort, sites, lines, runs, next_run);
         if best.as_ref().is_none_or(|(_, doubt)| found.1 < *doubt) {
             best = Some(found);

@@ -26,7 +26,7 @@ pub(super) struct BorderTracer<'a> {
     pub(super) triangle: &'a FaceTriangle,
     pub(super) slack: f64,
     pub(super) sources: [u32; 2],
-    /// Scratch: the sites near a part of the border.
+    /// The sites near the part of the border that was looked at last.
     pub(super) near: RefCell<SiteTable>,
 }
 
@@ -87,14 +87,18 @@ impl BorderTracer<'_> {
         steps: &mut u32,
         parts: &mut Vec<BorderPart>,
     ) -> Option<()> {
+        let mut follows = false;
         loop {
             *steps += 1;
             if *steps > MOST_STEPS {
                 return None;
             }
-            let Some((end, pair)) = self.next_part([at, to]) else {
+            let expected = follows.then(|| self.expected([at, to])).flatten();
+            let part = expected.and_then(|pair| self.next_part([at, to], Some(pair)));
+            let Some((end, pair)) = part.or_else(|| self.next_part([at, to], None)) else {
                 break;
             };
+            follows = true;
             append(parts, end, Some(pair));
             if end == to {
                 return Some(());
@@ -111,21 +115,35 @@ impl BorderTracer<'_> {
         self.trace([middle, to], steps, parts)
     }
 
+    /// The sites of the part that begins at the first of `ends`, if they are near the part before it,
+    /// as nearly always. A part that they fit all the way needs no search among all sites.
+    fn expected(&self, [from, to]: [Point; 2]) -> Option<[usize; 2]> {
+        let x = between(from, to, AHEAD);
+        let near = self.near.borrow();
+        self.measured.nearest_in(&near, self.sources, x).pair()
+    }
+
     /// The end of the first part between `ends` and its sites; `None` if that is in doubt.
-    fn next_part(&self, [from, to]: [Point; 2]) -> Option<(Point, [usize; 2])> {
+    /// `expected` are the sites that it probably has.
+    fn next_part(
+        &self,
+        [from, to]: [Point; 2],
+        expected: Option<[usize; 2]>,
+    ) -> Option<(Point, [usize; 2])> {
         let chord = sub(to, from);
         let place = |x: Point| dot(sub(x, from), chord) / dot(chord, chord);
         let touch = TOUCHING * self.sites.size;
         let are_apart = |a: Point, b: Point| norm(sub(a, b)) > touch;
         let mut ahead = AHEAD;
         let (pair, mut end, mut most) = loop {
-            let start = self
-                .measured
-                .nearest(self.sources, between(from, to, ahead));
-            let pair = start.each.map(|site| site.site);
-            if pair.contains(&usize::MAX) {
-                return None;
-            }
+            let pair = match expected {
+                Some(pair) if ahead == AHEAD => pair,
+                _ => {
+                    let x = between(from, to, ahead);
+                    let nearest = self.measured.nearest(self.sources, x);
+                    nearest.pair()?
+                }
+            };
             // The part ends where one of the sites is no longer visible through its gate.
             let [a, b] = pair.map(|site| &self.sites.sites[site]);
             let (mut end, mut most, mut entry) = (to, 1.0, 0.0);
@@ -147,11 +165,21 @@ impl BorderTracer<'_> {
             ahead = 0.5 * entry;
         };
         // The part also ends where another site becomes nearer.
-        for _ in 0..MOST_RIVALS {
-            if self.is_whole(pair, [from, end]) {
-                return Some((end, pair));
-            }
-            let nearest = self.measured.nearest(self.sources, end);
+        for attempt in 0..MOST_RIVALS {
+            // Most nearer sites are near the part before, or the longer one tried last.
+            let known = (attempt > 0 || expected.is_some())
+                .then(|| {
+                    self.measured
+                        .nearest_in(&self.near.borrow(), self.sources, end)
+                })
+                .filter(|nearest| {
+                    nearest.pair().is_some() && !self.holds(pair, end, nearest.least)
+                });
+            let nearest = match known {
+                Some(nearest) => nearest,
+                None if self.is_whole(pair, [from, end]) => return Some((end, pair)),
+                None => self.measured.nearest(self.sources, end),
+            };
             if self.holds(pair, end, nearest.least) {
                 // Another site is nearer before the end, or at the beginning.
                 return None;

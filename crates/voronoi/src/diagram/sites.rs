@@ -312,6 +312,14 @@ pub(crate) struct NearestSites<const N: usize> {
     pub(crate) each: [NearestSite; N],
 }
 
+impl NearestSites<2> {
+    /// The sites of both sources; `None` if one has none.
+    pub(super) fn pair(&self) -> Option<[usize; 2]> {
+        let pair = self.each.map(|site| site.site);
+        (!pair.contains(&usize::MAX)).then_some(pair)
+    }
+}
+
 /// The corners of `face` in the frame of its first half-edge.
 pub(crate) fn corners(mesh: &Mesh, face: FaceId) -> [Point; 3] {
     let h = face.half_edge(0);

@@ -4,15 +4,17 @@
 // Generic code must be inlined into the functions that are compiled for an instruction set.
 #![allow(clippy::inline_always)]
 
-use geobench_window::simd::{Block, CacheLine, Columns, Instructions, Lanes, Simd, SimdProgram};
+use geobench_window::simd::{
+    Block, CacheLine, Columns, Instructions, LaneMask, Lanes, Simd, SimdProgram,
+};
 
 use super::sites::{BENT, FROM_VERTEX, FaceSites, NearestSite, NearestSites, Site};
 use geobench_mesh::vector::{Point, between, sub};
 
 /// Number of columns of a table: image (0, 1), σ (2), left end of the gate (3, 4) and length of the
 /// path to it (5), right end (6, 7) and length of the path to it (8), number of the source (9),
-/// handicap of straight paths as a fraction of their length (10).
-const WIDTH: usize = 11;
+/// handicap of straight paths as a fraction of their length (10), number of the site (11).
+const WIDTH: usize = 12;
 
 /// Sites as rows of a table that is stored by columns.
 #[derive(Clone, Debug, Default)]
@@ -39,7 +41,7 @@ impl SiteTable {
         let mut table = Self::with_room(sites.len());
         let column = table.column as usize;
         for (i, site) in sites.iter().enumerate() {
-            let row = row_of(site);
+            let row = row_of(i, site);
             for (k, x) in row.into_iter().enumerate() {
                 table.lines[k * column + i / CacheLine::LANES].0[i % CacheLine::LANES] = x;
             }
@@ -56,7 +58,7 @@ impl SiteTable {
 
 /// The row of a site. Without a gate, both ends of the gate are at the image. Then no path counts
 /// as bent.
-fn row_of(site: &Site) -> [f64; WIDTH] {
+fn row_of(number: usize, site: &Site) -> [f64; WIDTH] {
     let [left, right] = site.gate.unwrap_or([site.image; 2]);
     let [to_left, to_right] = site.to_gate;
     let handicap = if site.gate.is_none() {
@@ -76,6 +78,7 @@ fn row_of(site: &Site) -> [f64; WIDTH] {
         to_right,
         f64::from(site.source),
         handicap,
+        number as f64,
     ]
 }
 
@@ -125,8 +128,18 @@ impl<'a> MeasuredSites<'a> {
     /// bent paths through the vertex. The bisector of these paths is that of the vertex, not that
     /// of the window.
     pub(crate) fn nearest<const N: usize>(&self, sources: [u32; N], x: Point) -> NearestSites<N> {
+        self.nearest_in(&self.all, sources, x)
+    }
+
+    /// The same among the sites of `table`.
+    pub(crate) fn nearest_in<const N: usize>(
+        &self,
+        table: &SiteTable,
+        sources: [u32; N],
+        x: Point,
+    ) -> NearestSites<N> {
         let (least, numbers) = self.simd.run(NearestOf {
-            columns: self.all.columns(),
+            columns: table.columns(),
             sources,
             size: self.size,
             x,
@@ -240,7 +253,7 @@ impl<const N: usize> SimdProgram for NearestOf<'_, N> {
     type Output = (f64, [usize; N]);
 
     #[inline(always)]
-    #[allow(clippy::cast_sign_loss)] // Places are not negative.
+    #[allow(clippy::cast_sign_loss)] // Numbers are not negative.
     fn run<L: Lanes>(self, simd: L::Token) -> Self::Output {
         let x = self.x.map(|c| L::splat(simd, c));
         let infinite = L::splat(simd, f64::INFINITY);
@@ -257,12 +270,11 @@ impl<const N: usize> SimdProgram for NearestOf<'_, N> {
             least = lengths.min(least);
             let handicap = L::select(found.is_bent, bent * (lengths + size), row[10] * lengths);
             let ranked = lengths + handicap;
-            let here = L::places(simd) + L::splat(simd, (register * L::COUNT) as f64);
             for k in 0..N {
                 let is_its = row[9].le(sources[k]) & sources[k].le(row[9]);
                 let is_better = ranked.lt(best[k]) & is_its;
                 best[k] = L::select(is_better, ranked, best[k]);
-                places[k] = L::select(is_better, here, places[k]);
+                places[k] = L::select(is_better, row[11], places[k]);
             }
         }
         let mut numbers = [usize::MAX; N];
@@ -304,7 +316,11 @@ impl SimdProgram for NearChord<'_> {
             let change = L::select(zero.lt(found.last), along / found.last, zero);
             let is_near =
                 (found.lengths - change).le(most[0]) | (found.lengths + change).le(most[1]);
-            near.add::<L>(is_near & listed, row);
+            let chosen = is_near & listed;
+            // Most registers hold no near site.
+            if chosen.any() {
+                near.add::<L>(chosen, row);
+            }
         }
         near.len()
     }

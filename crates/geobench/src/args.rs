@@ -3,13 +3,10 @@
 use std::path::PathBuf;
 
 use anyhow::ensure;
-use clap::builder::RangedI64ValueParser;
-use clap::{Args, ValueEnum, value_parser};
+use clap::{Args, ValueEnum};
 use geobench_export::output::{self, OutputFile};
 use geobench_export::picture::View;
-use geobench_harness::figures;
-use geobench_harness::plan::suite;
-use geobench_registry::{MOST_THREADS, Selection, UsageError, select};
+use geobench_registry::{self as registry, Selection};
 use geobench_report::table::ResultFormat;
 
 /// Help text on models, for all commands that take models.
@@ -85,28 +82,37 @@ pub(crate) enum ListFormat {
     Json,
 }
 
-/// A list of algorithms. This is a separate type because clap treats a `Vec` as a repeated option.
-#[derive(Clone, Debug)]
-pub(crate) struct Algorithms(pub(crate) Vec<Selection>);
-
-/// Parses a list of algorithms.
-pub(crate) fn algorithms(list: &str) -> Result<Algorithms, UsageError> {
-    select(list).map(Algorithms)
+/// The algorithm of a command that solves once.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct AlgorithmOption {
+    /// The algorithm, an exact one [default: vtp-fast; mmp-fast on a model with edges of more than
+    /// two faces, or one that cannot be oriented]
+    #[arg(long, value_name = "A", value_parser = registry::select_one)]
+    pub(crate) algo: Option<Selection>,
 }
 
-/// Parses the largest relative difference that passes.
-pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
-    suite::tolerance(text.parse().ok())
+/// What a command does not print.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct QuietOption {
+    /// Print no summary, no progress and no warnings
+    #[arg(id = "quiet", long = "quiet")]
+    pub(crate) is_set: bool,
 }
 
-/// Parses the name of a row of tables.
-pub(crate) fn row(name: &str) -> Result<String, UsageError> {
-    figures::figure(name).map(|figure| figure.key.to_owned())
+/// The form of standard output.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct FormatOption<F: ValueEnum + Default + Copy + Send + Sync + 'static> {
+    /// What goes to standard output [default: the first of these]
+    // `default_value_t` would store one value for all types `F`.
+    #[arg(long, value_name = "FORMAT", value_enum)]
+    format: Option<F>,
 }
 
-/// The parser of a number of threads.
-pub(crate) fn threads() -> RangedI64ValueParser<u32> {
-    value_parser!(u32).range(1..=i64::from(MOST_THREADS))
+impl<F: ValueEnum + Default + Copy + Send + Sync + 'static> FormatOption<F> {
+    /// The form, or the default.
+    pub(crate) fn chosen(&self) -> F {
+        self.format.unwrap_or_default()
+    }
 }
 
 /// The message of `error` without the usage that clap appends.

@@ -8,12 +8,13 @@ use clap::{Args, ValueEnum};
 use geobench_harness::exec::affinity::{self, CpuList};
 use geobench_harness::exec::interrupt;
 use geobench_harness::exec::isolate::Isolated;
-use geobench_harness::exec::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
+use geobench_harness::exec::limits::{Limits, MemoryLimit, Timeout};
 use geobench_harness::exec::model::{self, ModelRef};
 use geobench_harness::plan::suite;
+use geobench_harness::plan::suite::options::{DecompressionOption, LimitOptions, WeldOption};
 use geobench_harness::schema::IsolationRecord;
+use geobench_mesh::Mesh;
 use geobench_mesh::io::{ObjReader, ReadOptions};
-use geobench_mesh::{Mesh, Weld};
 use geobench_registry::{Programs, Selection};
 
 use crate::terminal;
@@ -25,22 +26,6 @@ pub(crate) struct IsolationOptions {
     #[arg(long, value_name = "WHERE", value_enum, default_value_t)]
     isolate: Isolate,
 
-    /// Time limit of each run, such as 90s or 1h30m, or none; a cell that exceeds it ends as
-    /// `timeout` [default: 10m]
-    #[arg(long, value_name = "DUR", allow_negative_numbers = true)]
-    pub(crate) timeout: Option<Timeout>,
-
-    /// Memory limit of the process of each cell, such as 8GiB, or none; a cell that exceeds it ends
-    /// as `out_of_memory` [default: none]
-    #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
-    pub(crate) memory_limit: Option<MemoryLimit>,
-
-    #[command(flatten)]
-    pub(crate) decompression: DecompressionOptions,
-
-    #[command(flatten)]
-    pub(crate) weld: WeldOption,
-
     /// Processors that cells may run on, such as 3 or 0,4-7 [default: all]
     #[arg(long, value_name = "LIST", allow_negative_numbers = true)]
     cpu: Option<CpuList>,
@@ -51,43 +36,11 @@ pub(crate) struct IsolationOptions {
     pub(crate) ext: Vec<PathBuf>,
 }
 
-/// Limit of decompression.
-#[derive(Args, Clone, Copy, Debug)]
-pub(crate) struct DecompressionOptions {
-    /// Bytes that a compressed model may decompress to, such as 16GiB [default: 100 times its size,
-    /// at least 64MiB, at most 8GiB]
-    #[arg(long, value_name = "SIZE", allow_negative_numbers = true)]
-    pub(crate) max_decompressed: Option<DecompressionLimit>,
-}
-
-impl DecompressionOptions {
-    /// The limit, or the default.
-    pub(crate) fn limit(self) -> DecompressionLimit {
-        self.max_decompressed.unwrap_or_default()
-    }
-}
-
-/// Which vertices of models are welded, in every command that reads models.
-#[derive(Args, Clone, Copy, Debug)]
-pub(crate) struct WeldOption {
-    /// Make vertices at one place one vertex: without TOL those at exactly one place, else those
-    /// within TOL of the first, as a fraction of the diagonal of the bounding box. Vertices keep
-    /// their numbers
-    #[arg(
-        long,
-        value_name = "TOL",
-        num_args = 0..=1,
-        require_equals = true,
-        default_missing_value = "0"
-    )]
-    pub(crate) weld: Option<Weld>,
-}
-
 /// How a model is read.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Debug)]
 pub(crate) struct ReadingOptions {
     #[command(flatten)]
-    decompression: DecompressionOptions,
+    decompression: DecompressionOption,
 
     #[command(flatten)]
     weld: WeldOption,
@@ -128,7 +81,7 @@ impl ReadingOptions {
     ///
     /// If the model cannot be used.
     pub(crate) fn mesh(&self, model: &ModelRef, quiet: bool) -> anyhow::Result<Mesh> {
-        let (mesh, report) = model.mesh_within(*self)?;
+        let (mesh, report) = model.mesh_within(self)?;
         if !quiet {
             terminal::notes_on(&model.name, &report.notes());
         }
@@ -142,8 +95,8 @@ enum Reader {
     Tobj,
 }
 
-impl From<ReadingOptions> for ReadOptions {
-    fn from(options: ReadingOptions) -> Self {
+impl From<&ReadingOptions> for ReadOptions {
+    fn from(options: &ReadingOptions) -> Self {
         Self {
             obj_reader: match options.reader {
                 Reader::Direct => ObjReader::Direct,
@@ -183,14 +136,14 @@ impl IsolationOptions {
     ///
     /// If the isolation cannot enforce a given limit or separate concurrent jobs, or if this
     /// process may not run on the processors of `--cpu`.
-    pub(crate) fn check(&self, jobs: u32) -> anyhow::Result<()> {
+    pub(crate) fn check(&self, jobs: usize, limits: &LimitOptions) -> anyhow::Result<()> {
         if self.isolate == Isolate::None && jobs > 1 {
             bail!(
                 "--jobs needs --isolate process: within one process the memory of each cell could \
                  not be told from that of the others"
             );
         }
-        let limit = match (&self.timeout, &self.memory_limit) {
+        let limit = match (limits.timeout, limits.memory_limit) {
             (Some(Timeout(Some(_))), _) => Some("--timeout"),
             (_, Some(MemoryLimit(Some(_)))) => Some("--memory-limit"),
             _ => None,
@@ -222,24 +175,15 @@ impl IsolationOptions {
         self.isolate == Isolate::Process
     }
 
-    /// The limits, with defaults for options that are not given.
-    pub(crate) fn limits(&self) -> Limits {
-        Limits {
-            timeout: self.timeout.unwrap_or(Timeout::USUAL),
-            memory: self.memory_limit.unwrap_or_default(),
-            decompressed: self.decompression.limit(),
-        }
-    }
-
     /// A warning if `jobs` concurrent cells of the algorithm with the most threads have more
     /// threads than there are processors.
     pub(crate) fn crowding<'a>(
         &self,
         algorithms: impl IntoIterator<Item = &'a Selection>,
-        jobs: u32,
+        jobs: usize,
     ) -> Option<String> {
         let threads = algorithms.into_iter().map(Selection::threads).max()?;
-        let threads = threads * jobs as usize;
+        let threads = threads * jobs;
         let pinned = self.cpu.as_ref().map(|cpus| cpus.numbers().len());
         let (processors, whose) = match pinned {
             Some(pinned) => (pinned, "--cpu allows"),
@@ -257,11 +201,11 @@ impl IsolationOptions {
     }
 
     /// The isolation as recorded in result files.
-    pub(crate) fn record(&self, jobs: u32) -> IsolationRecord {
+    pub(crate) fn record(&self, jobs: usize) -> IsolationRecord {
         IsolationRecord {
             process: self.isolate == Isolate::Process,
             cpus: self.cpu.as_ref().map(|cpus| cpus.numbers().to_vec()),
-            jobs: (jobs > 1).then_some(jobs as usize),
+            jobs: (jobs > 1).then_some(jobs),
         }
     }
 

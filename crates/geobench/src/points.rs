@@ -1,12 +1,11 @@
 //! Locates the sources and targets of a command on a mesh.
 
-use std::path::PathBuf;
-
-use anyhow::{Context, anyhow};
+use anyhow::Context;
 use clap::Args;
-use geobench_harness::exec::goal::{GoalSpec, targets_in};
+use geobench_harness::exec::goal::GoalSpec;
 use geobench_harness::exec::model::{largest_component, surface_components};
 use geobench_harness::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
+use geobench_harness::plan::suite::options::{GoalOptions, SourceOption, WantedTarget};
 use geobench_harness::schema::SourceLabel;
 use geobench_harness::usage::read_text;
 use geobench_mesh::{Mesh, Refined, SurfacePoint, VertexId};
@@ -16,26 +15,24 @@ use crate::terminal;
 
 /// Sources of a command on one model.
 #[derive(Args, Debug)]
+#[command(mut_arg("source", |source| source.required(true).help(SOURCES_HELP)))]
 pub(crate) struct SourcesOptions {
-    /// The source: first, largest (the first vertex of the largest component), a vertex number,
-    /// random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W, at:X,Y,Z or a list of these; may be
-    /// repeated. Of several sources the nearest counts
-    #[arg(
-        long,
-        value_name = "SRC",
-        required = true,
-        allow_negative_numbers = true
-    )]
-    pub(crate) source: Vec<SourceSpec>,
+    #[command(flatten)]
+    source: SourceOption,
 
     #[command(flatten)]
     pub(crate) far: FarOption,
 }
 
+const SOURCES_HELP: &str = "The source: first, largest (the first vertex of the largest component), a \
+    vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W, at:X,Y,Z or a list of these; may \
+    be repeated. Of several sources the nearest counts";
+
 impl SourcesOptions {
     /// All sources, each once. A note names those given twice.
     pub(crate) fn all(&self) -> SourceSpec {
-        self.far.sources(distinct(&self.source))
+        self.far
+            .sources(distinct(self.source.source.iter().flatten()))
     }
 }
 
@@ -57,84 +54,38 @@ impl FarOption {
         }
     }
 
-    pub(crate) fn targets(self, targets: TargetSpec) -> TargetSpec {
-        if self.far {
-            targets.even_far()
-        } else {
-            targets
+    pub(crate) fn target(self, target: TargetSpec) -> TargetSpec {
+        if self.far { target.even_far() } else { target }
+    }
+
+    /// The targets of `goal` and of its file, where `-` is standard input. `None` if there are none,
+    /// which means all vertices.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read, has no targets, or has a line that is not a target.
+    pub(crate) fn targets(self, goal: &GoalOptions) -> anyhow::Result<Option<Vec<WantedTarget>>> {
+        let all = goal.wanted(read_text)?.into_iter();
+        let all = all.map(|(target, place)| (self.target(target), place));
+        Ok(Some(all.collect()).filter(|all: &Vec<_>| !all.is_empty()))
+    }
+
+    /// Accepts distant sources and targets, if they are to be accepted.
+    pub(crate) fn apply(self, source: &mut SourceOption, goal: &mut GoalOptions) {
+        for one in source.source.iter_mut().flatten() {
+            *one = self.sources(one.clone());
+        }
+        for one in goal.target.target.iter_mut().flatten() {
+            *one = self.target(one.clone());
         }
     }
 }
 
 /// All sources, each once. A note names those given twice.
-pub(crate) fn distinct(sources: &[SourceSpec]) -> SourceSpec {
-    let (sources, notes) = SourceSpec::of_all(sources.iter().cloned()).distinct();
+pub(crate) fn distinct<'s>(sources: impl Iterator<Item = &'s SourceSpec>) -> SourceSpec {
+    let (sources, notes) = SourceSpec::of_all(sources.cloned()).distinct();
     terminal::notes(&notes);
     sources
-}
-
-/// What runs are to find.
-#[derive(Args, Debug)]
-pub(crate) struct GoalOptions {
-    /// Only the distances of these points, in the forms of --source; may be repeated. Runs end as
-    /// soon as they are final [default: all vertices]
-    #[arg(long, value_name = "DST", allow_negative_numbers = true)]
-    pub(crate) target: Vec<TargetSpec>,
-
-    /// The same from a file with one DST in a line
-    #[arg(long, value_name = "FILE")]
-    pub(crate) targets: Option<PathBuf>,
-
-    /// Only distances up to R, in the units of the model; others are infinite. Runs end there
-    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = radius)]
-    pub(crate) radius: Option<f64>,
-}
-
-/// Parses a distance that is at least 0.
-fn radius(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(radius) if radius >= 0.0 && radius.is_finite() => Ok(radius),
-        _ => Err("give a distance of 0 or more".to_owned()),
-    }
-}
-
-/// A target as specified by the user, and its file and line if it was read from a file.
-pub(crate) type WantedTarget = (TargetSpec, Option<String>);
-
-impl GoalOptions {
-    /// The targets of the options and of the targets file, where `-` is standard input. `None` if
-    /// there are none, which means all vertices.
-    ///
-    /// # Errors
-    ///
-    /// If the file cannot be read, has no targets, or has a line that is not a target.
-    pub(crate) fn wanted(&self, far: FarOption) -> anyhow::Result<Option<Vec<WantedTarget>>> {
-        let named = self.target.iter().map(|target| (target.clone(), None));
-        let mut all: Vec<WantedTarget> = named.collect();
-        if let Some(path) = &self.targets {
-            let text = read_text(path).map_err(|error| anyhow!("{}: {error}", path.display()))?;
-            let read = targets_in(path, &text)?.into_iter();
-            all.extend(read.map(|(target, place)| (target, Some(place))));
-        }
-        for (target, _) in &mut all {
-            *target = far.targets(target.clone());
-        }
-        Ok((!all.is_empty()).then_some(all))
-    }
-
-    /// The goal of the runs.
-    ///
-    /// # Errors
-    ///
-    /// As [`wanted`](Self::wanted).
-    pub(crate) fn goal(&self, far: FarOption) -> anyhow::Result<GoalSpec> {
-        let targets = self.wanted(far)?;
-        let targets = targets.map(|all| TargetSpec::of_all(all.into_iter().map(|(one, _)| one)));
-        Ok(GoalSpec {
-            targets,
-            radius: self.radius,
-        })
-    }
 }
 
 /// Sources and targets as vertices of a refined mesh. The refined mesh is the mesh of the model

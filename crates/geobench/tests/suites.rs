@@ -34,9 +34,14 @@ fn every_suite_has_a_plan() {
         for group in &suite.groups {
             assert!(group.shows.is_some(), "{}: {}", path.display(), group.name);
             let ratios_to = group.settings.ratios_to.as_ref();
-            let algorithms = group.settings.algorithms.as_deref().unwrap_or_default();
+            let mut algorithms = group
+                .settings
+                .algorithms
+                .algorithms
+                .iter()
+                .flat_map(|list| &list.0);
             assert!(
-                ratios_to.is_none_or(|one| algorithms.iter().any(|a| a.label() == one.label())),
+                ratios_to.is_none_or(|one| algorithms.any(|a| a.label() == one.label())),
                 "{}: {}",
                 path.display(),
                 group.name
@@ -406,7 +411,7 @@ const WRONG: &[(&str, &str)] = &[
     ),
     (
         "tolerance = 'x'",
-        "`tolerance`: a tolerance is a number, 0 or more",
+        "`tolerance`: a number of 0 or more is expected",
     ),
     (
         "check = 'mpm'",

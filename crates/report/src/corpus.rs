@@ -70,7 +70,7 @@ impl Corpus {
     }
 
     fn of(document: &TomlDocument<'_>) -> Result<Self, DocumentError> {
-        let corpus: Self = document.read(document.parse()?, &[])?;
+        let corpus: Self = document.read(document.parse()?)?;
         for (i, model) in corpus.models.iter().enumerate() {
             let hash = &model.sha256;
             if hash.len() != 64 || !hash.bytes().all(|b| b.is_ascii_hexdigit()) {

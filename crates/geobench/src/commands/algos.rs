@@ -8,24 +8,24 @@ use geobench_report::table::{Column, Entry, Look, Table};
 use geobench_window::{Counter, Counters};
 use serde::Serialize;
 
-use crate::args::{self, Algorithms, ListFormat};
+use crate::args::{FormatOption, ListFormat};
 use crate::terminal;
 use crate::verdict::Verdict;
+use geobench_harness::plan::suite::options::Algorithms;
 
 #[derive(Args, Debug)]
 pub(crate) struct AlgosOptions {
     /// Algorithms to describe in full: by name, by family, or exact, or all; separated by commas.
     /// Without any, one line for each of all, and which one to take
-    #[arg(value_name = "LIST", value_parser = args::algorithms)]
+    #[arg(value_name = "LIST")]
     pub(crate) list: Option<Algorithms>,
 
     /// List the counters of result files instead, each with its definition
     #[arg(long, conflicts_with = "list")]
     pub(crate) counters: bool,
 
-    /// How to list them
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) format: ListFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatOption<ListFormat>,
 }
 
 /// The recommended algorithm for each use, as in `docs/algorithms`.
@@ -59,7 +59,7 @@ pub(crate) fn algos(options: &AlgosOptions, look: Look) -> anyhow::Result<Verdic
         let width = look.width.or(width);
         listing(table, Look { width, ..look })
     };
-    let text = match (options.counters, options.format, &options.list) {
+    let text = match (options.counters, options.format.chosen(), &options.list) {
         (false, ListFormat::Table, None) => {
             let advice = show(&advice(), Some(WIDTH));
             let all = show(&overview(registry::algorithms()), Some(WIDTH));

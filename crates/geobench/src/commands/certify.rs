@@ -12,14 +12,24 @@ use geobench_mesh::{Mesh, VertexId};
 use geodesics::{Certificate, Judgement, OriginalFailure};
 use serde::Serialize;
 
-use crate::args::{MODELS_HELP, threads, tolerance};
+use geobench_harness::plan::suite::options::{ThreadsOption, ToleranceOption};
+
+use crate::args::{FormatOption, MODELS_HELP};
 use crate::isolation::ReadingOptions;
 use crate::points::{LocatedPoints, SourcesOptions};
 use crate::terminal;
 use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
-#[command(after_help = MODELS_HELP)]
+#[command(
+    after_help = MODELS_HELP,
+    mut_arg("tolerance", |tolerance| tolerance.help(
+        "Largest error that passes, as a fraction of each distance [default: 1e-9]"
+    )),
+    mut_arg("threads", |threads| threads.help(
+        "Threads that read the model and share the proof [default: 1]"
+    )),
+)]
 pub(crate) struct CertifyOptions {
     /// The model
     #[arg(value_name = "MODEL")]
@@ -36,20 +46,17 @@ pub(crate) struct CertifyOptions {
     #[arg(long, requires = "distances")]
     partial: bool,
 
-    /// Largest error that passes, as a fraction of each distance
-    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
-    tolerance: f64,
+    #[command(flatten)]
+    tolerance: ToleranceOption,
 
-    /// Threads that read the model and share the proof
-    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
-    threads: u32,
+    #[command(flatten)]
+    threads: ThreadsOption,
 
     #[command(flatten)]
     reading: ReadingOptions,
 
-    /// Form of the answer on standard output
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = CertificateFormat::Text)]
-    format: CertificateFormat,
+    #[command(flatten)]
+    format: FormatOption<CertificateFormat>,
 }
 
 /// Form of a certificate.
@@ -61,7 +68,7 @@ pub(crate) enum CertificateFormat {
 }
 
 pub(crate) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
-    let threads = Threads::start(options.threads as usize)?;
+    let threads = Threads::start(options.threads.number())?;
     let model = options.reading.model(&options.model)?;
     let mesh = &threads.run(|| options.reading.mesh(&model, false))?;
     let points = LocatedPoints::new(mesh, &options.sources.all(), None, &model.path)?;
@@ -87,8 +94,8 @@ pub(crate) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
         |field| field.distances,
     );
     let certificate = CertificateDocument::new(mesh, &points, &proof, &given, options);
-    let text = match options.format {
-        CertificateFormat::Text => certificate.text(&model.name, options.tolerance),
+    let text = match options.format.chosen() {
+        CertificateFormat::Text => certificate.text(&model.name, options.tolerance.number()),
         CertificateFormat::Json => json_lines(&certificate)?,
     };
     terminal::print(&text)?;
@@ -190,7 +197,7 @@ impl CertificateDocument {
         given: &[(usize, f64)],
         options: &CertifyOptions,
     ) -> Self {
-        let tolerance = options.tolerance;
+        let tolerance = options.tolerance.number();
         let greatest = |error: fn(&Certificate, usize, f64) -> f64| {
             let errors = given.iter().map(|&(v, d)| error(proof, v, d));
             Some(errors.fold(0.0, f64::max)).filter(|x| x.is_finite())

@@ -10,6 +10,7 @@ use geobench_harness::usage::files_in;
 use geobench_report::claims::{self, ClaimsFile, ClaimsFormat, Input};
 use geobench_report::table::Look;
 
+use crate::args::{FormatOption, QuietOption};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -28,17 +29,15 @@ pub(crate) struct ClaimsOptions {
     #[arg(long, value_name = "DIR|FILE")]
     pub(crate) claims: Option<PathBuf>,
 
-    /// What goes to standard output
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ClaimsFormat::Markdown)]
-    pub(crate) format: ClaimsFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatOption<ClaimsFormat>,
 
     /// File to write instead, by its ending: .md, .json, .csv or .txt; may be repeated
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
 
-    /// Print no warnings
-    #[arg(long)]
-    pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) quiet: QuietOption,
 }
 
 pub(crate) fn claims(options: &ClaimsOptions, look: Look) -> anyhow::Result<Verdict> {
@@ -62,7 +61,7 @@ pub(crate) fn claims(options: &ClaimsOptions, look: Look) -> anyhow::Result<Verd
     });
     let results = results.collect::<anyhow::Result<Vec<_>>>()?;
     let report = claims::judge(&wanted, &results)?;
-    if !options.quiet {
+    if !options.quiet.is_set {
         terminal::warnings(&report.notes);
     }
     for (format, file) in &outputs {
@@ -73,7 +72,7 @@ pub(crate) fn claims(options: &ClaimsOptions, look: Look) -> anyhow::Result<Verd
         )?;
     }
     if outputs.is_empty() {
-        terminal::print_rendered(&options.format.render(&report, look)?)?;
+        terminal::print_rendered(&options.format.chosen().render(&report, look)?)?;
     }
     Ok(Verdict::Passed)
 }

@@ -14,7 +14,7 @@ use geobench_harness::run::cluster::{
 use geobench_report::table::terminal::listing;
 use geobench_report::table::{Column, Entry, Look, Table};
 
-use super::run::{RunOptions, now, possible_plans};
+use super::run::{RunOptions, SuiteFileOption, now, possible_plans};
 use crate::args::in_one_line;
 use crate::terminal;
 use crate::verdict::Verdict;
@@ -31,9 +31,8 @@ use crate::verdict::Verdict;
     reason = "each is an option of its own"
 )]
 pub(crate) struct ClusterOptions {
-    /// Suite file
-    #[arg(long, value_name = "SUITE.toml")]
-    pub(crate) config: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) suite_file: SuiteFileOption,
 
     /// Number of parts, each of which is a job
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
@@ -95,7 +94,7 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
         bail!("--shards is missing: the number of parts, each of which is a job");
     };
     let mut words = vec!["run".to_owned()];
-    if let Some(config) = &options.config {
+    if let Some(config) = &options.suite_file.config {
         let Some(config) = config.to_str() else {
             bail!(
                 "{}: not text in UTF-8, so no script can name it",
@@ -124,10 +123,10 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     let placement = ClusterFiles::find(directory, &program, &here, &files, fixed.as_deref())?;
     let mut resources = Resources::of(&plans, parts);
     // `Resources::of` assumes one cell at a time; `--jobs` cells run concurrently.
-    resources.cores *= run.jobs as usize;
+    resources.cores *= run.jobs();
     resources.memory_bytes = resources
         .memory_bytes
-        .map(|bytes| bytes.saturating_mul(run.jobs.into()));
+        .map(|bytes| bytes.saturating_mul(run.jobs.0));
     if let Some(time) = options.time {
         resources.seconds = Some(Duration::from(time).as_secs());
     }
@@ -184,7 +183,9 @@ fn run_options(words: &[String]) -> anyhow::Result<RunOptions> {
     let options = matches.and_then(|matches| RunOptions::from_arg_matches(&matches));
     let options =
         options.map_err(|error| anyhow!("the options of `run`: {}", in_one_line(&error)))?;
-    options.isolation.check(options.jobs)?;
+    options
+        .isolation
+        .check(options.jobs(), &options.settings.limits)?;
     let taken = [
         ("--shard", options.shard.is_some()),
         ("--resume", options.resume.is_some()),
@@ -207,7 +208,8 @@ fn fixed(run: &RunOptions, plans: &[Plan]) -> Option<String> {
     if let Some(outside) = algorithms.find(|algorithm| algorithm.program().is_some()) {
         return Some(format!("the outside program {}", outside.label()));
     }
-    let from_options = run.goal.targets.is_some() || !run.goal.target.is_empty();
+    let goal = &run.settings.goal;
+    let from_options = goal.targets.is_some() || goal.target.target.is_some();
     let has_targets = plans.iter().any(|plan| plan.goal.targets.is_some());
     (has_targets && !from_options).then(|| "the targets of the suite".to_owned())
 }

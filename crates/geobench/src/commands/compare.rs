@@ -7,16 +7,20 @@ use clap::Args;
 use geobench_export::{json_lines, output};
 use geobench_harness::schema::result_file;
 use geobench_harness::usage::files_in;
-use geobench_report::history::compare::{self as comparing, BaselineComparisons, Rules};
+use geobench_report::history::compare::{self as comparing, BaselineComparisons};
 use geobench_report::history::gate;
 use geobench_report::table::{self, ComparisonFormat, Look};
 
-use super::trend::{LineOptions, ordered, up_to_head};
+use super::trend::{GateOption, LineOptions, ordered, up_to_head};
+use crate::args::FormatOption;
 use crate::git::{full_hash, git};
 use crate::terminal;
 use crate::verdict::Verdict;
 
 /// Help text of `compare` on rules.
+const FAIL_ON_HELP: &str = "What counts as a regression, separated by commas; without any, only a cell \
+    that does not end well any more";
+
 const RULES_HELP: &str = "A rule is NAME=LIMIT, such as time=10%,propagated=0,heap_peak_bytes=5%. `time` is broken if the \
     95 % interval of the ratio of the times lies wholly beyond the limit. A counter (`geobench algos \
     --counters`) may change by no more than the limit in either direction, or, with a plus as in \
@@ -27,7 +31,10 @@ const RULES_HELP: &str = "A rule is NAME=LIMIT, such as time=10%,propagated=0,he
     three of the commits exist: 0, learning.";
 
 #[derive(Args, Debug)]
-#[command(after_help = RULES_HELP)]
+#[command(
+    after_help = RULES_HELP,
+    mut_arg("fail_on", |rules| rules.help(FAIL_ON_HELP)),
+)]
 pub(crate) struct CompareOptions {
     /// Result files (.json), the older ones first; with --against the directory of a history
     #[arg(value_name = "FILE", required = true)]
@@ -45,14 +52,11 @@ pub(crate) struct CompareOptions {
     #[command(flatten)]
     pub(crate) line: LineOptions,
 
-    /// What counts as a regression, separated by commas; without any, only a cell that does not end
-    /// well any more
-    #[arg(long, value_name = "RULES")]
-    pub(crate) fail_on: Option<Rules>,
+    #[command(flatten)]
+    pub(crate) gate: GateOption,
 
-    /// What goes to standard output
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ComparisonFormat::Table)]
-    pub(crate) format: ComparisonFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatOption<ComparisonFormat>,
 
     /// File to write as well, by its ending: .json, .md or .txt; may be repeated
     #[arg(short, long, value_name = "FILE")]
@@ -63,7 +67,7 @@ pub(crate) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Ve
     if let Some(range) = &options.against {
         return against(options, range, look);
     }
-    if options.line.commit.is_some() || options.line.machine.is_some() {
+    if options.line.last.commit.is_some() || options.line.machine.is_some() {
         bail!("--commit and --machine choose among the records of a history; add --against");
     }
     let outputs = output::prepare::<ComparisonFormat>(&options.output)?;
@@ -78,7 +82,7 @@ pub(crate) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Ve
     }
     output::check_files(outputs.iter().map(|(_, file)| file), &paths)?;
     let files = result_file::read_all(&paths)?;
-    let rules = options.fail_on.clone().unwrap_or_default();
+    let rules = options.gate.fail_on.clone().unwrap_or_default();
     let (name, first) = &files[0];
     let render: Box<dyn Fn(ComparisonFormat, Look) -> anyhow::Result<String>>;
     let is_worse;
@@ -99,7 +103,7 @@ pub(crate) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Ve
         file.write(render(*format, Look::default())?.as_bytes())?;
     }
     if outputs.iter().all(|(_, file)| !file.is_standard_output()) {
-        terminal::print_rendered(&render(options.format, look)?)?;
+        terminal::print_rendered(&render(options.format.chosen(), look)?)?;
     }
     if let (Some(rule), false) = (unjudged, is_worse) {
         bail!(
@@ -121,7 +125,7 @@ fn against(options: &CompareOptions, range: &str, look: Look) -> anyhow::Result<
     terminal::notes(&history.notes);
     let records = up_to_head(directory, history.records, &options.line)?;
     let commits = commits_of(range, &history.line)?;
-    let rules = options.fail_on.clone().unwrap_or_default();
+    let rules = options.gate.fail_on.clone().unwrap_or_default();
     let gate = gate::gate(&records, &history.apart, &commits, &rules)?;
     let render = |format: ComparisonFormat, look: Look| match format {
         ComparisonFormat::Json => json_lines(&gate),
@@ -132,7 +136,7 @@ fn against(options: &CompareOptions, range: &str, look: Look) -> anyhow::Result<
         file.write(render(*format, Look::default())?.as_bytes())?;
     }
     if outputs.iter().all(|(_, file)| !file.is_standard_output()) {
-        terminal::print_rendered(&render(options.format, look)?)?;
+        terminal::print_rendered(&render(options.format.chosen(), look)?)?;
     }
     if gate.has_compared_nothing() {
         bail!("nothing could be compared");

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use geobench_export::json_lines;
+use geobench_harness::plan::suite::options::DecompressionOption;
 use geobench_report::corpus::{Corpus, CorpusModel, Presence};
 use serde::Serialize;
 
-use crate::args::ListFormat;
-use crate::isolation::DecompressionOptions;
+use crate::args::{FormatOption, ListFormat};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -34,27 +34,40 @@ struct CheckOptions {
     #[arg(value_name = "DIR")]
     directory: PathBuf,
 
-    /// Models to look for [default: those of bench-configs/site/corpus.toml]
-    #[arg(long, value_name = "FILE")]
-    corpus: Option<PathBuf>,
-
-    /// How to show them
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    format: ListFormat,
+    #[command(flatten)]
+    models: CorpusOption,
 
     #[command(flatten)]
-    decompression: DecompressionOptions,
+    format: FormatOption<ListFormat>,
+
+    #[command(flatten)]
+    decompression: DecompressionOption,
+}
+
+/// The models of a corpus.
+#[derive(Args, Debug)]
+pub(crate) struct CorpusOption {
+    /// Models of the corpus [default: those of bench-configs/site/corpus.toml]
+    #[arg(long, value_name = "FILE")]
+    corpus: Option<PathBuf>,
+}
+
+impl CorpusOption {
+    /// Reads the corpus.
+    pub(crate) fn read(&self) -> anyhow::Result<Corpus> {
+        let corpus = self.corpus.as_deref();
+        Ok(corpus.map_or_else(Corpus::known, Corpus::read)?)
+    }
 }
 
 pub(crate) fn corpus(options: &CorpusOptions) -> anyhow::Result<Verdict> {
     let CorpusCommand::Check(options) = &options.command;
-    let corpus = options.corpus.as_deref();
-    let corpus = corpus.map_or_else(Corpus::known, Corpus::read)?;
+    let corpus = options.models.read()?;
     let found = corpus.check(&options.directory, options.decompression.limit())?;
     let is_whole = found
         .iter()
         .all(|(_, presence)| matches!(presence, Presence::Present(_)));
-    let text = match options.format {
+    let text = match options.format.chosen() {
         ListFormat::Table => found.iter().map(line).collect(),
         ListFormat::Json => {
             #[derive(Serialize)]

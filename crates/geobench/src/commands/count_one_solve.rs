@@ -1,43 +1,35 @@
 //! The hidden command that callgrind runs: one solve, whose instructions are counted.
 
 use clap::Args;
-use geobench_harness::exec::goal::GoalSpec;
 use geobench_harness::exec::model;
-use geobench_harness::exec::source::{Locator, SourceSpec, TargetSpec};
+use geobench_harness::exec::source::{Locator, SourceSpec};
 use geobench_harness::measure::instructions;
-
-use crate::isolation::{DecompressionOptions, WeldOption};
+use geobench_harness::plan::suite::options::{
+    DecompressionOption, GoalOptions, SimdOption, WeldOption,
+};
 
 #[derive(Args, Debug)]
 pub(crate) struct CountOneSolveOptions {
     model: String,
     algorithm: String,
     source: SourceSpec,
-    /// The targets; all vertices without any
-    #[arg(long, allow_negative_numbers = true)]
-    target: Option<TargetSpec>,
-    /// The largest distance asked for
-    #[arg(long)]
-    radius: Option<f64>,
-    /// The widest instructions to use
-    #[arg(long)]
-    simd: Option<String>,
     #[command(flatten)]
-    decompression: DecompressionOptions,
+    goal: GoalOptions,
+    #[command(flatten)]
+    simd: SimdOption,
+    #[command(flatten)]
+    decompression: DecompressionOption,
     #[command(flatten)]
     weld: WeldOption,
 }
 
 /// The hidden command that callgrind runs: one solve, whose instructions are counted.
 pub(crate) fn count_one_solve(options: &CountOneSolveOptions) -> anyhow::Result<()> {
-    let selection = instructions::announce(&options.algorithm, options.simd.as_deref())?;
+    let selection = instructions::announce(&options.algorithm, options.simd.simd)?;
     let model = model::only(&options.model)?.welded(options.weld.weld);
     let (mesh, _) = model.mesh_within(options.decompression.limit())?;
     let sources = options.source.points(mesh.vertex_count())?;
-    let goal = GoalSpec {
-        targets: options.target.clone(),
-        radius: options.radius,
-    };
+    let goal = options.goal.spec();
     let targets = goal.points(mesh.vertex_count())?;
     let mut locator = Locator::new(&mesh);
     let points = sources.iter().chain(targets.iter().flatten());
@@ -59,7 +51,7 @@ mod tests {
         let command = CountOneSolveOptions::augment_args(Command::new("count"));
         let matches = command
             .no_binary_name(true)
-            .get_matches_from(arguments.split(' '));
+            .try_get_matches_from(arguments.split(' '))?;
         count_one_solve(&CountOneSolveOptions::from_arg_matches(&matches)?)
     }
 

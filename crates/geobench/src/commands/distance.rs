@@ -11,21 +11,29 @@ use geobench_export::FileFormat;
 use geobench_export::distances::{DistanceFile, FieldFormat, MatrixFormat};
 use geobench_export::output::{OutputFile, check_files};
 use geobench_harness::exec::expected::file_word;
+use geobench_harness::plan::suite::options::{
+    GoalOptions, SimdOption, ThreadsOption, WIDEST_SIMD_HELP,
+};
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::threads::Threads;
 use geobench_mesh::{Mesh, VertexId};
-use geobench_registry::{self as registry, Selection, SimdChoice};
+use geobench_registry::{self as registry, Selection};
 use geobench_window::{Solver, precision};
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
-use crate::args::{MODELS_HELP, threads};
+use crate::args::{AlgorithmOption, MODELS_HELP, QuietOption};
 use crate::isolation::ReadingOptions;
-use crate::points::{GoalOptions, LocatedPoints, SourcesOptions};
+use crate::points::{LocatedPoints, SourcesOptions};
 use crate::terminal;
 use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
-#[command(after_help = MODELS_HELP)]
+#[command(
+    after_help = MODELS_HELP,
+    mut_arg("algo", |algo| algo.help(ALGORITHM_HELP)),
+    mut_arg("threads", |threads| threads.help(THREADS_HELP)),
+    mut_arg("simd", |simd| simd.help(WIDEST_SIMD_HELP)),
+)]
 pub(crate) struct DistanceOptions {
     /// The model
     #[arg(value_name = "MODEL")]
@@ -37,10 +45,8 @@ pub(crate) struct DistanceOptions {
     #[command(flatten)]
     goal: GoalOptions,
 
-    /// The algorithm [default: vtp-fast; mmp-fast on a model with edges of more than two faces, or
-    /// one that cannot be oriented]
-    #[arg(long, value_name = "A", value_parser = registry::select_one)]
-    algo: Option<Selection>,
+    #[command(flatten)]
+    algorithm: AlgorithmOption,
 
     /// One field for each source, in a file of its own, which is called FILE with the source before
     /// the ending, as in d.s17.csv
@@ -52,15 +58,11 @@ pub(crate) struct DistanceOptions {
     #[arg(long, requires = "each")]
     matrix: bool,
 
-    /// Threads that read the model, set up the solver and write the distances; also of a parallel
-    /// algorithm (pvtp), or with --each so many sources at a time
-    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
-    threads: u32,
+    #[command(flatten)]
+    threads: ThreadsOption,
 
-    /// Instructions of every algorithm: auto (the widest of the processor), scalar, avx2 or avx512;
-    /// narrower ones where the processor lacks them. Distances and counts do not depend on it
-    #[arg(long, value_name = "SIMD", default_value_t)]
-    simd: SimdChoice,
+    #[command(flatten)]
+    simd: SimdOption,
 
     #[command(flatten)]
     reading: ReadingOptions,
@@ -69,13 +71,19 @@ pub(crate) struct DistanceOptions {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
-    /// Print no summary
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: QuietOption,
 }
+
+const ALGORITHM_HELP: &str = "The algorithm [default: vtp-fast; mmp-fast on a model with edges of more \
+    than two faces, or one that cannot be oriented]";
+
+const THREADS_HELP: &str = "Threads that read the model, set up the solver and write the distances; \
+    also of a parallel algorithm (pvtp), or with --each so many sources at a time [default: 1]";
 
 pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     if let Some(algorithm) = options
+        .algorithm
         .algo
         .as_ref()
         .filter(|one| one.outside_name().is_some())
@@ -98,13 +106,19 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     let read: Vec<&Path> = model
         .source_file()
         .into_iter()
-        .chain(options.goal.targets.as_deref())
+        .chain(
+            options
+                .goal
+                .targets
+                .as_ref()
+                .map(|file| file.get_ref().as_path()),
+        )
         .collect();
     // With `--each` the output only names the files of the sources.
     if options.matrix || !options.each {
         check_files([&output], &read)?;
     }
-    let wanted = options.goal.wanted(options.sources.far)?;
+    let wanted = options.sources.far.targets(&options.goal)?;
     if let (DistanceOutput::Field(format), Some(_)) = (&form, &wanted)
         && format.is_mesh()
     {
@@ -113,19 +127,19 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
             options.output.display()
         );
     }
-    let threads = Threads::start(options.threads as usize)?;
-    let mesh = threads.run(|| options.reading.mesh(&model, options.quiet))?;
+    let threads = Threads::start(options.threads.number())?;
+    let mesh = threads.run(|| options.reading.mesh(&model, options.quiet.is_set))?;
     let points = LocatedPoints::new(
         &mesh,
         &options.sources.all(),
         wanted.as_deref(),
         &model.path,
     )?;
-    if !options.quiet {
+    if !options.quiet.is_set {
         points.tell(&mesh);
     }
-    let is_quiet = options.quiet || options.output == Path::new("-");
-    let algorithm = options.algo.clone();
+    let is_quiet = options.quiet.is_set || options.output == Path::new("-");
+    let algorithm = options.algorithm.algo.clone();
     let request = DistanceCommand {
         options,
         read: &read,
@@ -225,7 +239,7 @@ impl DistanceCommand<'_> {
                 algorithm: algorithm.label(),
                 sources: &labels,
                 targets: self.points.labels(),
-                radius: self.options.goal.radius,
+                radius: self.options.goal.spec().radius,
                 mesh: self.mesh,
                 distances: &distances,
             };
@@ -247,7 +261,7 @@ impl DistanceCommand<'_> {
         };
         // Rows are written as they are found: only so many are in memory.
         let at_once = (MOST_ROWS_BYTES / (8 * columns.len()).max(1)).max(1);
-        let at_once = at_once.max(self.options.threads as usize);
+        let at_once = at_once.max(self.options.threads.number());
         let mut unreachable = 0;
         output.write_with("", |path| {
             let mut file = BufWriter::new(File::create(path)?);
@@ -281,10 +295,10 @@ impl DistanceCommand<'_> {
         tasks: &[T],
         work: impl Fn(&Selection, &mut dyn Solver, &T) -> anyhow::Result<R> + Sync,
     ) -> anyhow::Result<Vec<R>> {
-        let threads = self.options.threads as usize;
+        let threads = self.options.threads.number();
         let workers = threads.min(tasks.len()).max(1);
         let algorithm = self.algorithm.clone().with_threads(threads / workers);
-        let algorithm = algorithm.with_simd(self.options.simd);
+        let algorithm = algorithm.with_simd(self.options.simd.simd.unwrap_or_default());
         let build = || algorithm.build(&self.points.refined.mesh);
         if workers == 1 {
             let mut solver = self.threads.run(build);
@@ -305,7 +319,7 @@ impl DistanceCommand<'_> {
     /// The distances of the targets, or of all vertices of the model without targets. The refined
     /// mesh has further vertices, which are left out.
     fn solve(&self, solver: &mut dyn Solver, sources: &[VertexId]) -> anyhow::Result<Vec<f64>> {
-        let goal = self.points.goal(self.options.goal.radius);
+        let goal = self.points.goal(self.options.goal.spec().radius);
         let solution = solver.solve_until(sources, &goal);
         let solution = solution.with_context(|| self.algorithm.label().to_owned())?;
         if solution.negative > 0 {

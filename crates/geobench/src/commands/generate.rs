@@ -9,8 +9,8 @@ use geobench_export::{STANDARD, ending_of};
 use geobench_harness::exec::model::ModelRef;
 use geobench_mesh::io as mesh_io;
 
-use crate::isolation::DecompressionOptions;
 use crate::verdict::Verdict;
+use geobench_harness::plan::suite::options::DecompressionOption;
 
 #[derive(Args, Debug)]
 #[command(after_long_help = geobench_mesh::generate::help())]
@@ -20,7 +20,7 @@ pub(crate) struct GenOptions {
     pub(crate) spec: String,
 
     #[command(flatten)]
-    pub(crate) decompression: DecompressionOptions,
+    pub(crate) decompression: DecompressionOption,
 
     /// File to write: .obj, .ply, .off or .stl, each also .gz
     #[arg(short, long, value_name = "FILE")]

@@ -10,7 +10,7 @@ use geobench_harness::measure::number::grouped;
 use geobench_mesh::{DefectSummary, Report, Severity};
 use serde_json::{Value, json};
 
-use crate::args::{ListFormat, MODELS_HELP};
+use crate::args::{FormatOption, ListFormat, MODELS_HELP};
 use crate::isolation::ReadingOptions;
 use crate::terminal;
 use crate::verdict::Verdict;
@@ -25,18 +25,17 @@ pub(crate) struct InfoOptions {
     #[command(flatten)]
     pub(crate) reading: ReadingOptions,
 
-    /// How to show them
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) format: ListFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatOption<ListFormat>,
 }
 
 pub(crate) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
     let mut verdict = Verdict::Passed;
     let mut list = Vec::new();
-    let as_json = options.format == ListFormat::Json;
+    let as_json = options.format.chosen() == ListFormat::Json;
     for (i, model) in options.reading.models(&options.models)?.iter().enumerate() {
         if as_json {
-            let loaded = model.load(options.reading);
+            let loaded = model.load(&options.reading);
             if let Err(error) = &loaded {
                 verdict = Verdict::BadInput;
                 terminal::error(&error.to_string());
@@ -47,7 +46,7 @@ pub(crate) fn info(options: &InfoOptions) -> anyhow::Result<Verdict> {
         if i > 0 {
             terminal::print("\n")?;
         }
-        match model.load(options.reading) {
+        match model.load(&options.reading) {
             Ok(loaded) => terminal::print(&describe(&loaded))?,
             Err(error) => {
                 verdict = Verdict::BadInput;

@@ -13,7 +13,7 @@ use geobench_harness::measure::number::counted;
 use geobench_isolines::{DistanceField, Isoline};
 use geobench_window::precision;
 
-use crate::args::{MODELS_HELP, ViewOption};
+use crate::args::{MODELS_HELP, QuietOption, ViewOption};
 use crate::isolation::ReadingOptions;
 use crate::points::{LocatedPoints, SourcesOptions};
 use crate::terminal;
@@ -62,9 +62,8 @@ pub(crate) struct IsolinesOptions {
     #[command(flatten)]
     view: ViewOption,
 
-    /// Print no summary
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: QuietOption,
 }
 
 /// Parses a distance above 0.
@@ -89,12 +88,12 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let view = options.view.of(format.is_picture())?;
     let model = options.reading.model(&options.model)?;
     check_files([&output], model.source_file())?;
-    let mesh = &options.reading.mesh(&model, options.quiet)?;
+    let mesh = &options.reading.mesh(&model, options.quiet.is_set)?;
     let points = LocatedPoints::new(mesh, &options.sources.all(), None, &model.path)?;
-    if !options.quiet {
+    if !options.quiet.is_set {
         points.tell(mesh);
     }
-    let is_quiet = options.quiet || options.output == Path::new("-");
+    let is_quiet = options.quiet.is_set || options.output == Path::new("-");
     let field = DistanceField::new(mesh, &points.places).with_context(|| model.path.clone())?;
     if let Some(doubt) = precision::doubt(mesh, field.distances()) {
         terminal::warning(&format!("{}: {doubt}", model.name));

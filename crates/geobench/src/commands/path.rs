@@ -1,9 +1,8 @@
 //! `geobench path`.
 
 use clap::Args;
-use geobench_harness::exec::source::TargetSpec;
+use geobench_harness::plan::suite::options::{TargetOption, WantedTarget};
 use geobench_registry as registry;
-use geobench_registry::Selection;
 use std::fmt::Write;
 use std::path::Path as FilePath;
 use std::path::PathBuf;
@@ -18,14 +17,19 @@ use geobench_mesh::{Mesh, VertexId};
 use geobench_paths::{Path, PathPlace, Paths, Point};
 use geobench_window::precision;
 
-use crate::args::{MODELS_HELP, ViewOption};
+use crate::args::{AlgorithmOption, MODELS_HELP, QuietOption, ViewOption};
 use crate::isolation::ReadingOptions;
-use crate::points::{LocatedPoints, SourcesOptions, WantedTarget};
+use crate::points::{LocatedPoints, SourcesOptions};
 use crate::terminal;
 use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
-#[command(after_help = MODELS_HELP)]
+#[command(
+    after_help = MODELS_HELP,
+    mut_arg("target", |target| target.required_unless_present("all_targets").help(
+        "The targets, in the same forms; the search ends when all are reached"
+    )),
+)]
 pub(crate) struct PathOptions {
     /// The model
     #[arg(value_name = "MODEL")]
@@ -34,23 +38,15 @@ pub(crate) struct PathOptions {
     #[command(flatten)]
     sources: SourcesOptions,
 
-    /// The targets, in the same forms; the search ends when all are reached
-    #[arg(
-        long,
-        value_name = "DST",
-        required_unless_present = "all_targets",
-        allow_negative_numbers = true
-    )]
-    target: Vec<TargetSpec>,
+    #[command(flatten)]
+    target: TargetOption,
 
     /// Paths to all vertices
     #[arg(long, conflicts_with = "target")]
     all_targets: bool,
 
-    /// The algorithm, an exact one [default: vtp-fast; mmp-fast on a model with edges of more than
-    /// two faces, or one that cannot be oriented]
-    #[arg(long, value_name = "A", value_parser = registry::select_one)]
-    algo: Option<Selection>,
+    #[command(flatten)]
+    algorithm: AlgorithmOption,
 
     #[command(flatten)]
     reading: ReadingOptions,
@@ -63,16 +59,8 @@ pub(crate) struct PathOptions {
     #[command(flatten)]
     view: ViewOption,
 
-    /// Print no summary
-    #[arg(long)]
-    quiet: bool,
-}
-
-impl PathOptions {
-    fn targets(&self) -> impl Iterator<Item = TargetSpec> {
-        let targets = self.target.iter().cloned();
-        targets.map(|target| self.sources.far.targets(target))
-    }
+    #[command(flatten)]
+    quiet: QuietOption,
 }
 
 /// Maximum number of paths for which the summary has a line each.
@@ -80,6 +68,7 @@ const LINES: usize = 20;
 
 pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     if let Some(algorithm) = options
+        .algorithm
         .algo
         .as_ref()
         .filter(|one| one.outside_name().is_some())
@@ -95,11 +84,12 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     let view = options.view.of(is_picture)?;
     let model = options.reading.model(&options.model)?;
     check_files(output.iter().map(|(_, file)| file), model.source_file())?;
-    let mesh = &options.reading.mesh(&model, options.quiet)?;
-    let wanted: Option<Vec<WantedTarget>> =
-        (!options.all_targets).then(|| options.targets().map(|t| (t, None)).collect());
+    let mesh = &options.reading.mesh(&model, options.quiet.is_set)?;
+    let targets = options.target.target.iter().flatten().cloned();
+    let targets = targets.map(|target| (options.sources.far.target(target), None));
+    let wanted: Option<Vec<WantedTarget>> = (!options.all_targets).then(|| targets.collect());
     let points = LocatedPoints::new(mesh, &options.sources.all(), wanted.as_deref(), &model.path)?;
-    if !options.quiet {
+    if !options.quiet.is_set {
         points.tell(mesh);
     }
     let sources = points.source_vertices();
@@ -114,7 +104,7 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
             labels.iter().cloned().zip(vertices).collect()
         }
     };
-    let algorithm = options.algo.clone();
+    let algorithm = options.algorithm.algo.clone();
     let algorithm = algorithm.unwrap_or_else(|| registry::usual(mesh));
     let mut solver = algorithm.build(refined);
     let paths = Paths::find(solver.as_mut(), refined, &sources, &points.goal(None))
@@ -169,7 +159,7 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
         };
         output.write(&contents)?;
     }
-    if !options.quiet && options.output.as_deref() != Some(FilePath::new("-")) {
+    if !options.quiet.is_set && options.output.as_deref() != Some(FilePath::new("-")) {
         terminal::print(&totals.summary(&found))?;
     }
     Ok(verdict)

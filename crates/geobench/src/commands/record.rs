@@ -8,11 +8,19 @@ use clap::Args;
 use geobench_harness::schema::{RepositoryRecord, ResultFile, result_file};
 use geobench_report::history::records::{self, Record};
 
+use super::trend::CommitOption;
+use crate::args::QuietOption;
 use crate::git::{first_parents, full_hash, git};
 use crate::terminal;
 use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
+#[command(
+    mut_arg("commit", |commit| commit.help(
+        "The commit that was measured [default: that of the repository in which the run was started]"
+    )),
+    mut_arg("quiet", |quiet| quiet.help("Do not print the path of the record")),
+)]
 pub(crate) struct RecordOptions {
     /// Result files (.json)
     #[arg(value_name = "RESULT", required = true)]
@@ -22,9 +30,8 @@ pub(crate) struct RecordOptions {
     #[arg(long, value_name = "DIR")]
     pub(crate) into: PathBuf,
 
-    /// The commit that was measured [default: that of the repository in which the run was started]
-    #[arg(long, value_name = "HASH")]
-    pub(crate) commit: Option<String>,
+    #[command(flatten)]
+    pub(crate) measured: CommitOption,
 
     /// The time of a commit that the repository here does not know, such as 2025-03-04T05:06:07Z
     #[arg(long, value_name = "TIME", value_parser = time)]
@@ -35,12 +42,11 @@ pub(crate) struct RecordOptions {
     pub(crate) dirty: bool,
 
     /// The suite; records of different suites are not compared [default: the name of the suite file]
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "SUITE")]
     pub(crate) suite: Option<String>,
 
-    /// Do not print the path of the record
-    #[arg(long)]
-    pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) quiet: QuietOption,
 }
 
 pub(crate) fn record(options: &RecordOptions) -> anyhow::Result<Verdict> {
@@ -52,7 +58,7 @@ pub(crate) fn record(options: &RecordOptions) -> anyhow::Result<Verdict> {
     }
     for record in all {
         let path = records::add(&options.into, record)?;
-        if !options.quiet {
+        if !options.quiet.is_set {
             terminal::print(&format!("{}\n", path.display()))?;
         }
     }
@@ -90,7 +96,7 @@ fn of_file(file: &ResultFile, options: &RecordOptions) -> anyhow::Result<Record>
 /// checked out where the run was started.
 fn measured(file: &ResultFile, options: &RecordOptions) -> anyhow::Result<String> {
     let built = file.tool.commit.clone();
-    if let Some(commit) = &options.commit {
+    if let Some(commit) = &options.measured.commit {
         return Ok(commit.clone());
     }
     if let Some(commit) = built.as_ref().filter(|commit| full_hash(commit).is_some()) {

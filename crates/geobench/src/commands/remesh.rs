@@ -15,7 +15,7 @@ use geobench_mesh::{Mesh, VertexId};
 use geobench_voronoi::{Quality, RemeshOptions as Sites, Remeshed, SurfaceDeviation};
 
 use super::generate;
-use crate::args::{MODELS_HELP, ViewOption};
+use crate::args::{MODELS_HELP, QuietOption, ViewOption};
 use crate::isolation::ReadingOptions;
 use crate::terminal;
 use crate::verdict::Verdict;
@@ -54,9 +54,8 @@ pub(crate) struct RemeshingOptions {
     #[command(flatten)]
     view: ViewOption,
 
-    /// No summary
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: QuietOption,
 }
 
 /// Number of sample points on each surface for its distance from the other one.
@@ -77,7 +76,7 @@ pub(crate) fn remesh(options: &RemeshingOptions) -> anyhow::Result<Verdict> {
     outputs.extend(picture.as_ref().map(|(_, output)| output));
     let model = options.reading.model(&options.model)?;
     check_files(outputs, model.source_file())?;
-    let mesh = &options.reading.mesh(&model, options.quiet)?;
+    let mesh = &options.reading.mesh(&model, options.quiet.is_set)?;
     let sites = Sites {
         sites: options.sites as usize,
         lloyd: options.lloyd as usize,
@@ -92,7 +91,7 @@ pub(crate) fn remesh(options: &RemeshingOptions) -> anyhow::Result<Verdict> {
         Some((png, output)) => Some((draw(&new, view, png, &model.name)?, output)),
         None => None,
     };
-    let is_quiet = options.quiet || options.output == Path::new("-");
+    let is_quiet = options.quiet.is_set || options.output == Path::new("-");
     let summary = if is_quiet {
         String::new()
     } else {

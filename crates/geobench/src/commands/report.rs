@@ -11,9 +11,10 @@ use geobench_report::page::{
     self as report, Form, Input, JoinedFrom, Options, PictureChoice, Tables,
 };
 
-use crate::isolation::DecompressionOptions;
+use crate::args::QuietOption;
 use crate::terminal;
 use crate::verdict::Verdict;
+use geobench_harness::plan::suite::options::DecompressionOption;
 
 #[derive(Args, Debug)]
 pub(crate) struct ReportOptions {
@@ -46,11 +47,10 @@ pub(crate) struct ReportOptions {
     papers: Option<Tables>,
 
     #[command(flatten)]
-    decompression: DecompressionOptions,
+    decompression: DecompressionOption,
 
-    /// Print no summary and no warnings
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: QuietOption,
 }
 
 impl ReportOptions {
@@ -91,7 +91,7 @@ pub(crate) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
         let files = inputs.iter().map(|i| (name(i), i.result.clone())).collect();
         match join::beside(files) {
             Ok(joined) => {
-                if !options.quiet {
+                if !options.quiet.is_set {
                     terminal::warnings(&joined.notes);
                 }
                 inputs = vec![Input {
@@ -103,7 +103,7 @@ pub(crate) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
                     }),
                 }];
             }
-            Err(error) if !options.quiet => terminal::warning(&format!(
+            Err(error) if !options.quiet.is_set => terminal::warning(&format!(
                 "the files are shown one after the other: {error:#}"
             )),
             Err(_) => {}
@@ -128,7 +128,7 @@ pub(crate) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
             n => format!("{n} files in {}", directory.display()),
         });
     }
-    if !options.quiet && options.output.as_deref() != Some(Path::new("-")) {
+    if !options.quiet.is_set && options.output.as_deref() != Some(Path::new("-")) {
         terminal::print(&format!("{}\n", written.join("\n")))?;
     }
     Ok(Verdict::Passed)

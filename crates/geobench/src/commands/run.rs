@@ -1,10 +1,7 @@
 //! `geobench run`.
 
 use clap::{ArgGroup, Args};
-use geobench_harness::exec::source::SourceSpec;
-use geobench_harness::plan::sampling::{Seconds, Share};
-use geobench_registry as registry;
-use geobench_registry::{Selection, SimdChoice};
+use geobench_registry::MOST_THREADS;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -18,23 +15,23 @@ use geobench_harness::exec::{InstructionCounter, Listener, Step, interrupt};
 use geobench_harness::measure::conditions::{self, Snapshot};
 use geobench_harness::measure::{host, instructions};
 use geobench_harness::plan::suite::{
-    self, EmbeddedSuite, Library, MOST_RUNS, ModelChoice, Plans, Settings, Suite, WantedModel,
+    self, EmbeddedSuite, Library, ModelChoice, Plans, Settings, Suite, options::Whole,
 };
-use geobench_harness::plan::{self, Plan, Reference};
+use geobench_harness::plan::{self, Plan};
 use geobench_harness::run::journal::{Journal, JournalHeader};
 use geobench_harness::run::{self, Earlier, agreement};
 use geobench_harness::schema::{
     Cell, GroupRecord, ModelRecord, PlanRecord, ResultFile, SCHEMA, SessionRecord, Shard,
     SourceLabel, Status, result_file, unfinished::Unfinished,
 };
+use geobench_harness::usage::read_text;
 use geobench_report::history::join::{self, Joined};
 use geobench_report::table::{self, Look, ResultFormat};
-use toml::Spanned;
 
-use crate::args::{Algorithms, CsvOptions, MODELS_HELP, algorithms, row, threads, tolerance};
+use crate::args::{CsvOptions, FormatOption, MODELS_HELP, QuietOption};
 use crate::git;
 use crate::isolation::IsolationOptions;
-use crate::points::{FarOption, GoalOptions};
+use crate::points::FarOption;
 use crate::progress::Progress;
 use crate::terminal;
 use crate::verdict::Verdict;
@@ -43,13 +40,8 @@ use crate::verdict::Verdict;
 #[command(after_help = MODELS_HELP)]
 #[command(group = ArgGroup::new("which_suite").args(["config", "suite"]))]
 pub(crate) struct RunOptions {
-    /// Models; without any, those of the suite, or a built-in suite of generated ones
-    #[arg(value_name = "MODEL")]
-    pub(crate) models: Vec<String>,
-
-    /// Suite file with models, algorithms and settings in groups; options override it
-    #[arg(help_heading = "What runs", long, value_name = "SUITE.toml")]
-    pub(crate) config: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "What runs")]
+    pub(crate) suite_file: SuiteFileOption,
 
     /// Suite that is part of the program; `geobench suites` lists them
     #[arg(help_heading = "What runs", long, value_name = "NAME", value_parser = EmbeddedSuite::named)]
@@ -58,109 +50,32 @@ pub(crate) struct RunOptions {
     #[command(flatten)]
     pub(crate) scale: ScaleOptions,
 
-    /// Algorithms by name, by family, or exact, or all; separated by commas; with parameters as
-    /// name{key=value,...} [default: mmp,ich,fwp-mmp,fwp-ch,vtp with --simd scalar, and mmp-fast,
-    /// ich-fast,vtp,vtp-fast with the widest instructions for the fast forms]
-    #[arg(help_heading = "What runs", long, value_name = "LIST", value_parser = algorithms)]
-    pub(crate) algo: Option<Algorithms>,
+    #[command(flatten)]
+    pub(crate) settings: Settings,
 
     #[command(flatten, next_help_heading = "Sources and targets")]
-    pub(crate) source: RunSourceOptions,
-
-    #[command(flatten, next_help_heading = "Sources and targets")]
-    pub(crate) goal: GoalOptions,
-
-    /// Timed runs of each cell [default: 6 to 100, as many as --precision needs]
-    #[arg(help_heading = "Repetitions", long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_RUNS)))]
-    pub(crate) repeat: Option<u32>,
-
-    /// Repeat until the 95 % interval of the median time lies within this share of the median; short
-    /// solves are timed in batches [default: 3%]
-    #[arg(
-        help_heading = "Repetitions",
-        long,
-        value_name = "P",
-        conflicts_with = "repeat"
-    )]
-    pub(crate) precision: Option<Share>,
-
-    /// Least time that the timed runs of a cell take together, such as 1s [default: 0.2s]
-    #[arg(
-        help_heading = "Repetitions",
-        long,
-        value_name = "T",
-        conflicts_with = "repeat"
-    )]
-    pub(crate) min_time: Option<Seconds>,
-
-    /// Time after which no timed run of a cell starts, such as 1m [default: 20s; 1s for the
-    /// built-in suite]
-    #[arg(
-        help_heading = "Repetitions",
-        long,
-        value_name = "T",
-        conflicts_with = "repeat"
-    )]
-    pub(crate) max_time: Option<Seconds>,
-
-    /// Untimed runs of each cell before the timed ones [default: 1]
-    #[arg(help_heading = "Repetitions", long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(..=i64::from(MOST_RUNS)))]
-    pub(crate) warmup: Option<u32>,
-
-    /// Only warm-ups and timed runs: no profiled run, which gives phases and peaks of memory, and no
-    /// counted run, which takes several times as long as a timed one
-    #[arg(help_heading = "Repetitions", long)]
-    pub(crate) no_counts: bool,
-
-    /// What answers must agree with: an algorithm, certificate (mmp with a proof of its distances),
-    /// none, file (MODEL.sSOURCE.csv beside the model or in a folder named expected there or beside
-    /// its folder), or the path of such a file
-    /// [default: mmp-fast if it runs, else the first exact algorithm]
-    #[arg(help_heading = "Checks", long, value_name = "REF")]
-    pub(crate) check: Option<String>,
-
-    /// Largest relative difference that passes [default: 1e-9]
-    #[arg(help_heading = "Checks", long, value_name = "T", allow_negative_numbers = true, value_parser = tolerance)]
-    pub(crate) tolerance: Option<f64>,
-
-    /// Seed of the order in which the algorithms take turns [default: 1]
-    #[arg(help_heading = "Repetitions", long, value_name = "N")]
-    pub(crate) seed: Option<u64>,
-
-    /// Threads of the parallel algorithms (pvtp, pch), of the set-up of svg, and of outside programs
-    /// whose command has {threads} [default: 1]
-    #[arg(help_heading = "What runs", long, value_name = "N", allow_negative_numbers = true, value_parser = threads())]
-    pub(crate) threads: Option<u32>,
-
-    /// Instructions of every algorithm: auto (scalar for the algorithms of papers, the widest of the
-    /// processor for the fast forms), scalar, avx2 or avx512; narrower ones where the processor lacks
-    /// them. Distances and counts do not depend on it [default: auto]
-    #[arg(help_heading = "What runs", long, value_name = "SIMD")]
-    pub(crate) simd: Option<SimdChoice>,
+    pub(crate) far: FarOption,
 
     /// Cells that run at the same time; more than 1 disturbs the times, and tables and files say so
-    #[arg(help_heading = "Processes", long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
-    pub(crate) jobs: u32,
+    #[arg(
+        help_heading = "Processes",
+        long,
+        value_name = "N",
+        allow_negative_numbers = true,
+        default_value = "1"
+    )]
+    pub(crate) jobs: Whole<1, { MOST_THREADS as u64 }>,
 
     #[command(flatten, next_help_heading = "Processes")]
     pub(crate) isolation: IsolationOptions,
 
-    /// Rows of tables: time, propagated and any other counter, generated, valid, ...; separated by
-    /// commas [default: time, propagations and two measures of memory]
-    #[arg(help_heading = "Output", long, value_name = "LIST", value_delimiter = ',', value_parser = row)]
-    pub(crate) rows: Option<Vec<String>>,
-
-    /// Show the ratio of each algorithm to this one as well; of times, the median of the ratios run
-    /// by run
-    #[arg(help_heading = "Output", long, value_name = "A", value_parser = registry::select_one)]
-    pub(crate) ratios_to: Option<Selection>,
+    /// Count the instructions of one solve of each cell under Valgrind, which takes some fifty times
+    /// as long as the solve (row `instructions`)
+    #[arg(help_heading = "Output", long)]
+    pub(crate) instructions: bool,
 
     #[command(flatten, next_help_heading = "Output")]
-    pub(crate) extras: ExtraOptions,
-
-    /// What goes to standard output
-    #[arg(help_heading = "Output", long, value_name = "FORMAT", value_enum, default_value_t = ResultFormat::Table)]
-    pub(crate) format: ResultFormat,
+    pub(crate) format: FormatOption<ResultFormat>,
 
     /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
     #[arg(help_heading = "Output", short, long, value_name = "FILE")]
@@ -189,9 +104,8 @@ pub(crate) struct RunOptions {
     #[arg(help_heading = "Parts and continuation", long, value_name = "I/N")]
     pub(crate) shard: Option<Shard>,
 
-    /// Print no progress and no warnings
-    #[arg(help_heading = "Output", long)]
-    pub(crate) quiet: bool,
+    #[command(flatten, next_help_heading = "Output")]
+    pub(crate) quiet: QuietOption,
 
     /// Show no progress bar
     #[arg(help_heading = "Output", long)]
@@ -203,44 +117,36 @@ impl RunOptions {
     /// options and suite name.
     pub(crate) fn input_files(&self, plans: &Plans) -> Vec<PathBuf> {
         let mut files = plans.input_files();
-        files.extend(self.config.clone());
+        files.extend(self.suite_file.config.clone());
         files.extend(self.isolation.ext.iter().cloned());
-        files.extend(self.goal.targets.clone());
         files.sort();
         files.dedup();
         files
     }
-}
 
-/// Where runs start.
-#[derive(Args, Debug)]
-pub(crate) struct RunSourceOptions {
-    /// Sources: first, largest (the first vertex of the largest component, vertex 0 if there is only
-    /// one), a vertex number, random:N[,seed=S], all, edge:A-B,T (from vertex A the
-    /// fraction T of the way to B), face:F,U,V,W (barycentric coordinates), at:X,Y,Z (the nearest
-    /// point), or a list of these; may be repeated [default: largest]
-    #[arg(
-        help_heading = "Sources and targets",
-        long,
-        value_name = "SRC",
-        allow_negative_numbers = true
-    )]
-    pub(crate) source: Vec<SourceSpec>,
-
-    #[command(flatten, next_help_heading = "Sources and targets")]
-    pub(crate) far: FarOption,
-
-    /// Run once from all sources together, with distances from the nearest, not once from each
-    #[arg(help_heading = "Sources and targets", long)]
-    pub(crate) sources_together: bool,
-}
-
-impl RunSourceOptions {
-    /// All given sources as one list; `None` if none are given.
-    pub(crate) fn sources(&self) -> Option<SourceSpec> {
-        let sources = self.source.iter().cloned();
-        (!self.source.is_empty()).then(|| self.far.sources(SourceSpec::of_all(sources)))
+    /// Number of cells that run at the same time.
+    pub(crate) const fn jobs(&self) -> usize {
+        self.jobs.0 as usize
     }
+
+    /// The settings of the options, with the targets of the targets file.
+    fn settings(&self) -> anyhow::Result<Settings> {
+        let mut settings = self.settings.clone();
+        settings.goal.read_targets(read_text)?;
+        self.far.apply(&mut settings.source, &mut settings.goal);
+        if let Some(check) = &mut settings.check {
+            check.get_mut().resolve(Path::new("")).context("--check")?;
+        }
+        Ok(settings)
+    }
+}
+
+/// The suite file of a run.
+#[derive(Args, Debug)]
+pub(crate) struct SuiteFileOption {
+    /// Suite file with models, algorithms and settings in groups; options override it
+    #[arg(long, value_name = "SUITE.toml")]
+    pub(crate) config: Option<PathBuf>,
 }
 
 /// Which models of a suite.
@@ -261,19 +167,6 @@ pub(crate) struct ScaleOptions {
     pub(crate) full: bool,
 }
 
-/// Optional measurements.
-#[derive(Args, Debug)]
-pub(crate) struct ExtraOptions {
-    /// Keep samples of the wavefront of each counted run, for the plots of `geobench report`
-    #[arg(help_heading = "Output", long)]
-    pub(crate) wavefront: bool,
-
-    /// Count the instructions of one solve of each cell under Valgrind, which takes some fifty times
-    /// as long as the solve (row `instructions`)
-    #[arg(help_heading = "Output", long)]
-    pub(crate) instructions: bool,
-}
-
 /// The output beside which the results so far are stored: the first file of results, which the store
 /// then completes for every command that reads it, else the first file.
 fn stored_file(outputs: &[(ResultFormat, OutputFile)]) -> Option<&Path> {
@@ -285,7 +178,9 @@ fn stored_file(outputs: &[(ResultFormat, OutputFile)]) -> Option<&Path> {
 }
 
 pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
-    options.isolation.check(options.jobs)?;
+    options
+        .isolation
+        .check(options.jobs(), &options.settings.limits)?;
     let all = possible_plans(options)?;
     let (format, outputs) = self::outputs(options)?;
     // A file that is no journal is refused as one, so that `--resume` replaces nothing.
@@ -297,19 +192,19 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     let store = store.map(Unfinished::prepare).transpose()?;
     check_files(outputs.iter().map(|(_, file)| file).chain(&store), read)?;
     let Plans { plans, notes, .. } = all;
-    if options.extras.instructions {
+    if options.instructions {
         instructions::check_valgrind()?;
     }
-    if !host::is_release_build() && !options.quiet {
+    if !host::is_release_build() && !options.quiet.is_set {
         terminal::warning(
             "this is not a release build: its times mean little (cargo run --release)",
         );
     }
-    if !options.quiet {
+    if !options.quiet.is_set {
         terminal::warnings(&notes);
     }
     options.isolation.listen()?;
-    let plan = plan::record(&plans, options.isolation.record(options.jobs));
+    let plan = plan::record(&plans, options.isolation.record(options.jobs()));
     let session = session(options);
     let mut journal = None;
     let mut sessions = vec![session.clone()];
@@ -317,7 +212,7 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
         if path == Path::new("-") {
             bail!("--resume -: a journal is a file; name one");
         }
-        let opened = open_journal(path, &plan, &session, options.quiet)?;
+        let opened = open_journal(path, &plan, &session, options.quiet.is_set)?;
         sessions = opened.sessions().to_vec();
         journal = Some(opened);
     }
@@ -327,13 +222,13 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     let past = earlier.as_ref().map(Earlier::new);
     let mut listener = Reporter {
         add_to: options.add_to.clone(),
-        progress: Progress::new(runs, !options.quiet && !options.no_progress),
+        progress: Progress::new(runs, !options.quiet.is_set && !options.no_progress),
         format,
         look,
-        instructions: options.extras.instructions,
+        instructions: options.instructions,
         goal: GoalSpec::default(),
         decompressed: DecompressionLimit::default(),
-        quiet: options.quiet,
+        quiet: options.quiet.is_set,
         outputs,
         result: empty(plan, session, sessions),
         unfinished: None,
@@ -353,7 +248,7 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
             journal.as_mut(),
             past.as_ref(),
             &mut listener,
-            options.jobs as usize,
+            options.jobs(),
         )?;
         listener.end(&plan.group)?;
         let checked = plan.reference.is_required();
@@ -376,7 +271,7 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     } else {
         terminal::print_rendered(&format.render(&whole)?)?;
     }
-    if !options.quiet {
+    if !options.quiet.is_set {
         for doubt in &doubts {
             terminal::warning(&format!("times may be disturbed: {doubt}"));
         }
@@ -455,7 +350,7 @@ pub(crate) fn verdict(tallies: &[Tally]) -> Verdict {
 
 /// The plans of the suite file, with the settings of the options, which take precedence.
 fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
-    let suite = match (&options.config, options.suite) {
+    let suite = match (&options.suite_file.config, options.suite) {
         (Some(config), _) => Some(Suite::read(config)?),
         (None, Some(suite)) => Some(suite.read()?),
         (None, None) => None,
@@ -464,41 +359,7 @@ fn plans(options: &RunOptions) -> anyhow::Result<Plans> {
     if let Some(suite) = &suite {
         programs = programs.or(&suite.programs);
     }
-    let reference = options.check.as_deref().map(|check| {
-        let mut reference: Reference = check.parse()?;
-        reference.resolve(Path::new("")).map(|()| reference)
-    });
-    let reference = reference.transpose().context("--check")?;
-    let models = options.models.iter();
-    let models = models.map(|model| Spanned::new(0..0, WantedModel::new(model)));
-    let goal = options.goal.goal(options.source.far)?;
-    let asked = Settings {
-        models: (!options.models.is_empty()).then(|| models.collect()),
-        algorithms: options.algo.clone().map(|algorithms| algorithms.0),
-        sources: options.source.sources(),
-        sources_together: options.source.sources_together.then_some(true),
-        targets: goal.targets,
-        targets_file: None,
-        radius: goal.radius,
-        repeat: options.repeat,
-        precision: options.precision,
-        min_time: options.min_time,
-        max_time: options.max_time,
-        warmup: options.warmup,
-        counts: options.no_counts.then_some(false),
-        tolerance: options.tolerance,
-        seed: options.seed,
-        threads: options.threads,
-        simd: options.simd,
-        timeout: options.isolation.timeout,
-        memory_limit: options.isolation.memory_limit,
-        max_decompressed: options.isolation.decompression.max_decompressed,
-        weld: options.isolation.weld.weld,
-        reference: reference.map(|reference| Spanned::new(0..0, reference)),
-        rows: options.rows.clone(),
-        ratios_to: options.ratios_to.clone(),
-        wavefront: options.extras.wavefront.then_some(true),
-    };
+    let asked = options.settings()?;
     let library = options.scale.library.as_deref().map(Library::open);
     let scale = ModelChoice {
         full: options.scale.full,
@@ -533,13 +394,13 @@ pub(crate) fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
         if runs(base) || notes.contains(&problem) {
             continue;
         }
-        if options.ratios_to.is_some() {
+        if options.settings.ratios_to.is_some() {
             bail!("{problem}; name it in --algo");
         }
         // The suite requests ratios to an algorithm that the options leave out. That is no error.
         notes.push(problem);
     }
-    notes.extend(options.isolation.crowding(algorithms(), options.jobs));
+    notes.extend(options.isolation.crowding(algorithms(), options.jobs()));
     if !options.isolation.keeps_limits() {
         drop_limits(&mut plans, &mut notes);
     }
@@ -584,7 +445,7 @@ fn drop_limits(plans: &mut [Plan], notes: &mut Vec<String>) {
 fn outputs(
     options: &RunOptions,
 ) -> anyhow::Result<(ResultFormat, Vec<(ResultFormat, OutputFile)>)> {
-    let mut format = options.csv_rows.of(options.format);
+    let mut format = options.csv_rows.of(options.format.chosen());
     let mut outputs = options.csv_rows.outputs(&options.output)?;
     outputs.retain(|(form, file)| {
         let to_file = !file.is_standard_output();

@@ -4,12 +4,13 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
-use geobench_report::corpus::Corpus;
 use geobench_report::history::trend;
 use geobench_report::page::trend_page;
 use geobench_report::site::{SiteRecords, StaticSite};
 
+use super::corpus::CorpusOption;
 use super::trend::{LineOptions, ordered};
+use crate::args::QuietOption;
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -30,13 +31,11 @@ pub(crate) struct SiteOptions {
     #[command(flatten)]
     line: LineOptions,
 
-    /// Models that results are compared on [default: those of bench-configs/site/corpus.toml]
-    #[arg(long, value_name = "FILE")]
-    corpus: Option<PathBuf>,
+    #[command(flatten)]
+    models: CorpusOption,
 
-    /// Print no summary and no warnings
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: QuietOption,
 }
 
 pub(crate) fn site(options: &SiteOptions) -> anyhow::Result<Verdict> {
@@ -44,8 +43,7 @@ pub(crate) fn site(options: &SiteOptions) -> anyhow::Result<Verdict> {
         bail!("{}: not a directory", options.output.display());
     }
     let records = SiteRecords::read(&options.results)?;
-    let corpus = options.corpus.as_deref();
-    let corpus = corpus.map_or_else(Corpus::known, Corpus::read)?;
+    let corpus = options.models.read()?;
     let trend = options.history.as_deref().map(|history| {
         let history = ordered(history, &options.line)?;
         let series = trend::series(&history.records);
@@ -54,7 +52,7 @@ pub(crate) fn site(options: &SiteOptions) -> anyhow::Result<Verdict> {
     });
     let site = StaticSite::build(&records, &corpus, trend.transpose()?)?;
     let pages = site.write(&records, &options.output)?;
-    if !options.quiet {
+    if !options.quiet.is_set {
         terminal::notes(&records.notes);
         terminal::print(&format!("{pages} pages in {}\n", options.output.display()))?;
     }

@@ -5,19 +5,18 @@ use geobench_harness::plan::suite::SUITES;
 use geobench_report::table::terminal::listing;
 use geobench_report::table::{Column, Entry, Look, Table};
 
-use crate::args::ListFormat;
+use crate::args::{FormatOption, ListFormat};
 use crate::terminal;
 use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
 pub(crate) struct SuitesOptions {
-    /// What goes to standard output
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    format: ListFormat,
+    #[command(flatten)]
+    format: FormatOption<ListFormat>,
 }
 
 pub(crate) fn suites(options: &SuitesOptions, look: Look) -> anyhow::Result<Verdict> {
-    let text = match options.format {
+    let text = match options.format.chosen() {
         ListFormat::Json => {
             let list = SUITES.iter();
             let list =

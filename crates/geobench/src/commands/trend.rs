@@ -14,7 +14,7 @@ use geobench_report::history::{gate, records, trend};
 use geobench_report::page::trend_page;
 use geobench_report::table::{self, Look};
 
-use crate::args::ListFormat;
+use crate::args::{FormatOption, ListFormat};
 use crate::git::{first_parents, full_hash};
 use crate::terminal;
 use crate::verdict::Verdict;
@@ -32,23 +32,36 @@ pub(crate) struct TrendOptions {
     #[command(flatten)]
     pub(crate) line: LineOptions,
 
+    #[command(flatten)]
+    pub(crate) gate: GateOption,
+
+    #[command(flatten)]
+    pub(crate) format: FormatOption<ListFormat>,
+}
+
+/// A commit of a history.
+#[derive(Args, Debug)]
+pub(crate) struct CommitOption {
+    /// The last commit that counts [default: the one that is checked out, else the last one
+    /// recorded]
+    #[arg(long, value_name = "HASH")]
+    pub(crate) commit: Option<String>,
+}
+
+/// What counts as worse.
+#[derive(Args, Debug)]
+pub(crate) struct GateOption {
     /// Fail if the last commit that counts breaks one of these rules, against all earlier ones, such
     /// as time=5%,propagated=0
     #[arg(long, value_name = "RULES")]
     pub(crate) fail_on: Option<Rules>,
-
-    /// How to show the change points
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    pub(crate) format: ListFormat,
 }
 
 /// Which records of a history count.
 #[derive(Args, Debug)]
 pub(crate) struct LineOptions {
-    /// The last commit that counts [default: the one that is checked out, else the last one
-    /// recorded]
-    #[arg(long, value_name = "HASH")]
-    pub(crate) commit: Option<String>,
+    #[command(flatten)]
+    pub(crate) last: CommitOption,
 
     /// Only records of machines with this in their description
     #[arg(long, value_name = "TEXT")]
@@ -62,7 +75,7 @@ const ALL: usize = 1_000_000_000;
 /// parents.
 pub(crate) fn ordered(directory: &Path, options: &LineOptions) -> anyhow::Result<OrderedHistory> {
     let mut records = records::read_all(directory)?;
-    let commit = options.commit.as_deref();
+    let commit = options.last.commit.as_deref();
     if let Some(machine) = &options.machine {
         records.retain(|record| record.machine().contains(machine));
         if records.is_empty() {
@@ -100,7 +113,7 @@ pub(crate) fn trend(options: &TrendOptions, look: Look) -> anyhow::Result<Verdic
             return Ok(Verdict::Passed);
         }
     }
-    let gate = match &options.fail_on {
+    let gate = match &options.gate.fail_on {
         Some(rules) => {
             let records = up_to_head(&options.history, history.records, &options.line)?;
             let earlier: Vec<String> = records.iter().map(|r| r.commit.clone()).collect();
@@ -108,12 +121,12 @@ pub(crate) fn trend(options: &TrendOptions, look: Look) -> anyhow::Result<Verdic
         }
         None => None,
     };
-    let mut text = match options.format {
+    let mut text = match options.format.chosen() {
         ListFormat::Json => json_lines(&found)?,
         ListFormat::Table => table::change_points(&found, look),
     };
     if let Some(gate) = &gate {
-        match options.format {
+        match options.format.chosen() {
             ListFormat::Table => text = [text, "\n".to_owned(), table::gate(gate, look)].concat(),
             // Standard output has the change points alone.
             ListFormat::Json => {
@@ -138,7 +151,7 @@ pub(crate) fn up_to_head(
     mut records: Vec<Record>,
     options: &LineOptions,
 ) -> anyhow::Result<Vec<Record>> {
-    let head = options.commit.as_deref().unwrap_or("HEAD");
+    let head = options.last.commit.as_deref().unwrap_or("HEAD");
     if let Some(hash) = full_hash(head) {
         let is_of_head = |record: &Record| hash.starts_with(&record.commit);
         let Some(last) = records.iter().rposition(is_of_head) else {

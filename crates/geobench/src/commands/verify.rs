@@ -11,6 +11,10 @@ use geobench_harness::exec::model::{self, ModelRef};
 use geobench_harness::exec::source::{PointSpec, SourceSpec};
 use geobench_harness::exec::{Backend, Observation, Pass, Session, Step};
 use geobench_harness::measure::number::scientific;
+use geobench_harness::plan::suite::options::{
+    AlgorithmsOption, DecompressionOption, GoalOptions, LimitOptions, SimdOption, SourceOption,
+    ThreadsOption, ToleranceOption, WIDEST_SIMD_HELP, WeldOption,
+};
 use geobench_harness::plan::{self, suite};
 use geobench_harness::run::agreement::{self, Vote};
 use geobench_harness::run::answer_layout::AnswerLayout;
@@ -18,38 +22,35 @@ use geobench_harness::run::check::Deviation;
 use geobench_harness::run::proof;
 use geobench_harness::run::reference_check::{Answer, ReferenceCheck};
 use geobench_harness::schema::{ModelRecord, Status};
+use geobench_harness::usage::read_text;
 use geobench_mesh::Tolerance;
-use geobench_registry::{self as registry, Selection, SimdChoice};
+use geobench_registry::{self as registry, Selection};
 use geobench_window::precision;
 
-use crate::args::{Algorithms, MODELS_HELP, algorithms, threads, tolerance};
+use crate::args::{MODELS_HELP, QuietOption};
 use crate::isolation::IsolationOptions;
-use crate::points::{FarOption, GoalOptions, distinct};
+use crate::points::{FarOption, distinct};
 use crate::terminal;
 use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
-#[command(after_help = MODELS_HELP)]
+#[command(
+    after_help = MODELS_HELP,
+    mut_arg("algorithms", |algorithms| algorithms.help(ALGORITHMS_HELP)),
+    mut_arg("source", |source| source.help(SOURCES_HELP).default_value("first")),
+    mut_arg("simd", |simd| simd.help(WIDEST_SIMD_HELP)),
+    mut_arg("quiet", |quiet| quiet.help("Print only disagreements")),
+)]
 pub(crate) struct VerifyOptions {
     /// Models; without any, a built-in suite of generated ones
     #[arg(value_name = "MODEL")]
     models: Vec<String>,
 
-    /// Algorithms by name, by family, or exact, or all; separated by commas [default: exact,
-    /// without ch where it would take hours]
-    #[arg(long, value_name = "LIST", value_parser = algorithms)]
-    algo: Option<Algorithms>,
+    #[command(flatten)]
+    algorithms: AlgorithmsOption,
 
-    /// Sources: first, largest (the first vertex of the largest component), a vertex number,
-    /// random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W, at:X,Y,Z or a list of these; may be
-    /// repeated. Vertices for which distances are stored (MODEL.sSOURCE.csv) are added
-    #[arg(
-        long,
-        value_name = "SRC",
-        default_value = "first",
-        allow_negative_numbers = true
-    )]
-    source: Vec<SourceSpec>,
+    #[command(flatten)]
+    source: SourceOption,
 
     #[command(flatten)]
     far: FarOption,
@@ -57,19 +58,14 @@ pub(crate) struct VerifyOptions {
     #[command(flatten)]
     goal: GoalOptions,
 
-    /// Largest relative difference that passes, beside rounding
-    #[arg(long, value_name = "T", allow_negative_numbers = true, default_value_t = 1e-9, value_parser = tolerance)]
-    tolerance: f64,
+    #[command(flatten)]
+    tolerance: ToleranceOption,
 
-    /// Threads of the parallel algorithms (pvtp, pch), of the set-up of svg, and of outside programs
-    /// whose command has {threads}
-    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 1, value_parser = threads())]
-    threads: u32,
+    #[command(flatten)]
+    threads: ThreadsOption,
 
-    /// Instructions of every algorithm: auto (the widest of the processor), scalar, avx2 or avx512;
-    /// narrower ones where the processor lacks them. Distances and counts do not depend on it
-    #[arg(long, value_name = "SIMD", default_value_t)]
-    simd: SimdChoice,
+    #[command(flatten)]
+    simd: SimdOption,
 
     /// Where answers disagree, prove which are right also on models of more than 50,000 faces
     #[arg(long)]
@@ -78,10 +74,25 @@ pub(crate) struct VerifyOptions {
     #[command(flatten)]
     isolation: IsolationOptions,
 
-    /// Print only disagreements
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    limits: LimitOptions,
+
+    #[command(flatten)]
+    decompression: DecompressionOption,
+
+    #[command(flatten)]
+    weld: WeldOption,
+
+    #[command(flatten)]
+    quiet: QuietOption,
 }
+
+const ALGORITHMS_HELP: &str = "Algorithms by name, by family, or exact, or all; separated by commas \
+    [default: exact, without ch where it would take hours]";
+
+const SOURCES_HELP: &str = "Sources: first, largest (the first vertex of the largest component), a \
+    vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W, at:X,Y,Z or a list of these; may \
+    be repeated. Vertices for which distances are stored (MODEL.sSOURCE.csv) are added";
 
 /// The reference algorithm. It runs even if it is not selected.
 const REFERENCE: &str = "mmp-fast";
@@ -92,10 +103,10 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     } else {
         model::collect(&options.models)?
     };
-    let weld = options.isolation.weld.weld;
+    let weld = options.weld.weld;
     let models = models.into_iter().map(|model| model.welded(weld));
     let models: Vec<ModelRef> = models.collect();
-    let mut algorithms = match &options.algo {
+    let mut algorithms = match &options.algorithms.algorithms {
         Some(named) => named.0.clone(),
         None => registry::select("exact")?,
     };
@@ -109,25 +120,30 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     let found = found.collect::<Result<Vec<_>, _>>()?;
     let found = found.into_iter().flatten();
     let algorithms: Vec<Selection> = found
-        .map(|algorithm| algorithm.with_threads(options.threads as usize))
-        .map(|algorithm| algorithm.with_simd(options.simd))
+        .map(|algorithm| algorithm.with_threads(options.threads.number()))
+        .map(|algorithm| algorithm.with_simd(options.simd.simd.unwrap_or_default()))
         .collect();
-    options.isolation.check(1)?;
-    let goal = options.goal.goal(options.far)?;
+    options.isolation.check(1, &options.limits)?;
+    let mut goal = options.goal.clone();
+    goal.read_targets(read_text)?;
+    options.far.apply(&mut options.source.clone(), &mut goal);
+    let goal = goal.spec();
     let algorithms = if goal.is_everything() {
         algorithms
     } else {
         able_to_end_early(algorithms, options)?
     };
     let crowding = options.isolation.crowding(&algorithms, 1);
-    if let Some(crowding) = crowding.filter(|_| !options.quiet) {
+    if let Some(crowding) = crowding.filter(|_| !options.quiet.is_set) {
         terminal::warning(&crowding);
     }
-    let limits = options.isolation.limits();
+    let limits = options.limits.with(&options.decompression);
     let backend = options.isolation.backend(limits, true)?;
     options.isolation.listen()?;
     let mut tally = VerifyTally::default();
-    let sources = options.far.sources(distinct(&options.source));
+    let sources = options
+        .far
+        .sources(distinct(options.source.source.iter().flatten()));
     for model in &models {
         if interrupt::requested() {
             break;
@@ -149,7 +165,7 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
             }
         }
     }
-    if !options.quiet || tally.has_failed() {
+    if !options.quiet.is_set || tally.has_failed() {
         terminal::print(&format!("{}\n", tally.text()))?;
     }
     if interrupt::requested() {
@@ -172,12 +188,12 @@ fn able_to_end_early(
     mut algorithms: Vec<Selection>,
     options: &VerifyOptions,
 ) -> anyhow::Result<Vec<Selection>> {
-    if options.algo.is_some() {
+    if options.algorithms.algorithms.is_some() {
         plan::check_ends_early(&algorithms)?;
     }
     let left_out = algorithms.extract_if(.., |one| !one.ends_early());
     let names: Vec<String> = left_out.map(|one| one.label().to_owned()).collect();
-    if !names.is_empty() && !options.quiet {
+    if !names.is_empty() && !options.quiet.is_set {
         terminal::print(&format!(
             "left out, because they cannot end early: {}\n",
             names.join(", ")
@@ -243,7 +259,7 @@ impl LoadedModelCheck<'_> {
     /// Checks the model from the requested sources, and from those with stored distances.
     fn verify(&self, session: &mut dyn Session, tally: &mut VerifyTally) -> anyhow::Result<()> {
         let vertices = self.record.vertex_count();
-        if !self.options.quiet {
+        if !self.options.quiet.is_set {
             terminal::notes_on(&self.record.name, &self.record.notes);
         }
         let sources = (self.sources).with_largest(|| self.record.first_of_largest());
@@ -273,14 +289,16 @@ impl LoadedModelCheck<'_> {
     fn is_too_slow(&self, algorithm: &Selection) -> bool {
         let faces = self.record.faces.unwrap_or(0);
         let comfortable = algorithm.algorithm().comfortable_faces;
-        self.options.algo.is_none() && comfortable.is_some_and(|most| faces > most)
+        self.options.algorithms.algorithms.is_none() && comfortable.is_some_and(|most| faces > most)
     }
 
     /// Whether to skip `algorithm`: it was not selected with `--algo`, and does not cross the
     /// junctions of the model.
     fn crosses_too_little(&self, algorithm: &Selection) -> bool {
         let has_junctions = self.record.junctions.is_some();
-        self.options.algo.is_none() && has_junctions && !algorithm.crosses_junctions()
+        self.options.algorithms.algorithms.is_none()
+            && has_junctions
+            && !algorithm.crosses_junctions()
     }
 
     /// The distances from `source` that are stored beside the model; `None` if there are none, or
@@ -317,7 +335,7 @@ impl LoadedModelCheck<'_> {
         source: PointSpec,
         why: &str,
     ) -> anyhow::Result<()> {
-        if self.options.quiet {
+        if self.options.quiet.is_set {
             return Ok(());
         }
         terminal::print(&format!(
@@ -334,7 +352,7 @@ impl LoadedModelCheck<'_> {
         source: PointSpec,
         verdict: &AnswerVerdict,
     ) -> anyhow::Result<()> {
-        if self.options.quiet && verdict.word == Word::Ok {
+        if self.options.quiet.is_set && verdict.word == Word::Ok {
             return Ok(());
         }
         let model = &self.record.name;
@@ -462,11 +480,11 @@ impl LoadedModelCheck<'_> {
         // The note is about the position of the source. One line with it is enough.
         if let Some(note) = observation
             .note
-            .filter(|_| is_reference && !self.options.quiet)
+            .filter(|_| is_reference && !self.options.quiet.is_set)
         {
             terminal::notes_on(&self.record.name, &[note]);
         }
-        let tolerance = algorithm.tolerance(self.options.tolerance);
+        let tolerance = algorithm.tolerance(self.options.tolerance.number());
         verdict.may_differ = algorithm.may_differ();
         verdict.find_doubt(self.record.longest_edge, &found);
         let mut vote = Vote::of_reference(algorithm.label(), false);
@@ -532,7 +550,7 @@ impl LoadedModelCheck<'_> {
         if let Some(why) = proof::too_large(self.record.faces).filter(|_| !self.options.certify) {
             return proof::nothing_proven(&format!("{why}; --certify proves which are right"));
         }
-        let tolerance = self.options.tolerance;
+        let tolerance = self.options.tolerance.number();
         let Ok(found) = Answer::proven::<Infallible>(tolerance, |algorithm| {
             Ok(session.execute(&self.step(algorithm, &state.spec)))
         });
@@ -624,7 +642,7 @@ impl LoadedModelCheck<'_> {
     /// Stored distances of a file as a vote. They may lack some vertices, so they join the first
     /// cluster that agrees at the vertices that they have.
     fn vote_of(&self, field: &StoredDistances, checks: &ReferenceCheck) -> Vote {
-        let rule = rule_of(field, self.options.tolerance);
+        let rule = rule_of(field, self.options.tolerance.number());
         let expected = checks.layout.of_stored(&field.distances);
         let compare = |answer: &[f64]| {
             let stored = expected.iter().copied();

@@ -19,14 +19,17 @@ use geobench_registry::{self as registry, Selection};
 use geobench_voronoi::Diagram;
 
 use super::generate;
-use crate::args::{MODELS_HELP, ViewOption};
+use crate::args::{AlgorithmOption, MODELS_HELP, QuietOption, ViewOption};
 use crate::isolation::ReadingOptions;
 use crate::points::{LocatedPoints, SourcesOptions};
 use crate::terminal;
 use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
-#[command(after_help = MODELS_HELP)]
+#[command(
+    after_help = MODELS_HELP,
+    mut_arg("algo", |algo| algo.help(ALGORITHM_HELP)),
+)]
 pub(crate) struct VoronoiOptions {
     /// The model
     #[arg(value_name = "MODEL")]
@@ -35,9 +38,8 @@ pub(crate) struct VoronoiOptions {
     #[command(flatten)]
     sources: SourcesOptions,
 
-    /// The algorithm: window-vtp, lct11 or xls14
-    #[arg(long, value_name = "A", default_value = "window-vtp", value_parser = registry::select_one)]
-    algo: Selection,
+    #[command(flatten)]
+    algorithm: AlgorithmOption,
 
     #[command(flatten)]
     reading: ReadingOptions,
@@ -65,10 +67,11 @@ pub(crate) struct VoronoiOptions {
     #[command(flatten)]
     view: ViewOption,
 
-    /// Print no summary
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    quiet: QuietOption,
 }
+
+const ALGORITHM_HELP: &str = "The algorithm: window-vtp, lct11 or xls14 [default: window-vtp]";
 
 pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let (format, output) = prepare_one::<DiagramFormat>(&options.output)?;
@@ -85,20 +88,22 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     outputs.extend(borders.as_ref().map(|(_, output)| output));
     outputs.extend(labels.as_ref().map(|(_, output)| output));
     outputs.extend(dual_file.as_ref().map(|(_, _, output)| output));
-    if options.algo.algorithm().field.is_none() {
-        return Err(no_diagram(&options.algo));
+    let algorithm = options.algorithm.algo.clone();
+    let algorithm = algorithm.map_or_else(|| registry::select_one("window-vtp"), Ok)?;
+    if algorithm.algorithm().field.is_none() {
+        return Err(no_diagram(&algorithm));
     }
     let model = options.reading.model(&options.model)?;
     check_files(outputs, model.source_file())?;
-    let mesh = &options.reading.mesh(&model, options.quiet)?;
+    let mesh = &options.reading.mesh(&model, options.quiet.is_set)?;
     let points = LocatedPoints::new(mesh, &options.sources.all(), Some(&[]), &model.path)?;
-    if !options.quiet {
+    if !options.quiet.is_set {
         points.tell(mesh);
     }
     let refined = &points.refined.mesh;
     let sources = points.source_vertices();
-    let Some(mut solver) = options.algo.field_solver(refined) else {
-        return Err(no_diagram(&options.algo));
+    let Some(mut solver) = algorithm.field_solver(refined) else {
+        return Err(no_diagram(&algorithm));
     };
     let start = Instant::now();
     let field = solver.field(&sources)?;
@@ -108,7 +113,7 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let extraction = start.elapsed().as_secs_f64();
     let file = DiagramFile {
         model: &model.name,
-        algorithm: options.algo.label(),
+        algorithm: algorithm.label(),
         sources: &points.source_labels(),
         mesh,
         refined: &points.refined,
@@ -147,7 +152,7 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
             output.write_with(ending, |path| Ok(mesh_io::write(path, &soup)?))
         }));
     }
-    if !options.quiet && options.output != Path::new("-") {
+    if !options.quiet.is_set && options.output != Path::new("-") {
         terminal::print(&summary)?;
     }
     failed.map_or(Ok(Verdict::Passed), Err)

@@ -155,7 +155,7 @@ fn targets_are_read_from_files_and_suites_too() {
     );
     let refused = sandbox.refuse("run --config bad.toml");
     assert!(
-        refused.contains("a radius is a distance of 0 or more"),
+        refused.contains("`radius`: a number of 0 or more is expected"),
         "{refused}"
     );
     let refused = sandbox.call("run square.off --algo mmp --target 9 --quiet");

@@ -277,7 +277,7 @@ fn what_is_no_point_is_named() {
         ("--source 0 --targets gone.txt -o d.csv", "gone.txt: "),
         (
             "--source 0 --radius -1 -o d.csv",
-            "give a distance of 0 or more",
+            "a number of 0 or more is expected",
         ),
         (
             "--source 0 --target 1 -o d.ply",

@@ -17,7 +17,7 @@ use std::time::Duration;
 use anyhow::{Context, anyhow, bail};
 use geobench_export::temporary;
 use geobench_mesh::{Mesh, VertexId};
-use geobench_registry::{self as registry, Selection};
+use geobench_registry::{self as registry, Selection, SimdChoice};
 use geobench_window::simd::Instructions;
 use geobench_window::{Goal, Solution, SolveError, Solver};
 
@@ -179,18 +179,15 @@ fn total(text: &str) -> Option<u64> {
     totals.split_whitespace().next()?.parse().ok()
 }
 
-/// Selects the algorithm of [`COMMAND`] with instructions no wider than `widest`, and prints the
+/// Selects the algorithm of [`COMMAND`] with instructions no wider than `simd`, and prints the
 /// instruction set that it uses.
 ///
 /// # Errors
 ///
-/// If the algorithm or the instruction set is unknown.
-pub fn announce(algorithm: &str, widest: Option<&str>) -> anyhow::Result<Selection> {
+/// If the algorithm is unknown.
+pub fn announce(algorithm: &str, simd: Option<SimdChoice>) -> anyhow::Result<Selection> {
     let mut selection = registry::select_one(algorithm)?;
-    if let Some(name) = widest {
-        let Ok(widest) = name.parse() else {
-            bail!("--simd {name}: not one of avx512, avx2 and scalar");
-        };
+    if let Some(SimdChoice::AtMost(widest)) = simd {
         selection = selection.at_most(widest);
     }
     println!("{SIMD}{}", selection.instructions());

@@ -70,32 +70,7 @@ impl<'p> TomlDocument<'p> {
         DeTable::parse(&self.text).map_err(|error| self.error(error.span(), error.message()))
     }
 
-    /// Removes the array of tables at `key` from `table` and returns it; empty if the key is
-    /// absent.
-    pub(crate) fn take_tables<'t>(
-        &self,
-        table: &mut Spanned<DeTable<'t>>,
-        key: &str,
-    ) -> Result<Vec<Spanned<DeTable<'t>>>, DocumentError> {
-        let Some(value) = table.get_mut().remove(key) else {
-            return Ok(Vec::new());
-        };
-        let span = value.span();
-        let DeValue::Array(tables) = value.into_inner() else {
-            return Err(self.error_at(key, Some(span), "a list in [] is expected"));
-        };
-        let tables = tables.into_iter().map(|value| {
-            let span = value.span();
-            match value.into_inner() {
-                DeValue::Table(table) => Ok(Spanned::new(span, table)),
-                _ => Err(self.error_at(key, Some(span), "a table is expected")),
-            }
-        });
-        tables.collect()
-    }
-
-    /// Deserializes a table. `more` lists keys that are allowed in addition to those of `T`. The
-    /// error for an unknown key suggests them as well.
+    /// Deserializes a table.
     ///
     /// # Errors
     ///
@@ -103,7 +78,6 @@ impl<'p> TomlDocument<'p> {
     pub fn read<T: DeserializeOwned>(
         &self,
         table: Spanned<DeTable<'_>>,
-        more: &[&str],
     ) -> Result<T, DocumentError> {
         let toml = toml::Deserializer::from(table);
         serde_path_to_error::deserialize(toml).map_err(|error| {
@@ -112,15 +86,30 @@ impl<'p> TomlDocument<'p> {
                 Segment::Map { key } if !key.starts_with("$__serde_spanned") => Some(key.clone()),
                 _ => None,
             });
-            let is_nested = error.path().iter().len() > 1;
-            let more = if is_nested { &[] } else { more };
             let error = error.into_inner();
-            match (unknown_key(error.message(), more), last_key) {
+            let unknown = names_of_unknown_key(error.message());
+            match (
+                unknown.map(|(name, known)| unknown_key(&name, &known)),
+                last_key,
+            ) {
                 (None, Some(key)) => self.error_at(&key, error.span(), &plain(error.message())),
                 (Some(problem), _) => self.error(error.span(), &problem),
                 (None, None) => self.error(error.span(), &plain(error.message())),
             }
         })
+    }
+
+    /// The table that `value`, that of `key`, is.
+    fn table<'t>(
+        &self,
+        key: &str,
+        value: Spanned<DeValue<'t>>,
+    ) -> Result<Spanned<DeTable<'t>>, DocumentError> {
+        let span = value.span();
+        match value.into_inner() {
+            DeValue::Table(table) => Ok(Spanned::new(span, table)),
+            _ => Err(self.error_at(key, Some(span), "a table is expected")),
+        }
     }
 
     /// An error in the value of `key`.
@@ -143,18 +132,117 @@ impl<'p> TomlDocument<'p> {
     }
 }
 
-/// The message for an unknown key; `None` if `message` of serde is another error. Serde puts the
-/// unknown key and then the known keys between backticks.
-fn unknown_key(message: &str, more: &[&str]) -> Option<String> {
-    let mut names = message.strip_prefix("unknown field")?.split('`').skip(1);
-    let name = names.next()?;
-    let known = more.iter().copied().chain(names.skip(1).step_by(2));
-    let known: Vec<&str> = known.collect();
-    Some(format!(
+/// A table whose keys are those of several types.
+pub(crate) struct TableParts<'d, 't> {
+    document: &'d TomlDocument<'d>,
+    table: Spanned<DeTable<'t>>,
+    /// The keys of the types read until now.
+    known: Vec<String>,
+}
+
+impl<'d, 't> TableParts<'d, 't> {
+    /// The keys `read` have been removed from the table.
+    pub(crate) fn new(
+        document: &'d TomlDocument<'d>,
+        table: Spanned<DeTable<'t>>,
+        read: &[&str],
+    ) -> Self {
+        Self {
+            document,
+            table,
+            known: read.iter().map(ToString::to_string).collect(),
+        }
+    }
+
+    /// Removes the keys of `T` and deserializes them. Serde's `flatten` would lose the lines of
+    /// errors.
+    ///
+    /// # Errors
+    ///
+    /// At the first value that `T` does not accept.
+    pub(crate) fn take<T: DeserializeOwned>(&mut self) -> Result<T, DocumentError> {
+        let (keys, span) = (keys::<T>(), self.table.span());
+        let table = std::mem::take(self.table.get_mut()).into_iter();
+        let (own, rest) = table.partition(|(key, _)| keys.iter().any(|one| one == key.get_ref()));
+        self.known.extend(keys);
+        *self.table.get_mut() = rest;
+        self.document.read(Spanned::new(span, own))
+    }
+
+    /// Removes the value of `key`.
+    fn take_value(&mut self, key: &str) -> Option<Spanned<DeValue<'t>>> {
+        self.known.push(key.to_owned());
+        self.table.get_mut().remove(key)
+    }
+
+    /// Removes the table at `key`.
+    pub(crate) fn take_table(&mut self, key: &str) -> Result<Option<Self>, DocumentError> {
+        let Some(value) = self.take_value(key) else {
+            return Ok(None);
+        };
+        let table = self.document.table(key, value)?;
+        Ok(Some(Self::new(self.document, table, &[])))
+    }
+
+    /// Removes the array of tables at `key`; empty if the key is absent.
+    pub(crate) fn take_tables(
+        &mut self,
+        key: &str,
+    ) -> Result<Vec<Spanned<DeTable<'t>>>, DocumentError> {
+        let Some(value) = self.take_value(key) else {
+            return Ok(Vec::new());
+        };
+        let span = value.span();
+        let DeValue::Array(tables) = value.into_inner() else {
+            let problem = "a list in [] is expected";
+            return Err(self.document.error_at(key, Some(span), problem));
+        };
+        let tables = tables.into_iter();
+        tables
+            .map(|value| self.document.table(key, value))
+            .collect()
+    }
+
+    /// Ends the reading of the table. Returns its document.
+    ///
+    /// # Errors
+    ///
+    /// If keys are left.
+    pub(crate) fn end(self) -> Result<&'d TomlDocument<'d>, DocumentError> {
+        let keys = self.table.get_ref().keys();
+        match keys.min_by_key(|key| key.span().start) {
+            Some(key) => {
+                let problem = unknown_key(key.get_ref(), &self.known);
+                Err(self.document.error(Some(key.span()), &problem))
+            }
+            None => Ok(self.document),
+        }
+    }
+}
+
+/// The keys of the struct `T`, which denies others.
+fn keys<T: DeserializeOwned>() -> Vec<String> {
+    let error = toml::from_str::<T>("'' = 0").err();
+    let keys = error.and_then(|error| Some(names_of_unknown_key(error.message())?.1));
+    keys.unwrap_or_default()
+}
+
+/// The message for the unknown key `name`.
+fn unknown_key(name: &str, known: &[String]) -> String {
+    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    format!(
         "there is no key `{name}` here{}; known are {}",
         did_you_mean(name, &known),
         known.join(", ")
-    ))
+    )
+}
+
+/// The unknown key and the known keys in a message of serde, which puts them between backticks in
+/// this order; `None` for another error.
+fn names_of_unknown_key(message: &str) -> Option<(String, Vec<String>)> {
+    let names = message.strip_prefix("unknown field")?.split('`').skip(1);
+    let mut names = names.step_by(2).map(str::to_owned);
+    Some((names.next()?, names.collect()))
 }
 
 /// Translates serde's message for a value of the wrong type into the terms of TOML. Other messages

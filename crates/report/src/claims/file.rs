@@ -297,7 +297,7 @@ impl ClaimsFile {
     }
 
     fn of(document: &TomlDocument<'_>) -> Result<Self, DocumentError> {
-        let file: Self = document.read(document.parse()?, &[])?;
+        let file: Self = document.read(document.parse()?)?;
         for (place, claim) in file.claims.iter().enumerate() {
             check_claim(document, claim)?;
             let id = &claim.get_ref().id;

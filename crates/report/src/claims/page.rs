@@ -13,12 +13,13 @@ use crate::table::terminal::listing;
 use crate::table::{Column, Entry, Look, Mark, Table, csv, markdown};
 
 /// An output format of verdicts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Default, Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum ClaimsFormat {
+    /// A page in Markdown.
+    #[default]
+    Markdown,
     /// A list for the terminal.
     Text,
-    /// A page in Markdown.
-    Markdown,
     /// All claims with the numbers of their cases.
     Json,
     /// One row for each claim.

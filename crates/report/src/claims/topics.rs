@@ -37,7 +37,7 @@ pub(super) fn topics() -> Vec<Topic> {
     let document = TomlDocument::new(Path::new("bench-configs/papers/topics.toml"), text);
     let file = document
         .parse()
-        .and_then(|table| document.read::<File>(table, &[]));
+        .and_then(|table| document.read::<File>(table));
     // A test reads the file.
     file.map_or_else(|_| Vec::new(), |file| file.topic)
 }

@@ -83,7 +83,7 @@ pub(super) fn public() -> Result<Vec<PublicProgram>, DocumentError> {
     }
     let text = include_str!("../../embedded/programs.toml");
     let document = TomlDocument::new(Path::new("programs.toml"), text);
-    let file: File = document.read(document.parse()?, &[])?;
+    let file: File = document.read(document.parse()?)?;
     Ok(file.programs)
 }
 

@@ -178,6 +178,6 @@ fn read_machines(path: &Path) -> Result<Vec<Machine>, DocumentError> {
         machines: Vec<Machine>,
     }
     let document = TomlDocument::open(path)?;
-    let file: File = document.read(document.parse()?, &[])?;
+    let file: File = document.read(document.parse()?)?;
     Ok(file.machines)
 }

@@ -18,9 +18,10 @@ use crate::table::model::{Column, Entry, Mark, Table};
 use crate::table::terminal::{self, Look};
 
 /// An output format of comparisons.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Default, Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum ComparisonFormat {
     /// A table for the terminal.
+    #[default]
     Table,
     /// For a comment on a pull request: a summary, a table, and everything else folded away.
     Markdown,

@@ -29,9 +29,10 @@ pub use model::{Column, Entry, Mark, Note, Part, Table};
 pub use terminal::Look;
 
 /// An output format of results.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Default, Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum ResultFormat {
     /// A table per model for the terminal.
+    #[default]
     Table,
     /// One table in Markdown.
     Markdown,

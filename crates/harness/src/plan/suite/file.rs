@@ -4,13 +4,10 @@ use std::path::{Path, PathBuf};
 
 use geobench_registry::Programs;
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
-use toml::Spanned;
-use toml::de::DeTable;
 
 use super::Settings;
 use super::programs;
-use crate::usage::document::{DocumentError, TomlDocument};
+use crate::usage::document::{DocumentError, TableParts, TomlDocument};
 
 /// A suite file.
 #[derive(Clone, Debug)]
@@ -57,30 +54,26 @@ impl Suite {
 
     fn of(document: &TomlDocument<'_>, path: &Path) -> Result<Self, DocumentError> {
         #[derive(Default, Deserialize)]
-        #[serde(default)]
-        struct File {
-            full: Settings,
-        }
-        #[derive(Default, Deserialize)]
-        #[serde(default)]
+        #[serde(default, deny_unknown_fields)]
         struct Group {
             name: String,
             shows: Option<String>,
-            full: Settings,
         }
 
-        let (mut table, mut groups) = (document.parse()?, Vec::<SuiteGroup>::new());
+        let mut table = document.parse()?;
         let programs = programs::take_programs(document, &mut table)?.unwrap_or_default();
-        let tables = document.take_tables(&mut table, "group")?;
-        let known = ["group", "full", "ext"];
-        let (file, common) = read_with_settings::<File>(document, table, &known)?;
-        let mut common_full = file.full;
-        common_full.resolve(document)?;
+        let mut table = TableParts::new(document, table, &["ext"]);
+        let tables = table.take_tables("group")?;
+        let common_full = full(&mut table)?;
+        let common = Settings::read(table)?;
+        let mut groups = Vec::<SuiteGroup>::new();
         for table in tables {
             let span = table.span();
             let error = |problem: &str| document.error_at("group", Some(span.clone()), problem);
-            let known = ["name", "shows", "full"];
-            let (mut group, settings) = read_with_settings::<Group>(document, table, &known)?;
+            let mut table = TableParts::new(document, table, &[]);
+            let group: Group = table.take()?;
+            let full = full(&mut table)?;
+            let settings = Settings::read(table)?;
             let name = group.name.trim().to_owned();
             if name.is_empty() {
                 return Err(error("a group must have a `name`"));
@@ -88,12 +81,11 @@ impl Suite {
             if groups.iter().any(|other| other.name == name) {
                 return Err(error(&format!("two are called `{name}`")));
             }
-            group.full.resolve(document)?;
             groups.push(SuiteGroup {
                 name,
                 shows: group.shows.map(|shows| shows.trim().to_owned()),
                 settings: settings.or(&common),
-                full: group.full.or(&common_full),
+                full: full.or(&common_full),
             });
         }
         if groups.is_empty() {
@@ -108,18 +100,8 @@ impl Suite {
     }
 }
 
-/// Deserializes a table with the keys of `T` and settings. Serde's `flatten` would lose the lines
-/// of errors.
-fn read_with_settings<T: DeserializeOwned>(
-    document: &TomlDocument<'_>,
-    table: Spanned<DeTable<'_>>,
-    keys: &[&str],
-) -> Result<(T, Settings), DocumentError> {
-    let span = table.span();
-    let (own, rest) = (table.into_inner().into_iter())
-        .partition(|(key, _)| keys.contains(&key.get_ref().as_ref()));
-    let own = document.read(Spanned::new(span.clone(), own), &[])?;
-    let mut settings: Settings = document.read(Spanned::new(span, rest), keys)?;
-    settings.resolve(document)?;
-    Ok((own, settings))
+/// The settings of the table `full` in `table`.
+fn full(table: &mut TableParts<'_, '_>) -> Result<Settings, DocumentError> {
+    let full = table.take_table("full")?;
+    full.map_or_else(|| Ok(Settings::default()), Settings::read)
 }

@@ -14,18 +14,18 @@ use geobench_window::simd::Instructions;
 use toml::Spanned;
 
 use crate::exec::expected::{Expected, stored_files};
-use crate::exec::goal::GoalSpec;
-use crate::exec::limits::{Limits, Timeout};
 use crate::exec::model::{self, ModelError, ModelRef};
 use crate::exec::source::SourceSpec;
 use crate::plan::sampling::Seconds;
 use crate::plan::{Plan, Reference};
 use crate::schema::GroupRecord;
 use crate::usage::DocumentError;
+use options::{AlgorithmsOption, SimdOption};
 
 #[cfg(feature = "suites")]
 mod embedded;
 mod file;
+pub mod options;
 mod programs;
 mod settings;
 
@@ -33,10 +33,7 @@ mod settings;
 pub use embedded::{EmbeddedSuite, SUITES};
 pub use file::{Suite, SuiteGroup};
 pub use programs::read_programs;
-pub use settings::{Settings, WantedModel, tolerance};
-
-/// Maximum number of timed runs or warm-ups of a cell.
-pub const MOST_RUNS: u32 = 1_000_000;
+pub use settings::{Settings, WantedModel};
 
 /// Default seed of the order of the runs.
 pub const DEFAULT_SEED: u64 = 1;
@@ -80,17 +77,19 @@ impl Plans {
         models: Vec<ModelRef>,
         group: GroupRecord,
     ) -> Result<(), UsageError> {
-        let sources = settings.sources.clone().unwrap_or_else(SourceSpec::largest);
-        let (sources, notes) = sources.distinct();
+        let sources = settings.source.source.clone().map(SourceSpec::of_all);
+        let (sources, notes) = sources.unwrap_or_else(SourceSpec::largest).distinct();
         for note in notes {
             if !self.notes.contains(&note) {
                 self.notes.push(note);
             }
         }
-        if let Some(file) = &settings.targets_file {
+        if let Some(file) = &settings.goal.targets {
             self.targets_files.push(file.get_ref().clone());
         }
-        let models = models.into_iter().map(|model| model.welded(settings.weld));
+        let models = models
+            .into_iter()
+            .map(|model| model.welded(settings.weld.weld));
         let models = models.collect();
         self.plans.push(plan(settings, sources, models, group)?);
         Ok(())
@@ -133,14 +132,16 @@ pub fn plans(
             asked.max_time.get_or_insert(MODELS_MAX_TIME);
             model::collect(MODELS)?
         };
-        if asked.algorithms.is_some() || asked.simd.is_some() {
+        if asked.algorithms.algorithms.is_some() || asked.simd.simd.is_some() {
             done.add(&asked, models, GroupRecord::default())?;
             return Ok(done);
         }
         for (name, shows, simd, algorithms) in GROUPS {
             let settings = Settings {
-                simd: Some(simd),
-                algorithms: Some(registry::select(algorithms)?),
+                simd: SimdOption { simd: Some(simd) },
+                algorithms: AlgorithmsOption {
+                    algorithms: Some(algorithms.parse()?),
+                },
                 ..Settings::default()
             };
             let record = GroupRecord {
@@ -244,12 +245,13 @@ fn plan(
     models: Vec<ModelRef>,
     group: GroupRecord,
 ) -> Result<Plan, UsageError> {
-    let threads = settings.threads.unwrap_or(1) as usize;
-    let simd = settings.simd.unwrap_or_default();
+    let threads = settings.threads.number();
+    let simd = settings.simd.simd.unwrap_or_default();
     let set = |algorithm: Selection| algorithm.with_threads(threads).with_simd_in_table(simd);
-    let algorithms = settings.algorithms.clone().unwrap_or_else(usual);
+    let algorithms = settings.algorithms.algorithms.clone();
+    let algorithms = algorithms.map_or_else(usual, |algorithms| algorithms.0);
     let algorithms: Vec<Selection> = algorithms.into_iter().map(set).collect();
-    let reference = settings.reference.clone().map(Spanned::into_inner);
+    let reference = settings.check.clone().map(Spanned::into_inner);
     let reference = match reference {
         Some(Reference::Algorithm(one)) => Some(Reference::Algorithm(set(one))),
         other => other,
@@ -267,23 +269,16 @@ fn plan(
         models,
         sources,
         sources_together: settings.sources_together.unwrap_or(false),
-        goal: GoalSpec {
-            targets: settings.targets.clone(),
-            radius: settings.radius,
-        },
+        goal: settings.goal.spec(),
         sampling: settings.sampling(),
-        warmup: settings.warmup.unwrap_or(1) as usize,
+        warmup: settings.warmup.map_or(1, |runs| runs.0 as usize),
         counts: settings.counts.unwrap_or(true),
         reference: reference.unwrap_or_else(|| Reference::usual(&algorithms)),
-        tolerance: settings.tolerance.unwrap_or(1e-9),
-        seed: settings.seed.unwrap_or(DEFAULT_SEED),
+        tolerance: settings.tolerance.number(),
+        seed: settings.seed.map_or(DEFAULT_SEED, |seed| seed.0),
         simd,
         shard_range: None,
-        limits: Limits {
-            timeout: settings.timeout.unwrap_or(Timeout::USUAL),
-            memory: settings.memory_limit.unwrap_or_default(),
-            decompressed: settings.max_decompressed.unwrap_or_default(),
-        },
+        limits: settings.limits.with(&settings.decompression),
         algorithms,
     };
     plan.check_reference()?;

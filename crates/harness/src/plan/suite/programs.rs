@@ -98,7 +98,7 @@ fn read_table(
     if name.contains(|c: char| " ,{}=:".contains(c)) || name.is_empty() {
         return Err(error("a name is a word without any of `,{}=:`"));
     }
-    let table: ProgramTable = document.read(Spanned::new(span.clone(), table), &[])?;
+    let table: ProgramTable = document.read(Spanned::new(span.clone(), table))?;
     let no_command = Spanned::new(0..0, Vec::new());
     let command = table.command.unwrap_or(no_command);
     let command_span = Some(command.span());

@@ -1,111 +1,91 @@
 //! Settings and their form in suite files.
 
-use std::fmt::Display;
-use std::path::PathBuf;
 use std::str::FromStr;
 
-use anyhow::anyhow;
-use geobench_mesh::Weld;
 use geobench_mesh::generate::Spec;
-use geobench_registry::{self as registry, MOST_THREADS, Selection, SimdChoice};
+use geobench_registry::{self as registry, Selection, UsageError};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
-use toml::{Spanned, Value};
+use toml::Spanned;
 
-use super::MOST_RUNS;
-use crate::exec::goal;
-use crate::exec::limits::{DecompressionLimit, MemoryLimit, Timeout};
-use crate::exec::source::{SourceSpec, TargetSpec};
+use super::options::{
+    AlgorithmsOption, DecompressionOption, GoalOptions, LimitOptions, SimdOption, SourceOption,
+    ThreadsOption, ToleranceOption, WeldOption, Whole, list, options, text, unplaced, words,
+};
 use crate::figures;
 use crate::plan::Reference;
 use crate::plan::sampling::{Sampling, Seconds, Share};
 use crate::schema::Precision;
-use crate::usage::document::{DocumentError, TomlDocument, parsed, text_or_table};
+use crate::usage::document::{DocumentError, TableParts, TomlDocument, parsed, text_or_table};
 use crate::usage::read_file;
 
-/// Maximum seed in a suite file.
-const MOST_SEED: u32 = u32::MAX - 1;
-
 /// Maximum number of subdivisions of a model.
-const MOST_SUBDIVISIONS: u32 = 12;
+const MOST_SUBDIVISIONS: u64 = 12;
 
-/// Settings from one source. `None` means unset.
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(default, deny_unknown_fields, expecting = "a table")]
-pub struct Settings {
-    /// The models.
-    #[serde(deserialize_with = "list")]
-    pub models: Option<Vec<Spanned<WantedModel>>>,
-    /// The algorithms.
-    #[serde(deserialize_with = "algorithms")]
-    pub algorithms: Option<Vec<Selection>>,
-    /// The sources in each model.
-    #[serde(deserialize_with = "source", rename = "source")]
-    pub sources: Option<SourceSpec>,
-    /// Whether each run starts from all sources together.
-    #[serde(rename = "sources-together")]
-    pub sources_together: Option<bool>,
-    /// The points whose distances are computed.
-    #[serde(deserialize_with = "target", rename = "target")]
-    pub targets: Option<TargetSpec>,
-    /// A file of target points.
-    #[serde(rename = "targets")]
-    pub targets_file: Option<Spanned<PathBuf>>,
-    /// The radius of the search.
-    #[serde(deserialize_with = "radius")]
-    pub radius: Option<f64>,
-    /// Number of timed runs of each cell, at least 1. Takes precedence over a precision.
-    #[serde(deserialize_with = "whole::<_, _, 1, MOST_RUNS>")]
-    pub repeat: Option<u32>,
-    /// Requested half-width of the interval of the median, as a share of the median.
-    #[serde(deserialize_with = "text")]
-    pub precision: Option<Share>,
-    /// Minimum time of the timed runs of a cell.
-    #[serde(deserialize_with = "text", rename = "min-time")]
-    pub min_time: Option<Seconds>,
-    /// Time after which no timed run of a cell starts.
-    #[serde(deserialize_with = "text", rename = "max-time")]
-    pub max_time: Option<Seconds>,
-    /// Number of untimed runs of each cell before the timed ones.
-    #[serde(deserialize_with = "whole::<_, _, 0, MOST_RUNS>")]
-    pub warmup: Option<u32>,
-    /// Whether each cell has a profiled and a counted run.
-    pub counts: Option<bool>,
-    /// Largest relative difference from the reference that passes.
-    #[serde(deserialize_with = "number")]
-    pub tolerance: Option<f64>,
-    /// Seed of the order of the runs.
-    #[serde(deserialize_with = "whole::<_, _, 0, MOST_SEED>")]
-    pub seed: Option<u64>,
-    /// Number of threads of the parallel algorithms.
-    #[serde(deserialize_with = "whole::<_, _, 1, MOST_THREADS>")]
-    pub threads: Option<u32>,
-    /// Vector instructions of all algorithms.
-    #[serde(deserialize_with = "text")]
-    pub simd: Option<SimdChoice>,
-    /// Time limit of each run.
-    #[serde(deserialize_with = "text")]
-    pub timeout: Option<Timeout>,
-    /// Memory limit of the process of a cell.
-    #[serde(deserialize_with = "text", rename = "memory-limit")]
-    pub memory_limit: Option<MemoryLimit>,
-    /// Maximum decompressed size of a compressed model.
-    #[serde(deserialize_with = "text", rename = "max-decompressed")]
-    pub max_decompressed: Option<DecompressionLimit>,
-    /// Which vertices of the models are welded.
-    #[serde(deserialize_with = "weld")]
-    pub weld: Option<Weld>,
-    /// The reference of the checks.
-    #[serde(rename = "check")]
-    pub reference: Option<Spanned<Reference>>,
-    /// Names of the rows of tables.
-    #[serde(deserialize_with = "rows")]
-    pub rows: Option<Vec<String>>,
-    /// The base of a table of ratios.
-    #[serde(deserialize_with = "text")]
-    pub ratios_to: Option<Selection>,
-    /// Whether results include samples of the wavefront.
-    pub wavefront: Option<bool>,
+/// Maximum number of timed runs or warm-ups of a cell.
+const MOST_RUNS: u64 = 1_000_000;
+
+options! {
+    /// Settings from one source, which are options of `geobench run` and keys of suite files. `None`
+    /// means unset.
+    Settings {
+        /// Models; without any, those of the suite, or a built-in suite of generated ones
+        models: Vec<Spanned<WantedModel>>, [help_heading = None, value_name = "MODEL", value_parser = placeless::<WantedModel>], [deserialize_with = "list"];
+
+        /// Run once from all sources together, with distances from the nearest, not once from each
+        sources_together: bool, [help_heading = "Sources and targets", long, num_args = 0, default_missing_value = "true"], [];
+
+        /// Timed runs of each cell [default: 6 to 100, as many as --precision needs]
+        repeat: Whole<1, MOST_RUNS>, [help_heading = "Repetitions", long, value_name = "N", allow_negative_numbers = true], [];
+
+        /// Repeat until the 95 % interval of the median time lies within this share of the median; short
+        /// solves are timed in batches [default: 3%]
+        precision: Share, [help_heading = "Repetitions", long, value_name = "P", conflicts_with = "repeat"], [deserialize_with = "text"];
+
+        /// Least time that the timed runs of a cell take together, such as 1s [default: 0.2s]
+        min_time: Seconds, [help_heading = "Repetitions", long, value_name = "T", conflicts_with = "repeat"], [deserialize_with = "text"];
+
+        /// Time after which no timed run of a cell starts, such as 1m [default: 20s; 1s for the
+        /// built-in suite]
+        max_time: Seconds, [help_heading = "Repetitions", long, value_name = "T", conflicts_with = "repeat"], [deserialize_with = "text"];
+
+        /// Untimed runs of each cell before the timed ones [default: 1]
+        warmup: Whole<0, MOST_RUNS>, [help_heading = "Repetitions", long, value_name = "N", allow_negative_numbers = true], [];
+
+        /// Only warm-ups and timed runs: no profiled run, which gives phases and peaks of memory, and no
+        /// counted run, which takes several times as long as a timed one
+        counts: bool, [help_heading = "Repetitions", long = "no-counts", num_args = 0, default_missing_value = "false"], [];
+
+        /// Seed of the order in which the algorithms take turns [default: 1]
+        seed: Whole<0, { u64::MAX }>, [help_heading = "Repetitions", long, value_name = "N"], [];
+
+        /// What answers must agree with: an algorithm, certificate (mmp with a proof of its distances),
+        /// none, file (MODEL.sSOURCE.csv beside the model or in a folder named expected there or beside
+        /// its folder), or the path of such a file
+        /// [default: mmp-fast if it runs, else the first exact algorithm]
+        check: Spanned<Reference>, [help_heading = "Checks", long, value_name = "REF", value_parser = placeless::<Reference>], [];
+
+        /// Rows of tables: time, propagated and any other counter, generated, valid, ...; separated by
+        /// commas [default: time, propagations and two measures of memory]
+        rows: Vec<String>, [help_heading = "Output", long, value_name = "LIST", value_delimiter = ',', value_parser = row], [deserialize_with = "rows"];
+
+        /// Show the ratio of each algorithm to this one as well; of times, the median of the ratios run
+        /// by run
+        ratios_to: Selection, [help_heading = "Output", long, value_name = "A", value_parser = registry::select_one], [deserialize_with = "text", rename = "ratios_to"];
+
+        /// Keep samples of the wavefront of each counted run, for the plots of `geobench report`
+        wavefront: bool, [help_heading = "Output", long, num_args = 0, default_missing_value = "true"], [];
+
+        "What runs": algorithms: AlgorithmsOption;
+        "What runs": threads: ThreadsOption;
+        "What runs": simd: SimdOption;
+        "Sources and targets": source: SourceOption;
+        "Sources and targets": goal: GoalOptions;
+        "Checks": tolerance: ToleranceOption;
+        "Processes": limits: LimitOptions;
+        "Processes": decompression: DecompressionOption;
+        "Processes": weld: WeldOption;
+    }
 }
 
 /// A model or a directory of models, as the user specifies it.
@@ -124,13 +104,18 @@ pub struct WantedModel {
     pub line: Option<usize>,
 }
 
-impl WantedModel {
+impl FromStr for WantedModel {
+    type Err = UsageError;
+
     /// A mandatory model with only a path or a specification.
-    pub fn new(path: &str) -> Self {
-        Self {
+    fn from_str(path: &str) -> Result<Self, UsageError> {
+        if path.is_empty() {
+            return Err(UsageError("a model must have a `path`".to_owned()));
+        }
+        Ok(Self {
             path: path.to_owned(),
             ..Self::default()
-        }
+        })
     }
 }
 
@@ -144,29 +129,24 @@ impl<'de> Deserialize<'de> for WantedModel {
             optional: bool,
             #[serde(deserialize_with = "names")]
             real: Vec<String>,
-            #[serde(deserialize_with = "whole::<_, _, 0, MOST_SUBDIVISIONS>")]
-            subdivide: Option<u32>,
+            subdivide: Option<Whole<0, MOST_SUBDIVISIONS>>,
         }
 
-        let of_path = |path: &str| match path {
-            "" => Err("a model must have a `path`".to_owned()),
-            path => Ok(Self::new(path)),
-        };
+        fn of_path(path: &str) -> Result<WantedModel, String> {
+            path.parse().map_err(|error: UsageError| error.0)
+        }
         let of_table = |table: Table| {
-            let subdivide = table.subdivide.unwrap_or(0);
-            if table.path.is_empty() {
-                return Err("a model must have a `path`".to_owned());
-            }
+            let subdivide = table.subdivide.map_or(0, |number| number.0 as u32);
+            let model = of_path(&table.path)?;
             if subdivide > 0 && table.real.is_empty() {
                 let problem = "`subdivide` is for a model that has `real`; let `path` be `gen:file,path=...,subdivide=...`";
                 return Err(problem.to_owned());
             }
             Ok(Self {
-                path: table.path,
                 optional: table.optional,
                 real: table.real,
                 subdivide,
-                line: None,
+                ..model
             })
         };
         text_or_table(deserializer, of_path, of_table)
@@ -177,14 +157,7 @@ impl Settings {
     /// These settings, completed by those of `other`.
     #[must_use]
     pub fn or(&self, other: &Self) -> Self {
-        macro_rules! settings {
-            ($($key:ident)*) => {
-                Self { $($key: self.$key.clone().or_else(|| other.$key.clone()),)* }
-            };
-        }
-        let mut all = settings!(models algorithms sources sources_together targets targets_file radius repeat precision min_time max_time warmup
-            counts tolerance seed threads simd timeout memory_limit max_decompressed weld reference rows ratios_to
-            wavefront);
+        let mut all = self.completed_by(other);
         // A precision here takes precedence over a number of runs in `other`.
         if self.repeat.is_none() && self.asks_for_precision() {
             all.repeat = None;
@@ -200,7 +173,7 @@ impl Settings {
     /// The timed runs of each cell.
     pub(super) fn sampling(&self) -> Sampling {
         if let Some(repeat) = self.repeat {
-            return Sampling::Fixed(repeat as usize);
+            return Sampling::Fixed(repeat.0 as usize);
         }
         let usual = Precision::USUAL;
         Sampling::UntilPrecise(Precision {
@@ -210,8 +183,16 @@ impl Settings {
         })
     }
 
+    /// Reads settings from the keys of a table that are left.
+    pub(super) fn read(mut table: TableParts<'_, '_>) -> Result<Self, DocumentError> {
+        let mut settings = Self::take(&mut table)?;
+        let document = table.end()?;
+        settings.resolve(document)?;
+        Ok(settings)
+    }
+
     /// Resolves paths and lines of the settings in `document`.
-    pub(super) fn resolve(&mut self, document: &TomlDocument<'_>) -> Result<(), DocumentError> {
+    fn resolve(&mut self, document: &TomlDocument<'_>) -> Result<(), DocumentError> {
         for model in self.models.iter_mut().flatten() {
             let line = document.line(&model.span());
             let model = model.get_mut();
@@ -221,21 +202,13 @@ impl Settings {
                 model.path = path.display().to_string();
             }
         }
-        if let Some(file) = self.targets_file.take() {
-            let span = Some(file.span());
-            let path = document.directory().join(file.into_inner());
-            let text = read_file(&path);
-            let text = text.map_err(|error| anyhow!("{}: {error}", path.display()));
-            let read = text.and_then(|text| goal::targets_in(&path, &text));
-            let read = read
-                .map_err(|error| document.error_at("targets", span.clone(), &error.to_string()))?;
-            let read = read.into_iter().map(|(target, _)| target);
-            self.targets = Some(TargetSpec::of_all(
-                self.targets.take().into_iter().chain(read),
-            ));
-            self.targets_file = span.map(|span| Spanned::new(span, path));
+        if let Some(file) = &mut self.goal.targets {
+            *file.get_mut() = document.directory().join(file.get_ref());
         }
-        if let Some(check) = &mut self.reference {
+        let span = self.goal.targets.as_ref().map(Spanned::span);
+        let read = self.goal.read_targets(read_file);
+        read.map_err(|error| document.error_at("targets", span, &error.to_string()))?;
+        if let Some(check) = &mut self.check {
             let span = Some(check.span());
             let resolved = check.get_mut().resolve(document.directory());
             resolved.map_err(|error| document.error_at("check", span, &error.to_string()))?;
@@ -244,86 +217,15 @@ impl Settings {
     }
 }
 
-/// Validates a tolerance.
-///
-/// # Errors
-///
-/// If it is not a finite number of at least 0.
-pub fn tolerance(value: Option<f64>) -> Result<f64, String> {
-    value
-        .filter(|value| value.is_finite() && *value >= 0.0)
-        .ok_or_else(|| "a tolerance is a number, 0 or more, such as 1e-9".to_owned())
+/// Parses a value of the command line, which has no place in a document.
+#[cfg(feature = "cli")]
+fn placeless<T: FromStr>(text: &str) -> Result<Spanned<T>, T::Err> {
+    text.parse().map(unplaced)
 }
 
-/// Deserializes a non-empty list.
-fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
-    deserializer: D,
-) -> Result<Option<Vec<T>>, D::Error> {
-    let list = Vec::deserialize(deserializer)?;
-    if list.is_empty() {
-        return Err(D::Error::custom("the list is empty"));
-    }
-    Ok(Some(list))
-}
-
-/// Deserializes a value by parsing a string.
-fn text<'de, D: Deserializer<'de>, T: FromStr<Err: Display>>(
-    deserializer: D,
-) -> Result<Option<T>, D::Error> {
-    let value = String::deserialize(deserializer)?.parse();
-    value.map(Some).map_err(D::Error::custom)
-}
-
-/// Deserializes an integer from `LEAST` to `MOST`.
-fn whole<'de, D: Deserializer<'de>, T: From<u32>, const LEAST: u32, const MOST: u32>(
-    deserializer: D,
-) -> Result<Option<T>, D::Error> {
-    let number = Value::deserialize(deserializer)?.as_integer();
-    match number.and_then(|number| u32::try_from(number).ok()) {
-        Some(number) if (LEAST..=MOST).contains(&number) => Ok(Some(number.into())),
-        _ => Err(D::Error::custom(format!(
-            "a whole number from {LEAST} to {MOST} is expected"
-        ))),
-    }
-}
-
-/// The value of an integer or a floating-point number.
-fn real(value: &Value) -> Option<f64> {
-    let whole = value.as_integer().map(|number| number as f64);
-    value.as_float().or(whole)
-}
-
-/// Deserializes a tolerance.
-fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
-    let number = real(&Value::deserialize(deserializer)?);
-    tolerance(number).map(Some).map_err(D::Error::custom)
-}
-
-/// Deserializes a list of algorithms. An element is a list in the notation of the command line, or
-/// a table of a name and parameters.
-fn algorithms<'de, D: Deserializer<'de>>(
-    deserializer: D,
-) -> Result<Option<Vec<Selection>>, D::Error> {
-    struct Element(Vec<Selection>);
-    impl<'de> Deserialize<'de> for Element {
-        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-            fn select(list: &str) -> Result<Element, String> {
-                let algorithms = registry::select(list);
-                algorithms.map(Element).map_err(|error| error.to_string())
-            }
-            text_or_table(deserializer, select, |table| {
-                select(&with_parameters(table)?)
-            })
-        }
-    }
-    let elements: Option<Vec<Element>> = list(deserializer)?;
-    let mut chosen: Vec<Selection> = Vec::new();
-    for selection in elements.into_iter().flatten().flat_map(|list| list.0) {
-        if chosen.iter().all(|c| c.label() != selection.label()) {
-            chosen.push(selection);
-        }
-    }
-    Ok(Some(chosen))
+/// Parses the name of a row of tables.
+fn row(name: &str) -> Result<String, UsageError> {
+    figures::figure(name).map(|figure| figure.key.to_owned())
 }
 
 /// Deserializes names of rows.
@@ -331,53 +233,13 @@ fn rows<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>
     struct Row(String);
     impl<'de> Deserialize<'de> for Row {
         fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-            parsed(deserializer, |name| match figures::figure(name) {
-                Ok(figure) => Ok(Self(figure.key.to_owned())),
-                Err(error) => Err(error.to_string()),
+            parsed(deserializer, |name| {
+                row(name).map(Self).map_err(|error| error.to_string())
             })
         }
     }
     let rows: Option<Vec<Row>> = list(deserializer)?;
     Ok(rows.map(|rows| rows.into_iter().map(|row| row.0).collect()))
-}
-
-/// Deserializes sources: a vertex, a string in the notation of the command line, or a list of
-/// these.
-fn source<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SourceSpec>, D::Error> {
-    let words = words(deserializer)?;
-    let sources = words.iter().map(|word| word.parse());
-    let sources = sources.collect::<Result<Vec<SourceSpec>, _>>();
-    let sources = sources.map_err(D::Error::custom)?;
-    Ok(Some(SourceSpec::of_all(sources)))
-}
-
-/// Deserializes targets: a string, a number, or a list of these.
-fn target<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<TargetSpec>, D::Error> {
-    let words = words(deserializer)?;
-    let targets = words.iter().map(|word| word.parse());
-    let targets = targets.collect::<Result<Vec<TargetSpec>, _>>();
-    let targets = targets.map_err(D::Error::custom)?;
-    Ok(Some(TargetSpec::of_all(targets)))
-}
-
-/// Deserializes a weld: `true` for vertices at one place, or a tolerance.
-fn weld<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Weld>, D::Error> {
-    let tolerance = match Value::deserialize(deserializer)? {
-        Value::Boolean(false) => return Ok(None),
-        Value::Boolean(true) => 0.0,
-        value => real(&value).unwrap_or(f64::NAN),
-    };
-    let weld = Weld::within(tolerance);
-    weld.map(Some).map_err(D::Error::custom)
-}
-
-/// Deserializes a non-negative distance.
-fn radius<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
-    let radius = real(&Value::deserialize(deserializer)?);
-    let radius = radius.filter(|radius| *radius >= 0.0 && radius.is_finite());
-    radius
-        .map(Some)
-        .ok_or_else(|| D::Error::custom("a radius is a distance of 0 or more"))
 }
 
 /// Deserializes a name or a list of names.
@@ -387,37 +249,4 @@ fn names<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::E
         return Err(D::Error::custom("a name is empty"));
     }
     Ok(names.iter().map(|name| name.trim().to_owned()).collect())
-}
-
-/// Deserializes a string or a number, or a list of these.
-fn words<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
-    match Value::deserialize(deserializer)? {
-        Value::Array(list) if list.is_empty() => Err("the list is empty".to_owned()),
-        Value::Array(list) => list.iter().map(word).collect(),
-        value => word(&value).map(|word| vec![word]),
-    }
-    .map_err(D::Error::custom)
-}
-
-/// Converts a table of a name and parameters to the notation of the command line.
-fn with_parameters(mut table: toml::Table) -> Result<String, String> {
-    let name = match table.remove("name") {
-        Some(name) => word(&name)?,
-        None => return Err("an algorithm must have a `name`".to_owned()),
-    };
-    let parameters = table
-        .iter()
-        .map(|(key, value)| Ok(format!("{key}={}", word(value)?)));
-    let parameters: Vec<String> = parameters.collect::<Result<_, String>>()?;
-    Ok(format!("{name}{{{}}}", parameters.join(",")))
-}
-
-/// The text of a string or a number.
-fn word(value: &Value) -> Result<String, String> {
-    match value {
-        Value::String(text) => Ok(text.clone()),
-        Value::Integer(number) => Ok(number.to_string()),
-        Value::Float(number) => Ok(number.to_string()),
-        _ => Err("a number or a word is expected".to_owned()),
-    }
 }

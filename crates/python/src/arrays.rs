@@ -6,13 +6,23 @@ use numpy::{
     Element, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray2,
     PyUntypedArray, PyUntypedArrayMethods,
 };
-use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyIndexError, PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyList;
 
 use crate::errors::mesh_error;
 
 /// `value` as an array. Other sequences are converted with `numpy.asarray`.
-fn array_of<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, PyUntypedArray>> {
+pub(crate) fn array_of<'py>(
+    value: &Bound<'py, PyAny>,
+    name: &str,
+) -> PyResult<Bound<'py, PyUntypedArray>> {
+    // What is masked would be read as if it were not.
+    if value.hasattr("mask")? && value.hasattr("filled")? {
+        return Err(PyTypeError::new_err(format!(
+            "{name}: a masked array; fill or compress it first"
+        )));
+    }
     if let Ok(array) = value.cast::<PyUntypedArray>() {
         return Ok(array.clone());
     }
@@ -38,7 +48,7 @@ fn check_triples(array: &Bound<'_, PyUntypedArray>, name: &str) -> PyResult<()> 
     )))
 }
 
-fn shape_of(array: &Bound<'_, PyUntypedArray>) -> String {
+pub(crate) fn shape_of(array: &Bound<'_, PyUntypedArray>) -> String {
     match array.shape() {
         [n] => format!("({n},)"),
         shape => {
@@ -178,4 +188,56 @@ pub(crate) fn distances(
             }
         ))),
     }
+}
+
+/// Reads `count` numbers of elements from 0 on.
+pub(crate) fn numbers(value: &Bound<'_, PyAny>, name: &str, count: usize) -> PyResult<Vec<u32>> {
+    let array = array_of(value, name)?;
+    if array.ndim() != 1 || array.len() != count {
+        return Err(PyValueError::new_err(format!(
+            "{name}: the shape of the faces is {}, but ({count},) is needed",
+            shape_of(&array)
+        )));
+    }
+    if !matches!(array.dtype().kind(), b'i' | b'u') {
+        return Err(wrong_type(&array, name, "integers"));
+    }
+    let array = converted(&array, "int64")?;
+    let numbers = array.as_any().cast::<PyArray1<i64>>()?.readonly();
+    let numbers = numbers.as_array();
+    let each = numbers.iter().map(|&number| {
+        u32::try_from(number)
+            .map_err(|_| PyIndexError::new_err(format!("{name}: face {number} does not exist")))
+    });
+    each.collect()
+}
+
+/// Reads a count, called `name` in messages, of at least `least`.
+pub(crate) fn count(value: i64, name: &str, least: u32) -> PyResult<usize> {
+    match usize::try_from(value) {
+        Ok(count) if count >= least as usize => Ok(count),
+        _ => Err(PyValueError::new_err(format!(
+            "{name}: {value}, but at least {least} is needed"
+        ))),
+    }
+}
+
+/// Reads polygons: a list of sequences of vertex numbers.
+pub(crate) fn polygons(value: &Bound<'_, PyList>, name: &str) -> PyResult<Vec<Vec<u32>>> {
+    let each = value.iter().enumerate().map(|(face, corners)| {
+        let corners: Vec<i64> = corners.extract().map_err(|_| {
+            PyTypeError::new_err(format!(
+                "{name}: face {face} is no sequence of vertex numbers"
+            ))
+        })?;
+        let number = |&v: &i64| {
+            u32::try_from(v).map_err(|_| {
+                let message =
+                    format!("{name}: face {face} names vertex {v}; vertices are numbered from 0");
+                mesh_error(value.py(), message, Vec::new())
+            })
+        };
+        corners.iter().map(number).collect()
+    });
+    each.collect()
 }

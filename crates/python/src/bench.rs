@@ -22,6 +22,7 @@ use geodesics::Stop;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
+use crate::arrays;
 use crate::interrupt;
 use crate::mesh::PyMesh;
 use crate::points::warn_user;
@@ -48,7 +49,7 @@ fn models(values: &[Bound<'_, PyAny>]) -> PyResult<Vec<ModelRef>> {
                 number += 1;
                 name = format!("{} #{number}", mesh.name);
             }
-            models.push(ModelRef::in_memory(&name, &mesh.mesh));
+            models.push(ModelRef::in_memory(&name, &mesh.surface.mesh));
             continue;
         }
         let text: String = value.str()?.extract()?;
@@ -86,11 +87,11 @@ pub(crate) fn run_to_json(
     models: Vec<Bound<'_, PyAny>>,
     sources: &str,
     sources_together: bool,
-    repeat: Option<usize>,
-    warmup: usize,
+    repeat: Option<i64>,
+    warmup: i64,
     check: Option<&str>,
     tolerance: f64,
-    threads: u32,
+    threads: i64,
     simd: &str,
     command: Vec<String>,
 ) -> PyResult<String> {
@@ -105,9 +106,9 @@ pub(crate) fn run_to_json(
             outside.label()
         )));
     }
-    if repeat == Some(0) {
-        return Err(PyValueError::new_err("repeat: 0, but at least 1 is needed"));
-    }
+    let repeat = repeat.map(|repeat| arrays::count(repeat, "repeat", 1));
+    let repeat = repeat.transpose()?;
+    let warmup = arrays::count(warmup, "warmup", 0)?;
     let threads = check_threads(threads)?;
     if !tolerance.is_finite() || tolerance < 0.0 {
         return Err(PyValueError::new_err(format!(

@@ -6,15 +6,23 @@ use geodesics::{Certificate, CertificateError, Judgement, OriginalFailure, Stop}
 use numpy::PyArray1;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyList;
 
 use crate::arrays;
 use crate::errors::solve_error;
 use crate::interrupt;
-use crate::points::{ResolvedPoints, together};
-use crate::solver::{check_threads, mesh_of};
+use crate::points::{ResolvedPoints, core, together};
+use crate::solver::{check_threads, mesh_of, named};
 
 /// A proven bound on the errors of distances. It is true if the bound is within the tolerance.
-#[pyclass(frozen, get_all, module = "geodesics", name = "Certificate")]
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> mesh = gd.generate("grid,n=4")
+/// >>> bool(gd.certify(mesh, 0, mesh.distance(0)))
+/// True
+#[pyclass(frozen, get_all, weakref, module = "geodesics", name = "Certificate")]
 pub(crate) struct PyCertificate {
     /// bool: whether the relative error of every distance is at most the tolerance.
     certified: bool,
@@ -25,9 +33,9 @@ pub(crate) struct PyCertificate {
     relative: f64,
     /// float: the relative error that is allowed.
     tolerance: f64,
-    /// list of (str, int, float): places where the error may exceed the tolerance: "vertex" or
-    /// "face", its number, and the amount in units of the mesh.
-    failures: Vec<(&'static str, u32, f64)>,
+    /// list of Failure: places where the error may exceed the tolerance: `kind`, "vertex" or "face",
+    /// its `number`, and the `amount` in units of the mesh.
+    failures: Py<PyList>,
     /// (n,) float64: the distances of the proof, computed by `"mmp"`. Given distances are compared
     /// with these.
     distances: Py<PyArray1<f64>>,
@@ -39,7 +47,7 @@ impl PyCertificate {
         self.certified
     }
 
-    fn __repr__(&self) -> String {
+    fn __repr__(&self, py: Python<'_>) -> String {
         let verdict = if self.certified {
             "certified"
         } else {
@@ -48,8 +56,55 @@ impl PyCertificate {
         format!(
             "<geodesics.Certificate: {verdict}, {:.1e} of a distance, {} failures>",
             self.relative,
-            self.failures.len()
+            self.failures.bind(py).len()
         )
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
+    #[allow(clippy::type_complexity)] // The fields.
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(
+        Bound<'py, PyAny>,
+        (bool, f64, f64, f64, Py<PyList>, Py<PyArray1<f64>>),
+    )> {
+        let state = (
+            self.certified,
+            self.absolute,
+            self.relative,
+            self.tolerance,
+            self.failures.clone_ref(py),
+            self.distances.clone_ref(py),
+        );
+        Ok((core(py)?.getattr("_certificate")?, state))
+    }
+}
+
+/// A pickled certificate.
+#[pyfunction]
+pub(crate) fn _certificate(
+    certified: bool,
+    absolute: f64,
+    relative: f64,
+    tolerance: f64,
+    failures: &Bound<'_, PyList>,
+    distances: &Bound<'_, PyArray1<f64>>,
+) -> PyCertificate {
+    PyCertificate {
+        certified,
+        absolute,
+        relative,
+        tolerance,
+        failures: failures.clone().unbind(),
+        distances: distances.clone().unbind(),
     }
 }
 
@@ -68,7 +123,7 @@ impl PyCertificate {
 /// tolerance : float
 ///     The largest relative error that is allowed.
 /// threads : int
-///     Threads that share the proof. The result does not depend on it.
+///     The most threads that the call uses. The result does not depend on it.
 ///
 /// Returns
 /// -------
@@ -80,6 +135,13 @@ impl PyCertificate {
 /// ValueError
 ///     `distances` has another shape, or holds NaN or a negative number; `threads` is 0 or too
 ///     large.
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> mesh = gd.generate("grid,n=4")
+/// >>> gd.certify(mesh, 0, 1.001 * mesh.distance(0)).certified
+/// False
 #[pyfunction]
 #[pyo3(signature = (mesh, source, distances = None, *, tolerance = 1e-9, threads = 1))]
 pub(crate) fn certify(
@@ -88,17 +150,18 @@ pub(crate) fn certify(
     source: &Bound<'_, PyAny>,
     distances: Option<&Bound<'_, PyAny>>,
     tolerance: f64,
-    threads: u32,
+    threads: i64,
 ) -> PyResult<PyCertificate> {
-    let mesh = mesh_of(mesh)?.get().mesh.clone();
+    let surface = mesh_of(mesh)?.get().surface.clone();
+    let mesh = surface.mesh.clone();
     if tolerance.is_nan() || tolerance < 0.0 {
         return Err(PyValueError::new_err(format!(
             "tolerance: {tolerance} is no error that could be allowed"
         )));
     }
-    let ResolvedPoints {
-        refined, sources, ..
-    } = ResolvedPoints::new(&mesh, together(source, "source")?, "source", None)?;
+    let sources = together(source, "source", mesh.vertex_count())?;
+    let points = ResolvedPoints::new(py, &surface, sources, "source", None)?;
+    let (refined, sources) = points.refine();
     let given = distances
         .map(|given| arrays::distances(given, "distances", mesh.vertex_count()))
         .transpose()?;
@@ -137,6 +200,10 @@ pub(crate) fn certify(
             (kind, number, failure.violation)
         }));
     }
+    let failures = failures
+        .into_iter()
+        .map(|failure| named(py, "Failure", failure));
+    let failures = PyList::new(py, failures.collect::<PyResult<Vec<_>>>()?)?.unbind();
     // Drop the distances of vertices that were inserted for sources.
     proof.distances.truncate(mesh.vertex_count());
     Ok(PyCertificate {

@@ -2,23 +2,27 @@
 
 use std::sync::Arc as Shared;
 
-use geodesics::window::precision;
-use geodesics::{DistanceField, FieldError, Line, Mesh, Stop, SurfacePoint};
-use numpy::PyArray2;
+use geodesics::{DistanceField, Line, Mesh, Stop};
+use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyList;
 
-use crate::errors::solve_error;
 use crate::interrupt;
 use crate::path::triples;
-use crate::points::{Finder, together};
-use crate::solver::warn;
 
 /// Default deviation of chords from arcs, as a fraction of the distance of the isoline.
 const TOLERANCE: f64 = 1e-3;
 
 /// The points of a surface at one distance from the nearest source.
-#[pyclass(frozen, module = "geodesics", name = "Isoline")]
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> (isoline,) = gd.generate("grid,n=4").isolines(0, levels=[2.0])
+/// >>> isoline.distance, len(isoline)
+/// (2.0, 1)
+#[pyclass(frozen, weakref, module = "geodesics", name = "Isoline")]
 pub(crate) struct PyIsoline {
     /// float: the distance, in units of the mesh.
     #[pyo3(get)]
@@ -37,6 +41,15 @@ pub(crate) struct PyIsoline {
 
 #[pymethods]
 impl PyIsoline {
+    fn __len__(&self) -> usize {
+        self.lines.len()
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let lines = self.lines.iter().map(|line| line.clone_ref(py));
+        Ok(PyList::new(py, lines)?.try_iter()?.into_any())
+    }
+
     fn __repr__(&self) -> String {
         format!(
             "<geodesics.Isoline at {}: {} lines of length {}>",
@@ -48,7 +61,14 @@ impl PyIsoline {
 }
 
 /// A connected part of an isoline. It consists of circular arcs, each inside one face.
-#[pyclass(frozen, module = "geodesics", name = "IsolineLine")]
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> (isoline,) = gd.generate("grid,n=4").isolines(0, levels=[2.0])
+/// >>> [line.closed for line in isoline]
+/// [False]
+#[pyclass(frozen, weakref, module = "geodesics", name = "IsolineLine")]
 pub(crate) struct PyLine {
     mesh: Mesh,
     line: Shared<Line>,
@@ -69,11 +89,12 @@ impl PyLine {
         self.line.length()
     }
 
-    /// list of int: the face of each arc, in the order of the arcs.
+    /// (k,) int64: the face of each arc, in the order of the arcs.
     #[getter]
-    fn faces(&self) -> Vec<u32> {
+    fn faces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let arcs = self.line.arcs.iter();
-        arcs.map(|arc| self.mesh.file_triangle(arc.face)).collect()
+        let faces = arcs.map(|arc| i64::from(self.mesh.file_triangle(arc.face)));
+        PyArray1::from_iter(py, faces)
     }
 
     /// Positions along the line. A loop ends with its first position. Points of the surface that
@@ -94,6 +115,13 @@ impl PyLine {
     /// ------
     /// ValueError
     ///     The tolerance is not positive, or the mesh has no positions.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> (isoline,) = gd.generate("grid,n=4").isolines(0, levels=[2.0])
+    /// >>> isoline.lines[0].points(0.1).shape[1]
+    /// 3
     #[pyo3(signature = (tolerance = None))]
     fn points(&self, py: Python<'_>, tolerance: Option<f64>) -> PyResult<Py<PyArray2<f64>>> {
         let tolerance = tolerance.unwrap_or(self.tolerance);
@@ -140,42 +168,30 @@ fn levels(every: Option<f64>, levels: Option<Vec<f64>>) -> PyResult<WantedLevels
     }
 }
 
-/// The isolines of `mesh` around `source`, at the multiples of `every` or at the levels `given`.
-pub(crate) fn isolines(
+/// Refuses levels that are none, before the field is computed.
+pub(crate) fn check_levels(every: Option<f64>, given: Option<&[f64]>) -> PyResult<()> {
+    levels(every, given.map(<[f64]>::to_vec)).map(|_| ())
+}
+
+/// The isolines of `field`, at the multiples of `every` or at the levels `given`.
+pub(crate) fn lines(
     py: Python<'_>,
-    mesh: &Mesh,
-    source: &Bound<'_, PyAny>,
+    field: &Shared<DistanceField>,
     every: Option<f64>,
     given: Option<Vec<f64>>,
 ) -> PyResult<Vec<PyIsoline>> {
     let asked = levels(every, given)?;
-    let mut finder = Finder::new(mesh);
-    let mut points: Vec<SurfacePoint> = Vec::new();
-    for spec in together(source, "source")? {
-        points.push(finder.find(spec, "source")?);
-    }
-    let surface = mesh.clone();
+    let mesh = field.mesh().clone();
+    let field = Shared::clone(field);
     let work = move || {
-        let field = DistanceField::new(&surface, &points)?;
         let levels = match asked {
             WantedLevels::These(levels) => levels,
-            WantedLevels::Every(every) => match field.levels_every(every) {
-                Ok(levels) => levels,
-                Err(refused) => return Ok(Err(refused)),
-            },
+            WantedLevels::Every(every) => field.levels_every(every)?,
         };
-        let doubt = precision::doubt(&surface, field.distances());
-        let doubt = doubt.map(|doubt| doubt.to_string());
-        Ok(Ok((field.isolines(&levels), doubt)))
+        Ok::<_, geodesics::TooManyLevels>(field.isolines(&levels))
     };
     let found = interrupt::call(py, mesh.face_count(), &Stop::default(), work)?;
-    let found = found.map_err(|error| match error {
-        FieldError::Solve(error) => solve_error(error),
-        other => PyValueError::new_err(format!("source: {other}")),
-    })?;
-    let (found, doubt) =
-        found.map_err(|refused| PyValueError::new_err(format!("every: {refused}")))?;
-    warn(py, doubt)?;
+    let found = found.map_err(|refused| PyValueError::new_err(format!("every: {refused}")))?;
     let of_python = |isoline: geodesics::Isoline| {
         let (distance, length, gap) = (isoline.distance, isoline.length(), isoline.gap);
         let lines = isoline.lines.into_iter().map(|line| {

@@ -12,6 +12,7 @@ mod arrays;
 mod bench;
 mod certificate;
 mod errors;
+mod field;
 mod interrupt;
 mod isolines;
 mod mesh;
@@ -39,6 +40,7 @@ fn core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     )?;
     module.add_class::<mesh::PyMesh>()?;
     module.add_class::<solver::PySolver>()?;
+    module.add_class::<field::PyField>()?;
     module.add_class::<points::PyPoint>()?;
     module.add_class::<path::PyPath>()?;
     module.add_class::<voronoi::PyVoronoi>()?;
@@ -57,5 +59,13 @@ fn core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(solver::algorithms, module)?)?;
     module.add_function(wrap_pyfunction!(certificate::certify, module)?)?;
     module.add_function(wrap_pyfunction!(bench::run_to_json, module)?)?;
+    // They make pickled objects anew.
+    module.add_function(wrap_pyfunction!(mesh::_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(points::_point, module)?)?;
+    module.add_function(wrap_pyfunction!(solver::_solver, module)?)?;
+    module.add_function(wrap_pyfunction!(field::_field, module)?)?;
+    module.add_function(wrap_pyfunction!(path::_path, module)?)?;
+    module.add_function(wrap_pyfunction!(voronoi::_voronoi, module)?)?;
+    module.add_function(wrap_pyfunction!(certificate::_certificate, module)?)?;
     Ok(())
 }

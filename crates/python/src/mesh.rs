@@ -4,20 +4,23 @@ use std::path::PathBuf;
 
 use geobench_harness::exec::expected::stem;
 use geodesics::io::ReadOptions;
-use geodesics::mesh::{MeshMeasures, Report, Severity, Tolerance};
-use geodesics::{Mesh, Place, RemeshOptions, Stop, TriangleSoup, VertexId, Weld, generate, io};
+use geodesics::mesh::{DefectKind, FaceId, MeshMeasures, Report, Severity, Tolerance};
+use geodesics::{
+    Mesh, PointError, RemeshOptions, Stop, SurfacePoint, TriangleSoup, VertexId, Weld, generate, io,
+};
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyList};
 
 use crate::arrays;
-use crate::errors::{invalid, unreadable};
+use crate::errors::{invalid, mesh_error, unreadable};
+use crate::field::PyField;
 use crate::interrupt;
-use crate::isolines::{PyIsoline, isolines};
+use crate::isolines::{PyIsoline, check_levels};
 use crate::path::{PyPath, triples};
-use crate::points::{Finder, single};
-use crate::solver::{MeshAlgorithm, one_path, selection};
+use crate::points::{Finder, Surface, core, several, single, warn_user};
+use crate::solver::{MeshAlgorithm, named, one_path, selection};
 use crate::voronoi::PyVoronoi;
 
 /// An immutable triangle mesh, validated when it is made. Vertices keep their numbers. Faces without
@@ -30,27 +33,71 @@ use crate::voronoi::PyVoronoi;
 /// Parameters
 /// ----------
 /// vertices : array_like, shape (n, 3), real
-///     Positions. Their unit is the unit of all distances.
-/// faces : array_like, shape (m, 3), integer
-///     The vertex numbers of the corners of each triangle, counted from 0.
+///     Positions. Their unit is the unit of all distances. Or a mesh of PyVista, trimesh or meshio,
+///     without `faces`.
+/// faces : array_like, shape (m, 3) or (m, k), integer, or sequence of sequences
+///     The vertex numbers of the corners of each triangle or polygon, counted from 0. Polygons are
+///     cut into triangles, whose numbers count.
 /// name : str, optional
 ///     The name of the mesh in the tables of `run`.
 /// weld : bool or float, optional
 ///     `True` makes vertices at exactly one place one vertex; a number those within this fraction of
 ///     the diagonal of the bounding box. Vertices keep their numbers, and copies get the distance of
-///     the vertex that stands for them.
+///     the vertex that stands for them. By default a warning says that there are copies.
+/// repair : bool
+///     Whether to leave out unusable faces and to turn faces over. `False` makes what has to be
+///     repaired an error.
 ///
 /// Raises
 /// ------
 /// MeshError
-///     The mesh cannot be used. The message names the vertices and faces.
+///     The mesh cannot be used. The message names the vertices and faces, `defects` has all.
 /// ValueError, TypeError
 ///     An array has another shape or type.
-#[pyclass(frozen, module = "geodesics", name = "Mesh")]
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> mesh = gd.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+/// >>> mesh
+/// <geodesics.Mesh "mesh": 4 vertices, 2 faces>
+/// >>> mesh.distance(1).round(3)
+/// array([1.   , 0.   , 1.   , 1.414])
+#[pyclass(frozen, weakref, module = "geodesics", name = "Mesh")]
 pub(crate) struct PyMesh {
-    pub(crate) mesh: Mesh,
+    pub(crate) surface: Surface,
     pub(crate) name: String,
     defects: Vec<String>,
+}
+
+/// A pickled mesh: the positions, the triangles of the file, the copies of welded vertices, the
+/// number of vertices and the lengths of a mesh without positions, the name and the defects.
+#[pyfunction]
+pub(crate) fn _mesh(
+    py: Python<'_>,
+    positions: &Bound<'_, PyAny>,
+    triangles: &Bound<'_, PyAny>,
+    copies: Vec<[u32; 2]>,
+    lengths: Option<(usize, Vec<[f64; 3]>)>,
+    name: String,
+    defects: Vec<String>,
+) -> PyResult<PyMesh> {
+    let triangles = arrays::triangles(triangles, "triangles")?;
+    let made = if let Some((n, lengths)) = lengths {
+        Mesh::from_lengths(n, &triangles, &lengths)
+    } else {
+        let soup = TriangleSoup {
+            copies,
+            ..TriangleSoup::new(arrays::positions(positions, "positions")?, triangles)
+        };
+        py.detach(|| Mesh::from_soup(soup))
+    };
+    let (mesh, _) = made.map_err(|error| invalid(py, &error, ""))?;
+    Ok(PyMesh {
+        surface: Surface::new(mesh),
+        name,
+        defects,
+    })
 }
 
 impl PyMesh {
@@ -69,36 +116,130 @@ impl PyMesh {
         let known = report.summaries().into_iter();
         let defects = known.filter(|summary| summary.kind.severity() != Severity::Fatal);
         Self {
-            mesh,
+            surface: Surface::new(mesh),
             name,
             defects: defects.map(|summary| summary.text).collect(),
         }
     }
 
     fn algorithm(&self, name: Option<&str>) -> PyResult<MeshAlgorithm> {
-        let selection = selection(&self.mesh, name, None, "auto")?;
-        Ok(MeshAlgorithm::new(&self.mesh, &selection))
+        let selection = selection(self.mesh(), name, None, "auto")?;
+        Ok(MeshAlgorithm::new(&self.surface, &selection))
+    }
+
+    pub(crate) fn mesh(&self) -> &Mesh {
+        &self.surface.mesh
+    }
+
+    /// A point that was found, and its distance from the position that was given.
+    fn located(&self, (found, distance): &(SurfacePoint, f64)) -> Located {
+        let (face, weights) = match self.mesh().face_of(found) {
+            Some((face, weights)) => {
+                let (triangle, weights) = self.mesh().in_file(face, weights);
+                (i64::from(triangle), weights)
+            }
+            None => (-1, [0.0; 3]),
+        };
+        let position = self.mesh().position_of(found);
+        (face, weights.into(), position.map(Into::into), *distance)
     }
 }
 
 #[pymethods]
 impl PyMesh {
     #[new]
-    #[pyo3(signature = (vertices, faces, *, name = "mesh", weld = None))]
+    #[pyo3(signature = (vertices, faces = None, *, name = "mesh", weld = None, repair = true))]
     fn py_new(
         py: Python<'_>,
         vertices: &Bound<'_, PyAny>,
-        faces: &Bound<'_, PyAny>,
+        faces: Option<&Bound<'_, PyAny>>,
         name: &str,
         weld: Option<&Bound<'_, PyAny>>,
+        repair: bool,
     ) -> PyResult<Self> {
-        let positions = arrays::positions(vertices, "vertices")?;
-        let triangles = arrays::triangles(faces, "faces")?;
-        let mut soup = TriangleSoup::new(positions, triangles);
-        if let Some(weld) = weld_of(weld)? {
+        // Meshes of other packages, and polygons as a list of lists, are taken apart in Python.
+        let (vertices, faces): (Bound<'_, PyAny>, Bound<'_, PyAny>) = py
+            .import("geodesics._meshes")?
+            .call_method1("arrays_of", (vertices, faces))?
+            .extract()?;
+        let positions = arrays::positions(&vertices, "vertices")?;
+        let mut soup = if let Ok(polygons) = faces.cast::<PyList>() {
+            let polygons = arrays::polygons(polygons, "faces")?;
+            py.detach(|| io::polygons(positions, polygons))
+                .map_err(|error| mesh_error(py, error.to_string(), Vec::new()))?
+        } else {
+            TriangleSoup::new(positions, arrays::triangles(&faces, "faces")?)
+        };
+        let wanted = weld_of(weld)?;
+        if let Some(weld) = wanted {
             py.detach(|| soup.weld(weld));
         }
-        Self::new(py, soup, name.to_owned(), "")
+        let made = py.detach(|| Mesh::from_soup(soup));
+        let (mesh, report) = made.map_err(|error| invalid(py, &error, ""))?;
+        if !repair {
+            let repaired = report.summaries().into_iter();
+            let repaired = repaired.filter(|s| s.kind.severity() == Severity::Repaired);
+            let texts: Vec<String> = repaired.map(|summary| summary.text).collect();
+            if let Some(first) = texts.first() {
+                return Err(mesh_error(py, format!("repair is needed: {first}"), texts));
+            }
+        }
+        if weld.is_none()
+            && let mut known = report.summaries().into_iter()
+            && let Some(twice) = known.find(|s| s.kind == DefectKind::CoincidentVertices)
+        {
+            let hint = "no path crosses a seam between them; weld=True makes them one, weld=False \
+                        leaves them";
+            warn_user(py, "vertices", &[format!("{}; {hint}", twice.text)])?;
+        }
+        Ok(Self::of(mesh, &report, name.to_owned()))
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
+    #[allow(clippy::type_complexity)] // What `_mesh` takes.
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(
+        Bound<'py, PyAny>,
+        (
+            Py<PyArray2<f64>>,
+            Py<PyArray2<u32>>,
+            Vec<[u32; 2]>,
+            Option<(usize, Vec<[f64; 3]>)>,
+            String,
+            Vec<String>,
+        ),
+    )> {
+        let mesh = self.mesh();
+        let copies = mesh.copies().map(|copy| copy.map(VertexId::raw)).collect();
+        let length_of = |f: FaceId| [0, 1, 2].map(|k| mesh.length(f.half_edge(k)));
+        let lengths = mesh
+            .positions()
+            .is_empty()
+            .then(|| (mesh.vertex_count(), mesh.faces().map(length_of).collect()));
+        let corners = |face| mesh.face_vertices(face).map(VertexId::raw);
+        let triangles = if lengths.is_some() {
+            mesh.faces().map(corners).collect()
+        } else {
+            mesh.file_triangles()
+        };
+        let state = (
+            triples(py, mesh.positions())?,
+            triples(py, &triangles)?,
+            copies,
+            lengths,
+            self.name.clone(),
+            self.defects.clone(),
+        );
+        Ok((core(py)?.getattr("_mesh")?, state))
     }
 
     /// Makes a mesh from edge lengths alone. The surface need not be embeddable in space.
@@ -123,15 +264,22 @@ impl PyMesh {
     /// ------
     /// MeshError
     ///     The mesh cannot be used. The message names the vertices and faces.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> gd.Mesh.from_lengths(3, [[0, 1, 2]], [[3, 4, 5]]).distance(0)
+    /// array([0., 3., 5.])
     #[staticmethod]
     #[pyo3(signature = (n, faces, lengths, *, name = "mesh"))]
     fn from_lengths(
         py: Python<'_>,
-        n: usize,
+        n: i64,
         faces: &Bound<'_, PyAny>,
         lengths: &Bound<'_, PyAny>,
         name: &str,
     ) -> PyResult<Self> {
+        let n = arrays::count(n, "n", 0)?;
         let triangles = arrays::triangles(faces, "faces")?;
         let lengths = arrays::positions(lengths, "lengths")?;
         let made = py.detach(|| Mesh::from_lengths(n, &triangles, &lengths));
@@ -143,28 +291,28 @@ impl PyMesh {
     /// from lengths.
     #[getter]
     fn vertices(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f64>>> {
-        triples(py, self.mesh.positions())
+        triples(py, self.mesh().positions())
     }
 
-    /// (m, 3) uint32: a copy of the corners of the faces. Faces whose orientation was repaired have
+    /// (m, 3) int64: a copy of the corners of the faces. Faces whose orientation was repaired have
     /// the new orientation.
     #[getter]
-    fn faces(&self, py: Python<'_>) -> PyResult<Py<PyArray2<u32>>> {
-        let corners = |face| self.mesh.face_vertices(face).map(VertexId::raw);
-        let rows: Vec<[u32; 3]> = self.mesh.faces().map(corners).collect();
+    fn faces(&self, py: Python<'_>) -> PyResult<Py<PyArray2<i64>>> {
+        let corners = |face| self.mesh().face_vertices(face).map(|v| i64::from(v.raw()));
+        let rows: Vec<[i64; 3]> = self.mesh().faces().map(corners).collect();
         triples(py, &rows)
     }
 
     /// int: number of vertices, including isolated ones.
     #[getter]
     fn n_vertices(&self) -> usize {
-        self.mesh.vertex_count()
+        self.mesh().vertex_count()
     }
 
     /// int: number of faces.
     #[getter]
     fn n_faces(&self) -> usize {
-        self.mesh.face_count()
+        self.mesh().face_count()
     }
 
     /// str: the name of the mesh in the tables of `run`.
@@ -198,13 +346,21 @@ impl PyMesh {
     ///
     /// Returns
     /// -------
-    /// (k,) uint32
+    /// (k,) int64
     ///     Vertex numbers, in ascending order.
     ///
     /// Raises
     /// ------
     /// ValueError
     ///     An array has another shape, or holds NaN or a negative number.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> mesh = gd.generate("grid,n=4")
+    /// >>> d = mesh.distance(0)
+    /// >>> mesh.wrong_distances(d + (d > 5), d)
+    /// array([19, 23, 24])
     #[pyo3(signature = (found, reference, *, tolerance = 1e-9))]
     fn wrong_distances<'py>(
         &self,
@@ -212,12 +368,12 @@ impl PyMesh {
         found: &Bound<'py, PyAny>,
         reference: &Bound<'py, PyAny>,
         tolerance: f64,
-    ) -> PyResult<Bound<'py, PyArray1<u32>>> {
-        let vertices = self.mesh.vertex_count();
+    ) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        let vertices = self.mesh().vertex_count();
         let found = arrays::distances(found, "found", vertices)?;
         let reference = arrays::distances(reference, "reference", vertices)?;
-        let rule = Tolerance::on(&self.mesh, &reference).with_relative(tolerance);
-        let wrong = rule.wrong(&found, &reference).map(|v| v as u32);
+        let rule = Tolerance::on(self.mesh(), &reference).with_relative(tolerance);
+        let wrong = rule.wrong(&found, &reference).map(|v| v as i64);
         Ok(PyArray1::from_vec(py, wrong.collect()))
     }
 
@@ -225,8 +381,14 @@ impl PyMesh {
     /// `boundary_loops`, `components`, `genus`, `saddles`, `euler_characteristic`, `area`,
     /// `anisotropy`, `min_edge_length`, `mean_edge_length` and `max_edge_length`. Lengths are in
     /// units of the mesh.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> gd.generate("torus,faces=2000").info()["genus"]
+    /// 1
     fn info<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let measures = py.detach(|| MeshMeasures::of(&self.mesh));
+        let measures = py.detach(|| MeshMeasures::of(self.mesh()));
         let row = PyDict::new(py);
         row.set_item("vertices", measures.vertices)?;
         row.set_item("faces", measures.faces)?;
@@ -245,63 +407,103 @@ impl PyMesh {
         Ok(row)
     }
 
-    /// Locates a point on the surface.
+    /// Locates points on the surface. Positions are looked for in a tree, which is built once.
     ///
     /// Parameters
     /// ----------
-    /// point : int or Point
+    /// points : int, Point, sequence of these, or array
+    ///     An array of shape (k, 3) has positions.
     ///
     /// Returns
     /// -------
-    /// face : int
-    ///     A face that contains the point; -1 for an isolated vertex.
-    /// barycentric : tuple of three floats
-    ///     Its barycentric coordinates in that face.
-    /// position : tuple of three floats or None
-    ///     Its position in space; `None` if the mesh has no positions.
-    /// distance : float
-    ///     For a point made by `at`, its distance from the position that was given; otherwise 0.
-    fn locate(&self, point: &Bound<'_, PyAny>) -> PyResult<Located> {
-        let spec = single(point, "point")?;
-        let (found, distance) = Finder::new(&self.mesh).find_from(spec, "point")?;
-        let (face, weights) = match self.mesh.face_of(&found) {
-            Some((face, weights)) => {
-                let (triangle, weights) = self.mesh.in_file(face, weights);
-                (i64::from(triangle), weights)
-            }
-            None => (-1, [0.0; 3]),
-        };
-        let position = self.mesh.position_of(&found);
-        Ok((face, weights.into(), position.map(Into::into), distance))
+    /// Location
+    ///     `face`, a face that contains the point, -1 for an isolated vertex; `barycentric`, its
+    ///     coordinates in that face; `position`, `None` if the mesh has none; `distance` from the
+    ///     position that was given, otherwise 0. Of several points arrays, of shapes (k,) and
+    ///     (k, 3).
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> mesh = gd.generate("grid,n=4")
+    /// >>> mesh.locate(gd.edge(0, 1, 0.5)).distance
+    /// 0.0
+    /// >>> mesh.locate(mesh.vertices + [0, 0, 0.5]).distance.max()
+    /// np.float64(0.5)
+    fn locate<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mut finder = Finder::new(py, &self.surface);
+        if let Ok(spec) = single(points, "points") {
+            let found = finder.find_from(spec, "points")?;
+            let (face, weights, position, distance) = self.located(&found);
+            let place = (face, weights, position, distance);
+            return named(py, "Location", place);
+        }
+        let specs = several(points, "points", self.mesh().vertex_count())?;
+        let places = specs
+            .into_iter()
+            .map(|spec| finder.find_from(spec, "points"));
+        let places: Vec<_> = places.collect::<PyResult<_>>()?;
+        let places: Vec<Located> = places.iter().map(|place| self.located(place)).collect();
+        let weights: Vec<[f64; 3]> = places.iter().map(|p| p.1.into()).collect();
+        let positions: Option<Vec<[f64; 3]>> = places.iter().map(|p| p.2.map(Into::into)).collect();
+        let arrays = (
+            PyArray1::from_iter(py, places.iter().map(|p| p.0)),
+            triples(py, &weights)?,
+            positions
+                .map(|positions| triples(py, &positions))
+                .transpose()?,
+            PyArray1::from_iter(py, places.iter().map(|p| p.3)),
+        );
+        named(py, "Location", arrays)
     }
 
-    /// The number of a vertex near the position `(x, y, z)`: the nearest corner of the face that
-    /// contains the nearest point of the surface. Another vertex can be nearer to the position.
-    fn nearest_vertex(&self, x: f64, y: f64, z: f64) -> PyResult<u32> {
-        let spec = crate::points::at(x, y, z, true)?.0;
-        let found = Finder::new(&self.mesh).find(spec, "position")?;
-        if let Place::Vertex(v) = found.place() {
-            return Ok(v.raw());
-        }
-        let positions = self.mesh.positions();
-        let squared = |v: &VertexId| -> f64 {
-            let corner = positions[v.index()];
-            [x, y, z]
-                .iter()
-                .zip(corner)
-                .map(|(a, b)| (a - b).powi(2))
-                .sum()
-        };
-        let corners = self
-            .mesh
-            .face_of(&found)
-            .map(|(face, _)| self.mesh.face_vertices(face));
-        corners
-            .into_iter()
-            .flatten()
-            .min_by(|a, b| squared(a).total_cmp(&squared(b)))
-            .map(VertexId::raw)
-            .ok_or_else(|| PyValueError::new_err("position: no vertex is near it"))
+    /// The vertices nearest in space to positions, found in a tree that is built once.
+    ///
+    /// Parameters
+    /// ----------
+    /// positions : array_like, shape (k, 3)
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray, shape (k,), int64
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> gd.generate("grid,n=4").nearest_vertices([[0.1, 0.2, 3], [1.1, 0, 0]]).shape
+    /// (2,)
+    fn nearest_vertices<'py>(
+        &self,
+        py: Python<'py>,
+        positions: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        let wrong = |error| PyValueError::new_err(format!("positions: {error}"));
+        let positions = arrays::positions(positions, "positions")?;
+        let tree = self.surface.tree(py).map_err(wrong)?;
+        let found = py.detach(|| {
+            let each = positions.into_iter().map(|at| tree.vertex_to(at));
+            each.map(|found| Ok(i64::from(found?.0.raw())))
+                .collect::<Result<Vec<i64>, PointError>>()
+        });
+        Ok(PyArray1::from_vec(py, found.map_err(wrong)?))
+    }
+
+    /// The number of the vertex nearest in space to the position `(x, y, z)`.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> gd.generate("grid,n=4").nearest_vertex(0, 0, 0) in range(25)
+    /// True
+    fn nearest_vertex(&self, py: Python<'_>, x: f64, y: f64, z: f64) -> PyResult<u32> {
+        let wrong = |error| PyValueError::new_err(format!("position: {error}"));
+        let tree = self.surface.tree(py).map_err(wrong)?;
+        let (vertex, _) = tree.vertex_to([x, y, z]).map_err(wrong)?;
+        Ok(vertex.raw())
     }
 
     /// Distances from the nearest source. The algorithm is set up for this call; a `Solver` keeps
@@ -316,6 +518,8 @@ impl PyMesh {
     ///     The search ends at this distance, in units of the mesh. Greater distances are `inf`.
     /// targets : int, Point or sequence of these, optional
     ///     Compute only the distances of these points. The search ends when all are reached.
+    /// nearest : bool
+    ///     Whether to return the index of the nearest source as well.
     /// algorithm : str, optional
     ///     A name from `algorithms()`. The default is `"vtp-fast"`, or `"mmp-fast"` on a mesh with
     ///     edges of more than two faces or one that cannot be oriented.
@@ -324,7 +528,8 @@ impl PyMesh {
     /// -------
     /// numpy.ndarray, shape (n,), float64
     ///     The distance of each of the n vertices, or of each target, in units of the mesh; `inf`
-    ///     if it is unreachable or beyond the radius.
+    ///     if it is unreachable or beyond the radius. With `nearest` a `Nearest`: `distances`, and
+    ///     the `sources` as indices (int64), -1 where the distance is `inf`.
     ///
     /// Raises
     /// ------
@@ -332,17 +537,25 @@ impl PyMesh {
     ///     A vertex or face does not exist.
     /// ValueError, TypeError
     ///     An argument is out of range or has the wrong type.
-    #[pyo3(signature = (source, *, radius = None, targets = None, algorithm = None))]
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> gd.generate("grid,n=4").distance(0, targets=[4, 24]).round(3)
+    /// array([4.   , 5.657])
+    #[pyo3(signature = (source, *, radius = None, targets = None, nearest = false,
+                        algorithm = None))]
     fn distance<'py>(
         &self,
         py: Python<'py>,
         source: &Bound<'py, PyAny>,
         radius: Option<f64>,
         targets: Option<&Bound<'py, PyAny>>,
+        nearest: bool,
         algorithm: Option<&str>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.algorithm(algorithm)?
-            .distance(py, source, radius, targets)
+            .distance(py, source, radius, targets, nearest)
     }
 
     /// Distances from each source separately, one row per source.
@@ -350,30 +563,130 @@ impl PyMesh {
     /// Parameters
     /// ----------
     /// sources : sequence of int or Point
-    /// threads : int
-    ///     The number of sources that are solved at the same time. If it is at least twice the
-    ///     number of sources, a parallel algorithm uses several threads per source.
+    /// threads : int, optional
+    ///     The most threads that the call uses, for several sources at a time. Threads that are left
+    ///     serve a parallel algorithm.
     /// radius, targets, algorithm
     ///     As for `distance`.
+    /// sparse : bool
+    ///     Whether to return a sparse matrix of SciPy, without the distances that are `inf`. The
+    ///     zero of a source is stored.
     ///
     /// Returns
     /// -------
-    /// numpy.ndarray, shape (k, n), float64
+    /// numpy.ndarray, shape (k, n), float64, or scipy.sparse.csr_array
     ///     Row i has the distances of the n vertices, or of the targets, from source i, in units of
     ///     the mesh.
-    #[pyo3(signature = (sources, *, threads = 1, radius = None, targets = None,
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> mesh = gd.generate("grid,n=4")
+    /// >>> mesh.distances([0, 24], targets=[1, 12]).round(3)
+    /// array([[1.   , 2.828],
+    ///        [5.   , 2.828]])
+    #[pyo3(signature = (sources, *, threads = None, radius = None, targets = None, sparse = false,
                         algorithm = None))]
+    #[allow(clippy::too_many_arguments)] // Those of Python, by name.
     fn distances<'py>(
         &self,
         py: Python<'py>,
         sources: &Bound<'py, PyAny>,
-        threads: u32,
+        threads: Option<i64>,
         radius: Option<f64>,
         targets: Option<&Bound<'py, PyAny>>,
+        sparse: bool,
+        algorithm: Option<&str>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let algorithm = self.algorithm(algorithm)?;
+        algorithm.distances(py, sources, threads, radius, targets, sparse)
+    }
+
+    /// The distances between all pairs of points: each is computed once, so that the matrix is
+    /// exactly symmetric.
+    ///
+    /// Parameters
+    /// ----------
+    /// points : sequence of int or Point, or array
+    /// threads : int, optional
+    ///     The most threads that the call uses, for several sources at a time. Threads that are left
+    ///     serve a parallel algorithm.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray, shape (k, k), float64
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> gd.generate("grid,n=4").distance_matrix([0, 4, 24])[0]
+    /// array([0.        , 4.        , 5.65685425])
+    #[pyo3(signature = (points, *, threads = None, algorithm = None))]
+    fn distance_matrix<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+        threads: Option<i64>,
         algorithm: Option<&str>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let algorithm = self.algorithm(algorithm)?;
-        algorithm.distances(py, sources, threads, radius, targets)
+        self.algorithm(algorithm)?
+            .distance_matrix(py, points, threads)
+    }
+
+    /// The distance from each source to the target at the same place.
+    ///
+    /// Parameters
+    /// ----------
+    /// sources, targets : sequence of int or Point, or array
+    ///     As many of one as of the other.
+    /// threads : int, optional
+    ///     The most threads that the call uses, for several sources at a time. Threads that are left
+    ///     serve a parallel algorithm.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray, shape (k,), float64
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> gd.generate("grid,n=4").pairs([0, 0, 4], [4, 20, 20])
+    /// array([4.        , 4.        , 5.65685425])
+    #[pyo3(signature = (sources, targets, *, threads = None, algorithm = None))]
+    fn pairs<'py>(
+        &self,
+        py: Python<'py>,
+        sources: &Bound<'py, PyAny>,
+        targets: &Bound<'py, PyAny>,
+        threads: Option<i64>,
+        algorithm: Option<&str>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.algorithm(algorithm)?
+            .pairs(py, sources, targets, threads)
+    }
+
+    /// The distance from the nearest source as a field: distances, paths, gradients and isolines at
+    /// any point of the surface, without another solve.
+    ///
+    /// MMP runs and all its windows are kept: this takes
+    /// several times as long as the distances of vertices, and about a gigabyte for 300,000 faces.
+    ///
+    /// Parameters
+    /// ----------
+    /// source : int, Point or sequence of these
+    ///
+    /// Returns
+    /// -------
+    /// Field
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> field = gd.generate("grid,n=4").field(0)
+    /// >>> float(field.distance(gd.at(1, 1, 0))) == float(field.path(gd.at(1, 1, 0)).length)
+    /// True
+    fn field(slf: &Bound<'_, Self>, source: &Bound<'_, PyAny>) -> PyResult<PyField> {
+        PyField::new(slf.py(), slf, source)
     }
 
     /// The shortest path from the nearest source to `target`.
@@ -390,6 +703,12 @@ impl PyMesh {
     /// -------
     /// Path or None
     ///     `None` if the target is unreachable.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> gd.generate("grid,n=4").path(0, 4).length
+    /// 4.0
     #[pyo3(signature = (source, target, *, algorithm = None))]
     fn path(
         &self,
@@ -403,6 +722,12 @@ impl PyMesh {
 
     /// The shortest paths from the nearest source to each target, from one search: a list with a
     /// `Path` for each target, or `None` if it is unreachable.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> [path.length for path in gd.generate("grid,n=4").paths(0, [4, 20])]
+    /// [4.0, 4.0]
     #[pyo3(signature = (source, targets, *, algorithm = None))]
     fn paths(
         &self,
@@ -431,8 +756,14 @@ impl PyMesh {
     /// ------
     /// ValueError
     ///     Two sources are at the same place.
-    fn voronoi(&self, py: Python<'_>, sources: &Bound<'_, PyAny>) -> PyResult<PyVoronoi> {
-        PyVoronoi::new(py, &self.mesh, sources)
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> gd.generate("grid,n=4").voronoi([0, 24]).labels[:3]
+    /// array([0, 0, 0])
+    fn voronoi(slf: &Bound<'_, Self>, sources: &Bound<'_, PyAny>) -> PyResult<PyVoronoi> {
+        PyVoronoi::new(slf.py(), slf, sources)
     }
 
     /// Isolines of the distance from the nearest source, as exact circular arcs.
@@ -459,15 +790,22 @@ impl PyMesh {
     /// ------
     /// ValueError
     ///     A distance is not positive, or `every` asks for more than 10,000 isolines.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> isolines = gd.generate("grid,n=4").isolines(0, every=2.0)
+    /// >>> [round(isoline.length, 3) for isoline in isolines]
+    /// [3.142, 6.283]
     #[pyo3(signature = (source, *, every = None, levels = None))]
     fn isolines(
-        &self,
-        py: Python<'_>,
+        slf: &Bound<'_, Self>,
         source: &Bound<'_, PyAny>,
         every: Option<f64>,
         levels: Option<Vec<f64>>,
     ) -> PyResult<Vec<PyIsoline>> {
-        isolines(py, &self.mesh, source, every, levels)
+        check_levels(every, levels.as_deref())?;
+        PyField::new(slf.py(), slf, source)?.lines(slf.py(), every, levels)
     }
 
     /// A new mesh of the same surface with evenly distributed vertices. It is the dual of the
@@ -483,8 +821,9 @@ impl PyMesh {
     /// lloyd : int
     ///     The number of steps of Lloyd's algorithm. Each moves the sites to the centres of their
     ///     cells.
-    /// seed : int
-    ///     Seed that draws the first site of a surface without boundary.
+    /// rng : int, numpy.random.Generator or anything that numpy.random.default_rng takes, optional
+    ///     Draws the first site of a surface without boundary. A number is the `--seed` of the
+    ///     command; `None` draws another one in each call.
     ///
     /// Returns
     /// -------
@@ -495,9 +834,25 @@ impl PyMesh {
     /// ValueError
     ///     The mesh has fewer vertices than `sites` or no positions, or the dual is not a
     ///     triangulation of the surface.
-    #[pyo3(signature = (sites, *, lloyd = 5, seed = 0))]
-    fn remesh(&self, py: Python<'_>, sites: usize, lloyd: usize, seed: u64) -> PyResult<Self> {
-        let mesh = self.mesh.clone();
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> even = gd.generate("torus,faces=2000").remesh(100, lloyd=2, rng=1)
+    /// >>> even.n_vertices
+    /// 100
+    #[pyo3(signature = (sites, *, lloyd = 5, rng = None))]
+    fn remesh(
+        &self,
+        py: Python<'_>,
+        sites: i64,
+        lloyd: i64,
+        rng: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let sites = arrays::count(sites, "sites", 1)?;
+        let lloyd = arrays::count(lloyd, "lloyd", 0)?;
+        let seed = seed_of(py, rng)?;
+        let mesh = self.mesh().clone();
         let options = RemeshOptions { sites, lloyd, seed };
         let work = move || geodesics::remesh(&mesh, &options);
         let made = interrupt::long(py, &Stop::default(), work)?;
@@ -507,11 +862,21 @@ impl PyMesh {
 
     /// Writes the mesh to a file. Its extension selects the format: `.obj`, `.ply`, `.off` or
     /// `.stl`, each also with `.gz` for compression.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> import tempfile, pathlib
+    /// >>> with tempfile.TemporaryDirectory() as folder:
+    /// ...     path = pathlib.Path(folder, "grid.ply")
+    /// ...     gd.generate("grid,n=4").write(path)
+    /// ...     gd.read(path).n_faces
+    /// 32
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        if self.mesh.positions().is_empty() {
+        if self.mesh().positions().is_empty() {
             return Err(PyValueError::new_err("the mesh has no positions to write"));
         }
-        let soup = self.mesh.to_soup();
+        let soup = self.mesh().to_soup();
         py.detach(|| io::write(&path, &soup))
             .map_err(|error| unreadable(py, &error))
     }
@@ -520,8 +885,8 @@ impl PyMesh {
         format!(
             "<geodesics.Mesh {:?}: {} vertices, {} faces>",
             self.name,
-            self.mesh.vertex_count(),
-            self.mesh.face_count()
+            self.mesh().vertex_count(),
+            self.mesh().face_count()
         )
     }
 }
@@ -540,6 +905,16 @@ type Located = (i64, (f64, f64, f64), Option<(f64, f64, f64)>, f64);
 ///     The file cannot be read.
 /// MeshError
 ///     The file holds no usable mesh. The message names the line or the elements.
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> import tempfile, pathlib
+/// >>> with tempfile.TemporaryDirectory() as folder:
+/// ...     path = pathlib.Path(folder, "cube.obj")
+/// ...     gd.generate("cube,n=2").write(path)
+/// ...     gd.read(path)
+/// <geodesics.Mesh "cube": 26 vertices, 48 faces>
 #[pyfunction]
 #[pyo3(signature = (path, *, weld = None))]
 pub(crate) fn read(
@@ -570,8 +945,61 @@ fn weld_of(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Weld>> {
         .map_err(|error| PyValueError::new_err(format!("weld: {error}")))
 }
 
-/// Generates a mesh from a description such as `"torus,faces=5000"`, `"sphere,subdiv=4"` or
-/// `"terrain,n=100,seed=1"`.
+/// Reads the argument `rng` (SPEC 7 of Scientific Python): a seed, or what draws one.
+fn seed_of(py: Python<'_>, rng: Option<&Bound<'_, PyAny>>) -> PyResult<u64> {
+    if let Some(Ok(seed)) = rng.map(|rng| rng.extract::<u64>()) {
+        return Ok(seed);
+    }
+    let generator = py
+        .import("numpy.random")?
+        .call_method1("default_rng", (rng,));
+    let generator =
+        generator.map_err(|error| PyTypeError::new_err(format!("rng: {}", error.value(py))))?;
+    generator
+        .call_method1("integers", (1_u64 << 62,))?
+        .extract()
+}
+
+/// Generates a mesh from a description: a family, and its keys with their values. The same
+/// description gives the same mesh on every machine.
+///
+/// ==================================== =====================================================
+/// family                               keys, with defaults
+/// ==================================== =====================================================
+/// grid                                 n, nx=40, ny=40, diagonal=one|alternating, jitter=0
+/// holes                                holes=4, width=6, height=3, wall=5, diagonal, jitter=0
+/// strip                                n=3000, aspect=100
+/// corridor                             levels=8, holes=0
+/// terrain                              n=50, roughness=0.6, height=0.3
+/// tetrahedron                          subdiv=5
+/// octahedron, icosahedron, sphere      subdiv=4
+/// cube                                 n=20, side=1
+/// box                                  a=3, b=2, c=1, n, nx=30, ny=20, nz=10
+/// uvsphere                             slices=64, stacks=32
+/// cylinder                             slices=64, stacks=24, height=2, ends=open|capped
+/// cone                                 angle=180, slices=48, stacks=32, ends
+/// torus                                faces=5000, r=0.4, bump=0
+/// knot                                 faces=6000, r=0.4
+/// anisotropic                          g=4, faces=5000
+/// file                                 path
+/// ==================================== =====================================================
+///
+/// All take `parts=K` (every edge in K parts), `subdivide=N` (each face in four, N times), `noise=X`
+/// (along the normals, in mean edge lengths), `scale=X` and `seed=N`.
+///
+/// Parameters
+/// ----------
+/// spec : str
+///
+/// Returns
+/// -------
+/// Mesh
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> gd.generate("sphere,subdiv=2")
+/// <geodesics.Mesh "sphere,subdiv=2": 162 vertices, 320 faces>
 #[pyfunction]
 #[pyo3(name = "generate")]
 pub(crate) fn generated(py: Python<'_>, spec: &str) -> PyResult<PyMesh> {

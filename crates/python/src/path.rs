@@ -1,14 +1,23 @@
 //! Shortest paths.
 
 use geodesics::{Mesh, Path};
-use numpy::{PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::points::core;
+
 /// A shortest path on a surface. Its points are, in order, the source, a point for each edge that
 /// the path crosses and each vertex that it passes, and the target. The path is straight between
-/// them.
-#[pyclass(frozen, module = "geodesics", name = "Path")]
+/// them. `numpy.asarray(path)` and iteration give the points.
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> path = gd.generate("grid,n=4").path(0, 4)
+/// >>> path.length, path.points.shape
+/// (4.0, (5, 3))
+#[pyclass(frozen, weakref, module = "geodesics", name = "Path")]
 pub(crate) struct PyPath {
     /// float: its length, in units of the mesh.
     #[pyo3(get)]
@@ -28,6 +37,25 @@ pub(crate) struct PyPath {
     count: usize,
 }
 
+/// A pickled path.
+#[pyfunction]
+pub(crate) fn _path(
+    length: f64,
+    points: &Bound<'_, PyArray2<f64>>,
+    faces: &Bound<'_, PyArray1<i64>>,
+    barycentric: &Bound<'_, PyArray2<f64>>,
+    vertices: &Bound<'_, PyArray1<i64>>,
+) -> PyPath {
+    PyPath {
+        length,
+        points: points.clone().unbind(),
+        faces: faces.clone().unbind(),
+        barycentric: barycentric.clone().unbind(),
+        vertices: vertices.clone().unbind(),
+        count: faces.len(),
+    }
+}
+
 impl PyPath {
     pub(crate) fn new(py: Python<'_>, mesh: &Mesh, path: &Path) -> PyResult<Self> {
         let points = path.points.iter();
@@ -39,7 +67,9 @@ impl PyPath {
             .map(|p| p.vertex().map_or(-1, |v| i64::from(v.raw())));
         let in_file = points.map(|point| {
             let weights = point.barycentric;
-            point.face.map_or(weights, |face| mesh.in_file(face, weights).1)
+            point
+                .face
+                .map_or(weights, |face| mesh.in_file(face, weights).1)
         });
         let barycentric: Vec<[f64; 3]> = in_file.collect();
         Ok(Self {
@@ -70,6 +100,59 @@ pub(crate) fn triples<T: numpy::Element + Copy>(
 impl PyPath {
     fn __len__(&self) -> usize {
         self.count
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(self.points.bind(py).try_iter()?.into_any())
+    }
+
+    #[pyo3(signature = (dtype = None, copy = None))]
+    fn __array__<'py>(
+        &self,
+        py: Python<'py>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        copy: Option<bool>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let points = self.points.bind(py).as_any();
+        if let Some(dtype) = dtype {
+            return points.call_method1("astype", (dtype,));
+        }
+        if copy == Some(false) {
+            return Ok(points.clone());
+        }
+        points.call_method0("copy")
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
+    #[allow(clippy::type_complexity)] // The fields.
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(
+        Bound<'py, PyAny>,
+        (
+            f64,
+            Py<PyArray2<f64>>,
+            Py<PyArray1<i64>>,
+            Py<PyArray2<f64>>,
+            Py<PyArray1<i64>>,
+        ),
+    )> {
+        let state = (
+            self.length,
+            self.points.clone_ref(py),
+            self.faces.clone_ref(py),
+            self.barycentric.clone_ref(py),
+            self.vertices.clone_ref(py),
+        );
+        Ok((core(py)?.getattr("_path")?, state))
     }
 
     fn __repr__(&self) -> String {

@@ -1,14 +1,60 @@
 //! Sources and targets that are passed from Python.
 
+use std::sync::{Arc, OnceLock};
+
 use geobench_harness::exec::source::{Locator, PointSpec, distinct};
-use geodesics::{Mesh, Refined, SurfacePoint, VertexId};
+use geodesics::mesh::Insertion;
+use geodesics::{Mesh, NearestPoint, PointError, Refined, SurfacePoint, VertexId};
+use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyString};
+use pyo3::types::{PyBool, PyString, PyTuple};
+
+use crate::arrays;
+
+/// A mesh, and the tree that finds the points of it nearest to positions, built on first use.
+#[derive(Clone)]
+pub(crate) struct Surface {
+    pub(crate) mesh: Mesh,
+    tree: Arc<OnceLock<Arc<NearestPoint>>>,
+}
+
+impl Surface {
+    pub(crate) fn new(mesh: Mesh) -> Self {
+        Self {
+            mesh,
+            tree: Arc::default(),
+        }
+    }
+
+    /// The tree; built without the lock of the interpreter.
+    pub(crate) fn tree(&self, py: Python<'_>) -> Result<Arc<NearestPoint>, PointError> {
+        if let Some(tree) = self.tree.get() {
+            return Ok(Arc::clone(tree));
+        }
+        let made = py.detach(|| NearestPoint::new(&self.mesh))?;
+        Ok(Arc::clone(self.tree.get_or_init(|| Arc::new(made))))
+    }
+}
 
 /// A point of a surface, made by `vertex`, `edge`, `face` or `at`. Sources and targets are points
 /// or numbers of vertices.
-#[pyclass(frozen, eq, module = "geodesics", name = "Point", from_py_object)]
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> gd.edge(4, 9, 0.25)
+/// edge(4, 9, 0.25)
+/// >>> gd.edge(4, 9, 0.25) == gd.edge(4, 9, 0.25)
+/// True
+#[pyclass(
+    frozen,
+    eq,
+    weakref,
+    module = "geodesics",
+    name = "Point",
+    from_py_object
+)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PyPoint(pub(crate) PointSpec);
 
@@ -28,12 +74,52 @@ impl PyPoint {
         self.0.to_string()
     }
 
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, (u8, Vec<u32>, Vec<f64>))> {
+        let state = match self.0 {
+            PointSpec::Vertex(v) => (0, vec![v], vec![]),
+            PointSpec::Edge(ends, t) => (1, ends.to_vec(), vec![t]),
+            PointSpec::Face(face, weights) => (2, vec![face], weights.to_vec()),
+            PointSpec::At(position) => (3, vec![], position.to_vec()),
+            PointSpec::Far(position) => (4, vec![], position.to_vec()),
+        };
+        Ok((core(py)?.getattr("_point")?, state))
+    }
+
     fn __hash__(&self) -> u64 {
         use std::hash::{DefaultHasher, Hash, Hasher};
         let mut hasher = DefaultHasher::new();
         self.0.to_string().hash(&mut hasher);
         hasher.finish()
     }
+}
+
+/// The module with the functions that make pickled objects anew.
+pub(crate) fn core(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
+    py.import("geodesics._core")
+}
+
+/// A pickled point.
+#[pyfunction]
+pub(crate) fn _point(kind: u8, numbers: Vec<u32>, values: Vec<f64>) -> PyResult<PyPoint> {
+    Ok(PyPoint(match (kind, &numbers[..], &values[..]) {
+        (0, &[v], []) => PointSpec::Vertex(v),
+        (1, &[a, b], &[t]) => PointSpec::Edge([a, b], t),
+        (2, &[face], &[u, v, w]) => PointSpec::Face(face, [u, v, w]),
+        (3, [], &[x, y, z]) => PointSpec::At([x, y, z]),
+        (4, [], &[x, y, z]) => PointSpec::Far([x, y, z]),
+        _ => return Err(PyValueError::new_err("not a pickled point")),
+    }))
 }
 
 /// Reads the number of a vertex or face. Error messages name the argument.
@@ -56,6 +142,12 @@ fn number(value: &Bound<'_, PyAny>, name: &str) -> PyResult<u32> {
 }
 
 /// The point at vertex `v`. Sources and targets can also be given by the number alone.
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> gd.vertex(7)
+/// vertex(7)
 #[pyfunction]
 pub(crate) fn vertex(v: &Bound<'_, PyAny>) -> PyResult<PyPoint> {
     Ok(PyPoint(PointSpec::Vertex(number(v, "v")?)))
@@ -63,6 +155,13 @@ pub(crate) fn vertex(v: &Bound<'_, PyAny>) -> PyResult<PyPoint> {
 
 /// The point on the edge between vertices `a` and `b` at the fraction `t` of its length from `a`,
 /// between 0 and 1.
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> mesh = gd.generate("grid,n=4")
+/// >>> float(mesh.distance(0, targets=gd.edge(0, 1, 0.5))[0])
+/// 0.5
 #[pyfunction]
 pub(crate) fn edge(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, t: f64) -> PyResult<PyPoint> {
     let ends = [number(a, "a")?, number(b, "b")?];
@@ -76,7 +175,14 @@ pub(crate) fn edge(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, t: f64) -> PyResu
 }
 
 /// The point of face `f` with barycentric coordinates `u`, `v`, `w`, in the order of the corners of
-/// the face. Their sum must be 1.
+/// the face. Their sum must be 1; the rounding of single precision is made up for.
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> mesh = gd.generate("grid,n=4")
+/// >>> mesh.path(gd.face(0, 0.2, 0.3, 0.5), 24).faces[0]
+/// np.int64(0)
 #[pyfunction]
 pub(crate) fn face(f: &Bound<'_, PyAny>, u: f64, v: f64, w: f64) -> PyResult<PyPoint> {
     for (name, x) in [("u", u), ("v", v), ("w", w)] {
@@ -92,6 +198,13 @@ pub(crate) fn face(f: &Bound<'_, PyAny>, u: f64, v: f64, w: f64) -> PyResult<PyP
 
 /// The point of the surface nearest to the position `(x, y, z)`, in units of the mesh. A position
 /// that is farther from the surface than the diagonal of its bounding box is an error, unless `far`.
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> mesh = gd.generate("grid,n=4")
+/// >>> mesh.locate(gd.at(1, 0, 0.5)).distance
+/// 0.5
 #[pyfunction]
 #[pyo3(signature = (x, y, z, *, far = false))]
 pub(crate) fn at(x: f64, y: f64, z: f64, far: bool) -> PyResult<PyPoint> {
@@ -143,19 +256,21 @@ fn not_a_point(value: &Bound<'_, PyAny>, name: &str) -> PyErr {
     ))
 }
 
-/// Reads one point or a sequence of points.
-pub(crate) fn several(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<PointSpec>> {
-    if let Some(point) = one(value, name)? {
-        return Ok(vec![point]);
-    }
-    let Ok(items) = value.try_iter() else {
-        return Err(not_a_point(value, name));
+/// Reads one point or several: a sequence of points, an array of vertex numbers, a mask of the
+/// vertices, an `(k, 3)` array of positions, or faces with the `(k, 3)` array of barycentric
+/// coordinates in them.
+pub(crate) fn several(
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    vertices: usize,
+) -> PyResult<Vec<PointSpec>> {
+    let points = match one(value, name)? {
+        Some(point) => vec![point],
+        None => match in_arrays(value, name, vertices)? {
+            Some(points) => points,
+            None => in_sequence(value, name)?,
+        },
     };
-    let mut points = Vec::new();
-    for item in items {
-        let item = item?;
-        points.push(one(&item, name)?.ok_or_else(|| not_a_point(&item, name))?);
-    }
     if points.is_empty() {
         return Err(PyValueError::new_err(format!(
             "{name}: empty; give at least one point"
@@ -164,9 +279,76 @@ pub(crate) fn several(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Poin
     Ok(points)
 }
 
+fn in_sequence(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<PointSpec>> {
+    let Ok(items) = value.try_iter() else {
+        return Err(not_a_point(value, name));
+    };
+    let mut points = Vec::new();
+    for item in items {
+        let item = item?;
+        points.push(one(&item, name)?.ok_or_else(|| not_a_point(&item, name))?);
+    }
+    Ok(points)
+}
+
+/// Points in arrays of positions, of truth values, or of faces and coordinates.
+fn in_arrays(
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    vertices: usize,
+) -> PyResult<Option<Vec<PointSpec>>> {
+    if let Ok(pair) = value.cast::<PyTuple>()
+        && pair.len() == 2
+        && let (faces, weights) = (pair.get_item(0)?, pair.get_item(1)?)
+        && weights
+            .cast::<PyUntypedArray>()
+            .is_ok_and(|array| array.ndim() == 2)
+    {
+        let weights = arrays::positions(&weights, name)?;
+        let faces = arrays::numbers(&faces, name, weights.len())?;
+        let points = faces.into_iter().zip(weights);
+        return Ok(Some(points.map(|(f, w)| PointSpec::Face(f, w)).collect()));
+    }
+    let Ok(array) = value.cast::<PyUntypedArray>() else {
+        return Ok(None);
+    };
+    match (array.dtype().kind(), array.ndim()) {
+        (b'f', 2) => {
+            let positions = arrays::positions(value, name)?.into_iter();
+            if let Some(x) = positions
+                .as_slice()
+                .as_flattened()
+                .iter()
+                .find(|x| !x.is_finite())
+            {
+                return Err(PyValueError::new_err(format!(
+                    "{name}: {x} is not a coordinate"
+                )));
+            }
+            Ok(Some(positions.map(PointSpec::At).collect()))
+        }
+        (b'b', _) => {
+            if array.ndim() != 1 || array.len() != vertices {
+                return Err(PyValueError::new_err(format!(
+                    "{name}: a mask has a truth value for each of the {vertices} vertices, and not \
+                     the shape {}",
+                    arrays::shape_of(array)
+                )));
+            }
+            let chosen = value.call_method0("nonzero")?.get_item(0)?;
+            in_sequence(&chosen, name).map(Some)
+        }
+        _ => Ok(None),
+    }
+}
+
 /// Reads the sources of one run, each once. A `UserWarning` names those given twice.
-pub(crate) fn together(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<PointSpec>> {
-    let points = several(value, name)?;
+pub(crate) fn together(
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    vertices: usize,
+) -> PyResult<Vec<PointSpec>> {
+    let points = several(value, name, vertices)?;
     let (points, notes) = distinct(points);
     warn_user(value.py(), name, &notes)?;
     Ok(points)
@@ -187,21 +369,37 @@ pub(crate) fn single(value: &Bound<'_, PyAny>, name: &str) -> PyResult<PointSpec
 }
 
 /// Finds points on a mesh.
-pub(crate) struct Finder<'m> {
-    mesh: &'m Mesh,
+pub(crate) struct Finder<'m, 'py> {
+    py: Python<'py>,
+    surface: &'m Surface,
     locator: Locator<'m>,
+    has_tree: bool,
 }
 
-impl<'m> Finder<'m> {
-    pub(crate) const fn new(mesh: &'m Mesh) -> Self {
+impl<'m, 'py> Finder<'m, 'py> {
+    pub(crate) const fn new(py: Python<'py>, surface: &'m Surface) -> Self {
         Self {
-            mesh,
-            locator: Locator::new(mesh),
+            py,
+            surface,
+            locator: Locator::new(&surface.mesh),
+            has_tree: false,
         }
     }
 
     pub(crate) fn find(&mut self, spec: PointSpec, name: &str) -> PyResult<SurfacePoint> {
         Ok(self.find_from(spec, name)?.0)
+    }
+
+    /// All these points.
+    pub(crate) fn find_all(
+        &mut self,
+        specs: Vec<PointSpec>,
+        name: &str,
+    ) -> PyResult<Vec<SurfacePoint>> {
+        specs
+            .into_iter()
+            .map(|spec| self.find(spec, name))
+            .collect()
     }
 
     /// The point, and its distance from the position that was given; 0 for points given otherwise.
@@ -211,13 +409,19 @@ impl<'m> Finder<'m> {
         name: &str,
     ) -> PyResult<(SurfacePoint, f64)> {
         if let PointSpec::Vertex(v) = spec {
-            let vertices = self.mesh.vertex_count();
+            let vertices = self.surface.mesh.vertex_count();
             if v as usize >= vertices {
                 return Err(PyIndexError::new_err(format!(
                     "{name} vertex {v} does not exist: the mesh has {vertices} vertices, numbered \
                      from 0"
                 )));
             }
+        }
+        if let (false, PointSpec::At(_) | PointSpec::Far(_)) = (self.has_tree, spec)
+            && let Ok(tree) = self.surface.tree(self.py)
+        {
+            self.locator.set_tree(tree);
+            self.has_tree = true;
         }
         match self.locator.locate(spec) {
             Ok(found) => Ok((found.point, found.from_position.unwrap_or(0.0))),
@@ -235,41 +439,48 @@ impl<'m> Finder<'m> {
 
 /// Sources and targets as vertices of a refined mesh.
 pub(crate) struct ResolvedPoints {
-    /// The mesh with a vertex inserted at each of them.
-    pub(crate) refined: Refined,
-    /// The sources as vertices of `refined`.
+    /// The change of the mesh that inserts a vertex at each of them.
+    pub(crate) insertion: Insertion,
+    /// The sources as vertices of the refined mesh.
     pub(crate) sources: Vec<VertexId>,
-    /// The targets as vertices of `refined`, if targets were given.
+    /// The targets as vertices of the refined mesh, if targets were given.
     pub(crate) targets: Option<Vec<VertexId>>,
 }
 
 impl ResolvedPoints {
     /// The points `sources`, called `source_name` in messages, and the targets.
     pub(crate) fn new(
-        mesh: &Mesh,
+        py: Python<'_>,
+        surface: &Surface,
         sources: Vec<PointSpec>,
         source_name: &str,
         targets: Option<(&Bound<'_, PyAny>, &str)>,
     ) -> PyResult<Self> {
-        let mut finder = Finder::new(mesh);
-        let mut points = Vec::new();
-        for spec in sources {
-            points.push(finder.find(spec, source_name)?);
-        }
+        let mut finder = Finder::new(py, surface);
+        let mut points = finder.find_all(sources, source_name)?;
         let count = points.len();
         if let Some((targets, name)) = targets {
-            for spec in several(targets, name)? {
-                points.push(finder.find(spec, name)?);
-            }
+            let targets = several(targets, name, surface.mesh.vertex_count())?;
+            points.extend(finder.find_all(targets, name)?);
         }
-        let refined = mesh
-            .with_points(&points)
+        let insertion = surface
+            .mesh
+            .insertion(&points)
             .map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let (from, to) = refined.vertices.split_at(count);
+        let (from, to) = insertion.vertices().split_at(count);
         Ok(Self {
             sources: from.to_vec(),
             targets: targets.is_some().then(|| to.to_vec()),
-            refined,
+            insertion,
         })
+    }
+
+    /// The refined mesh, and the sources.
+    pub(crate) fn refine(self) -> (Refined, Vec<VertexId>) {
+        let mut mesh = self.insertion.original().clone();
+        if !self.insertion.is_empty() {
+            mesh.splice(self.insertion.splice());
+        }
+        (self.insertion.into_refined(mesh), self.sources)
     }
 }

@@ -11,14 +11,23 @@ use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::arrays;
 use crate::errors::solve_error;
 use crate::interrupt;
 use crate::mesh::PyMesh;
 use crate::path::triples;
-use crate::points::{PyPoint, ResolvedPoints, together};
+use crate::points::{PyPoint, ResolvedPoints, core, together};
 
 /// A geodesic Voronoi diagram. Its cells are the regions of a surface with the same nearest source.
-#[pyclass(frozen, module = "geodesics", name = "Voronoi")]
+/// Iteration gives the cells.
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> diagram = gd.generate("grid,n=4").voronoi([0, 24])
+/// >>> [round(cell.area, 12) for cell in diagram]
+/// [8.0, 8.0]
+#[pyclass(frozen, weakref, module = "geodesics", name = "Voronoi")]
 pub(crate) struct PyVoronoi {
     diagram: Shared<Diagram>,
     surface: Shared<RefinedSurface>,
@@ -39,6 +48,7 @@ struct RefinedSurface {
     sources: Vec<VertexId>,
     /// The sources as the caller gave them.
     specs: Vec<PointSpec>,
+    of_python: Py<PyMesh>,
 }
 
 impl RefinedSurface {
@@ -50,7 +60,13 @@ impl RefinedSurface {
 }
 
 /// The region of a surface that is nearer to one source than to any other.
-#[pyclass(frozen, get_all, module = "geodesics", name = "Cell")]
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> gd.generate("grid,n=4").voronoi([0, 24]).cells[0].neighbours
+/// [1]
+#[pyclass(frozen, get_all, weakref, module = "geodesics", name = "Cell")]
 pub(crate) struct PyCell {
     /// int: index of its source.
     source: usize,
@@ -85,7 +101,13 @@ impl PyCell {
 }
 
 /// A piece of the border between two cells, inside one face.
-#[pyclass(frozen, module = "geodesics", name = "Arc")]
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> gd.generate("grid,n=4").voronoi([0, 24]).arcs[0].kind
+/// 'line'
+#[pyclass(frozen, weakref, module = "geodesics", name = "Arc")]
 pub(crate) struct PyArc {
     diagram: Shared<Diagram>,
     surface: Shared<RefinedSurface>,
@@ -154,10 +176,17 @@ impl PyArc {
     /// ------
     /// ValueError
     ///     The mesh has no positions.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> gd.generate("grid,n=4").voronoi([0, 24]).arcs[0].points().shape
+    /// (2, 3)
     #[pyo3(signature = (parts = 8))]
-    fn points(&self, py: Python<'_>, parts: usize) -> PyResult<Py<PyArray2<f64>>> {
+    fn points(&self, py: Python<'_>, parts: i64) -> PyResult<Py<PyArray2<f64>>> {
         let arc = self.arc();
-        let parts = if arc.is_line() { 1 } else { parts.max(1) };
+        let parts = arrays::count(parts, "parts", 1)?;
+        let parts = if arc.is_line() { 1 } else { parts };
         let place = |i: usize| match i {
             0 => arc.ends[0],
             i if i == parts => arc.ends[1],
@@ -179,7 +208,14 @@ impl PyArc {
 }
 
 /// A point at which three cells or more meet.
-#[pyclass(frozen, get_all, module = "geodesics", name = "VoronoiVertex")]
+///
+/// Examples
+/// --------
+/// >>> import geodesics as gd
+/// >>> diagram = gd.generate("sphere,subdiv=2").voronoi([0, 40, 80, 120])
+/// >>> len(diagram.vertices[0].sources) >= 3
+/// True
+#[pyclass(frozen, get_all, weakref, module = "geodesics", name = "VoronoiVertex")]
 pub(crate) struct PyVoronoiVertex {
     /// tuple of three floats or None: its position; `None` if the mesh has no positions.
     position: Option<(f64, f64, f64)>,
@@ -193,12 +229,36 @@ pub(crate) struct PyVoronoiVertex {
     distance: f64,
 }
 
+#[pymethods]
+impl PyVoronoiVertex {
+    fn __repr__(&self) -> String {
+        format!(
+            "<geodesics.VoronoiVertex of cells {:?} in face {}>",
+            self.sources, self.face
+        )
+    }
+}
+
+/// A pickled diagram: computed again.
+#[pyfunction]
+pub(crate) fn _voronoi(
+    mesh: &Bound<'_, PyMesh>,
+    sources: &Bound<'_, PyAny>,
+) -> PyResult<PyVoronoi> {
+    PyVoronoi::new(mesh.py(), mesh, sources)
+}
+
 impl PyVoronoi {
-    pub(crate) fn new(py: Python<'_>, mesh: &Mesh, sources: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let specs = together(sources, "sources")?;
-        let ResolvedPoints {
-            refined, sources, ..
-        } = ResolvedPoints::new(mesh, specs.clone(), "sources", None)?;
+    pub(crate) fn new(
+        py: Python<'_>,
+        python_mesh: &Bound<'_, PyMesh>,
+        sources: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        let surface = &python_mesh.get().surface;
+        let mesh = &surface.mesh;
+        let specs = together(sources, "sources", mesh.vertex_count())?;
+        let points = ResolvedPoints::new(py, surface, specs.clone(), "sources", None)?;
+        let (refined, sources) = points.refine();
         let mut seen = HashSet::new();
         for (i, v) in sources.iter().enumerate() {
             if !seen.insert(v) {
@@ -217,6 +277,7 @@ impl PyVoronoi {
             refined,
             sources,
             specs,
+            of_python: python_mesh.clone().unbind(),
         });
         let asked = Shared::clone(&surface);
         let work = move || {
@@ -329,6 +390,13 @@ impl PyVoronoi {
     ///     The mesh has no positions, or the dual is not a triangulation, for example because a
     ///     cell is no disc or two cells share several borders. The message names the cells. More
     ///     sources there help.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> mesh = gd.generate("sphere,subdiv=3")
+    /// >>> mesh.voronoi(range(0, 640, 10)).dual().n_vertices
+    /// 64
     fn dual(&self, py: Python<'_>) -> PyResult<PyMesh> {
         let positions = self.diagram.mesh().positions();
         if positions.is_empty() {
@@ -343,6 +411,31 @@ impl PyVoronoi {
         let soup = self.diagram.dual().triangulation(corners);
         let soup = soup.map_err(|error| PyValueError::new_err(error.to_string()))?;
         PyMesh::new(py, soup, "dual".to_owned(), "the dual")
+    }
+
+    fn __len__(&self) -> usize {
+        self.surface.sources.len()
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(self.cells().into_pyobject(py)?.try_iter()?.into_any())
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, (Py<PyMesh>, Vec<PyPoint>))> {
+        let sources = self.surface.specs.iter().copied().map(PyPoint).collect();
+        let mesh = self.surface.of_python.clone_ref(py);
+        Ok((core(py)?.getattr("_voronoi")?, (mesh, sources)))
     }
 
     fn __repr__(&self) -> String {

@@ -21,7 +21,7 @@ def nan_at(vertex):
         (V[:, :2], F, ValueError, r"vertices: the shape is \(4, 2\), but \(n, 3\)"),
         (V.ravel(), F, ValueError, r"vertices: the shape is \(12,\)"),
         (V, F.ravel(), ValueError, r"faces: the shape is \(6,\)"),
-        (V, np.zeros((2, 4), int), ValueError, r"faces: the shape is \(2, 4\)"),
+        (V, np.zeros((2, 4), int), gd.MeshError, "faces"),
         (V.astype(complex), F, TypeError, "vertices: the type is complex128"),
         (V.astype(str), F, TypeError, "vertices: the type is"),
         (V, F.astype(float), TypeError, "faces: the type is float64, but integers"),

@@ -83,6 +83,30 @@ def test_the_page_runs(code, tmp_path, monkeypatch):
         assert Path(picture).stat().st_size > 10_000
 
 
+def documented():
+    """The public names and members that a user calls, with their docstrings."""
+    for name in gd.__all__:
+        item = getattr(gd, name)
+        if name == "__version__" or isinstance(item, type) and issubclass(item, (Exception, Warning)):
+            continue
+        yield name, item
+        if isinstance(item, type):
+            for member, value in vars(item).items():
+                if not member.startswith("_") and callable(value) and member not in ("count", "index"):
+                    yield f"{name}.{member}", value
+
+
+@pytest.mark.parametrize(("name", "item"), documented())
+def test_every_docstring_has_an_example_that_runs(name, item):
+    import doctest
+
+    examples = doctest.DocTestParser().get_doctest(item.__doc__ or "", {}, name, None, 0)
+    if name not in ("Table", "Table.to_pandas", "Table.write"):  # Examples are those of `run`.
+        assert examples.examples, name
+    flags = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+    assert doctest.DocTestRunner(optionflags=flags).run(examples).failed == 0
+
+
 def test_doctests():
     import doctest
 

@@ -13,6 +13,7 @@ from ._core import (
     Arc,
     Cell,
     Certificate,
+    Field,
     Isoline,
     IsolineLine,
     Mesh,
@@ -34,18 +35,25 @@ from ._core import (
     vertex,
 )
 from ._results import Table, read_results, run
+from ._types import Counted, Failure, Location, Nearest, Profiled
 
 __all__ = [
     "Arc",
     "Cell",
     "Certificate",
+    "Counted",
+    "Failure",
+    "Field",
     "Isoline",
     "IsolineLine",
+    "Location",
     "Mesh",
     "MeshError",
+    "Nearest",
     "Path",
     "Point",
     "PrecisionWarning",
+    "Profiled",
     "Solver",
     "Table",
     "Voronoi",

@@ -1,11 +1,13 @@
 """The compiled part of the package."""
 
 import os
-from collections.abc import Iterable, Sequence
-from typing import Any, Literal, SupportsIndex, Union, final
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, Literal, SupportsIndex, Union, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from ._types import Counted, Failure, Location, Nearest, Profiled
 
 __all__ = [
     "__version__",
@@ -13,6 +15,7 @@ __all__ = [
     "PrecisionWarning",
     "Mesh",
     "Solver",
+    "Field",
     "Point",
     "Path",
     "Voronoi",
@@ -36,7 +39,54 @@ __all__ = [
 __version__: str
 
 _Point = Union[SupportsIndex, Point]
-_Points = Union[_Point, Iterable[_Point], NDArray[np.integer[Any]]]
+_Points = Union[
+    _Point,
+    Iterable[_Point],
+    NDArray[Union[np.integer[Any], np.floating[Any], np.bool_]],
+    tuple[ArrayLike, NDArray[np.floating[Any]]],
+]
+_Levels = Union[Sequence[float], NDArray[np.floating[Any]]]
+_Algorithm = Union[
+    Literal[
+        "mmp",
+        "mmp-edge",
+        "ch",
+        "ich1",
+        "ich",
+        "pch",
+        "fwp-mmp",
+        "fwp-ch",
+        "lc-mmp",
+        "lc-ch",
+        "vtp-mmp",
+        "vtp-ch",
+        "ftp",
+        "opftp",
+        "vtp",
+        "opvtp",
+        "vtp-exhaustive",
+        "vtp-trimming",
+        "vtp-no-rule1",
+        "vtp-no-rules23",
+        "edge-based",
+        "window-vtp",
+        "lct11",
+        "xls14",
+        "mmp-fast",
+        "ich-fast",
+        "vtp-fast",
+        "pvtp",
+        "dijkstra",
+        "fmm",
+        "fmm-untidy",
+        "heat",
+        "svg",
+        "mmp-approx",
+        "avtp",
+        "vsp",
+    ],
+    str,
+]
 _Path = Union[str, os.PathLike[str]]
 _Triple = tuple[float, float, float]
 
@@ -50,17 +100,22 @@ class Point:
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __hash__(self, /) -> int: ...
+    def __copy__(self, /) -> Point: ...
+    def __deepcopy__(self, _memo: Any, /) -> Point: ...
 
 @final
 class Mesh:
     def __new__(
         cls,
-        vertices: ArrayLike,
-        faces: ArrayLike,
+        vertices: Any,
+        faces: ArrayLike | Sequence[Sequence[int]] | None = None,
         *,
         name: str = "mesh",
         weld: bool | float | None = None,
+        repair: bool = True,
     ) -> Mesh: ...
+    def __copy__(self, /) -> Mesh: ...
+    def __deepcopy__(self, _memo: Any, /) -> Mesh: ...
     @staticmethod
     def from_lengths(
         n: int, faces: ArrayLike, lengths: ArrayLike, *, name: str = "mesh"
@@ -68,7 +123,7 @@ class Mesh:
     @property
     def vertices(self) -> NDArray[np.float64]: ...
     @property
-    def faces(self) -> NDArray[np.uint32]: ...
+    def faces(self) -> NDArray[np.int64]: ...
     @property
     def n_vertices(self) -> int: ...
     @property
@@ -79,42 +134,84 @@ class Mesh:
     def defects(self) -> list[str]: ...
     def wrong_distances(
         self, found: ArrayLike, reference: ArrayLike, *, tolerance: float = 1e-9
-    ) -> NDArray[np.uint32]: ...
+    ) -> NDArray[np.int64]: ...
     def info(self) -> dict[str, float]: ...
-    def locate(self, point: _Point) -> tuple[int, _Triple, _Triple | None, float]: ...
+    def locate(self, points: _Points) -> Location: ...
+    def nearest_vertices(self, positions: ArrayLike) -> NDArray[np.int64]: ...
     def nearest_vertex(self, x: float, y: float, z: float) -> int: ...
+    @overload
     def distance(
         self,
         source: _Points,
         *,
         radius: float | None = None,
         targets: _Points | None = None,
-        algorithm: str | None = None,
+        nearest: Literal[False] = False,
+        algorithm: _Algorithm | None = None,
     ) -> NDArray[np.float64]: ...
+    @overload
+    def distance(
+        self,
+        source: _Points,
+        *,
+        radius: float | None = None,
+        targets: _Points | None = None,
+        nearest: Literal[True],
+        algorithm: _Algorithm | None = None,
+    ) -> Nearest: ...
+    @overload
     def distances(
         self,
         sources: _Points,
         *,
-        threads: int = 1,
+        threads: int | None = None,
         radius: float | None = None,
         targets: _Points | None = None,
-        algorithm: str | None = None,
+        sparse: Literal[False] = False,
+        algorithm: _Algorithm | None = None,
     ) -> NDArray[np.float64]: ...
+    @overload
+    def distances(
+        self,
+        sources: _Points,
+        *,
+        threads: int | None = None,
+        radius: float | None = None,
+        targets: _Points | None = None,
+        sparse: Literal[True],
+        algorithm: _Algorithm | None = None,
+    ) -> Any: ...
+    def distance_matrix(
+        self,
+        points: _Points,
+        *,
+        threads: int | None = None,
+        algorithm: _Algorithm | None = None,
+    ) -> NDArray[np.float64]: ...
+    def pairs(
+        self,
+        sources: _Points,
+        targets: _Points,
+        *,
+        threads: int | None = None,
+        algorithm: _Algorithm | None = None,
+    ) -> NDArray[np.float64]: ...
+    def field(self, source: _Points) -> Field: ...
     def path(
-        self, source: _Points, target: _Point, *, algorithm: str | None = None
+        self, source: _Points, target: _Point, *, algorithm: _Algorithm | None = None
     ) -> Path | None: ...
     def paths(
-        self, source: _Points, targets: _Points, *, algorithm: str | None = None
+        self, source: _Points, targets: _Points, *, algorithm: _Algorithm | None = None
     ) -> list[Path | None]: ...
     def isolines(
         self,
         source: _Points,
         *,
         every: float | None = None,
-        levels: Sequence[float] | NDArray[np.floating[Any]] | None = None,
+        levels: _Levels | None = None,
     ) -> list[Isoline]: ...
     def voronoi(self, sources: _Points) -> Voronoi: ...
-    def remesh(self, sites: int, *, lloyd: int = 5, seed: int = 0) -> Mesh: ...
+    def remesh(self, sites: int, *, lloyd: int = 5, rng: Any = None) -> Mesh: ...
     def write(self, path: _Path) -> None: ...
 
 @final
@@ -122,7 +219,7 @@ class Solver:
     def __new__(
         cls,
         mesh: Mesh,
-        algorithm: str | None = None,
+        algorithm: _Algorithm | None = None,
         *,
         threads: int | None = None,
         simd: Literal["auto", "scalar", "avx2", "avx512"] = "auto",
@@ -133,21 +230,62 @@ class Solver:
     def algorithm(self) -> str: ...
     @property
     def exact(self) -> bool: ...
+    @overload
     def distance(
-        self, source: _Points, *, radius: float | None = None, targets: _Points | None = None
+        self,
+        source: _Points,
+        *,
+        radius: float | None = None,
+        targets: _Points | None = None,
+        nearest: Literal[False] = False,
     ) -> NDArray[np.float64]: ...
+    @overload
+    def distance(
+        self,
+        source: _Points,
+        *,
+        radius: float | None = None,
+        targets: _Points | None = None,
+        nearest: Literal[True],
+    ) -> Nearest: ...
+    @overload
     def distances(
         self,
         sources: _Points,
         *,
-        threads: int = 1,
+        threads: int | None = None,
         radius: float | None = None,
         targets: _Points | None = None,
+        sparse: Literal[False] = False,
     ) -> NDArray[np.float64]: ...
+    @overload
+    def distances(
+        self,
+        sources: _Points,
+        *,
+        threads: int | None = None,
+        radius: float | None = None,
+        targets: _Points | None = None,
+        sparse: Literal[True],
+    ) -> Any: ...
+    def distance_matrix(
+        self,
+        points: _Points,
+        *,
+        threads: int | None = None,
+    ) -> NDArray[np.float64]: ...
+    def pairs(
+        self,
+        sources: _Points,
+        targets: _Points,
+        *,
+        threads: int | None = None,
+    ) -> NDArray[np.float64]: ...
+    def field(self, source: _Points) -> Field: ...
     def path(self, source: _Points, target: _Point) -> Path | None: ...
     def paths(self, source: _Points, targets: _Points) -> list[Path | None]: ...
-    def count(self, source: _Points) -> tuple[NDArray[np.float64], dict[str, int]]: ...
-    def profile(self, source: _Points) -> tuple[NDArray[np.float64], dict[str, float]]: ...
+    def count(self, source: _Points) -> Counted: ...
+    def profile(self, source: _Points) -> Profiled: ...
 
 @final
 class Path:
@@ -162,9 +300,36 @@ class Path:
     @property
     def vertices(self) -> NDArray[np.int64]: ...
     def __len__(self, /) -> int: ...
+    def __iter__(self, /) -> Iterator[NDArray[np.float64]]: ...
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]: ...
+    def __copy__(self, /) -> Path: ...
+    def __deepcopy__(self, _memo: Any, /) -> Path: ...
+
+@final
+class Field:
+    @property
+    def mesh(self) -> Mesh: ...
+    @property
+    def sources(self) -> list[Point]: ...
+    @property
+    def distances(self) -> NDArray[np.float64]: ...
+    @overload
+    def distance(self, points: _Point) -> np.float64: ...
+    @overload
+    def distance(self, points: _Points) -> NDArray[np.float64]: ...
+    def gradient(self, points: _Points) -> NDArray[np.float64]: ...
+    def path(self, point: _Point) -> Path | None: ...
+    def paths(self, points: _Points) -> list[Path | None]: ...
+    def isolines(
+        self, *, every: float | None = None, levels: _Levels | None = None
+    ) -> list[Isoline]: ...
+    def __copy__(self, /) -> Field: ...
+    def __deepcopy__(self, _memo: Any, /) -> Field: ...
 
 @final
 class Isoline:
+    def __len__(self, /) -> int: ...
+    def __iter__(self, /) -> Iterator[IsolineLine]: ...
     @property
     def distance(self) -> float: ...
     @property
@@ -181,7 +346,7 @@ class IsolineLine:
     @property
     def length(self) -> float: ...
     @property
-    def faces(self) -> list[int]: ...
+    def faces(self) -> NDArray[np.int64]: ...
     def points(self, tolerance: float | None = None) -> NDArray[np.float64]: ...
 
 @final
@@ -199,6 +364,10 @@ class Voronoi:
     @property
     def vertices(self) -> list[VoronoiVertex]: ...
     def dual(self) -> Mesh: ...
+    def __len__(self, /) -> int: ...
+    def __iter__(self, /) -> Iterator[Cell]: ...
+    def __copy__(self, /) -> Voronoi: ...
+    def __deepcopy__(self, _memo: Any, /) -> Voronoi: ...
 
 @final
 class Cell:
@@ -255,10 +424,12 @@ class Certificate:
     @property
     def tolerance(self) -> float: ...
     @property
-    def failures(self) -> list[tuple[Literal["vertex", "face"], int, float]]: ...
+    def failures(self) -> list[Failure]: ...
     @property
     def distances(self) -> NDArray[np.float64]: ...
     def __bool__(self, /) -> bool: ...
+    def __copy__(self, /) -> Certificate: ...
+    def __deepcopy__(self, _memo: Any, /) -> Certificate: ...
 
 def vertex(v: SupportsIndex) -> Point: ...
 def edge(a: SupportsIndex, b: SupportsIndex, t: float) -> Point: ...

@@ -230,6 +230,13 @@ def run(
     -------
     Table
         One row per cell. A wrong answer is a row of status ``"wrong"`` and never a time.
+
+    Examples
+    --------
+    >>> import geodesics as gd
+    >>> table = gd.run(["mmp", "vtp"], "gen:grid,n=4", sources=0, repeat=1)
+    >>> [(row["algorithm"], row["status"]) for row in table]
+    [('mmp', 'ok'), ('vtp', 'ok')]
     """
     if isinstance(models, (str, os.PathLike, _core.Mesh)):
         models = [models]
@@ -268,6 +275,16 @@ def read_results(path: _Path, samples: bool = False) -> pandas.DataFrame:
     pandas.DataFrame
         One row per cell, with the columns of the CSV form and those of its model, or one row per
         sample. Times are in seconds, memory in bytes.
+
+    Examples
+    --------
+    >>> import geodesics as gd
+    >>> import tempfile, pathlib
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "result.json")
+    ...     gd.run("mmp", "gen:grid,n=4", sources=0, repeat=1).write(path)
+    ...     list(gd.read_results(path)["algorithm"])
+    ['mmp']
     """
     with open(path, encoding="utf-8") as file:
         try:

@@ -26,8 +26,8 @@ use crate::solver::warn;
 /// >>> field = gd.generate("grid,n=4").field(0)
 /// >>> field
 /// <geodesics.Field from 1 source for 25 vertices, 32 faces>
-/// >>> [float(d) for d in field.distance([0, 4])]
-/// [0.0, 4.0]
+/// >>> field.distance([0, 4]).round(3)
+/// array([0., 4.])
 #[pyclass(frozen, weakref, module = "geodesics", name = "Field")]
 pub(crate) struct PyField {
     field: Arc<DistanceField>,
@@ -184,7 +184,7 @@ impl PyField {
     /// --------
     /// >>> import geodesics as gd
     /// >>> field = gd.generate("grid,n=4").field(0)
-    /// >>> field.path(4).length
+    /// >>> round(field.path(4).length, 3)
     /// 4.0
     fn path(&self, py: Python<'_>, point: &Bound<'_, PyAny>) -> PyResult<Option<PyPath>> {
         single(point, "point")?;
@@ -197,7 +197,7 @@ impl PyField {
     /// --------
     /// >>> import geodesics as gd
     /// >>> field = gd.generate("grid,n=4").field(0)
-    /// >>> [path.length for path in field.paths([4, 20])]
+    /// >>> [round(path.length, 3) for path in field.paths([4, 20])]
     /// [4.0, 4.0]
     fn paths(&self, py: Python<'_>, points: &Bound<'_, PyAny>) -> PyResult<Vec<Option<PyPath>>> {
         let points = self.points(py, points)?;

@@ -360,7 +360,7 @@ impl PyMesh {
     /// >>> mesh = gd.generate("grid,n=4")
     /// >>> d = mesh.distance(0)
     /// >>> mesh.wrong_distances(d + (d > 5), d)
-    /// array([19, 23, 24])
+    /// array([24])
     #[pyo3(signature = (found, reference, *, tolerance = 1e-9))]
     fn wrong_distances<'py>(
         &self,

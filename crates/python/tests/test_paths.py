@@ -75,7 +75,7 @@ def test_remesh_keeps_the_surface(torus):
     assert even.n_vertices == 100
     # On a torus, F = 2 V.
     assert even.n_faces == 200
-    assert even.remesh(50, lloyd=0, seed=3).n_vertices >= 50
+    assert even.remesh(50, lloyd=0, rng=3).n_vertices >= 50
     with pytest.raises(ValueError, match="sites are asked for"):
         torus.remesh(10**6)
     # A single cell of a torus is no disc, so sites are added.

@@ -14,7 +14,7 @@ EXPECTED = [1, 0, 1, 1, 1, 2**0.5]
 
 
 def test_copies_have_the_distance_of_the_first():
-    apart = gd.Mesh(VERTICES, FACES)
+    apart = gd.Mesh(VERTICES, FACES, weld=False)
     assert np.isinf(apart.distance(1)[3:]).all()
     assert any("lie at the place of another" in defect for defect in apart.defects)
     for weld in [True, 0, 1e-6]:

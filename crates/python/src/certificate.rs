@@ -68,7 +68,6 @@ impl PyCertificate {
         slf
     }
 
-    #[allow(clippy::type_complexity)] // The fields.
     fn __reduce__<'py>(
         &self,
         py: Python<'py>,

@@ -203,7 +203,6 @@ impl PyMesh {
         slf
     }
 
-    #[allow(clippy::type_complexity)] // What `_mesh` takes.
     fn __reduce__<'py>(
         &self,
         py: Python<'py>,
@@ -947,7 +946,7 @@ fn weld_of(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Weld>> {
 
 /// Reads the argument `rng` (SPEC 7 of Scientific Python): a seed, or what draws one.
 fn seed_of(py: Python<'_>, rng: Option<&Bound<'_, PyAny>>) -> PyResult<u64> {
-    if let Some(Ok(seed)) = rng.map(|rng| rng.extract::<u64>()) {
+    if let Some(Ok(seed)) = rng.map(PyAnyMethods::extract::<u64>) {
         return Ok(seed);
     }
     let generator = py

@@ -131,7 +131,6 @@ impl PyPath {
         slf
     }
 
-    #[allow(clippy::type_complexity)] // The fields.
     fn __reduce__<'py>(
         &self,
         py: Python<'py>,

@@ -209,7 +209,7 @@ fn matrix(
         row(solver, mesh, &[*task.1], goal, vertices)
     };
     let doubt = runs.each(rows, run, |(place, _), found: Vec<f64>| {
-        place.copy_from_slice(&found)
+        place.copy_from_slice(&found);
     })?;
     Ok((all, doubt))
 }
@@ -232,7 +232,7 @@ fn sparse(
             Ok((finite.unzip(), doubt))
         };
     let doubt = runs.each(all.iter_mut().zip(sources), run, |(place, _), found| {
-        *place = found
+        *place = found;
     })?;
     Ok((all, doubt))
 }

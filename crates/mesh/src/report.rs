@@ -68,14 +68,18 @@ impl Report {
     }
 
     /// What a user should know before using the mesh, in at most two lines: repairs and notes
-    /// without their elements, then vertices that welding would join.
+    /// without their elements, but with the departures from a format, then vertices that welding
+    /// would join.
     pub fn notes(&self) -> Vec<String> {
         let (joinable, others): (Vec<_>, Vec<_>) = self
             .summaries()
             .into_iter()
             .filter(|summary| summary.kind.severity() != Severity::Fatal)
             .partition(|summary| summary.kind == DefectKind::CoincidentVertices);
-        let others = others.iter().map(|s| headline(s.kind, s.count));
+        let others = others.iter().map(|s| match s.kind {
+            DefectKind::FileForm => s.text.clone(),
+            kind => headline(kind, s.count),
+        });
         let others: Vec<String> = others.collect();
         let mut notes: Vec<String> = Vec::new();
         if !others.is_empty() {
@@ -87,10 +91,16 @@ impl Report {
 
     /// One sentence for each kind of defect, in the order of [`DefectKind`], fatal ones first.
     pub fn summaries(&self) -> Vec<DefectSummary> {
-        self.defects
-            .chunk_by(|x, y| x.kind() == y.kind())
-            .map(summarize)
-            .collect()
+        let kinds = self.defects.chunk_by(|x, y| x.kind() == y.kind());
+        let mut summaries: Vec<DefectSummary> = kinds.map(summarize).collect();
+        let is_left_out = |s: &DefectSummary| s.kind == DefectKind::CollapsedFace;
+        if summaries.iter().any(is_left_out)
+            && let Some(none) = summaries.iter_mut().find(|s| s.kind == DefectKind::NoFaces)
+        {
+            none.text.push_str(" left");
+            "distances need a surface".clone_into(&mut none.advice);
+        }
+        summaries
     }
 }
 

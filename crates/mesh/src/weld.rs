@@ -67,6 +67,11 @@ impl Weld {
     pub const fn tolerance(self) -> f64 {
         self.0
     }
+
+    /// The vertices that a lower one gathers, each with that one, in ascending order.
+    pub(crate) fn copies(self, positions: &[[f64; 3]]) -> Vec<[u32; 2]> {
+        copies_within(positions, 0..positions.len() as u32, self.0)
+    }
 }
 
 impl FromStr for Weld {
@@ -144,7 +149,7 @@ impl TriangleSoup {
 }
 
 /// For each vertex the one that stands for it, which may be itself.
-fn kept_vertices(vertex_count: usize, copies: &[[u32; 2]]) -> Vec<u32> {
+pub(crate) fn kept_vertices(vertex_count: usize, copies: &[[u32; 2]]) -> Vec<u32> {
     let mut kept: Vec<u32> = (0..vertex_count as u32).collect();
     for &[copy, first] in copies {
         kept[copy as usize] = first;

@@ -377,7 +377,11 @@ impl ModelRef {
     pub fn read(&self, options: impl Into<ReadOptions>) -> Result<TriangleSoup, ModelError> {
         let options = options.into();
         let mut soup = match &self.origin {
-            ModelOrigin::File(path) => read_file(path, options)?,
+            ModelOrigin::File(path) => {
+                // Polygons are cut for the welded surface.
+                let weld = self.weld.or(options.weld);
+                return read_file(path, ReadOptions { weld, ..options });
+            }
             ModelOrigin::Memory(mesh) => mesh.to_soup(),
             ModelOrigin::Generated(spec) => {
                 let made = match spec.path() {

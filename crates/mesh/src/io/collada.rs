@@ -2,7 +2,8 @@
 //!
 //! Triangles, polygons, lists of polygons, strips and fans are read; lines and splines are not. Skins
 //! and morphs are not applied: their geometry is placed as it is, by the bind shape and the node.
-//! Units and the axis that is up are not converted. Without a scene, all geometries are placed as
+//! Of the transforms a skew is not read: programs differ on its axes. Polygons with holes are not read,
+//! either. Units and the axis that is up are not converted. Without a scene, all geometries are placed as
 //! they are.
 
 use std::collections::HashMap;
@@ -11,12 +12,12 @@ use std::collections::hash_map::Entry;
 use roxmltree::Node;
 
 use super::error::Flaw;
-use super::scene::{Affine, Assembly, DEEPEST, UnplacedMesh, too_deep};
+use super::faces::FileMesh;
+use super::scene::{Affine, Assembly, DEEPEST, too_deep};
 use super::xml::{self, attribute, child, children, descendants, flaw, needed};
-use crate::soup::TriangleSoup;
 
 /// Reads a COLLADA file whose placed geometries take at most `room` bytes.
-pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
+pub(super) fn read(bytes: &[u8], room: u64) -> Result<FileMesh, Flaw> {
     let text = xml::text(bytes);
     let document = xml::parse(&text)?;
     let root = document.root_element();
@@ -47,13 +48,13 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
             reader.geometry(geometry, &Affine::IDENTITY)?;
         }
     }
-    reader.scene.into_soup()
+    reader.scene.into_mesh()
 }
 
 struct ColladaFile<'a, 'd> {
     by_id: HashMap<&'a str, Node<'a, 'd>>,
     /// The geometries that have been placed, by the place of their element.
-    pieces: HashMap<usize, UnplacedMesh>,
+    pieces: HashMap<usize, FileMesh>,
     scene: Assembly,
 }
 
@@ -75,13 +76,14 @@ impl<'a, 'd> ColladaFile<'a, 'd> {
 
     /// Places the geometries of a visual scene.
     fn place(&mut self, scene: Node<'a, 'd>) -> Result<(), Flaw> {
-        let mut open = vec![(scene, Affine::IDENTITY, 0)];
-        while let Some((node, outer, depth)) = open.pop() {
+        // Beside the transform of each node, a step of it that is not read.
+        let mut open = vec![(scene, Affine::IDENTITY, None, 0)];
+        while let Some((node, outer, unread, depth)) = open.pop() {
             if depth > DEEPEST {
                 return Err(too_deep("a node"));
             }
             self.scene.visit()?;
-            let mut transform = outer;
+            let (mut transform, mut unread): (_, Option<Node<'_, '_>>) = (outer, unread);
             let first = open.len();
             // Transforms come before what they apply to.
             for element in node.children().filter(Node::is_element) {
@@ -89,7 +91,13 @@ impl<'a, 'd> ColladaFile<'a, 'd> {
                     transform = transform.after(&step);
                     continue;
                 }
-                match element.tag_name().name() {
+                let name = element.tag_name().name();
+                if let ("instance_geometry" | "instance_controller", Some(step)) = (name, unread) {
+                    let problem = "what it transforms is not read; write it as a matrix";
+                    return Err(flaw(step, problem));
+                }
+                match name {
+                    "skew" => unread = unread.or(Some(element)),
                     "instance_geometry" => {
                         self.geometry(self.target(element, "url")?, &transform)?;
                     }
@@ -98,9 +106,9 @@ impl<'a, 'd> ColladaFile<'a, 'd> {
                         self.controller(controller, &transform)?;
                     }
                     "instance_node" => {
-                        open.push((self.target(element, "url")?, transform, depth + 1));
+                        open.push((self.target(element, "url")?, transform, unread, depth + 1));
                     }
-                    "node" => open.push((element, transform, depth + 1)),
+                    "node" => open.push((element, transform, unread, depth + 1)),
                     _ => {}
                 }
             }
@@ -138,7 +146,7 @@ impl<'a, 'd> ColladaFile<'a, 'd> {
             let piece = match child(node, "mesh").or_else(|| child(node, "convex_mesh")) {
                 Some(mesh) => self.mesh(mesh)?,
                 // A spline.
-                None => UnplacedMesh::default(),
+                None => FileMesh::default(),
             };
             self.pieces.insert(key, piece);
         }
@@ -147,8 +155,8 @@ impl<'a, 'd> ColladaFile<'a, 'd> {
     }
 
     /// The faces of a mesh, with the positions of all their sources.
-    fn mesh(&mut self, mesh: Node<'a, 'd>) -> Result<UnplacedMesh, Flaw> {
-        let mut piece = UnplacedMesh::default();
+    fn mesh(&mut self, mesh: Node<'a, 'd>) -> Result<FileMesh, Flaw> {
+        let mut piece = FileMesh::default();
         // The number of the first vertex of each source of positions.
         let mut firsts: HashMap<usize, (u32, u32)> = HashMap::new();
         for list in mesh.children().filter(Node::is_element) {
@@ -167,8 +175,18 @@ impl<'a, 'd> ColladaFile<'a, 'd> {
                 }
             }
             let Some((input, offset)) = vertex else {
+                if child(list, "p").is_some() {
+                    return Err(flaw(
+                        list,
+                        "has no input VERTEX, so that its corners are unknown",
+                    ));
+                }
                 continue;
             };
+            if let Some(hole) = children(list, "ph").find_map(|ph| child(ph, "h")) {
+                let problem = "a polygon with a hole is not read; save it cut into triangles";
+                return Err(flaw(hole, problem));
+            }
             let source = self.positions_of(self.target(input, "source")?)?;
             if let Entry::Vacant(place) = firsts.entry(source.range().start) {
                 let positions = self.positions(source)?;
@@ -298,11 +316,9 @@ fn step(element: Node<'_, '_>) -> Result<Option<Affine>, Flaw> {
             let [x, y, z, degrees] = fixed(element)?;
             Affine::turn([x, y, z], degrees)
         }
-        "skew" | "lookat" => {
-            return Err(flaw(
-                element,
-                "this transform is not read; write it as a matrix",
-            ));
+        "lookat" => {
+            let [a, b, c, d, e, f, g, h, i] = fixed(element)?;
+            Affine::look_at([a, b, c], [d, e, f], [g, h, i])
         }
         _ => return Ok(None),
     }))

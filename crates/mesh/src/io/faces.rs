@@ -1,11 +1,22 @@
 //! The faces of a file, before they are cut into triangles.
 
+use std::cmp::Ordering;
+use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 
 use super::error::Flaw;
 use super::triangulate::{Budget, TooComplex, other_cuts, triangulate};
 use crate::defect::{Defect, FileForm};
 use crate::soup::TriangleSoup;
+use crate::weld::{Weld, kept_vertices};
+
+/// The contents of a file: vertices, and faces that are not yet cut into triangles.
+#[derive(Debug, Default)]
+pub(super) struct FileMesh {
+    pub(super) positions: Vec<[f64; 3]>,
+    pub(super) faces: FaceList,
+}
 
 /// Faces with any number of corners, as the file lists them.
 #[derive(Debug, Default)]
@@ -16,8 +27,8 @@ pub(super) struct FaceList {
     corners: Vec<u32>,
     /// Number of corners of each face in `corners`.
     arities: Vec<u32>,
-    /// The first line of each departure from the format.
-    forms: Vec<(u64, FileForm)>,
+    /// What reading has found.
+    notes: Vec<Defect>,
 }
 
 impl FaceList {
@@ -38,16 +49,28 @@ impl FaceList {
         }
     }
 
-    /// Notes a departure from the format in `line`; 0 in binary data.
-    pub(super) fn note(&mut self, line: u64, form: FileForm) {
-        if self.forms.iter().all(|(_, known)| *known != form) {
-            self.forms.push((line, form));
+    /// Notes a departure from the format in `line`; 0 in binary data. Only the first of each kind
+    /// is kept.
+    pub(super) fn note_form(&mut self, line: u64, form: FileForm) {
+        let is_known =
+            |note: &Defect| matches!(note, Defect::FileForm { form: known, .. } if *known == form);
+        if !self.notes.iter().any(is_known) {
+            self.note(Defect::FileForm { line, form });
         }
+    }
+
+    pub(super) fn note(&mut self, note: Defect) {
+        self.notes.push(note);
     }
 
     /// Whether there is no face.
     pub(super) fn is_empty(&self) -> bool {
         self.triangles.is_empty() && self.arities.is_empty()
+    }
+
+    /// Whether a face has three corners.
+    pub(super) fn has_surface(&self) -> bool {
+        !self.triangles.is_empty() || self.arities.iter().any(|&arity| arity >= 3)
     }
 
     /// Appends a face.
@@ -111,17 +134,54 @@ impl FaceList {
         Ok(())
     }
 
-    /// Cuts every face into triangles. Faces with fewer than three corners are left out:
-    /// `file_faces` still counts them, and the notes have their numbers.
-    pub(super) fn into_soup(self, positions: Vec<[f64; 3]>) -> Result<TriangleSoup, Flaw> {
-        let mut soup = TriangleSoup::new(positions, self.triangles);
-        let mut budget = Budget::for_corners(self.corners.len());
-        let mut short = 0;
-        let notes = self.forms.into_iter();
-        soup.notes
-            .extend(notes.map(|(line, form)| Defect::FileForm { line, form }));
+    /// Replaces each corner by the vertex that stands for it. Of a polygon with more than three, a
+    /// corner is dropped that becomes the one before it: the edge between them has no length.
+    fn weld(&mut self, kept: &[u32]) {
+        let of = |v: u32| kept.get(v as usize).copied().unwrap_or(v);
+        for corner in self.triangles.as_flattened_mut() {
+            *corner = of(*corner);
+        }
+        let mut welded = Vec::with_capacity(self.corners.len());
         let mut rest = &self.corners[..];
-        for (face, &arity) in self.arities.iter().enumerate() {
+        for arity in &mut self.arities {
+            let (corners, next) = rest.split_at(*arity as usize);
+            rest = next;
+            let mut left = corners.len();
+            let start = welded.len();
+            for (i, &corner) in corners.iter().enumerate() {
+                let before = corners[(i + corners.len() - 1) % corners.len()];
+                if left > 3 && before != corner && of(before) == of(corner) {
+                    left -= 1;
+                } else {
+                    welded.push(of(corner));
+                }
+            }
+            *arity = (welded.len() - start) as u32;
+        }
+        self.corners = welded;
+    }
+}
+
+impl FileMesh {
+    /// Cuts every face into triangles. Faces with fewer than three corners are left out:
+    /// `file_faces` still counts them, and the notes have their numbers. Vertices are welded first,
+    /// so that cuts are chosen for the edges of the welded surface.
+    pub(super) fn into_soup(self, weld: Option<Weld>) -> Result<TriangleSoup, Flaw> {
+        let Self {
+            positions,
+            mut faces,
+        } = self;
+        let copies = weld.map_or_else(Vec::new, |weld| weld.copies(&positions));
+        if !copies.is_empty() {
+            faces.weld(&kept_vertices(positions.len(), &copies));
+        }
+        let mut soup = TriangleSoup::new(positions, faces.triangles);
+        soup.copies = copies;
+        soup.notes = faces.notes;
+        let mut budget = Budget::for_corners(faces.corners.len());
+        let mut short = 0;
+        let mut rest = &faces.corners[..];
+        for (face, &arity) in faces.arities.iter().enumerate() {
             let (corners, next) = rest.split_at(arity as usize);
             rest = next;
             let corners = open(corners);
@@ -139,8 +199,8 @@ impl FaceList {
             )?;
             soup.file_faces.resize(soup.triangles.len(), face as u32);
         }
-        if !self.arities.is_empty() {
-            separate_cuts(&mut soup, &self.corners, &self.arities);
+        if !faces.arities.is_empty() {
+            cut_alike_or_apart(&mut soup, &faces.corners, &faces.arities);
         }
         match (soup.positions.len(), soup.triangles.len()) {
             (0, 0) => Err(Flaw::file(
@@ -200,13 +260,13 @@ fn open(mut corners: &[u32]) -> &[u32] {
     corners
 }
 
-/// Cuts polygons anew whose cuts lie along an edge of another face or a cut of another polygon.
-/// There the edge would have more than two faces, although in the file it has not. Two quads around
-/// a vertex with two edges are an example: both may be cut between its neighbours. O(n log n) for n
-/// corners.
-fn separate_cuts(soup: &mut TriangleSoup, corners: &[u32], arities: &[u32]) {
-    // For each polygon the range of its corners and that of its triangles.
-    let mut polygons = Vec::with_capacity(arities.len());
+/// The corners and the triangles of a polygon, as ranges of those of all.
+type Piece = (Range<usize>, Range<usize>);
+
+/// Cuts polygons anew: apart, where a cut would make an edge of more than two faces that the file has
+/// not, and alike, where one is a copy of another.
+fn cut_alike_or_apart(soup: &mut TriangleSoup, corners: &[u32], arities: &[u32]) {
+    let mut polygons: Vec<Piece> = Vec::with_capacity(arities.len());
     let (mut corner, mut triangle) = (0, 0);
     for &arity in arities {
         let outline = open(&corners[corner..corner + arity as usize]).len();
@@ -215,6 +275,103 @@ fn separate_cuts(soup: &mut TriangleSoup, corners: &[u32], arities: &[u32]) {
         corner += arity as usize;
         triangle += count;
     }
+    // A copy is cut as the first one is, so that their triangles are copies, too, and are left out.
+    let copies = copies_of_polygons(corners, &polygons);
+    if copies.is_empty() {
+        separate_cuts(soup, corners, &polygons);
+        return;
+    }
+    let is_copy = |i: &usize| copies.binary_search_by_key(i, |copy| copy.polygon).is_ok();
+    let others = polygons.iter().enumerate().filter(|(i, _)| !is_copy(i));
+    let firsts: Vec<Piece> = others.map(|(_, piece)| piece.clone()).collect();
+    separate_cuts(soup, corners, &firsts);
+    for copy in copies {
+        let (from, to) = (&polygons[copy.first].1, &polygons[copy.polygon].1);
+        soup.triangles.copy_within(from.clone(), to.start);
+        if copy.is_turned {
+            soup.triangles[to.clone()]
+                .iter_mut()
+                .for_each(|t| t.swap(1, 2));
+        }
+    }
+}
+
+/// A polygon whose corners follow each other as those of an earlier one, in either direction.
+struct PolygonCopy {
+    polygon: usize,
+    first: usize,
+    /// Whether the direction is the other one.
+    is_turned: bool,
+}
+
+/// The copies among polygons of more than three corners, in ascending order. O(n log n) for n
+/// corners.
+fn copies_of_polygons(corners: &[u32], polygons: &[Piece]) -> Vec<PolygonCopy> {
+    // Most polygons differ in this number from all others. It depends on neither start nor direction.
+    let mark = |v: &u32| u64::from(v ^ 0x5bd1_e995).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let sum_of = |outline: &[u32]| {
+        let marks = outline.iter().map(|v| mark(v) ^ (mark(v) >> 29));
+        marks.fold(0, u64::wrapping_add)
+    };
+    let all = polygons.iter().enumerate();
+    let all = all.filter(|(_, (outline, _))| outline.len() > 3);
+    let mut marked: Vec<(u64, usize)> = all
+        .map(|(i, (outline, _))| (sum_of(&corners[outline.clone()]), i))
+        .collect();
+    marked.sort_unstable();
+    let alike = marked.chunk_by(|a, b| a.0 == b.0);
+    let mut copies = Vec::new();
+    for group in alike.filter(|group| group.len() > 1) {
+        let mut known: HashMap<Vec<u32>, (usize, bool)> = HashMap::new();
+        for &(_, polygon) in group {
+            let outline = &corners[polygons[polygon].0.clone()];
+            let turned: Vec<u32> = outline.iter().rev().copied().collect();
+            let (forward, backward) = (from_least(outline), from_least(&turned));
+            let is_backward = backward < forward;
+            let cycle = if is_backward { backward } else { forward };
+            match known.entry(cycle) {
+                Entry::Occupied(first) => copies.push(PolygonCopy {
+                    polygon,
+                    first: first.get().0,
+                    is_turned: first.get().1 != is_backward,
+                }),
+                Entry::Vacant(place) => {
+                    place.insert((polygon, is_backward));
+                }
+            }
+        }
+    }
+    copies.sort_unstable_by_key(|copy| copy.polygon);
+    copies
+}
+
+/// The rotation of a cycle that comes first in lexicographic order. O(k) for k corners.
+fn from_least(cycle: &[u32]) -> Vec<u32> {
+    let k = cycle.len();
+    // Of two candidates for the start, one falls behind at each difference; no start that was passed
+    // is better.
+    let (mut start, mut other, mut same) = (0, 1, 0);
+    while start < k && other < k && same < k {
+        match cycle[(start + same) % k].cmp(&cycle[(other + same) % k]) {
+            Ordering::Equal => {
+                same += 1;
+                continue;
+            }
+            Ordering::Less => other += same + 1,
+            Ordering::Greater => start += same + 1,
+        }
+        other += usize::from(start == other);
+        same = 0;
+    }
+    let start = start.min(other);
+    [&cycle[start..], &cycle[..start]].concat()
+}
+
+/// Cuts polygons anew whose cuts lie along an edge of another face or a cut of another polygon.
+/// There the edge would have more than two faces, although in the file it has not. Two quads around
+/// a vertex with two edges are an example: both may be cut between its neighbours. O(n log n) for n
+/// corners.
+fn separate_cuts(soup: &mut TriangleSoup, corners: &[u32], polygons: &[Piece]) {
     let mut cuts = Vec::new();
     for (outline, triangles) in polygons.iter().filter(|(outline, _)| outline.len() > 3) {
         let (outline, triangles) = (outline.clone(), triangles.clone());
@@ -336,13 +493,18 @@ impl CutFilter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::SplitMix64;
+
+    fn soup_of(positions: Vec<[f64; 3]>, faces: FaceList) -> Result<TriangleSoup, Flaw> {
+        FileMesh { positions, faces }.into_soup(None)
+    }
 
     #[test]
     fn triangles_stay_as_they_are() {
         let mut faces = FaceList::default();
         faces.push(&[7, 8, 9]);
         faces.push(&[1, 1, 4]);
-        let soup = faces.into_soup(vec![[0.0; 3]]).unwrap();
+        let soup = soup_of(vec![[0.0; 3]], faces).unwrap();
         assert_eq!(soup.triangles, [[7, 8, 9], [1, 1, 4]]);
         assert!(soup.file_faces.is_empty());
     }
@@ -360,7 +522,7 @@ mod tests {
         faces.push(&[0, 1]);
         faces.push(&[0, 1, 2, 3]);
         faces.push(&[3, 2, 1]);
-        let soup = faces.into_soup(square).unwrap();
+        let soup = soup_of(square, faces).unwrap();
         assert_eq!(soup.triangles, [[0, 1, 2], [0, 1, 2], [0, 2, 3], [3, 2, 1]]);
         assert_eq!(soup.file_faces, [0, 2, 2, 3]);
         assert_eq!(soup.notes, [Defect::ShortFace { face: 1 }]);
@@ -370,6 +532,18 @@ mod tests {
     fn points_alone_are_no_surface() {
         let mut faces = FaceList::default();
         faces.push(&[0, 1]);
-        assert!(faces.into_soup(vec![[0.0; 3]; 2]).is_err());
+        assert!(soup_of(vec![[0.0; 3]; 2], faces).is_err());
+    }
+
+    #[test]
+    fn cycles_begin_at_their_least_rotation() {
+        let mut random = SplitMix64::new(3);
+        for _ in 0..2000 {
+            let cycle: Vec<u32> = (0..=random.below(7))
+                .map(|_| random.below(3) as u32)
+                .collect();
+            let rotations = (0..cycle.len()).map(|i| [&cycle[i..], &cycle[..i]].concat());
+            assert_eq!(Some(from_least(&cycle)), rotations.min(), "{cycle:?}");
+        }
     }
 }

@@ -2,15 +2,14 @@
 //! before the counts. What follows the faces is ignored, as is the shift to scanner coordinates.
 
 use super::error::{FilePosition, Flaw};
-use super::faces::FaceList;
-use crate::soup::TriangleSoup;
+use super::faces::{FaceList, FileMesh};
 
 /// The bytes at the start of triangle surfaces, and of those with quadrangles.
 const TRIANGLES: [u8; 3] = [0xff, 0xff, 0xfe];
 const QUADRANGLES: [[u8; 3]; 2] = [[0xff, 0xff, 0xff], [0xff, 0xff, 0xfd]];
 
 /// Reads a triangle surface.
-pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
+pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     if QUADRANGLES.iter().any(|magic| bytes.starts_with(magic)) {
         return Err(Flaw::file(
             "this is the old form with quadrangles; save it as triangles (mris_convert)",
@@ -47,6 +46,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
         .map(|b| f32::from_be_bytes(b).into())
         .collect();
     let corners: Vec<u32> = corners.into_iter().map(u32::from_be_bytes).collect();
-    let faces = FaceList::of(corners.as_chunks().0.to_vec());
-    faces.into_soup(positions.as_chunks().0.to_vec())
+    Ok(FileMesh {
+        positions: positions.as_chunks().0.to_vec(),
+        faces: FaceList::of(corners.as_chunks().0.to_vec()),
+    })
 }

@@ -7,12 +7,12 @@ use roxmltree::Node;
 
 use super::arrays::{NumberType, from_base64, inflate};
 use super::error::Flaw;
-use super::scene::{Affine, Assembly, UnplacedMesh};
+use super::faces::FileMesh;
+use super::scene::{Affine, Assembly};
 use super::xml::{self, children, flaw, needed};
-use crate::soup::TriangleSoup;
 
 /// Reads a GIFTI file whose arrays decompress to at most `room` bytes each.
-pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
+pub(super) fn read(bytes: &[u8], room: u64) -> Result<FileMesh, Flaw> {
     let text = xml::text(bytes);
     let document = xml::parse(&text)?;
     let root = document.root_element();
@@ -35,11 +35,11 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
     }
     let mut scene = Assembly::new(u64::MAX);
     for (number, (points, triangles)) in points.into_iter().zip(triangles).enumerate() {
-        let mut piece = UnplacedMesh {
+        let mut piece = FileMesh {
             positions: triples(points, room, |bytes, kind, is_little| {
                 Some(kind.float(bytes, is_little))
             })?,
-            ..UnplacedMesh::default()
+            ..FileMesh::default()
         };
         let corners = triples(triangles, room, |bytes, kind, is_little| {
             u32::try_from(kind.integer(bytes, is_little)?).ok()
@@ -49,7 +49,7 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
         }
         scene.place(&piece, &Affine::IDENTITY, &format!("surface {number}"))?;
     }
-    scene.into_soup()
+    scene.into_mesh()
 }
 
 /// The rows of an array with three columns. `number` converts the bytes of a number.

@@ -13,16 +13,16 @@ use serde_json::Value;
 
 use super::arrays::{NumberType, from_base64};
 use super::error::Flaw;
+use super::faces::FileMesh;
 use super::gzip::usual_decompression_limit;
-use super::scene::{Affine, Assembly, DEEPEST, UnplacedMesh, too_deep};
-use crate::soup::TriangleSoup;
+use super::scene::{Affine, Assembly, DEEPEST, too_deep};
 
 /// Extensions without which there are no positions.
 const COMPRESSED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
 
 /// Reads a glTF file at `path`, whose placed meshes take at most `room` bytes, and
 /// [`usual_decompression_limit`] of each file beside it.
-pub(super) fn read(bytes: &[u8], path: &Path, room: u64) -> Result<TriangleSoup, Flaw> {
+pub(super) fn read(bytes: &[u8], path: &Path, room: u64) -> Result<FileMesh, Flaw> {
     let (json, binary) = parts(bytes)?;
     let json: Value = serde_json::from_slice(json).map_err(|error| {
         Flaw::line(
@@ -41,8 +41,11 @@ pub(super) fn read(bytes: &[u8], path: &Path, room: u64) -> Result<TriangleSoup,
         .filter_map(Value::as_str)
     {
         if COMPRESSED.contains(&extension) {
+            return Err(Flaw::file(compressed_by(extension)));
+        }
+        if !is_harmless(extension) {
             return Err(Flaw::file(format!(
-                "its positions are compressed by {extension}; save it without compression"
+                "it needs the extension {extension}, which is not read; save it without"
             )));
         }
     }
@@ -55,7 +58,7 @@ pub(super) fn read(bytes: &[u8], path: &Path, room: u64) -> Result<TriangleSoup,
         scene: Assembly::new(room),
     };
     document.place()?;
-    document.scene.into_soup()
+    document.scene.into_mesh()
 }
 
 /// The files that a glTF file at `path` names as buffers, where they would be read.
@@ -94,6 +97,35 @@ fn place_beside(path: &Path, uri: &str) -> Option<PathBuf> {
     Some(folder.join(parts.collect::<PathBuf>()))
 }
 
+/// What is wrong with positions that an extension compresses.
+fn compressed_by(extension: &str) -> String {
+    format!("its positions are compressed by {extension}; save it without compression")
+}
+
+/// Whether a surface is the same without an extension that the file needs: quantised numbers are read
+/// in any case, and the others are about looks and names.
+fn is_harmless(extension: &str) -> bool {
+    let kinds = [
+        "KHR_mesh_quantization",
+        "KHR_materials_",
+        "KHR_texture_",
+        "KHR_lights_",
+        "KHR_techniques_webgl",
+        "KHR_xmp",
+        "KHR_animation_pointer",
+        "KHR_audio",
+        "EXT_texture_",
+        "EXT_lights_",
+        "EXT_mesh_features",
+        "EXT_instance_features",
+        "EXT_structural_metadata",
+        "EXT_mesh_manifold",
+        "MSFT_texture_dds",
+        "VRMC_materials_",
+    ];
+    kinds.iter().any(|kind| extension.starts_with(kind))
+}
+
 /// The JSON of a binary file, and its binary part.
 fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Flaw> {
     let word = |at: usize| {
@@ -114,6 +146,14 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Flaw> {
         return Err(Flaw::file("its first chunk is not JSON"));
     }
     let second = chunk((20 + json.len()).next_multiple_of(4));
+    let declared = word(8).ok_or_else(cut)?;
+    if second.is_none() && declared as usize > bytes.len() {
+        return Err(Flaw::file(format!(
+            "the file is cut off: it has {} of the {declared} bytes that its header declares; fetch \
+             it again",
+            bytes.len()
+        )));
+    }
     let binary = second
         .filter(|(kind, _)| kind == b"BIN\0")
         .map(|(_, data)| data);
@@ -172,7 +212,7 @@ impl GltfFile<'_> {
             }
             None => return Err(Flaw::file("the scene that it shows does not exist")),
         };
-        let mut pieces: HashMap<usize, UnplacedMesh> = HashMap::new();
+        let mut pieces: HashMap<usize, FileMesh> = HashMap::new();
         let mut open: Vec<_> = roots
             .iter()
             .rev()
@@ -208,10 +248,10 @@ impl GltfFile<'_> {
     }
 
     /// The triangles of a mesh. Primitives with the same positions share vertices.
-    fn mesh(&mut self, number: usize) -> Result<UnplacedMesh, Flaw> {
+    fn mesh(&mut self, number: usize) -> Result<FileMesh, Flaw> {
         let mesh = list(self.json, "meshes").get(number);
         let mesh = mesh.ok_or_else(|| Flaw::file(format!("mesh {number} does not exist")))?;
-        let mut piece = UnplacedMesh::default();
+        let mut piece = FileMesh::default();
         let mut firsts: HashMap<usize, (u32, u32)> = HashMap::new();
         for (i, primitive) in list(mesh, "primitives").iter().enumerate() {
             let name = format!("mesh {number}, primitive {i}");
@@ -222,6 +262,16 @@ impl GltfFile<'_> {
             // Points and lines.
             if mode < 4 {
                 continue;
+            }
+            // Beside the compressed positions there may be others.
+            let has_others = list(self.json, "accessors")
+                .get(positions)
+                .is_some_and(|accessor| accessor["bufferView"].is_number());
+            let extensions = &primitive["extensions"];
+            let extension = COMPRESSED.iter().find(|name| !extensions[**name].is_null());
+            if let (Some(extension), false) = (extension, has_others) {
+                let problem = compressed_by(extension);
+                return Err(Flaw::file(format!("{name}: {problem}")));
             }
             if let Entry::Vacant(place) = firsts.entry(positions) {
                 let all = self.accessor(positions, 3)?;
@@ -353,6 +403,13 @@ impl GltfFile<'_> {
         let view = list(json, "bufferViews").get(number);
         let view = view.ok_or_else(|| format!("there is no bufferView {number}"))?;
         let buffer = whole(view, "buffer").unwrap_or(usize::MAX);
+        let is_empty = list(json, "buffers").get(buffer).is_some_and(|buffer| {
+            let [_, meshopt] = COMPRESSED.map(|name| &buffer["extensions"][name]["fallback"]);
+            *meshopt == true && buffer["uri"].is_null()
+        });
+        if is_empty {
+            return Err(compressed_by(COMPRESSED[1]));
+        }
         let data = self.buffer(buffer)?;
         let start = whole(view, "byteOffset").unwrap_or(0);
         let length = whole(view, "byteLength").unwrap_or(0);
@@ -419,8 +476,8 @@ impl GltfFile<'_> {
                 let bytes = if is_file { fs::read(path).ok() } else { None };
                 let bytes = bytes.ok_or_else(|| {
                     format!(
-                        "the buffer {uri:?} cannot be read: it must lie beside the file; or save as \
-                         .glb"
+                        "the buffer {uri:?} cannot be read: it must lie beside the file, and beside \
+                         standard input there is none; name the file, or save it as .glb"
                     )
                 })?;
                 self.scene

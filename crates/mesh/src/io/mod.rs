@@ -314,7 +314,15 @@ impl ReadOptions {
         if format != Format::Stl && is_utf16(bytes) {
             return Err(in_utf16());
         }
-        let soup = match (format, self.obj_reader) {
+        if bytes.starts_with(b"version https://git-lfs.github.com/spec/v1") {
+            return Err(FileError::Malformed {
+                path: owned(),
+                place: FilePosition::File,
+                problem: "this is a pointer of Git LFS; its data was not fetched: git lfs pull"
+                    .to_owned(),
+            });
+        }
+        let mesh = match (format, self.obj_reader) {
             (Format::Obj, ObjReader::Direct) => obj::read(bytes),
             (Format::Obj, ObjReader::Tobj) => tobj::read(bytes),
             (Format::Ply, _) => ply::read(bytes),
@@ -328,7 +336,8 @@ impl ReadOptions {
             (Format::Gifti, _) => gifti::read(bytes, room),
             (Format::FreeSurfer, _) => freesurfer::read(bytes),
         };
-        let mut soup = soup.map_err(|Flaw { place, mut problem }| {
+        let soup = mesh.and_then(|mesh| mesh.into_soup(self.weld));
+        soup.map_err(|Flaw { place, mut problem }| {
             if is_utf16(bytes) {
                 return in_utf16();
             }
@@ -342,11 +351,7 @@ impl ReadOptions {
                 place,
                 problem,
             }
-        })?;
-        if let Some(weld) = self.weld {
-            soup.weld(weld);
-        }
-        Ok(soup)
+        })
     }
 }
 

@@ -6,24 +6,24 @@
 use std::borrow::Cow;
 
 use super::error::Flaw;
-use super::faces::FaceList;
+use super::faces::{FaceList, FileMesh};
 use super::quick_obj;
 use super::text::{
     NumberedLines, Words, coordinates, integer, number, shown, without_comment, words,
 };
 use crate::defect::FileForm;
-use crate::soup::TriangleSoup;
 
 /// Reads an OBJ file.
-pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
+pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     if let Some((positions, triangles)) = quick_obj::read(bytes) {
-        return FaceList::of(triangles).into_soup(positions);
+        let faces = FaceList::of(triangles);
+        return Ok(FileMesh { positions, faces });
     }
     read_statements(bytes)
 }
 
 /// Reads every statement, without the fast path.
-fn read_statements(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
+fn read_statements(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     let (mut positions, mut faces) = (Vec::new(), FaceList::default());
     let mut corners = Vec::new();
     for (line, statement) in Statements::new(bytes) {
@@ -54,18 +54,19 @@ fn read_statements(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
             _ => {}
         }
     }
-    faces.into_soup(positions)
+    Ok(FileMesh { positions, faces })
 }
 
 /// The coordinates of a vertex.
 ///
-/// One further number is a weight, by which the coordinates are divided. Two or more further
-/// numbers are a colour, which is ignored. If there are two numbers only, the third is 0.
+/// One further number must be 1: a weight, by which some programs divide (Assimp, tobj) and which
+/// others ignore (`MeshLab`, tinyobjloader, trimesh), so that any other one has two meanings. Two or
+/// more further numbers are a colour, which is ignored. If there are two numbers only, the third is 0.
 fn position(line: u64, mut words: Words<'_>, faces: &mut FaceList) -> Result<[f64; 3], Flaw> {
     if words.clone().count() == 2 {
         let mut numbers = words.by_ref().map(|word| number(line, word));
         if let (Some(x), Some(y)) = (numbers.next(), numbers.next()) {
-            faces.note(line, FileForm::TwoCoordinates);
+            faces.note_form(line, FileForm::TwoCoordinates);
             return Ok([x?, y?, 0.0]);
         }
     }
@@ -73,14 +74,17 @@ fn position(line: u64, mut words: Words<'_>, faces: &mut FaceList) -> Result<[f6
     let (Some(weight), None) = (words.next(), words.next()) else {
         return Ok(position);
     };
-    let weight = number(line, weight)?;
-    if weight == 0.0 {
-        return Err(Flaw::line(
-            line,
-            "the vertex has weight 0 and lies at infinity; remove the fourth number",
-        ));
+    if number(line, weight)? == 1.0 {
+        return Ok(position);
     }
-    Ok(position.map(|x| x / weight))
+    Err(Flaw::line(
+        line,
+        format!(
+            "the fourth number of the vertex, {}, is a weight to some programs, which divide by it, \
+             and nothing to others; remove it, or divide by it",
+            shown(weight)
+        ),
+    ))
 }
 
 /// The vertex of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, or what is wrong with it. Negative
@@ -157,9 +161,11 @@ mod tests {
             }
             if let Some((positions, triangles)) = quick_obj::read(&text) {
                 let shown = String::from_utf8_lossy(&text);
-                let found = FaceList::of(triangles).into_soup(positions);
-                let (Ok(found), Ok(expected)) = (&found, &read_statements(&text)) else {
-                    let failed = [found, read_statements(&text)].map(|soup| soup.is_err());
+                let faces = FaceList::of(triangles);
+                let found = FileMesh { positions, faces }.into_soup(None);
+                let statements = || read_statements(&text)?.into_soup(None);
+                let (Ok(found), Ok(expected)) = (&found, &statements()) else {
+                    let failed = [found, statements()].map(|soup| soup.is_err());
                     assert_eq!(failed, [true; 2], "{shown:?}");
                     continue;
                 };

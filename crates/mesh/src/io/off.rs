@@ -6,15 +6,14 @@
 //! are separated by blanks and lines of any kind.
 
 use super::error::Flaw;
-use super::faces::FaceList;
+use super::faces::{FaceList, FileMesh};
 use super::text::{
     NumberedLines, Tokens, coordinates, index, integer, is_blank, number, shown, without_comment,
     words,
 };
-use crate::soup::TriangleSoup;
 
 /// Reads an OFF file.
-pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
+pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     let mut lines = Content(NumberedLines::new(bytes));
     let all = Tokens::new(lines.0.clone(), true);
     // The format is free: numbers may extend over lines or share one. Most files have a line for
@@ -23,14 +22,16 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
         .and_then(|header| {
             let free = Tokens::new(lines.0.clone(), true);
             read_lines(bytes.len(), &header, lines)
-                .or_else(|flaw| read_free(&header, free).map_err(|_| flaw))
+                .or_else(|flaw| read_free(&header, free, false).map_err(|_| flaw))
         })
-        .or_else(|flaw| read_words(all).map_err(|_| flaw))?
-        .into_soup()
+        .or_else(|flaw| {
+            let plain = read_words(all.clone(), false);
+            plain.or_else(|_| read_words(all, true)).map_err(|_| flaw)
+        })
 }
 
 /// Reads a file whose keyword and counts are in any lines, too.
-fn read_words(mut words: Tokens<'_>) -> Result<Polygons, Flaw> {
+fn read_words(mut words: Tokens<'_>, coloured: bool) -> Result<FileMesh, Flaw> {
     let mut next = || -> Result<(u64, &[u8]), Flaw> {
         let ends = |line| Flaw::line(line, "the file ends before its counts");
         match words.next() {
@@ -59,23 +60,11 @@ fn read_words(mut words: Tokens<'_>) -> Result<Polygons, Flaw> {
         faces,
         more: keyword.more,
     };
-    read_free(&header, words)
-}
-
-/// Vertices and faces, not yet cut into triangles.
-struct Polygons {
-    positions: Vec<[f64; 3]>,
-    faces: FaceList,
-}
-
-impl Polygons {
-    fn into_soup(self) -> Result<TriangleSoup, Flaw> {
-        self.faces.into_soup(self.positions)
-    }
+    read_free(&header, words, coloured)
 }
 
 /// Reads a line for each vertex and each face of a file of `size` bytes.
-fn read_lines(size: usize, header: &OffHeader, mut lines: Content<'_>) -> Result<Polygons, Flaw> {
+fn read_lines(size: usize, header: &OffHeader, mut lines: Content<'_>) -> Result<FileMesh, Flaw> {
     // A header cannot reserve more memory than the shortest lines, "0 0 0" and "3 0 1 2", allow.
     let most = |line_length| size / line_length + 1;
     let mut positions = Vec::with_capacity(most(6).min(header.vertices as usize));
@@ -100,19 +89,22 @@ fn read_lines(size: usize, header: &OffHeader, mut lines: Content<'_>) -> Result
             ),
         ));
     }
-    Ok(Polygons { positions, faces })
+    Ok(FileMesh { positions, faces })
 }
 
 /// Reads the numbers of a file one after the other, whatever lines they are in. There must be as
-/// many as the keyword and the counts say, so colours, whose number may vary, are not possible.
-fn read_free(header: &OffHeader, mut tokens: Tokens<'_>) -> Result<Polygons, Flaw> {
-    let mut polygons = Polygons {
+/// many as the keyword and the counts say, so vertices cannot have colours, whose number may vary.
+/// Faces can if they are `coloured`: the rest of the line after their last corner is a colour.
+fn read_free(header: &OffHeader, mut tokens: Tokens<'_>, coloured: bool) -> Result<FileMesh, Flaw> {
+    /// Numbers of a colour: red, green, blue, alpha.
+    const COLOUR: usize = 4;
+    let mut mesh = FileMesh {
         positions: Vec::new(),
         faces: FaceList::default(),
     };
     for _ in 0..header.vertices {
         let position = coordinates(tokens.line(), &mut tokens)?;
-        polygons.positions.push(position);
+        mesh.positions.push(position);
         for _ in 0..header.more {
             let word = tokens.next().unwrap_or_default();
             number(tokens.line(), word)?;
@@ -122,15 +114,28 @@ fn read_free(header: &OffHeader, mut tokens: Tokens<'_>) -> Result<Polygons, Fla
     for _ in 0..header.faces {
         let first = tokens.next().unwrap_or_default();
         let count = index(tokens.line(), first)?;
+        if coloured && count < 3 {
+            let problem = "colours are not told from faces of fewer than three corners";
+            return Err(Flaw::line(tokens.line(), problem));
+        }
         corners.clear();
         for _ in 0..count {
             let word = tokens.next().unwrap_or_default();
             corners.push(index(tokens.line(), word)?);
         }
-        polygons.faces.push(&corners);
+        let mut numbers = 0;
+        while coloured && let Some(word) = tokens.next_in_line() {
+            number(tokens.line(), word)?;
+            numbers += 1;
+        }
+        if numbers > COLOUR {
+            let problem = format!("{numbers} numbers follow the face, too many for a colour");
+            return Err(Flaw::line(tokens.line(), problem));
+        }
+        mesh.faces.push(&corners);
     }
     match tokens.next() {
-        None => Ok(polygons),
+        None => Ok(mesh),
         Some(word) => Err(Flaw::line(
             tokens.line(),
             format!("{} is one too many", shown(word)),

@@ -1,9 +1,9 @@
 //! Meshes that nodes of a scene place by transforms, gathered into one.
 
 use super::error::Flaw;
-use super::faces::FaceList;
+use super::faces::FileMesh;
 use crate::defect::Defect;
-use crate::soup::TriangleSoup;
+use crate::vector::{cross, dot, sub};
 
 /// An affine map: rows of three factors and a shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +61,16 @@ impl Affine {
         ])
     }
 
+    /// The place and direction of a viewer at `eye` who looks along -z at `target`, with `up` above.
+    /// Not finite if these are no directions.
+    pub(super) fn look_at(eye: [f64; 3], target: [f64; 3], up: [f64; 3]) -> Self {
+        let unit = |v: [f64; 3]| v.map(|x| x / dot(v, v).sqrt());
+        let back = unit(sub(eye, target));
+        let right = unit(cross(up, back));
+        let above = cross(back, right);
+        Self([0, 1, 2].map(|row| [right[row], above[row], back[row], eye[row]]))
+    }
+
     /// The rotation about `axis` by `degrees`.
     pub(super) fn turn(axis: [f64; 3], degrees: f64) -> Self {
         // `libm` gives the same bits on every machine.
@@ -99,25 +109,13 @@ pub(super) fn too_deep(what: &str) -> Flaw {
     ))
 }
 
-/// A mesh before it is placed.
-#[derive(Debug, Default)]
-pub(super) struct UnplacedMesh {
-    pub(super) positions: Vec<[f64; 3]>,
-    pub(super) faces: FaceList,
-}
-
-impl UnplacedMesh {
-    /// The piece alone.
-    pub(super) fn into_soup(self) -> Result<TriangleSoup, Flaw> {
-        self.faces.into_soup(self.positions)
-    }
-}
-
 /// The placed meshes.
 #[derive(Debug)]
 pub(super) struct Assembly {
-    all: UnplacedMesh,
+    all: FileMesh,
     parts: u32,
+    /// How many meshes without faces were placed.
+    without_faces: u32,
     /// How many more bytes the placed meshes may take.
     room: u64,
 }
@@ -127,8 +125,9 @@ impl Assembly {
     /// times.
     pub(super) fn new(room: u64) -> Self {
         Self {
-            all: UnplacedMesh::default(),
+            all: FileMesh::default(),
             parts: 0,
+            without_faces: 0,
             room,
         }
     }
@@ -157,11 +156,12 @@ impl Assembly {
     /// Adds a mesh, called `name` in messages.
     pub(super) fn place(
         &mut self,
-        piece: &UnplacedMesh,
+        piece: &FileMesh,
         transform: &Affine,
         name: &str,
     ) -> Result<(), Flaw> {
         if piece.faces.is_empty() {
+            self.without_faces += 1;
             return Ok(());
         }
         self.pay(24 * piece.positions.len() as u64 + piece.faces.bytes())?;
@@ -189,13 +189,26 @@ impl Assembly {
         Ok(())
     }
 
-    /// The placed meshes as one soup, with a note on their number.
-    pub(super) fn into_soup(self) -> Result<TriangleSoup, Flaw> {
-        let mut soup = self.all.into_soup()?;
-        if self.parts > 1 {
-            soup.notes.push(Defect::Parts { parts: self.parts });
+    /// The placed meshes as one, with a note on their number. An error if there is none.
+    pub(super) fn into_mesh(mut self) -> Result<FileMesh, Flaw> {
+        match (self.parts, self.without_faces) {
+            (0, 0) => {
+                return Err(Flaw::file(
+                    "no mesh is placed in it: its scene, build or list of pieces is empty; save it \
+                     with its objects",
+                ));
+            }
+            (0, _) => {
+                return Err(Flaw::file(
+                    "what it places has no faces, at most points and lines; a surface is needed",
+                ));
+            }
+            _ => {}
         }
-        Ok(soup)
+        if self.parts > 1 {
+            self.all.faces.note(Defect::Parts { parts: self.parts });
+        }
+        Ok(self.all)
     }
 }
 
@@ -211,15 +224,18 @@ mod tests {
             .zip([0.0, 1.0, 5.0])
             .map(|(a, b)| (a - b).abs());
         assert!(off.fold(0.0, f64::max) < 1e-15, "{turned:?}");
+        // Half a turn about the axis that is up.
+        let seen = Affine::look_at([5.0, 0.0, 0.0], [5.0, 0.0, 9.0], [0.0, 2.0, 0.0]);
+        assert_eq!(seen.of([1.0, 2.0, 3.0]), [4.0, 2.0, -3.0]);
         let both = Affine::shift([1.0, 0.0, 0.0]).after(&Affine::scale([2.0; 3]));
         assert_eq!(both.of([1.0, 2.0, 3.0]), [3.0, 4.0, 6.0]);
     }
 
     #[test]
     fn a_mesh_cannot_be_placed_without_bound() {
-        let mut piece = UnplacedMesh {
+        let mut piece = FileMesh {
             positions: vec![[0.0; 3]; 3],
-            ..UnplacedMesh::default()
+            ..FileMesh::default()
         };
         piece.faces.push(&[0, 1, 2]);
         let mut scene = Assembly::new(1000);

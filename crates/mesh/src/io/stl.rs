@@ -7,9 +7,9 @@
 //! Text coordinates are read as `f64`. Normals and attributes are ignored.
 
 use super::error::{FilePosition, Flaw};
+use super::faces::{FaceList, FileMesh};
 use super::text::{NumberedLines, Tokens, coordinates, number, shown};
-use crate::defect::{Defect, FileForm};
-use crate::soup::TriangleSoup;
+use crate::defect::FileForm;
 use crate::weld::PlaceTable;
 
 /// Bytes before the first triangle of a binary file: 80 bytes of free text and the count.
@@ -18,16 +18,16 @@ const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
 
 /// Reads an STL file.
-pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
-    let soup = if is_binary(bytes) {
+pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
+    let mesh = if is_binary(bytes) {
         read_binary(bytes)?
     } else {
         read_text(bytes)?
     };
-    if soup.triangles.is_empty() {
+    if mesh.faces.is_empty() {
         return Err(Flaw::file("there is no triangle in it"));
     }
-    Ok(soup)
+    Ok(mesh)
 }
 
 /// Whether the file is binary. Many binary files start with `solid`, so the size decides, and then
@@ -38,11 +38,18 @@ fn is_binary(bytes: &[u8]) -> bool {
     {
         return true;
     }
-    let start = NumberedLines::new(bytes).rest().trim_ascii_start();
-    let says_text = start
-        .get(..5)
-        .is_some_and(|s| s.eq_ignore_ascii_case(b"solid"));
-    !says_text || bytes.iter().take(2 * HEADER).any(|&b| b == 0)
+    let lines = NumberedLines::new(bytes).map(|(_, line)| line.trim_ascii_start());
+    let mut content = lines.filter(|line| !line.is_empty() && !line.starts_with(b"#"));
+    let says_text = content.next().is_some_and(|line| starts(line, "solid"));
+    !says_text || text_of(bytes).iter().take(2 * HEADER).any(|&b| b == 0)
+}
+
+/// A text without what follows its end: zeros of a buffer, or the end mark of DOS.
+fn text_of(mut bytes: &[u8]) -> &[u8] {
+    while let [text @ .., 0 | 0x1a] = bytes {
+        bytes = text;
+    }
+    bytes
 }
 
 /// The number of triangles of a binary file.
@@ -51,7 +58,7 @@ fn declared_count(bytes: &[u8]) -> Option<u32> {
     Some(u32::from_le_bytes(count.try_into().ok()?))
 }
 
-fn read_binary(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
+fn read_binary(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     let count = declared_count(bytes).ok_or_else(|| {
         Flaw::file("this is no STL: it neither starts with solid nor holds a binary header")
     })?;
@@ -87,10 +94,7 @@ fn read_binary(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     };
     let mut weld = CornerWeld::with_capacity(count);
     if is_stream && !is_padded {
-        weld.soup.notes.push(Defect::FileForm {
-            line: 0,
-            form: FileForm::NoCount,
-        });
+        weld.mesh.faces.note_form(0, FileForm::NoCount);
     }
     for triangle in bytes[HEADER..].as_chunks::<TRIANGLE>().0.iter().take(count) {
         // A normal of 12 bytes comes first. Two bytes of attributes come last.
@@ -99,14 +103,14 @@ fn read_binary(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
         let corner = |i: usize| corners[i].map(|bytes| f64::from(f32::from_le_bytes(bytes)));
         weld.push([0, 1, 2].map(corner));
     }
-    Ok(weld.soup)
+    Ok(weld.mesh)
 }
 
 /// Reads a text file, word by word: programs differ in their lines. The keywords `outer loop`,
 /// `endloop` and `endfacet` may be one word or two, the name of a solid may follow `endsolid` without
-/// a blank, and `endfacet` may be missing.
-fn read_text(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
-    let mut words = Tokens::new(NumberedLines::new(bytes), false);
+/// a blank, and `endfacet` may be missing. Between facets and solids there may be comments.
+fn read_text(bytes: &[u8]) -> Result<FileMesh, Flaw> {
+    let mut words = Tokens::new(NumberedLines::new(text_of(bytes)), false);
     // A triangle takes some 100 bytes of text.
     let mut weld = CornerWeld::with_capacity(bytes.len() / 100);
     let mut open = false;
@@ -119,7 +123,7 @@ fn read_text(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
         } else if is(word, "solid") {
             skip_name(&mut words);
             open = true;
-        } else if open && is(word, "color") {
+        } else if open && is(word, "color") || word.starts_with(b"#") {
             words.skip_line();
         } else if open && is(word, "facet") {
             weld.push(facet(&mut words)?);
@@ -129,12 +133,9 @@ fn read_text(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
         }
     }
     if open {
-        weld.soup.notes.push(Defect::FileForm {
-            line: words.line(),
-            form: FileForm::NoEnd,
-        });
+        weld.mesh.faces.note_form(words.line(), FileForm::NoEnd);
     }
-    Ok(weld.soup)
+    Ok(weld.mesh)
 }
 
 /// Reads past the name of a solid, which ends with the line, or where a facet begins.
@@ -223,7 +224,7 @@ fn instead_of(words: &Tokens<'_>, word: &[u8], wanted: &str) -> Flaw {
 
 /// Gives corners with equal coordinates the same vertex.
 struct CornerWeld {
-    soup: TriangleSoup,
+    mesh: FileMesh,
     vertices: PlaceTable,
 }
 
@@ -231,7 +232,10 @@ impl CornerWeld {
     fn with_capacity(triangles: usize) -> Self {
         let vertices = triangles / 2;
         Self {
-            soup: TriangleSoup::new(Vec::with_capacity(vertices), Vec::with_capacity(triangles)),
+            mesh: FileMesh {
+                positions: Vec::with_capacity(vertices),
+                faces: FaceList::with_capacity(triangles),
+            },
             vertices: PlaceTable::with_capacity(vertices),
         }
     }
@@ -239,11 +243,11 @@ impl CornerWeld {
     fn push(&mut self, corners: [[f64; 3]; 3]) {
         // Adding 0 turns -0 into 0 and changes nothing else.
         let triangle = corners.map(|corner| self.vertex(corner.map(|x| x + 0.0)));
-        self.soup.triangles.push(triangle);
+        self.mesh.faces.push(&triangle);
     }
 
     fn vertex(&mut self, corner: [f64; 3]) -> u32 {
-        let positions = &mut self.soup.positions;
+        let positions = &mut self.mesh.positions;
         let next = positions.len() as u32;
         let vertex = self.vertices.find_or_insert(corner, next, positions);
         if vertex == next {

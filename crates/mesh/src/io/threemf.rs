@@ -12,15 +12,15 @@ use rawzip::{CompressionMethod, ZipArchive};
 use roxmltree::Node;
 
 use super::error::Flaw;
-use super::scene::{Affine, Assembly, DEEPEST, UnplacedMesh, too_deep};
+use super::faces::FileMesh;
+use super::scene::{Affine, Assembly, DEEPEST, too_deep};
 use super::xml::{self, child, children, descendants, flaw, needed};
-use crate::soup::TriangleSoup;
 
 /// The model of most archives.
 const USUAL: &str = "3D/3dmodel.model";
 
 /// Reads a 3MF file whose parts decompress to at most `room` bytes.
-pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
+pub(super) fn read(bytes: &[u8], room: u64) -> Result<FileMesh, Flaw> {
     let mut archive = Archive { bytes, room };
     let main = archive.main()?;
     let mut texts = vec![(main.clone(), archive.text(&main)?)];
@@ -57,7 +57,7 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
     model
         .place(&main, &items)
         .map_err(|flaw| within(&main, flaw))?;
-    model.scene.into_soup()
+    model.scene.into_mesh()
 }
 
 /// A flaw in a part of the archive.
@@ -157,7 +157,7 @@ struct BuildItems<'a, 'd> {
     /// The objects by the name of their part and their id.
     objects: HashMap<(&'a str, &'a str), Node<'a, 'd>>,
     /// The meshes of objects that have been placed.
-    pieces: HashMap<(&'a str, &'a str), UnplacedMesh>,
+    pieces: HashMap<(&'a str, &'a str), FileMesh>,
     scene: Assembly,
 }
 
@@ -212,8 +212,8 @@ fn transform_of(node: Node<'_, '_>) -> Result<Affine, Flaw> {
 }
 
 /// The mesh of an object.
-fn piece(mesh: Node<'_, '_>) -> Result<UnplacedMesh, Flaw> {
-    let mut piece = UnplacedMesh::default();
+fn piece(mesh: Node<'_, '_>) -> Result<FileMesh, Flaw> {
+    let mut piece = FileMesh::default();
     let all = |list, item| children(mesh, list).flat_map(move |list| children(list, item));
     for vertex in all("vertices", "vertex") {
         let mut position = [0.0; 3];

@@ -10,13 +10,12 @@ use std::fmt::Write;
 use std::io::Read;
 
 use super::error::Flaw;
-use super::faces::FaceList;
+use super::faces::{FaceList, FileMesh};
 use super::obj::Statements;
 use super::text::words;
-use crate::soup::TriangleSoup;
 
 /// Reads an OBJ file.
-pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
+pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     let (mut every_vertex, mut vertices) = (String::from("f"), 0);
     let mut statements = Vec::new();
     for (_, statement) in Statements::new(bytes) {
@@ -61,5 +60,5 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
             }
         }
     }
-    faces.into_soup(positions)
+    Ok(FileMesh { positions, faces })
 }

@@ -6,15 +6,13 @@
 
 use super::arrays::NumberType;
 use super::error::{FilePosition, Flaw};
-use super::faces::FaceList;
-use super::scene::UnplacedMesh;
+use super::faces::{FaceList, FileMesh};
 use super::text::{self, shown};
-use crate::soup::TriangleSoup;
 
 /// Reads a legacy VTK file.
-pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
+pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     let mut reader = VtkCursor::new(bytes)?;
-    let mut piece = UnplacedMesh::default();
+    let mut piece = FileMesh::default();
     let mut cells: Option<Cells> = None;
     let mut types: Option<Vec<u32>> = None;
     let mut data_set = None;
@@ -70,7 +68,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
         (None, None) => {}
         _ => return Err(Flaw::file("CELLS and CELL_TYPES need each other")),
     }
-    piece.into_soup()
+    Ok(piece)
 }
 
 /// Appends the faces of cells with these types of VTK.

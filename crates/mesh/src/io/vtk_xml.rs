@@ -9,13 +9,13 @@ use roxmltree::Node;
 
 use super::arrays::{NumberType, from_base64, inflate};
 use super::error::Flaw;
-use super::scene::{Affine, Assembly, UnplacedMesh};
+use super::faces::FileMesh;
+use super::scene::{Affine, Assembly};
 use super::vtk::{Cells, push_cells};
 use super::xml::{self, attribute, child, children, flaw, needed};
-use crate::soup::TriangleSoup;
 
 /// Reads an XML file of VTK whose arrays take at most `room` bytes.
-pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
+pub(super) fn read(bytes: &[u8], room: u64) -> Result<FileMesh, Flaw> {
     let (bytes, appended) = split(bytes);
     let text = xml::text(&bytes);
     let document = xml::parse(&text)?;
@@ -52,7 +52,7 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<TriangleSoup, Flaw> {
         let piece = arrays.piece(node, is_poly)?;
         scene.place(&piece, &Affine::IDENTITY, &format!("piece {number}"))?;
     }
-    scene.into_soup()
+    scene.into_mesh()
 }
 
 /// The appended data of a file.
@@ -98,8 +98,8 @@ struct Arrays<'a> {
 
 impl Arrays<'_> {
     /// A piece of the file.
-    fn piece(&mut self, node: Node<'_, '_>, is_poly: bool) -> Result<UnplacedMesh, Flaw> {
-        let mut piece = UnplacedMesh::default();
+    fn piece(&mut self, node: Node<'_, '_>, is_poly: bool) -> Result<FileMesh, Flaw> {
+        let mut piece = FileMesh::default();
         let points = child(node, "Points").and_then(|points| child(points, "DataArray"));
         if let Some(points) = points {
             let numbers = self.floats(points)?;

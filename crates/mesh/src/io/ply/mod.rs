@@ -10,15 +10,14 @@ mod header;
 mod payload;
 
 use super::error::Flaw;
-use super::faces::FaceList;
+use super::faces::{FaceList, FileMesh};
 use super::text::NumberedLines;
 use crate::defect::FileForm;
-use crate::soup::TriangleSoup;
 use header::{Element, ElementUse, Encoding, Role};
 use payload::{Binary, Layout, Payload, Text};
 
 /// Reads a PLY file.
-pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
+pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     let mut lines = NumberedLines::before_data(bytes);
     let header = header::read(&mut lines)?;
     let (elements, rest) = (&header.elements, lines.rest());
@@ -29,7 +28,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
             let read = |layout| read_elements(elements, Text::new(lines.clone(), layout));
             read(Layout::Lines).or_else(|flaw| {
                 let other = read(Layout::Free).or_else(|_| read(Layout::LinesWithMore));
-                other.map_err(|_| flaw)
+                other
+                    .ok()
+                    .filter(|mesh| mesh.faces.has_surface())
+                    .ok_or(flaw)
             })
         }
         Encoding::LittleEndian => read_elements(elements, Binary::<false>::new(rest, bytes.len())),
@@ -37,7 +39,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleSoup, Flaw> {
     }
 }
 
-fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<TriangleSoup, Flaw> {
+fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<FileMesh, Flaw> {
     // Counts reserve memory only as far as the payload can hold so many elements.
     let room = |kind| {
         let element = elements.iter().find(|e| e.kind == kind);
@@ -102,7 +104,7 @@ fn read_elements<P: Payload>(elements: &[Element], mut payload: P) -> Result<Tri
         }
     }
     if let Some(line) = payload.finish()? {
-        faces.note(line, FileForm::MoreNumbers);
+        faces.note_form(line, FileForm::MoreNumbers);
     }
-    faces.into_soup(positions)
+    Ok(FileMesh { positions, faces })
 }

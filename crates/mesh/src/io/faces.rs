@@ -245,7 +245,7 @@ pub fn polygons(
     for corners in polygons {
         faces.push(corners.as_ref());
     }
-    let soup = faces.into_soup(positions);
+    let soup = FileMesh { positions, faces }.into_soup(None);
     soup.map_err(|flaw| PolygonError(flaw.problem))
 }
 

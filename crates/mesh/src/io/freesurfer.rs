@@ -5,7 +5,7 @@ use super::error::{FilePosition, Flaw};
 use super::faces::{FaceList, FileMesh};
 
 /// The bytes at the start of triangle surfaces, and of those with quadrangles.
-const TRIANGLES: [u8; 3] = [0xff, 0xff, 0xfe];
+pub(super) const TRIANGLES: [u8; 3] = [0xff, 0xff, 0xfe];
 const QUADRANGLES: [[u8; 3]; 2] = [[0xff, 0xff, 0xff], [0xff, 0xff, 0xfd]];
 
 /// Reads a triangle surface.

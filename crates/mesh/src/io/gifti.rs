@@ -1,18 +1,39 @@
-//! GIFTI surfaces (`.gii`): point sets with their triangles, as text or base64, also compressed.
+//! GIFTI surfaces (`.gii`): point sets with their triangles, as text, as base64, also compressed, or
+//! in files beside.
 //!
 //! The matrices of coordinate systems lead to other spaces and are not applied. Several surfaces of
 //! a file become parts.
 
+use std::path::{Path, PathBuf};
+
 use roxmltree::Node;
 
 use super::arrays::{NumberType, from_base64, inflate};
+use super::beside;
 use super::error::Flaw;
 use super::faces::FileMesh;
 use super::scene::{Affine, Assembly};
 use super::xml::{self, children, flaw, needed};
 
-/// Reads a GIFTI file whose arrays decompress to at most `room` bytes each.
-pub(super) fn read(bytes: &[u8], room: u64) -> Result<FileMesh, Flaw> {
+/// The encoding of arrays in files beside.
+const EXTERNAL: &str = "ExternalFileBinary";
+
+/// The files beside one at `path` with these `bytes` that hold its data.
+pub(super) fn data_files(bytes: &[u8], path: &Path) -> Vec<PathBuf> {
+    let text = xml::text(bytes);
+    let Ok(document) = xml::parse(&text) else {
+        return Vec::new();
+    };
+    let arrays = children(document.root_element(), "DataArray");
+    let external = arrays.filter(|array| array.attribute("Encoding") == Some(EXTERNAL));
+    let names = external.filter_map(|array| array.attribute("ExternalFileName"));
+    names
+        .filter_map(|name| beside::place(path, name.trim()))
+        .collect()
+}
+
+/// Reads a GIFTI file at `path` whose arrays decompress to at most `room` bytes each.
+pub(super) fn read(bytes: &[u8], path: &Path, room: u64) -> Result<FileMesh, Flaw> {
     let text = xml::text(bytes);
     let document = xml::parse(&text)?;
     let root = document.root_element();
@@ -36,12 +57,12 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<FileMesh, Flaw> {
     let mut scene = Assembly::new(u64::MAX);
     for (number, (points, triangles)) in points.into_iter().zip(triangles).enumerate() {
         let mut piece = FileMesh {
-            positions: triples(points, room, |bytes, kind, is_little| {
+            positions: triples(points, path, room, |bytes, kind, is_little| {
                 Some(kind.float(bytes, is_little))
             })?,
             ..FileMesh::default()
         };
-        let corners = triples(triangles, room, |bytes, kind, is_little| {
+        let corners = triples(triangles, path, room, |bytes, kind, is_little| {
             u32::try_from(kind.integer(bytes, is_little)?).ok()
         })?;
         for corners in corners {
@@ -55,6 +76,7 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<FileMesh, Flaw> {
 /// The rows of an array with three columns. `number` converts the bytes of a number.
 fn triples<T: Copy + std::str::FromStr>(
     array: Node<'_, '_>,
+    path: &Path,
     room: u64,
     number: impl Fn(&[u8], NumberType, bool) -> Option<T>,
 ) -> Result<Vec<[T; 3]>, Flaw> {
@@ -63,10 +85,10 @@ fn triples<T: Copy + std::str::FromStr>(
     if columns != 3 {
         return Err(flaw(array, format!("has {columns} columns, not 3")));
     }
-    let data = xml::child(array, "Data").ok_or_else(|| flaw(array, "has no data"))?;
+    let data = || xml::child(array, "Data").ok_or_else(|| flaw(array, "has no data"));
     let encoding = array.attribute("Encoding").unwrap_or("ASCII");
     let numbers: Vec<T> = if encoding == "ASCII" {
-        xml::numbers(data)?
+        xml::numbers(data()?)?
     } else {
         let kind = match array.attribute("DataType").unwrap_or_default() {
             "NIFTI_TYPE_INT8" => NumberType::I8,
@@ -87,12 +109,16 @@ fn triples<T: Copy + std::str::FromStr>(
                 "its data is damaged or cut off; fetch or save it again",
             )
         };
-        let coded = from_base64(xml::content(data).as_bytes()).ok_or_else(damaged)?;
+        let coded = || from_base64(xml::content(data()?).as_bytes()).ok_or_else(damaged);
         let bytes = match encoding {
-            "Base64Binary" => coded,
+            "Base64Binary" => coded()?,
+            EXTERNAL => {
+                let length = rows.saturating_mul(3 * kind.size());
+                external(array, path, length as u64)?
+            }
             "GZipBase64Binary" => {
                 let mut bytes = Vec::new();
-                if !inflate(&coded[..], room, &mut bytes) {
+                if !inflate(&coded()?[..], room, &mut bytes) {
                     return Err(damaged());
                 }
                 bytes
@@ -125,4 +151,26 @@ fn triples<T: Copy + std::str::FromStr>(
         return Ok((0..rows).map(|row| [0, 1, 2].map(|k| at(row, k))).collect());
     }
     Ok(numbers.as_chunks().0.to_vec())
+}
+
+/// The data of an array in a file beside, of `length` bytes or less.
+fn external(array: Node<'_, '_>, path: &Path, length: u64) -> Result<Vec<u8>, Flaw> {
+    let name = array.attribute("ExternalFileName").unwrap_or_default();
+    let name = name.trim();
+    // Programs write an empty offset for 0.
+    let offset = match array.attribute("ExternalFileOffset").map(str::trim) {
+        None | Some("") => 0,
+        Some(_) => needed(array, "ExternalFileOffset")?,
+    };
+    let place = beside::place(path, name).filter(|_| !name.is_empty());
+    let bytes = place.and_then(|place| beside::part(&place, offset, length));
+    bytes.ok_or_else(|| {
+        flaw(
+            array,
+            format!(
+                "its data in the file {name:?} cannot be read: that must lie beside this one, and beside \
+                 standard input there is none; or save it with the data in base64"
+            ),
+        )
+    })
 }

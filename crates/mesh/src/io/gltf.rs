@@ -6,12 +6,12 @@
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::fs;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
 use super::arrays::{NumberType, from_base64};
+use super::beside;
 use super::error::Flaw;
 use super::faces::FileMesh;
 use super::gzip::usual_decompression_limit;
@@ -71,7 +71,9 @@ pub(super) fn buffer_files(bytes: &[u8], path: &Path) -> Vec<PathBuf> {
     let names = list(&json, "buffers").iter();
     let names = names.filter_map(|buffer| buffer["uri"].as_str());
     let files = names.filter(|name| !name.starts_with("data:"));
-    files.filter_map(|name| place_beside(path, name)).collect()
+    files
+        .filter_map(|name| beside::place(path, &percent_decoded(name)))
+        .collect()
 }
 
 /// The JSON of a file, and its binary part if it has one.
@@ -81,20 +83,6 @@ fn parts(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Flaw> {
     }
     let json = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     Ok((json, None))
-}
-
-/// Where the file is that a glTF file at `path` calls `uri`: in the folder of this one or below.
-/// `None` for any other place.
-fn place_beside(path: &Path, uri: &str) -> Option<PathBuf> {
-    let name = percent_decoded(uri);
-    let parts = Path::new(&name).components();
-    let parts = parts.filter(|part| *part != Component::CurDir);
-    let is_inside = |part| matches!(part, Component::Normal(_));
-    if name.contains(':') || !parts.clone().all(is_inside) {
-        return None;
-    }
-    let folder = path.parent().unwrap_or(Path::new(""));
-    Some(folder.join(parts.collect::<PathBuf>()))
 }
 
 /// What is wrong with positions that an extension compresses.
@@ -465,16 +453,12 @@ impl GltfFile<'_> {
 
     /// The contents of a file in the folder of this one or below.
     fn beside(&mut self, uri: &str) -> Result<&[u8], String> {
-        let path = place_beside(self.path, uri)
+        let path = beside::place(self.path, &percent_decoded(uri))
             .ok_or_else(|| format!("the buffer {uri:?} is not in the folder of the file"))?;
         match self.files.entry(path) {
             Entry::Occupied(known) => Ok(known.into_mut()),
             Entry::Vacant(place) => {
-                let path = place.key();
-                // Never waits for a pipe.
-                let is_file = fs::metadata(path).is_ok_and(|metadata| metadata.is_file());
-                let bytes = if is_file { fs::read(path).ok() } else { None };
-                let bytes = bytes.ok_or_else(|| {
+                let bytes = beside::part(place.key(), 0, u64::MAX).ok_or_else(|| {
                     format!(
                         "the buffer {uri:?} cannot be read: it must lie beside the file, and beside \
                          standard input there is none; name the file, or save it as .glb"

@@ -19,6 +19,7 @@
 //! returns the same soup, without the record of which triangles were cut from one polygon.
 
 mod arrays;
+mod beside;
 mod collada;
 mod error;
 mod faces;
@@ -82,11 +83,11 @@ pub enum Format {
 }
 
 /// The endings of files that [`read`](fn@read) accepts, in words.
-pub const READABLE: &str = ".obj, .ply, .off, .stl, .vtk, .vtp, .vtu, .gltf, .glb, .3mf, .dae or .gii, \
-     each also with .gz, or a FreeSurfer name such as lh.white";
+pub const READABLE: &str = ".obj, .ply, .off, .stl, .vtk, .vtp, .vtu, .gltf, .glb, .3mf, .dae, .gii or \
+     .freesurfer, each also with .gz, or a FreeSurfer name such as lh.white";
 
 /// The endings of formats.
-const ENDINGS: [(&str, Format); 12] = [
+const ENDINGS: [(&str, Format); 13] = [
     ("obj", Format::Obj),
     ("ply", Format::Ply),
     ("off", Format::Off),
@@ -99,9 +100,10 @@ const ENDINGS: [(&str, Format); 12] = [
     ("3mf", Format::ThreeMf),
     ("dae", Format::Collada),
     ("gii", Format::Gifti),
+    ("freesurfer", Format::FreeSurfer),
 ];
 
-/// The names of the surfaces of a hemisphere, as `FreeSurfer` gives them without an ending:
+/// Usual names of the surfaces of a hemisphere, as `FreeSurfer` gives them without an ending:
 /// `lh.white`.
 const SURFACES: [&str; 8] = [
     "white",
@@ -119,17 +121,23 @@ impl Format {
     pub fn from_path(path: &Path) -> Option<Self> {
         let stem = path.file_stem().map(Path::new);
         let path = if is_gz(path) { stem? } else { path };
-        let name = path.file_name()?.to_str()?;
-        let hemisphere = name
-            .strip_prefix("lh.")
-            .or_else(|| name.strip_prefix("rh."));
-        if hemisphere.is_some_and(|surface| SURFACES.contains(&surface)) {
+        if of_hemisphere(path).is_some_and(|name| SURFACES.contains(&name)) {
             return Some(Self::FreeSurfer);
         }
         let ending = path.extension()?.to_str()?;
         let mut known = ENDINGS.iter();
         let known = known.find(|(known, _)| known.eq_ignore_ascii_case(ending));
         known.map(|(_, format)| *format)
+    }
+
+    /// The format of a file: that of its extension, or of a surface of `FreeSurfer` with any name of a
+    /// hemisphere, which its first bytes tell from other data.
+    pub fn of_file(path: &Path) -> Option<Self> {
+        Self::from_path(path).or_else(|| {
+            of_hemisphere(path)?;
+            let start = beside::part(path, 0, 3)?;
+            (start == freesurfer::TRIANGLES).then_some(Self::FreeSurfer)
+        })
     }
 
     /// The format whose keyword is the first word of `bytes`, for formats that have one.
@@ -173,27 +181,27 @@ impl Format {
     }
 }
 
-/// Whether `path` has an extension that [`read`] accepts.
+/// Whether `path` has an extension that [`read`] accepts, or is a surface of `FreeSurfer`.
 pub fn is_mesh_file(path: &Path) -> bool {
-    Format::from_path(path).is_some()
+    Format::of_file(path).is_some()
 }
 
-/// The files that [`read`] reads beside that at `path`: the buffers that a glTF file names. None for
-/// other formats, and where the file cannot be read.
+/// The files that [`read`] reads beside that at `path`: the buffers that a glTF file names, and the
+/// data of GIFTI files. None for other formats, and where the file cannot be read.
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {
-    if Format::from_path(path) != Some(Format::Gltf) {
-        return Vec::new();
-    }
-    // Never waits for a pipe.
-    let is_file = fs::metadata(path).is_ok_and(|found| found.is_file());
-    let Some(bytes) = is_file.then(|| fs::read(path).ok()).flatten() else {
+    let list = match Format::from_path(path) {
+        Some(Format::Gltf) => gltf::buffer_files,
+        Some(Format::Gifti) => gifti::data_files,
+        _ => return Vec::new(),
+    };
+    let Some(bytes) = beside::part(path, 0, u64::MAX) else {
         return Vec::new();
     };
     if !gzip::is_gzip(&bytes) {
-        return gltf::buffer_files(&bytes, path);
+        return list(&bytes, path);
     }
     let inflated = gzip::inflate(&bytes, None, path).unwrap_or_default();
-    gltf::buffer_files(&inflated, path)
+    list(&inflated, path)
 }
 
 /// Reads a mesh file. The format follows from the file extension; gzip is recognised by its
@@ -223,7 +231,7 @@ pub fn read(path: &Path) -> Result<TriangleSoup, FileError> {
 }
 
 /// Reads a mesh from the `bytes` of a file, which may be compressed. `path` is used in messages,
-/// and to find files beside one of glTF.
+/// and to find files beside one of glTF or GIFTI.
 ///
 /// # Errors
 ///
@@ -276,7 +284,7 @@ impl ReadOptions {
             return Err(FileError::Directory { path: owned() });
         }
         let format =
-            Format::from_path(path).ok_or_else(|| FileError::UnknownFormat { path: owned() })?;
+            Format::of_file(path).ok_or_else(|| FileError::UnknownFormat { path: owned() })?;
         let bytes = fs::read(path).map_err(failed)?;
         self.read_bytes(&bytes, format, path)
     }
@@ -333,7 +341,7 @@ impl ReadOptions {
             (Format::Gltf, _) => gltf::read(bytes, path, room),
             (Format::ThreeMf, _) => threemf::read(bytes, room),
             (Format::Collada, _) => collada::read(bytes, room),
-            (Format::Gifti, _) => gifti::read(bytes, room),
+            (Format::Gifti, _) => gifti::read(bytes, path, room),
             (Format::FreeSurfer, _) => freesurfer::read(bytes),
         };
         let soup = mesh.and_then(|mesh| mesh.into_soup(self.weld));
@@ -364,6 +372,13 @@ fn is_utf16(bytes: &[u8]) -> bool {
     has_mark
         || bytes.len() >= 16 && pairs.clone().all(|&[a, b]| is_ascii(a) && b == 0)
         || bytes.len() >= 16 && pairs.clone().all(|&[a, b]| a == 0 && is_ascii(b))
+}
+
+/// What follows the name of the hemisphere in the name of `path`.
+fn of_hemisphere(path: &Path) -> Option<&str> {
+    let name = path.file_name()?.to_str()?;
+    name.strip_prefix("lh.")
+        .or_else(|| name.strip_prefix("rh."))
 }
 
 /// Whether the name of `path` ends in `.gz`.

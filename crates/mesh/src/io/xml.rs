@@ -6,10 +6,26 @@ use std::str::FromStr;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::error::Flaw;
+use super::is_utf16;
 use super::text::shown;
 
-/// `bytes` as text. Bytes that are no UTF-8, which only names have, are replaced.
+/// `bytes` as text, which is UTF-8 or UTF-16. Bytes that are neither, which only names have, are
+/// replaced.
 pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
+    if is_utf16(bytes) {
+        let is_big = matches!(bytes, [0 | 0xfe, ..]);
+        let of = if is_big {
+            u16::from_be_bytes
+        } else {
+            u16::from_le_bytes
+        };
+        let units: Vec<u16> = bytes.as_chunks().0.iter().map(|&pair| of(pair)).collect();
+        let text = String::from_utf16_lossy(&units);
+        return match text.strip_prefix('\u{feff}') {
+            Some(rest) => rest.to_owned().into(),
+            None => text.into(),
+        };
+    }
     String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
 }
 

@@ -29,7 +29,8 @@ fn what_cannot_be_opened() {
     check("no.obj", None, "no such file; check the path");
     check("", None, "is a directory; name a mesh file in it");
     let unknown = "the ending does not tell a mesh format; use .obj, .ply, .off, .stl, .vtk, .vtp, .vtu, \
-         .gltf, .glb, .3mf, .dae or .gii, each also with .gz, or a FreeSurfer name such as lh.white";
+         .gltf, .glb, .3mf, .dae, .gii or .freesurfer, each also with .gz, or a FreeSurfer name such \
+         as lh.white";
     check("cow.txt", Some(b"OFF"), unknown);
     check("cow", Some(b"OFF"), unknown);
     for name in ["a.obj", "a.ply", "a.off", "a.stl"] {

@@ -222,19 +222,19 @@ fn glb() -> Vec<u8> {
 }
 
 /// A ZIP archive of these files, every second one compressed.
-pub(crate) fn zip(files: &[(&str, &str)]) -> Vec<u8> {
+pub(crate) fn zip(files: &[(&str, &[u8])]) -> Vec<u8> {
     let mut archive = Vec::new();
     let mut directory = Vec::new();
     for (i, (name, text)) in files.iter().enumerate() {
         let (method, data) = if i % 2 == 0 {
-            (0_u16, text.as_bytes().to_vec())
+            (0_u16, text.to_vec())
         } else {
             let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
-            encoder.write_all(text.as_bytes()).unwrap();
+            encoder.write_all(text).unwrap();
             (8, encoder.finish().unwrap())
         };
         let mut crc = flate2::Crc::new();
-        crc.update(text.as_bytes());
+        crc.update(text);
         let mut shared = Vec::new();
         for n in [20, 0, method, 0, 0] {
             shared.extend_from_slice(&u16::to_le_bytes(n));
@@ -276,7 +276,10 @@ const RELATIONS: &str = "<?xml version=\"1.0\"?><Relationships xmlns=\"http://sc
 
 /// An archive of 3MF with this model.
 pub(crate) fn three_mf_of(model: &str) -> Vec<u8> {
-    zip(&[("_rels/.rels", RELATIONS), ("3D/main.model", model)])
+    zip(&[
+        ("_rels/.rels", RELATIONS.as_bytes()),
+        ("3D/main.model", model.as_bytes()),
+    ])
 }
 
 /// The mesh is a component, which is moved, of an object that is moved back.

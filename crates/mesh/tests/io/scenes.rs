@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use geobench_mesh::io::{Format, ReadOptions, read, read_bytes};
+use geobench_mesh::io::{Format, ReadOptions, files_beside, is_mesh_file, read, read_bytes};
 use geobench_mesh::{Defect, TriangleSoup};
 
 use crate::parse;
@@ -523,6 +523,94 @@ fn gltf_reads_buffers_in_its_folder_only() {
     assert!(write(".").unwrap_err().contains("must lie beside the file"));
 }
 
+/// A surface without an ending that tells its format, and data of a hemisphere.
+#[test]
+fn freesurfer_surfaces_have_any_name_of_a_hemisphere() {
+    let folder = tempfile::tempdir().unwrap();
+    let samples = scene_samples::all();
+    let sample = samples.iter().find(|sample| sample.1 == Format::FreeSurfer);
+    let surface = &sample.unwrap().2;
+    for name in [
+        "rh.pial.T1",
+        "lh.white.preaparc",
+        "lh.orig.nofix",
+        "x.freesurfer",
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, surface).unwrap();
+        assert!(is_mesh_file(&path), "{name}");
+        assert_eq!(read(&path).unwrap().triangles.len(), 2, "{name}");
+    }
+    for (name, bytes) in [
+        ("lh.thickness", b"\xff\xff\xff"),
+        ("white", b"\xff\xff\xfe"),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        assert!(!is_mesh_file(&path), "{name}");
+    }
+}
+
+#[test]
+fn gifti_reads_data_in_its_folder_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gii");
+    let points = [0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 0.0];
+    let mut bytes: Vec<u8> = points.iter().flat_map(|x| x.to_be_bytes()).collect();
+    bytes.extend([0_u32, 1, 2].iter().flat_map(|v| v.to_be_bytes()));
+    std::fs::write(folder.path().join("a.dat"), &bytes).unwrap();
+    let write = |name: &str, offset: &str| {
+        let array = |intent: &str, kind: &str, rows: usize, offset: &str| {
+            format!(
+                "<DataArray Intent=\"NIFTI_INTENT_{intent}\" DataType=\"NIFTI_TYPE_{kind}\" \
+                 Dim0=\"{rows}\" Dim1=\"3\" Encoding=\"ExternalFileBinary\" Endian=\"BigEndian\" \
+                 ExternalFileName=\"{name}\" ExternalFileOffset=\"{offset}\"><Data/></DataArray>"
+            )
+        };
+        let [points, faces] = [
+            array("POINTSET", "FLOAT32", 3, ""),
+            array("TRIANGLE", "INT32", 1, offset),
+        ];
+        std::fs::write(&path, format!("<GIFTI>{points}{faces}</GIFTI>")).unwrap();
+        read(&path).map_err(|error| error.to_string())
+    };
+    let soup = write("a.dat", "36").unwrap();
+    assert_eq!(soup.positions[2], [0.0, 2.0, 0.0]);
+    assert_eq!(soup.triangles, [[0, 1, 2]]);
+    assert_eq!(
+        files_beside(&path),
+        [folder.path().join("a.dat"), folder.path().join("a.dat")]
+    );
+    assert!(
+        write("a.dat", "40")
+            .unwrap_err()
+            .contains("has 2 numbers for 1 rows")
+    );
+    for name in ["", "../a.dat", "none.dat", "."] {
+        let error = write(name, "36").unwrap_err();
+        assert!(error.contains("must lie beside this one"), "{error}");
+    }
+}
+
+#[test]
+fn parts_of_an_archive_may_be_utf_16() {
+    let model = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-16\"?><model><resources><object id=\"7\">{TRIANGLE}\
+         </object></resources><build><item objectid=\"7\"/></build></model>"
+    );
+    let with_mark = format!("\u{feff}{model}");
+    for text in [&model, &with_mark] {
+        for bytes_of in [u16::to_le_bytes, u16::to_be_bytes] {
+            let part: Vec<u8> = text.encode_utf16().flat_map(bytes_of).collect();
+            let soup = parse(
+                Format::ThreeMf,
+                scene_samples::zip(&[("3D/3dmodel.model", &part)]),
+            );
+            assert_eq!(soup.unwrap().triangles, [[0, 1, 2]]);
+        }
+    }
+}
+
 #[test]
 fn models_in_other_parts_of_an_archive_are_read() {
     let other =
@@ -531,7 +619,10 @@ fn models_in_other_parts_of_an_archive_are_read() {
                 <resources><object id=\"1\"><components>\
                 <component objectid=\"1\" p:path=\"/3D/o.model\"/></components></object></resources>\
                 <build><item objectid=\"1\"/></build></model>";
-    let archive = scene_samples::zip(&[("3D/3dmodel.model", main), ("3D/o.model", &other)]);
+    let archive = scene_samples::zip(&[
+        ("3D/3dmodel.model", main.as_bytes()),
+        ("3D/o.model", other.as_bytes()),
+    ]);
     let soup = read_bytes(&archive, Format::ThreeMf, Path::new("test")).unwrap();
     assert_eq!(soup.triangles, [[0, 1, 2]]);
 }

@@ -1,7 +1,7 @@
 //! Forms of files that programs write beside the usual one, and what is read from them.
 
 use geobench_mesh::io::{Format, ReadOptions, read};
-use geobench_mesh::{Defect, DefectKind, Mesh, TriangleSoup, Weld};
+use geobench_mesh::{Defect, DefectKind, Mesh, TriangleSoup, VertexId, Weld};
 
 use crate::models::models;
 use crate::parse;
@@ -426,7 +426,9 @@ fn copies_of_a_polygon_are_cut_alike_and_left_out() {
             corners
         };
         let (mesh, report) = Mesh::from_soup(soup).unwrap();
-        let faces = mesh.faces().map(|f| mesh.face_vertices(f).map(|v| v.raw()));
+        let faces = mesh
+            .faces()
+            .map(|f| mesh.face_vertices(f).map(VertexId::raw));
         let kept: Vec<_> = faces.map(|t| sorted(&t)).collect();
         // Copies alone make a surface of two sides, which is used as it is.
         for triangle in alone.triangles.iter().map(sorted) {

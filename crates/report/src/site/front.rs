@@ -13,6 +13,9 @@ use crate::table::{Column, Entry, Mark, Table};
 /// The error that an exact answer is drawn with: the rounding of a number.
 const ROUNDING: f64 = 1e-16;
 
+/// The most programs in a chart of errors; the table below has all.
+const MOST_POINTS: usize = 16;
+
 /// The most programs in the chart of times against sizes.
 const MOST_SERIES: usize = 10;
 
@@ -194,6 +197,14 @@ fn errors(
     context: &Pages<'_>,
     styles: &[&str],
 ) -> Plot {
+    // Public and approximate programs and the base, then those with the most models.
+    let mut standings: Vec<&Standing<'_>> = standings.iter().collect();
+    standings.sort_by_key(|one| {
+        let comes_first =
+            one.program.starts_with("ext:") || one.program == BASE || is_approximate(one);
+        (!comes_first, std::cmp::Reverse(one.models))
+    });
+    standings.truncate(MOST_POINTS);
     let series = standings.iter().map(|one| {
         let point = LinePoint::new(one.ratio, one.error.max(ROUNDING), "");
         series(one.program, context, styles, vec![point])

@@ -12,9 +12,6 @@ use crate::table::results;
 /// The program whose time is the unit of comparisons.
 pub(super) const BASE: &str = "vtp";
 
-/// The largest relative error of an exact answer.
-pub(super) const EXACT: f64 = 1e-9;
-
 /// An algorithm on a model, in a group of a record.
 #[derive(Clone, Debug)]
 pub(super) struct Measurement<'r> {
@@ -102,26 +99,32 @@ impl<'r> Measurement<'r> {
         self.cells.iter().copied().find(|c| c.status != Status::Ok)
     }
 
+    /// The cells whose reference is an algorithm or a proof. Distances of a file may be those of the
+    /// smooth surface that the model stands for.
+    fn compared(&self) -> impl Iterator<Item = &'r Cell> {
+        self.cells.iter().copied().filter(|cell| {
+            let reference = cell.check.reference.as_deref();
+            reference.is_some_and(|reference| !reference.contains(['/', '.']))
+        })
+    }
+
     /// The largest relative difference from the reference.
     pub(super) fn max_error(&self) -> Option<f64> {
-        let errors = self.cells.iter().filter_map(|cell| cell.check.max_rel);
+        let errors = self.compared().filter_map(|cell| cell.check.max_rel);
         errors.reduce(f64::max)
     }
 
     /// The mean relative difference from the reference.
     pub(super) fn mean_error(&self) -> Option<f64> {
-        let errors = self.cells.iter().filter_map(|cell| cell.check.mean_rel);
+        let errors = self.compared().filter_map(|cell| cell.check.mean_rel);
         let errors: Vec<f64> = errors.collect();
         (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
     }
 
-    /// Whether an answer that should be exact is not.
+    /// Whether an answer is wrong.
     pub(super) fn is_wrong(&self) -> bool {
-        let failed = self
-            .failure()
-            .is_some_and(|cell| cell.status == Status::Wrong);
-        let too_far = self.max_error().is_some_and(|error| error > EXACT);
-        failed || (too_far && !self.is_approximate() && !self.label.contains("threshold"))
+        self.failure()
+            .is_some_and(|cell| cell.status == Status::Wrong)
     }
 
     /// The identity of the model: its hash, or its name if it has none.

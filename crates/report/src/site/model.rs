@@ -140,8 +140,10 @@ pub(super) fn page(context: &Pages<'_>, model: &ModelRecord) -> Vec<Section> {
     };
     let all = rows.clone();
     rows.sort_by(|a, b| {
-        let [of_a, of_b] =
-            [a, b].map(|one| (age(one, &all), one.to_base.or(one.time).unwrap_or(f64::MAX)));
+        let [of_a, of_b] = [a, b].map(|one| {
+            let place = (age(one, &all), one.to_base.is_none());
+            (place, one.to_base.or(one.time).unwrap_or(f64::MAX))
+        });
         of_a.0.cmp(&of_b.0).then(of_a.1.total_cmp(&of_b.1))
     });
     sections.push(section(

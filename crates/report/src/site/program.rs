@@ -3,7 +3,7 @@
 use geobench_harness::measure::number::{counted, scientific};
 use geobench_harness::schema::Status;
 
-use super::measured::{EXACT, Measurement, key};
+use super::measured::{Measurement, key};
 use super::pages::{Pages, model_address, section};
 use crate::page::document::{Section, SectionItem};
 use crate::table::group::distinct;
@@ -270,10 +270,10 @@ pub(super) fn wrong(context: &Pages<'_>) -> Vec<Section> {
     columns.push(Column::text("The right distances"));
     let table = Table {
         id: "errors-table".to_owned(),
-        caption: format!(
-            "Largest relative error of each exact public program, from the newest record; red above {}.",
-            scientific(EXACT)
-        ),
+        caption:
+            "Largest relative error of each exact public program, from the newest record; wrong \
+                  answers are red."
+                .to_owned(),
         ..Table::new(columns, rows)
     };
     let wrong = errors(context, "wrong-table", context.all.iter(), false);

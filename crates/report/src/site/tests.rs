@@ -185,3 +185,24 @@ fn ratios_of_records_without_the_base_are_linked() {
     assert_eq!(ratio_of("ich"), (2.0, 0));
     assert_eq!(ratio_of("fmm"), (1.0, 1));
 }
+
+#[test]
+fn distances_of_a_smooth_surface_are_no_errors() {
+    let mut result = mixed_with("a model");
+    result.cells.retain(|cell| cell.status == Status::Ok);
+    for cell in &mut result.cells {
+        cell.check.reference = Some("closed-form/sphere.csv".to_owned());
+        cell.check.max_rel = Some(1e-3);
+    }
+    let records = SiteRecords {
+        results: vec![records::SiteRecord {
+            name: "a".to_owned(),
+            path: PathBuf::new(),
+            result,
+        }],
+        ..SiteRecords::default()
+    };
+    for one in Measurement::all(&records) {
+        assert!(!one.is_wrong() && one.max_error().is_none());
+    }
+}

@@ -95,8 +95,8 @@ pub(crate) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Ve
     } else {
         let several = BaselineComparisons::new((name, first), &files[1..], &rules)?;
         is_worse = several.is_worse();
-        let files = several.comparisons.iter();
-        unjudged = files.filter_map(|file| file.unjudged_rule(&rules)).next();
+        let mut files = several.comparisons.iter();
+        unjudged = files.find_map(|file| file.unjudged_rule(&rules));
         render = Box::new(move |format, look| format.render_several(&several, look));
     }
     for (format, file) in &outputs {

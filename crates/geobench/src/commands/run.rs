@@ -178,9 +178,8 @@ fn stored_file(outputs: &[(ResultFormat, OutputFile)]) -> Option<&Path> {
 }
 
 pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
-    options
-        .isolation
-        .check(options.jobs(), &options.settings.limits)?;
+    let limits = &options.settings.limits;
+    options.isolation.check(options.jobs(), limits)?;
     let all = possible_plans(options)?;
     let (format, outputs) = self::outputs(options)?;
     // A file that is no journal is refused as one, so that `--resume` replaces nothing.
@@ -278,12 +277,16 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     }
     let verdict = verdict(&verdicts);
     if interrupt::requested() {
-        let done = result.cells.len();
-        let all = cells(&plans).map_or_else(String::new, |all| format!(" of {all}"));
-        terminal::error(&format!("interrupted: {done}{all} cells are done"));
-        return Ok(Verdict::Interrupted);
+        return Ok(interrupted(result.cells.len(), &plans));
     }
     Ok(verdict)
+}
+
+/// The verdict after a signal. Prints the number of finished cells.
+fn interrupted(done: usize, plans: &[Plan]) -> Verdict {
+    let all = cells(plans).map_or_else(String::new, |all| format!(" of {all}"));
+    terminal::error(&format!("interrupted: {done}{all} cells are done"));
+    Verdict::Interrupted
 }
 
 /// Number of cells of all plans together. `None` if it depends on the models.

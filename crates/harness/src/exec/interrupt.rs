@@ -45,7 +45,8 @@ pub fn watch() -> io::Result<()> {
     let (mut arrived, arrives) = UnixStream::pair()?;
     for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
         if !is_ignored(signal) {
-            flag::register_usize(signal, Arc::clone(&last), signal as usize)?;
+            let number = usize::try_from(signal).unwrap_or_default();
+            flag::register_usize(signal, Arc::clone(&last), number)?;
             low_level::pipe::register(signal, arrives.try_clone()?)?;
         }
     }
@@ -53,7 +54,7 @@ pub fn watch() -> io::Result<()> {
     watcher.spawn(move || {
         let mut is_first = true;
         while arrived.read_exact(&mut [0]).is_ok() {
-            let signal = last.load(Ordering::SeqCst) as c_int;
+            let signal = c_int::try_from(last.load(Ordering::SeqCst)).unwrap_or_default();
             match TOLD.get().filter(|_| STOP.contains(&signal)) {
                 // The user may stop reading what is told.
                 Some(&told) if is_first => drop(thread::spawn(told)),

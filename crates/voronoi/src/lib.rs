@@ -9,7 +9,6 @@
 mod diagram;
 mod field;
 mod lct11;
-mod merge;
 mod remesh;
 mod removal;
 mod store;

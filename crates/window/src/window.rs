@@ -18,7 +18,7 @@ use crate::frame::Frame;
 /// assert_eq!(window.distance(4.0), 5.0);
 /// assert_eq!(window.min_distance(), 3.0);
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Window {
     /// Left end of the interval; 0 ≤ `b0` < `b1`.
     pub b0: f64,
@@ -33,6 +33,13 @@ pub struct Window {
 }
 
 impl Window {
+    /// The part of the window between `b0` and `b1`.
+    #[inline]
+    #[must_use]
+    pub const fn cut(&self, b0: f64, b1: f64) -> Self {
+        Self { b0, b1, ..*self }
+    }
+
     /// The image of the (pseudo-)source.
     #[inline]
     pub const fn source(&self) -> [f64; 2] {

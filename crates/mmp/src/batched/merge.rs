@@ -1,14 +1,11 @@
 //! Merges the windows that arrive together into a list: sorted, disjoint, trimmed at tie points.
 
-// Inlining keeps windows in registers while they are compared.
-#![allow(clippy::inline_always)]
+use std::ops::Range;
 
+use geobench_window::trimming::{PieceOrigin, TrimmedList, Trimmer, foot, pieces};
 use geobench_window::{Counter, Probe, Window};
 
-use super::store::{Store, StoredWindow};
-use geobench_window::trimming::{
-    Overlap, OverlapRange, Owner, Segment, foot, is_sliver, matters, pieces,
-};
+use super::store::{Store, waiting, waits};
 
 /// Windows that arrive at one half-edge together.
 #[derive(Clone, Debug, Default)]
@@ -60,10 +57,6 @@ impl Batch {
         }
         batch
     }
-
-    fn level(&self, k: usize) -> u32 {
-        self.levels.get(k).copied().unwrap_or(0)
-    }
 }
 
 /// The result of a merge.
@@ -78,24 +71,7 @@ pub(super) struct Merged {
 /// Merges batches into lists; owns the buffers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Merger {
-    overlap: Overlap,
-    met: Vec<Window>,
-    pieces: Replacement,
-}
-
-/// The windows that replace those that a sweep has passed.
-#[derive(Clone, Debug, Default)]
-struct Replacement {
-    windows: Vec<StoredWindow>,
-    /// Counted runs only.
-    levels: Vec<u32>,
-}
-
-impl Replacement {
-    fn clear(&mut self) {
-        self.windows.clear();
-        self.levels.clear();
-    }
+    trimmer: Trimmer<Window>,
 }
 
 impl Merger {
@@ -103,12 +79,8 @@ impl Merger {
     /// every window that now waits under a new label: the surviving new windows, and trimmed stored
     /// ones whose least distance grew.
     ///
-    /// Each stored window that a new one overlaps is split at the tie points in the common range,
-    /// of which there may be two. Each part goes to the window that is shorter there, to the stored
-    /// one where they are equal. Ranges without a stored window go to the new one. The result is
-    /// that of inserting the windows one after the other: windows in ascending order share one
-    /// sweep over the list, and one out of order starts another. A sweep takes O(log k + m) for m
-    /// windows met among k, and moves those behind them.
+    /// A pass over the list takes O(log k + m) for m windows met among k, and moves those behind
+    /// them.
     #[inline]
     pub(super) fn merge<P: Probe>(
         &mut self,
@@ -131,282 +103,121 @@ impl Merger {
         } else {
             batch
         };
-        self.sweep(store, i, all, l, &mut merged, weigh, probe);
+        let (mut k, mut dropped) = (0, 0);
+        while let Some(new) = all.windows.get(k) {
+            let first = store.ending_by(i, new.b0);
+            let mut arrivals = Arrivals {
+                windows: store.windows_mut(i),
+                batch: all,
+                least: &mut merged.least,
+                dropped: &mut dropped,
+                weigh,
+                probe,
+            };
+            let (old, next) = self.trimmer.insert(&mut arrivals, first, k, l);
+            if P::COUNTS {
+                self.replace_levels(store, i, old.clone(), &all.levels);
+            }
+            store.replace(i, old, self.trimmer.pieces());
+            k = next;
+        }
         // Several pieces of one window may survive.
-        merged.kept = merged.kept.min(batch.windows.len() as u64);
+        let survivors = all.windows.len() - dropped;
+        merged.kept = survivors.min(batch.windows.len()) as u64;
         merged
     }
 
-    /// [`merge`](Self::merge) for windows without a [foot], or split at it.
-    #[inline(always)]
-    #[allow(clippy::too_many_arguments)] // Private, and one step of `merge`.
-    fn sweep<P: Probe>(
-        &mut self,
-        store: &mut Store,
-        i: usize,
-        batch: &Batch,
-        l: f64,
-        merged: &mut Merged,
-        weigh: &mut impl FnMut(f64),
-        probe: &mut P,
-    ) {
-        let windows = &batch.windows;
-        let mut k = 0;
-        while k < windows.len() {
-            let mut sweep = ListSweep::start(store, i, windows[k].b0, &mut self.pieces);
-            let mut is_open = sweep.insert(&windows[k], batch.level(k), l, merged, weigh, probe);
-            // A sweep does not compare a window with those it inserted: the next window must begin
-            // behind the last one.
-            let mut last = &windows[k];
-            k += 1;
-            while !is_open && k < windows.len() {
-                let mut new = windows[k];
-                if new.b0 < last.b1 {
-                    if matters(last, &new, new.b0, last.b1.min(new.b1), l) {
-                        break;
-                    }
-                    // They touch; the overlap is rounding.
-                    new.b0 = last.b1;
-                    if new.b0 >= new.b1 {
-                        probe.add(Counter::Filtered, 1);
-                        k += 1;
-                        continue;
-                    }
-                }
-                last = &windows[k];
-                sweep.pass(new.b0);
-                is_open = sweep.insert(&new, batch.level(k), l, merged, weigh, probe);
-                k += 1;
-            }
-            let ListSweep { base, next, .. } = sweep;
-            let Replacement {
-                windows: pieces,
-                levels,
-            } = &self.pieces;
-            if !pieces.is_empty() {
-                store.replace(i, base, next - base, pieces, levels);
-            }
-            if is_open {
-                let new = &windows[k - 1];
-                self.divide(store, i, new, batch.level(k - 1), l, merged, weigh, probe);
-            }
-        }
-    }
-
-    /// Inserts `new` by dividing the whole overlap; several of its intervals may survive.
-    #[cold]
-    #[allow(clippy::too_many_arguments)] // Private, and one step of `merge`.
-    fn divide<P: Probe>(
-        &mut self,
-        store: &mut Store,
-        i: usize,
-        new: &Window,
-        level: u32,
-        l: f64,
-        merged: &mut Merged,
-        weigh: &mut impl FnMut(f64),
-        probe: &mut P,
-    ) {
-        let first = store.ending_by(i, new.b0);
-        let stored = &store.windows(i)[first..];
-        self.met.clear();
-        let behind = stored.iter().map(|w| w.window);
-        self.met.extend(behind.take_while(|w| w.b0 < new.b1));
-        self.overlap.share_out(&self.met, new, l);
-        let segments = self.overlap.segments();
-        if !segments.iter().any(|s| s.owner == Owner::New) {
-            probe.add(Counter::Filtered, 1);
-            return;
-        }
-        merged.kept += 1;
-        self.pieces.clear();
-        // The stored windows before this one are done.
-        let mut next_old = 0;
-        for &Segment { start, end, owner } in segments {
-            let (piece, level) = match owner {
-                Owner::New => {
-                    let piece = StoredWindow::waiting(Window {
-                        b0: start,
-                        b1: end,
-                        ..*new
-                    });
-                    let label = piece.window.min_distance();
-                    weigh(label);
-                    merged.least = merged.least.min(label);
-                    (piece, level)
-                }
-                Owner::Old(k) => {
-                    let piece = stored[k].cut(start, end);
-                    if k < next_old {
-                        // A second part of a window whose left part stays, too.
-                        if piece.waits() {
-                            weigh(piece.window.min_distance());
-                            probe.add(Counter::Reinserted, 1);
-                        }
-                    } else {
-                        probe.add(Counter::Filtered, (k - next_old) as u64);
-                        next_old = k + 1;
-                        if piece.window != stored[k].window {
-                            probe.add(Counter::Trimmed, 1);
-                        }
-                        report_growth(&stored[k], &piece, weigh, probe);
-                    }
-                    let levels = P::COUNTS.then(|| store.levels(i)[first + k]);
-                    (piece, levels.unwrap_or(0))
-                }
-            };
-            self.pieces.windows.push(piece);
-            if P::COUNTS {
-                self.pieces.levels.push(level);
-            }
-        }
-        let met = self.met.len();
-        probe.add(Counter::Filtered, (met - next_old) as u64);
-        store.replace(i, first, met, &self.pieces.windows, &self.pieces.levels);
-    }
-}
-
-/// Reports the new label of a stored window that was cut and whose least distance grew.
-#[inline(always)]
-fn report_growth<P: Probe>(
-    old: &StoredWindow,
-    cut: &StoredWindow,
-    weigh: &mut impl FnMut(f64),
-    probe: &mut P,
-) {
-    if let Some(label) = old.later(cut) {
-        weigh(label);
-        probe.add(Counter::Reinserted, 1);
-    }
-}
-
-/// One pass over a list in ascending order that inserts windows.
-///
-/// Replaced ranges are collected and copied back at the end. A stored window that loses its left
-/// part is cut in place.
-struct ListSweep<'a> {
-    pieces: &'a mut Replacement,
-    windows: &'a mut [StoredWindow],
-    levels: &'a [u32],
-    /// The first window that the pieces replace.
-    base: usize,
-    /// The first window that has not been passed; the pieces replace those before it.
-    next: usize,
-}
-
-impl<'a> ListSweep<'a> {
-    /// Starts behind the windows of list `i` that end at `x` or before.
-    #[inline(always)]
-    fn start(store: &'a mut Store, i: usize, x: f64, pieces: &'a mut Replacement) -> Self {
-        let next = store.ending_by(i, x);
-        pieces.clear();
-        let (windows, levels) = store.windows_and_levels(i);
-        Self {
-            pieces,
-            windows,
-            levels,
-            base: next,
-            next,
-        }
-    }
-
-    /// Passes the windows that end at `x` or before.
-    #[inline(always)]
-    fn pass(&mut self, x: f64) {
-        while let Some(stored) = self.windows.get(self.next)
-            && stored.window.b1 <= x
-        {
-            if !self.pieces.windows.is_empty() {
-                self.pieces.windows.push(*stored);
-                self.pieces.levels.extend(self.levels.get(self.next));
-            }
-            self.next += 1;
-        }
-    }
-
-    /// Inserts `new`, which begins at or behind the end of the windows passed. Returns true, and
-    /// changes nothing, if `new` needs the whole overlap to be [divided](Merger::divide).
-    #[inline(always)]
-    fn insert<P: Probe>(
-        &mut self,
-        new: &Window,
-        level: u32,
-        l: f64,
-        merged: &mut Merged,
-        weigh: &mut impl FnMut(f64),
-        probe: &mut P,
-    ) -> bool {
-        let behind = self.windows[self.next..].iter().map(|w| &w.window);
-        let (start, end) = match OverlapRange::of(behind, new, l) {
-            OverlapRange::Empty => {
-                probe.add(Counter::Filtered, 1);
-                return false;
-            }
-            OverlapRange::Single(start, end) => (start, end),
-            OverlapRange::Undecided => return true,
+    /// Replaces the levels of the windows `old` of list `i` by those of the pieces; `new` are those
+    /// of the new windows.
+    fn replace_levels(&self, store: &mut Store, i: usize, old: Range<usize>, new: &[u32]) {
+        let level = |origin: &PieceOrigin| match *origin {
+            PieceOrigin::New(k) => new[k],
+            PieceOrigin::Old(k) => store.levels(i)[k],
         };
-        self.pass(start);
-        if self.pieces.windows.is_empty() {
-            self.base = self.next;
+        let levels = self.trimmer.origins().iter().map(level).collect();
+        store.replace_levels(i, old, levels);
+    }
+}
+
+/// The arrival of a batch at a list.
+struct Arrivals<'a, F, P> {
+    windows: &'a mut [Window],
+    batch: &'a Batch,
+    /// The least distance of the surviving new windows.
+    least: &'a mut f64,
+    /// Number of new windows that do not survive. Counted runs only.
+    dropped: &'a mut usize,
+    weigh: &'a mut F,
+    probe: &'a mut P,
+}
+
+impl<F: FnMut(f64), P: Probe> TrimmedList for Arrivals<'_, F, P> {
+    type Entry = Window;
+
+    const RECORDS_ORIGINS: bool = P::COUNTS;
+
+    #[inline]
+    fn entries(&self) -> &[Window] {
+        self.windows
+    }
+
+    #[inline]
+    fn entries_mut(&mut self) -> &mut [Window] {
+        self.windows
+    }
+
+    #[inline]
+    fn window<'a>(&'a self, entry: &'a Window) -> &'a Window {
+        entry
+    }
+
+    #[inline]
+    fn arriving(&self, k: usize) -> Option<Window> {
+        self.batch.windows.get(k).copied()
+    }
+
+    #[inline]
+    fn keep(&mut self, _: usize, part: Window) -> Window {
+        let label = part.min_distance();
+        (self.weigh)(label);
+        if label < *self.least {
+            *self.least = label;
         }
-        // Number of stored windows that keep a part, and the place of the one that keeps its left
-        // part.
-        let (mut kept, first) = (0, self.next);
-        if let Some(old) = self.windows.get(self.next)
-            && old.window.b0 < start
-            && !is_sliver(&old.window, old.window.b0, start, l)
-        {
-            let piece = old.cut(old.window.b0, start);
-            report_growth(old, &piece, weigh, probe);
-            kept += 1;
-            self.pieces.windows.push(piece);
-            self.pieces.levels.extend(self.levels.get(first));
-        }
-        let piece = StoredWindow::waiting(Window {
-            b0: start,
-            b1: end,
-            ..*new
-        });
-        let label = piece.window.min_distance();
-        weigh(label);
-        if label < merged.least {
-            merged.least = label;
-        }
-        self.pieces.windows.push(piece);
+        waiting(part)
+    }
+
+    #[inline]
+    fn drop_new(&mut self, _: usize) {
+        self.probe.add(Counter::Filtered, 1);
         if P::COUNTS {
-            self.pieces.levels.push(level);
-            merged.kept += 1;
+            *self.dropped += 1;
         }
-        while let Some(old) = self.windows.get(self.next)
-            && old.window.b1 <= end
-        {
-            self.next += 1;
+    }
+
+    #[inline]
+    fn cut(&mut self, old: &Window, b0: f64, b1: f64) -> Window {
+        self.probe.add(Counter::Trimmed, 1);
+        let part = old.cut(b0, b1);
+        if waits(old) && part.nearest_abscissa() != old.nearest_abscissa() {
+            (self.weigh)(part.min_distance());
+            self.probe.add(Counter::Reinserted, 1);
         }
-        let mut met = self.next - first;
-        if let Some(old) = self.windows.get_mut(self.next)
-            && old.window.b0 < end
-        {
-            met += 1;
-            if is_sliver(&old.window, end, old.window.b1, l) {
-                self.next += 1;
-            } else {
-                let piece = old.cut(end, old.window.b1);
-                if kept == 1 && self.next == first {
-                    // A second part of the window whose left part stays, too.
-                    if piece.waits() {
-                        weigh(piece.window.min_distance());
-                        probe.add(Counter::Reinserted, 1);
-                    }
-                } else {
-                    report_growth(old, &piece, weigh, probe);
-                    kept += 1;
-                }
-                *old = piece;
-            }
+        part
+    }
+
+    #[inline]
+    fn split(&mut self, old: &Window, b0: f64, b1: f64) -> Window {
+        let part = old.cut(b0, b1);
+        if waits(old) {
+            (self.weigh)(part.min_distance());
+            self.probe.add(Counter::Reinserted, 1);
         }
-        probe.add(Counter::Trimmed, kept);
-        probe.add(Counter::Filtered, met as u64 - kept);
-        false
+        part
+    }
+
+    #[inline]
+    fn remove(&mut self, _: &Window) {
+        self.probe.add(Counter::Filtered, 1);
     }
 }
 

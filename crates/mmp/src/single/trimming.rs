@@ -260,11 +260,11 @@ impl Policy for Trimming {
             }
         }
         let lists = &mut self.lists;
-        let inserter = &mut self.inserter;
         let before = lists.len(place);
-        inserter.insert(lists, place, &window, direction, l);
+        self.inserter.insert(lists, place, &window, direction, l);
+        let effects = &self.inserter.effects;
         self.stored = self.stored + lists.len(place) - before;
-        for entry in &inserter.to_queue {
+        for entry in &effects.to_queue {
             // A window of the other direction may have been split; its second part waits as well.
             let h = if self.lists.direction(entry.slot) == direction {
                 arrival.h
@@ -273,18 +273,15 @@ impl Policy for Trimming {
             };
             queue(h, entry.label, entry.slot, probe);
         }
-        let kept = inserter.new_pieces > 0;
-        probe.add(Counter::Reinserted, inserter.outdated as u64);
-        probe.add(Counter::Trimmed, inserter.trimmed as u64);
-        probe.add(
-            Counter::Filtered,
-            inserter.removed as u64 + u64::from(!kept),
-        );
+        let kept = effects.new_pieces > 0;
+        probe.add(Counter::Reinserted, effects.outdated as u64);
+        probe.add(Counter::Trimmed, effects.trimmed as u64);
+        probe.add(Counter::Filtered, effects.removed as u64 + u64::from(!kept));
         probe.raise(Counter::PeakWindows, self.lists.stored() as u64);
         if P::COUNTS {
             let slots = self.lists.windows().len();
             self.levels.resize(slots.max(self.levels.len()), 0);
-            for entry in &inserter.to_queue {
+            for entry in &effects.to_queue {
                 let level = entry.part_of.map(|slot| self.levels[slot as usize]);
                 self.levels[entry.slot as usize] = level.unwrap_or(arrival.lineage);
             }

@@ -44,7 +44,7 @@ const STRAIGHT: f64 = 4e-7;
 
 /// The part of a common range on which a new window is shorter than an old one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ShorterPart {
+pub(super) enum ShorterPart {
     /// The new window is shorter on this range.
     Won(f64, f64),
     /// The new window is nowhere shorter.
@@ -70,7 +70,7 @@ fn is_narrow(w: &Window, start: f64, end: f64) -> bool {
 
 /// Whether `start..end` is not a sliver of both windows.
 #[inline]
-pub fn matters(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool {
+pub(super) fn matters(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool {
     start < end && !(is_sliver(old, start, end, l) && is_sliver(new, start, end, l))
 }
 
@@ -82,7 +82,7 @@ impl ShorterPart {
     /// equal at the ends: these cases are [open](ShorterPart::Open).
     #[inline(always)]
     #[allow(clippy::inline_always)] // Keeps the window in registers.
-    pub fn between(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
+    pub(super) fn between(old: &Window, new: &Window, lo: f64, hi: f64, l: f64) -> Self {
         if hi - lo <= SLIVER * l {
             return Self::on_narrow(old, new, lo, hi, l);
         }

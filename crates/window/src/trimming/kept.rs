@@ -1,14 +1,11 @@
 //! Windows stored beside thin faces, to end those that wind around a needle.
 
-use std::ops::Range;
-
 use geobench_mesh::{HalfEdgeId, Mesh, Splice};
 
-use super::compare::is_sliver;
 use super::foot::pieces;
-use super::overlap::{Overlap, Owner};
-use super::overlap_range::OverlapRange;
+use super::insertion::{TrimmedList, Trimmer};
 use super::thin::ThinFaces;
+use crate::blocks::BlockLists;
 use crate::precision::MARGIN;
 use crate::window::Window;
 
@@ -38,31 +35,18 @@ pub struct KeptWindows {
     /// The list of each half-edge, by its number; `NO_LIST` if it has none. Empty if no face is
     /// thin.
     lists: Vec<u32>,
-    kept: Vec<KeptList>,
+    /// The length of the half-edge of each list.
+    lengths: Vec<f64>,
+    /// The windows of each list. The note tells whether windows wait on the half-edge that have not
+    /// been admitted here.
+    kept: BlockLists<Window, bool>,
     /// The thin faces, without their half-edges.
     limits: ThinFaces,
     /// The number of lists on the mesh of the set-up, and its doubt.
     own: (usize, f64),
     doubt: f64,
     reach: f64,
-    overlap: Overlap,
-    replaced: Vec<Window>,
-}
-
-/// The windows of one half-edge, ascending and without overlaps.
-#[derive(Clone, Debug)]
-struct KeptList {
-    length: f64,
-    windows: Vec<Window>,
-    /// Whether windows wait on the half-edge that have not been admitted here.
-    has_received: bool,
-}
-
-impl KeptList {
-    fn clear(&mut self) {
-        self.windows.clear();
-        self.has_received = false;
-    }
+    trimmer: Trimmer<Window>,
 }
 
 const NO_LIST: u32 = u32::MAX;
@@ -77,19 +61,16 @@ impl KeptWindows {
             kept.lists.resize(numbers, NO_LIST);
             kept.add(number(h), mesh.length(h));
         }
+        kept.kept = BlockLists::new(kept.lengths.len(), 0);
         kept.set_doubt(thin.doubt());
-        kept.own = (kept.kept.len(), thin.doubt());
+        kept.own = (kept.lengths.len(), thin.doubt());
         kept.limits = thin.without_half_edges();
         kept
     }
 
     fn add(&mut self, h: usize, length: f64) {
-        self.lists[h] = self.kept.len() as u32;
-        self.kept.push(KeptList {
-            length,
-            windows: Vec::new(),
-            has_received: false,
-        });
+        self.lists[h] = self.lengths.len() as u32;
+        self.lengths.push(length);
     }
 
     fn set_doubt(&mut self, doubt: f64) {
@@ -106,8 +87,7 @@ impl KeptWindows {
         number: impl Fn(HalfEdgeId) -> usize,
     ) {
         let (own, own_doubt) = self.own;
-        self.kept.truncate(own);
-        self.clear();
+        self.lengths.truncate(own);
         let mut doubt = own_doubt;
         if own == 0 {
             self.lists.clear();
@@ -129,8 +109,8 @@ impl KeptWindows {
             {
                 // A list of the set-up stays: storing windows where no face is thin does no harm.
                 let i = number(h);
-                match self.kept.get_mut(self.lists[i] as usize) {
-                    Some(list) => list.length = mesh.length(h),
+                match self.lengths.get_mut(self.lists[i] as usize) {
+                    Some(length) => *length = mesh.length(h),
                     None if beside => self.add(i, mesh.length(h)),
                     None => self.lists[i] = NO_LIST,
                 }
@@ -139,6 +119,8 @@ impl KeptWindows {
                 doubt = doubt.max(MARGIN * mesh.length(h));
             }
         }
+        self.kept.set_count(self.lengths.len(), 0);
+        self.kept.clear();
         self.set_doubt(doubt);
     }
 
@@ -175,25 +157,32 @@ impl KeptWindows {
     /// Whether windows that arrive at half-edge number `h` are stored.
     #[inline]
     pub fn holds(&self, h: usize) -> bool {
-        self.lists.get(h).is_some_and(|&list| list != NO_LIST)
+        self.list(h).is_some()
+    }
+
+    /// The list of half-edge number `h`.
+    #[inline]
+    fn list(&self, h: usize) -> Option<usize> {
+        let list = self.lists.get(h).filter(|&&list| list != NO_LIST)?;
+        Some(*list as usize)
     }
 
     /// Removes all windows.
     pub fn clear(&mut self) {
-        self.kept.iter_mut().for_each(KeptList::clear);
+        self.kept.clear();
     }
 
     /// Removes the windows of half-edge number `h`.
     pub fn clear_at(&mut self, h: usize) {
-        if self.holds(h) {
-            self.kept[self.lists[h] as usize].clear();
+        if let Some(list) = self.list(h) {
+            self.kept.remove_all(list, false);
         }
     }
 
     /// Notes that windows wait on half-edge number `h` which were admitted elsewhere.
     pub fn receive(&mut self, h: usize) {
-        if self.holds(h) {
-            self.kept[self.lists[h] as usize].has_received = true;
+        if let Some(list) = self.list(h) {
+            *self.kept.note_mut(list) = true;
         }
     }
 
@@ -205,61 +194,18 @@ impl KeptWindows {
     /// since: it may have replaced an equal window.
     #[cold]
     pub fn admit(&mut self, h: usize, new: &Window) -> Option<Window> {
-        let list = self.lists.get(h).copied().unwrap_or(NO_LIST);
-        let Some(KeptList {
-            length,
-            windows: list,
-            ..
-        }) = self.kept.get_mut(list as usize)
-        else {
+        let Some(list) = self.list(h) else {
             return Some(*new);
         };
-        let l = *length;
-        let mut parts: Option<[f64; 2]> = None;
+        let l = self.lengths[list];
+        let mut parts = None;
         for piece in pieces(new, l) {
-            let first = list.partition_point(|w| w.b1 <= piece.b0);
-            self.replaced.clear();
-            let replaced = match OverlapRange::of(list[first..].iter(), &piece, l) {
-                OverlapRange::Empty => continue,
-                OverlapRange::Single(start, end) => {
-                    let first = first + list[first..].partition_point(|w| w.b1 <= start);
-                    let met = list[first..].iter().take_while(|w| w.b0 < end).count();
-                    let met = first..first + met;
-                    let old = &list[met.clone()];
-                    self.replaced
-                        .extend(old.first().and_then(|w| part(w, w.b0, start, l)));
-                    self.replaced.push(Window {
-                        b0: start,
-                        b1: end,
-                        ..piece
-                    });
-                    self.replaced
-                        .extend(old.last().and_then(|w| part(w, end, w.b1, l)));
-                    parts = Some(joined(parts, start, end));
-                    met
-                }
-                OverlapRange::Undecided => {
-                    let met = list[first..].iter().take_while(|w| w.b0 < piece.b1).count();
-                    let met = first..first + met;
-                    self.overlap.share_out(&list[met.clone()], &piece, l);
-                    for segment in self.overlap.segments() {
-                        let window = match segment.owner {
-                            Owner::New => {
-                                parts = Some(joined(parts, segment.start, segment.end));
-                                piece
-                            }
-                            Owner::Old(k) => list[first + k],
-                        };
-                        self.replaced.push(Window {
-                            b0: segment.start,
-                            b1: segment.end,
-                            ..window
-                        });
-                    }
-                    met
-                }
-            };
-            replace(list, replaced, &self.replaced);
+            let first = self.kept.leading(list, |w| w.b1 <= piece.b0);
+            let (windows, _) = self.kept.entries_mut(list);
+            let parts = &mut parts;
+            let mut admission = Admission { windows, parts };
+            let old = self.trimmer.insert_one(&mut admission, first, &piece, l);
+            self.kept.replace(list, old, self.trimmer.pieces());
         }
         // The range between two parts is not needed, but harmless.
         parts.map(|[b0, b1]| Window { b0, b1, ..*new })
@@ -276,47 +222,55 @@ impl KeptWindows {
     /// A part that is left does not tell that the rest is needed, but the window crosses as a whole.
     #[cold]
     pub fn has_replaced(&self, h: usize, waiting: &Window) -> bool {
-        if !self.holds(h) {
+        let Some(list) = self.list(h).filter(|&list| !self.kept.note(list)) else {
             return false;
-        }
-        let list = &self.kept[self.lists[h] as usize];
-        if list.has_received {
-            return false;
-        }
-        let first = list.windows.partition_point(|w| w.b1 <= waiting.b0);
-        let mut met = list.windows[first..]
-            .iter()
-            .take_while(|w| w.b0 < waiting.b1);
+        };
+        let first = self.kept.leading(list, |w| w.b1 <= waiting.b0);
+        let behind = self.kept.entries(list)[first..].iter();
+        let mut met = behind.take_while(|w| w.b0 < waiting.b1);
         !met.any(|w| w.source() == waiting.source() && w.sigma == waiting.sigma)
     }
 }
 
-/// The range from `start` to `end` of a window on an edge of length `l`, unless it is too narrow.
-fn part(w: &Window, start: f64, end: f64, l: f64) -> Option<Window> {
-    let is_left = start < end && !is_sliver(w, start, end, l);
-    is_left.then_some(Window {
-        b0: start,
-        b1: end,
-        ..*w
-    })
+/// The arrival of a window at a list.
+struct Admission<'a> {
+    windows: &'a mut [Window],
+    /// The least range with all parts that are stored.
+    parts: &'a mut Option<[f64; 2]>,
 }
 
-/// Replaces the windows of `list` in `range`. As [`Vec::splice`], but moves whole ranges.
-fn replace(list: &mut Vec<Window>, range: Range<usize>, by: &[Window]) {
-    let end = range.start + by.len();
-    let behind = range.end..list.len();
-    if by.len() > range.len() {
-        list.resize(list.len() + by.len() - range.len(), by[0]);
+impl TrimmedList for Admission<'_> {
+    type Entry = Window;
+
+    fn entries(&self) -> &[Window] {
+        self.windows
     }
-    list.copy_within(behind.clone(), end);
-    list.truncate(end + behind.len());
-    list[range.start..end].copy_from_slice(by);
-}
 
-/// The least range with `parts` and the one from `start` to `end`.
-fn joined(parts: Option<[f64; 2]>, start: f64, end: f64) -> [f64; 2] {
-    let [from, to] = parts.unwrap_or([start, end]);
-    [from.min(start), to.max(end)]
+    fn entries_mut(&mut self) -> &mut [Window] {
+        self.windows
+    }
+
+    fn window<'a>(&'a self, entry: &'a Window) -> &'a Window {
+        entry
+    }
+
+    fn keep(&mut self, _: usize, part: Window) -> Window {
+        let [start, end] = self.parts.unwrap_or([part.b0, part.b1]);
+        *self.parts = Some([start.min(part.b0), end.max(part.b1)]);
+        part
+    }
+
+    fn drop_new(&mut self, _: usize) {}
+
+    fn cut(&mut self, old: &Window, b0: f64, b1: f64) -> Window {
+        old.cut(b0, b1)
+    }
+
+    fn split(&mut self, old: &Window, b0: f64, b1: f64) -> Window {
+        old.cut(b0, b1)
+    }
+
+    fn remove(&mut self, _: &Window) {}
 }
 
 #[cfg(test)]

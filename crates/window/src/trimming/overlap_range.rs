@@ -5,19 +5,8 @@ use crate::window::Window;
 
 /// The part of a new window that is shorter than the windows it overlaps. Nearly always it is at
 /// most one interval, which one pass finds without an [`Overlap`](super::Overlap).
-///
-/// ```
-/// use geobench_window::Window;
-/// use geobench_window::trimming::OverlapRange;
-///
-/// // The sources lie below both ends of an edge of length 1.
-/// let old = Window { b0: 0.0, b1: 1.0, px: 0.0, py: -1.0, sigma: 0.0 };
-/// let new = Window { px: 1.0, ..old };
-/// let range = OverlapRange::of([old].iter(), &new, 1.0);
-/// assert!(matches!(range, OverlapRange::Single(start, 1.0) if (start - 0.5).abs() < 1e-15));
-/// ```
 #[derive(Clone, Copy, Debug)]
-pub enum OverlapRange {
+pub(super) enum OverlapRange {
     /// The new window is nowhere shorter.
     Empty,
     /// One interval, from here to there.
@@ -31,7 +20,7 @@ impl OverlapRange {
     /// on an edge of length `l`.
     #[inline(always)]
     #[allow(clippy::inline_always)] // The window is not to pass through memory.
-    pub fn of<'a>(behind: impl Iterator<Item = &'a Window>, new: &Window, l: f64) -> Self {
+    pub(super) fn of<'a>(behind: impl Iterator<Item = &'a Window>, new: &Window, l: f64) -> Self {
         // The interval won so far; empty while it has no width.
         let (mut start, mut end) = (new.b0, new.b0);
         // Up to here everything has been decided.
@@ -88,5 +77,25 @@ impl OverlapRange {
         } else {
             Self::Single(start, end)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_new_window_is_shorter_on_its_side_of_the_tie() {
+        // The sources lie below both ends of an edge of length 1.
+        let old = Window {
+            b0: 0.0,
+            b1: 1.0,
+            px: 0.0,
+            py: -1.0,
+            sigma: 0.0,
+        };
+        let new = Window { px: 1.0, ..old };
+        let range = OverlapRange::of([old].iter(), &new, 1.0);
+        assert!(matches!(range, OverlapRange::Single(start, 1.0) if (start - 0.5).abs() < 1e-15));
     }
 }

@@ -64,15 +64,15 @@ proptest! {
             let mut kept = 0;
             for window in &run.windows {
                 inserter.insert(&mut lists, 0, window, Direction::Forward, 1.0);
-                let is_kept = u64::from(inserter.new_pieces > 0);
+                let is_kept = u64::from(inserter.effects.new_pieces > 0);
                 kept += is_kept;
-                expected[0] += inserter.trimmed as u64;
-                expected[1] += inserter.removed as u64 + 1 - is_kept;
-                expected[2] += inserter.outdated as u64;
+                expected[0] += inserter.effects.trimmed as u64;
+                expected[1] += inserter.effects.removed as u64 + 1 - is_kept;
+                expected[2] += inserter.effects.outdated as u64;
             }
             prop_assert_eq!(merged.kept, kept);
         }
-        let stored: Vec<Window> = store.windows(0).iter().map(|w| w.window).collect();
+        let stored: Vec<Window> = store.windows(0).to_vec();
         let places = lists.places(0).iter();
         let inserted: Vec<Window> = places.map(|p| lists.windows()[p.slot as usize]).collect();
         prop_assert_eq!(&stored, &inserted);
@@ -85,8 +85,8 @@ proptest! {
     fn every_window_waits_under_its_least_distance_and_was_weighed_with_it(runs in runs()) {
         let (store, merged, weighed) = merge_all(&runs, &mut Count::default());
         for stored in store.windows(0) {
-            let label = stored.window.min_distance();
-            prop_assert!(stored.waits() && weighed.contains(&label));
+            let label = stored.min_distance();
+            prop_assert!(waits(stored) && weighed.contains(&label));
             prop_assert!(merged.iter().any(|m| m.least <= label));
         }
     }
@@ -97,7 +97,7 @@ proptest! {
         let (store, ..) = merge_all(&runs, &mut Count::default());
         for (stored, &level) in store.windows(0).iter().zip(store.levels(0)) {
             let origin = runs.iter().flat_map(|run| run.windows.iter().zip(&run.levels));
-            let same = |w: &Window| (w.px, w.py, w.sigma) == (stored.window.px, stored.window.py, stored.window.sigma);
+            let same = |w: &Window| (w.px, w.py, w.sigma) == (stored.px, stored.py, stored.sigma);
             prop_assert!(origin.into_iter().any(|(w, &l)| same(w) && l == level));
         }
     }
@@ -125,11 +125,7 @@ fn windows_of_a_run_that_overlap_by_rounding_take_one_sweep() {
         levels: vec![0, 1],
     };
     let (store, ..) = merge_all(&[run], &mut Count::default());
-    let ends: Vec<_> = store
-        .windows(0)
-        .iter()
-        .map(|w| (w.window.b0, w.window.b1))
-        .collect();
+    let ends: Vec<_> = store.windows(0).iter().map(|w| (w.b0, w.b1)).collect();
     assert_eq!(ends, [(0.0, left.b1), (left.b1, 1.0)]);
 }
 
@@ -168,4 +164,34 @@ fn a_propagated_window_is_cut_and_does_not_wait() {
     }
     assert_eq!(weighed, [whole.min_distance(), nearer.min_distance()]);
     assert_eq!(store.windows(0).len(), 2);
+}
+
+/// A part of a window whose nearest point is lost waits under a greater label, unless the window
+/// was propagated.
+#[test]
+fn a_window_that_waits_for_longer_once_it_is_cut_is_weighed_again() {
+    let whole = Window {
+        b0: 0.0,
+        b1: 1.0,
+        px: 0.2,
+        py: -1.0,
+        sigma: 3.0,
+    };
+    let batch = Batch::default();
+    let mut weighed = Vec::new();
+    let mut count = Count::default();
+    let mut arrivals = Arrivals {
+        windows: &mut [],
+        batch: &batch,
+        least: &mut { f64::INFINITY },
+        dropped: &mut 0,
+        weigh: &mut |label| weighed.push(label),
+        probe: &mut count,
+    };
+    arrivals.cut(&whole, 0.0, 0.8);
+    arrivals.cut(&whole, 0.5, 1.0);
+    let propagated = Window { py: 1.0, ..whole };
+    assert!(!waits(&arrivals.cut(&propagated, 0.5, 1.0)));
+    arrivals.split(&propagated, 0.5, 1.0);
+    assert_eq!(weighed, [whole.distance(0.5)]);
 }

@@ -15,10 +15,10 @@ fn window(number: f64, label: f64) -> Window {
 }
 
 /// The number of the window, and its label while it waits.
-fn described(stored: &StoredWindow) -> (f64, f64) {
-    let label = stored.window.min_distance();
-    let label = if stored.waits() { label } else { f64::INFINITY };
-    (stored.window.b1, label)
+fn described(stored: &Window) -> (f64, f64) {
+    let label = stored.min_distance();
+    let label = if waits(stored) { label } else { f64::INFINITY };
+    (stored.b1, label)
 }
 
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
 proptest! {
     /// Compares with a vector of numbers and labels for each list.
     #[test]
-    fn lists_in_one_array_do_not_disturb_each_other(steps in steps(), keeps_levels in any::<bool>()) {
+    fn taken_and_evicted_windows_are_those_of_a_list(steps in steps(), keeps_levels in any::<bool>()) {
         let (mut store, mut model) = (Store::new(4, 0), vec![Vec::<(f64, f64)>::new(); 4]);
         store.clear(keeps_levels);
         let (mut serial, mut evicted) = (0, 0);
@@ -61,13 +61,17 @@ proptest! {
                             (f64::from(serial), f64::from(label))
                         })
                         .collect();
-                    let pieces: Vec<StoredWindow> = new
+                    let pieces: Vec<Window> = new
                         .iter()
-                        .map(|&(number, label)| StoredWindow::waiting(window(number, label)))
+                        .map(|&(number, label)| waiting(window(number, label)))
                         .collect();
                     let levels: Vec<u32> = (serial - new.len() as u32..serial).map(|n| n + 1).collect();
-                    store.replace(i, first, old, &pieces, &levels);
-                    model[i].splice(first..first + old, new);
+                    let old = first..first + old;
+                    store.replace(i, old.clone(), &pieces);
+                    if keeps_levels {
+                        store.replace_levels(i, old.clone(), levels);
+                    }
+                    model[i].splice(old, new);
                 }
                 Step::Take(i, due) => {
                     let due = f64::from(due);
@@ -110,41 +114,4 @@ proptest! {
             prop_assert_eq!(store.stored_in_all(), stored + evicted);
         }
     }
-
-    #[test]
-    fn windows_that_end_by_a_point_are_counted_exactly(
-        ends in prop::collection::vec(0..40u32, 0..60), at in 0..41u32,
-    ) {
-        let mut ends: Vec<f64> = ends.into_iter().map(f64::from).collect();
-        ends.sort_by(f64::total_cmp);
-        let mut store = Store::new(1, 0);
-        // Freed blocks contain old windows, which must not count.
-        let relic = StoredWindow::waiting(window(0.5, 0.0));
-        store.replace(0, 0, 0, &[relic; 70], &[]);
-        store.evict(0);
-        let pieces: Vec<StoredWindow> = ends
-            .iter()
-            .map(|&b1| StoredWindow::waiting(window(b1, 0.0)))
-            .collect();
-        store.replace(0, 0, 0, &pieces, &[]);
-        let x = f64::from(at);
-        prop_assert_eq!(store.ending_by(0, x), ends.iter().filter(|&&b1| b1 <= x).count());
-    }
-}
-
-#[test]
-fn a_window_that_waits_for_longer_once_it_is_cut_says_so() {
-    let mut whole = StoredWindow::waiting(Window {
-        px: 0.2,
-        py: -1.0,
-        ..window(1.0, 3.0)
-    });
-    let left = whole.cut(0.0, 0.8);
-    assert_eq!(whole.later(&left), None, "the nearest point is kept");
-    let right = whole.cut(0.5, 1.0);
-    assert_eq!(whole.later(&right), Some(whole.window.distance(0.5)));
-    whole.settle();
-    let right = whole.cut(0.5, 1.0);
-    assert!(!right.waits(), "it does not wait any more");
-    assert_eq!(whole.later(&right), None);
 }

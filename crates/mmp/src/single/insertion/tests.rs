@@ -79,7 +79,7 @@ proptest! {
         let mut queue = Vec::new();
         for w in &windows {
             insert(&mut inserter, &mut list, w);
-            queue.extend_from_slice(&inserter.to_queue);
+            queue.extend_from_slice(&inserter.effects.to_queue);
         }
         let mut found = 0;
         while let Some(QueueEntry { label, slot, .. }) = queue.pop() {
@@ -121,23 +121,30 @@ fn a_window_between_two_ties_splits_the_old_one() {
 fn a_propagated_window_is_cut_but_not_queued_again() {
     let (mut list, mut inserter) = (Lists::new(1, 0), Inserter::default());
     insert(&mut inserter, &mut list, &window(0.0, 1.0, 0.2, -1.0, 0.0));
-    let slot = inserter.to_queue[0].slot;
+    let slot = inserter.effects.to_queue[0].slot;
     assert!(matches!(list.take(0, slot), Dequeued::Propagate(..)));
     insert(&mut inserter, &mut list, &window(0.0, 0.5, 0.2, -0.5, 0.0));
     assert_eq!(
-        (inserter.new_pieces, inserter.trimmed, inserter.removed),
+        (
+            inserter.effects.new_pieces,
+            inserter.effects.trimmed,
+            inserter.effects.removed
+        ),
         (1, 1, 0)
     );
-    assert_eq!(inserter.to_queue.len(), 1);
+    assert_eq!(inserter.effects.to_queue.len(), 1);
 }
 
 #[test]
 fn a_waiting_window_whose_nearest_point_is_lost_waits_for_longer() {
     let (mut list, mut inserter) = (Lists::new(1, 0), Inserter::default());
     insert(&mut inserter, &mut list, &window(0.0, 1.0, 0.2, -1.0, 0.0));
-    let first = inserter.to_queue[0];
+    let first = inserter.effects.to_queue[0];
     insert(&mut inserter, &mut list, &window(0.0, 0.5, 0.2, -0.5, 0.0));
-    assert_eq!((inserter.to_queue.len(), inserter.outdated), (1, 1));
+    assert_eq!(
+        (inserter.effects.to_queue.len(), inserter.effects.outdated),
+        (1, 1)
+    );
     let rest = window(0.5, 1.0, 0.2, -1.0, 0.0);
     assert_eq!(
         list.take(0, first.slot),
@@ -150,9 +157,14 @@ fn a_waiting_window_whose_nearest_point_is_lost_waits_for_longer() {
 fn both_parts_of_a_waiting_window_wait() {
     let (mut list, mut inserter) = (Lists::new(1, 0), Inserter::default());
     insert(&mut inserter, &mut list, &window(0.0, 1.0, 0.5, -2.0, 0.0));
-    let whole = inserter.to_queue[0].slot;
+    let whole = inserter.effects.to_queue[0].slot;
     insert(&mut inserter, &mut list, &window(0.4, 0.6, 0.5, -1.0, 0.0));
-    let parts: Vec<_> = inserter.to_queue.iter().map(|e| e.part_of).collect();
+    let parts: Vec<_> = inserter
+        .effects
+        .to_queue
+        .iter()
+        .map(|e| e.part_of)
+        .collect();
     assert_eq!(parts, [None, Some(whole)]);
     assert_eq!((list.len(0), list.waiting()), (3, 3));
     insert(&mut inserter, &mut list, &window(0.0, 1.0, 0.2, -0.1, 0.0));

@@ -13,6 +13,11 @@ fn window(number: f64) -> Window {
     }
 }
 
+fn store(lists: &mut Lists, i: usize, window: Window, waits: bool) -> ListEntry {
+    let (_, waiting, slots) = lists.parts(i);
+    slots.store(window, Direction::Forward, waits, waiting)
+}
+
 #[derive(Clone, Debug)]
 enum Step {
     /// In this list, from this position on, replaces a fraction of the windows by this many
@@ -44,20 +49,22 @@ proptest! {
                     let first = from.index(model[i].len() + 1);
                     let old = part.index(model[i].len() - first + 1);
                     for &(slot, _) in &model[i][first..first + old] {
-                        lists.remove(i, slot);
+                        let (_, waiting, slots) = lists.parts(i);
+                        slots.remove(slot, waiting);
                     }
-                    let pieces: Vec<(Slot, f64)> = (0..new)
+                    let entries: Vec<ListEntry> = (0..new)
                         .map(|_| {
                             serial += 1.0;
-                            let slot = lists.store(i, window(serial), Direction::Forward, waits);
-                            (slot, serial)
+                            store(&mut lists, i, window(serial), waits)
                         })
                         .collect();
+                    let number = |entry: &ListEntry| lists.windows()[entry.slot as usize].px;
+                    let pieces: Vec<(Slot, f64)> =
+                        entries.iter().map(|entry| (entry.slot, number(entry))).collect();
                     if waits {
                         queue.extend(pieces.iter().map(|&(slot, number)| (i, slot, number)));
                     }
-                    let slots: Vec<Slot> = pieces.iter().map(|p| p.0).collect();
-                    lists.replace(i, first, old, &slots);
+                    lists.replace(i, first..first + old, &entries);
                     model[i].splice(first..first + old, pieces);
                 }
                 Step::Take(at) => {
@@ -99,10 +106,12 @@ fn a_window_that_was_cut_waits_for_its_new_turn() {
         px: 0.2,
         ..window(0.0)
     };
-    let slot = lists.store(0, near_left, Direction::Forward, true);
-    lists.replace(0, 0, 0, &[slot]);
-    assert!(!lists.cut(0, 0, 0.0, 0.8), "the nearest point is kept");
-    assert!(lists.cut(0, 0, 0.5, 0.8));
+    let entry = store(&mut lists, 0, near_left, true);
+    lists.replace(0, 0..0, &[entry]);
+    let slot = entry.slot;
+    let grows = |lists: &mut Lists, b0, b1| lists.slots.cut(slot, b0, b1).1;
+    assert!(!grows(&mut lists, 0.0, 0.8), "the nearest point is kept");
+    assert!(grows(&mut lists, 0.5, 0.8));
     let Dequeued::Requeue(label) = lists.take(0, slot) else {
         panic!("its distance has grown");
     };
@@ -110,7 +119,7 @@ fn a_window_that_was_cut_waits_for_its_new_turn() {
     assert!(
         matches!(lists.take(0, slot), Dequeued::Propagate(w, ()) if (w.b0, w.b1) == (0.5, 0.8))
     );
-    assert!(!lists.cut(0, 0, 0.6, 0.8), "it does not wait any more");
+    assert!(!grows(&mut lists, 0.6, 0.8), "it does not wait any more");
 }
 
 proptest! {
@@ -126,11 +135,11 @@ proptest! {
         let mut ends: Vec<f64> = ends.into_iter().map(abscissa).collect();
         ends.sort_by(f64::total_cmp);
         let mut lists = Lists::new(1, 0);
-        let slots: Vec<Slot> = ends
+        let entries: Vec<ListEntry> = ends
             .iter()
-            .map(|&b1| lists.store(0, Window { b1, ..window(0.0) }, Direction::Forward, false))
+            .map(|&b1| store(&mut lists, 0, Window { b1, ..window(0.0) }, false))
             .collect();
-        lists.replace(0, 0, 0, &slots);
+        lists.replace(0, 0..0, &entries);
         for x in [0.0, abscissa(at)] {
             let certain = ends.iter().filter(|&&b1| b1 < x * (1.0 - 2e-6)).count();
             let before = ends.iter().filter(|&&b1| b1 < x).count();

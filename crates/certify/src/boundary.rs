@@ -1,5 +1,6 @@
 //! Distances on boundary edges. Solvers store no windows there, because no face lies beyond.
 
+use geobench_mesh::vector::{cross_2d, dot, sub};
 use geobench_mesh::{HalfEdgeId, Mesh};
 
 use crate::envelope::WindowData;
@@ -32,15 +33,15 @@ where
         } else {
             (apex, [0.0; 2])
         };
-        let along = minus(head, tail);
+        let along = sub(head, tail);
         let unit = along.map(|x| x / length);
         let leave = |window: WindowData| {
             let image = [window.image[0], -window.image[1].abs()];
-            let offset = minus(image, tail);
+            let offset = sub(image, tail);
             // The abscissa on `h` at which the ray through point `b` of `side` leaves the face.
             let exit = |b: f64| {
-                let ray = minus([b, 0.0], image);
-                let [start, end] = [tail, head].map(|point| cross(ray, minus(point, image)));
+                let ray = sub([b, 0.0], image);
+                let [start, end] = [tail, head].map(|point| cross_2d(ray, sub(point, image)));
                 // The corner that both sides share cannot lie beyond the ray, except by rounding.
                 let (start, end) = if follows {
                     (start.min(0.0), end)
@@ -58,7 +59,7 @@ where
             let interval = [exit(window.interval[1]), exit(window.interval[0])];
             (interval[0] < interval[1]).then(|| WindowData {
                 interval,
-                image: [dot(offset, unit), cross(unit, offset)],
+                image: [dot(offset, unit), cross_2d(unit, offset)],
                 sigma: window.sigma,
             })
         };
@@ -67,16 +68,4 @@ where
     through(h.next());
     through(h.prev());
     found
-}
-
-fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
 }

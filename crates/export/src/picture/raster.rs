@@ -1,5 +1,6 @@
 //! The rasteriser: camera, triangles, lines and PNG output.
 
+use geobench_mesh::vector::{cross, dot, unit};
 use geobench_mesh::{Mesh, VertexId};
 
 use super::View;
@@ -626,26 +627,4 @@ pub fn bounds(positions: &[Vector]) -> (Vector, Vector) {
         fold(f64::INFINITY, f64::min),
         fold(f64::NEG_INFINITY, f64::max),
     )
-}
-
-pub(super) fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-/// The unit vector in this direction. A zero vector stays unchanged.
-pub(super) fn unit(v: Vector) -> Vector {
-    let length = dot(v, v).sqrt();
-    if length > 0.0 {
-        v.map(|x| x / length)
-    } else {
-        v
-    }
 }

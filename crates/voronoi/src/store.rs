@@ -318,7 +318,7 @@ impl EdgeWindows {
         let mut k = 0;
         while let Some(new) = batch.get(k) {
             let first = self.lists.leading(e, |s| s.window.b1 <= new.window.b0);
-            let mut arrivals = Arrivals {
+            let mut arrivals = EdgeArrivals {
                 list: self.lists.entries_mut(e).0,
                 batch,
                 one_by_one,
@@ -367,7 +367,7 @@ impl EdgeWindows {
 }
 
 /// The arrival of windows at an edge.
-struct Arrivals<'a> {
+struct EdgeArrivals<'a> {
     list: &'a mut [Stored],
     batch: &'a [Stored],
     /// Whether the windows were not announced together: those to queue are listed.
@@ -376,7 +376,7 @@ struct Arrivals<'a> {
     changes: &'a mut Changes,
 }
 
-impl Arrivals<'_> {
+impl EdgeArrivals<'_> {
     /// Numbers a part of a window, and lists it to be queued.
     #[inline]
     fn number(&mut self, part: &mut Stored, label: impl Fn(&Window) -> f64) {
@@ -392,7 +392,7 @@ impl Arrivals<'_> {
     }
 }
 
-impl TrimmedList for Arrivals<'_> {
+impl TrimmedList for EdgeArrivals<'_> {
     type Entry = Stored;
 
     const CORRECTS_LAST: bool = true;

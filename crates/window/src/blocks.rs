@@ -55,7 +55,7 @@ pub fn number(index: usize) -> u32 {
 
 /// A list: its block, and what its owner notes about it.
 #[derive(Clone, Copy, Debug, Default)]
-struct Head<H> {
+struct ListHead<H> {
     start: u32,
     len: u32,
     /// Size class of the block; 0 without any.
@@ -81,7 +81,7 @@ struct Head<H> {
 /// ```
 #[derive(Clone, Debug)]
 pub struct BlockLists<E, H = ()> {
-    heads: Vec<Head<H>>,
+    heads: Vec<ListHead<H>>,
     first_gate: usize,
     entries: Vec<E>,
     /// Where the free blocks of each class start.
@@ -100,7 +100,7 @@ impl<E: Copy + Default, H: Copy + Default> BlockLists<E, H> {
     /// `count` empty lists, followed by `gates`.
     pub fn new(count: usize, gates: usize) -> Self {
         let mut lists = Self {
-            heads: vec![Head::default(); count + gates],
+            heads: vec![ListHead::default(); count + gates],
             first_gate: count,
             entries: Vec::new(),
             free: vec![Vec::new(); ROOMS.len()],
@@ -124,7 +124,7 @@ impl<E: Copy + Default, H: Copy + Default> BlockLists<E, H> {
 
     /// Empties and opens all lists but the gates.
     pub fn clear(&mut self) {
-        self.heads.fill(Head::default());
+        self.heads.fill(ListHead::default());
         for gate in &mut self.heads[self.first_gate..] {
             gate.closed = true;
         }
@@ -134,7 +134,7 @@ impl<E: Copy + Default, H: Copy + Default> BlockLists<E, H> {
     /// As [`clear`](Self::clear), if no others than `lists` have changed since. None may be a gate.
     pub fn clear_at(&mut self, lists: impl Iterator<Item = usize>) {
         for i in lists {
-            self.heads[i] = Head::default();
+            self.heads[i] = ListHead::default();
         }
         self.clear_blocks();
     }
@@ -166,14 +166,14 @@ impl<E: Copy + Default, H: Copy + Default> BlockLists<E, H> {
     /// The entries of list `i`.
     #[inline]
     pub fn entries(&self, i: usize) -> &[E] {
-        let Head { start, len, .. } = self.heads[i];
+        let ListHead { start, len, .. } = self.heads[i];
         &self.entries[start as usize..][..len as usize]
     }
 
     /// The entries of list `i`, and its note.
     #[inline]
     pub fn entries_mut(&mut self, i: usize) -> (&mut [E], &mut H) {
-        let Head {
+        let ListHead {
             start, len, note, ..
         } = &mut self.heads[i];
         (&mut self.entries[*start as usize..][..*len as usize], note)
@@ -204,14 +204,14 @@ impl<E: Copy + Default, H: Copy + Default> BlockLists<E, H> {
 
     /// Removes the entries and the note of list `i`, and closes it if `and_close`.
     pub fn remove_all(&mut self, i: usize, and_close: bool) {
-        let Head {
+        let ListHead {
             start, len, class, ..
         } = self.heads[i];
         self.stored -= len as usize;
         self.free_block(class, start);
-        self.heads[i] = Head {
+        self.heads[i] = ListHead {
             closed: and_close,
-            ..Head::default()
+            ..ListHead::default()
         };
     }
 
@@ -219,7 +219,7 @@ impl<E: Copy + Default, H: Copy + Default> BlockLists<E, H> {
     /// that does not. O(log n).
     #[inline]
     pub fn leading(&self, i: usize, holds: impl Fn(&E) -> bool) -> usize {
-        let Head {
+        let ListHead {
             start, len, class, ..
         } = self.heads[i];
         let len = len as usize;
@@ -264,7 +264,7 @@ impl<E: Copy + Default, H: Copy + Default> BlockLists<E, H> {
     /// Makes room for `new` entries of list `i` in the place of `old`.
     #[inline]
     fn resize(&mut self, i: usize, old: Range<usize>, new: usize) {
-        let Head {
+        let ListHead {
             start, len, class, ..
         } = self.heads[i];
         let (start, len) = (start as usize, len as usize);
@@ -300,7 +300,7 @@ impl<E: Copy + Default, H: Copy + Default> BlockLists<E, H> {
     /// If the array would have 2^32 places or more.
     #[inline(never)]
     fn relocate(&mut self, i: usize, len: usize) -> usize {
-        let Head { start, class, .. } = self.heads[i];
+        let ListHead { start, class, .. } = self.heads[i];
         let larger = larger_class(class, len);
         let to = self.free[usize::from(larger)].pop().unwrap_or_else(|| {
             let end = number(self.entries.len() + room(larger));
@@ -334,7 +334,7 @@ impl<E: Copy + Default, H: Copy + Default> BlockLists<E, H> {
         i: usize,
         chosen: impl Fn(usize) -> I,
     ) {
-        let Head { start, len, .. } = self.heads[i];
+        let ListHead { start, len, .. } = self.heads[i];
         for k in chosen(len as usize) {
             prefetch(&self.entries, start as usize + k);
         }

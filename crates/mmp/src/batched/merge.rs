@@ -106,7 +106,7 @@ impl Merger {
         let (mut k, mut dropped) = (0, 0);
         while let Some(new) = all.windows.get(k) {
             let first = store.ending_by(i, new.b0);
-            let mut arrivals = Arrivals {
+            let mut arrivals = BatchArrivals {
                 windows: store.windows_mut(i),
                 batch: all,
                 least: &mut merged.least,
@@ -140,7 +140,7 @@ impl Merger {
 }
 
 /// The arrival of a batch at a list.
-struct Arrivals<'a, F, P> {
+struct BatchArrivals<'a, F, P> {
     windows: &'a mut [Window],
     batch: &'a Batch,
     /// The least distance of the surviving new windows.
@@ -151,7 +151,7 @@ struct Arrivals<'a, F, P> {
     probe: &'a mut P,
 }
 
-impl<F: FnMut(f64), P: Probe> TrimmedList for Arrivals<'_, F, P> {
+impl<F: FnMut(f64), P: Probe> TrimmedList for BatchArrivals<'_, F, P> {
     type Entry = Window;
 
     const RECORDS_ORIGINS: bool = P::COUNTS;

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use super::compare::{is_sliver, matters};
 use super::overlap::{Overlap, Owner, Segment};
-use super::overlap_range::OverlapRange;
+use super::overlap_range::{OverlapRange, loses_everywhere};
 use crate::window::Window;
 
 /// A list of windows, and new ones that arrive at it; told what trimming does to either.
@@ -124,7 +124,7 @@ pub enum PieceOrigin {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Trimmer<E> {
-    pieces: Pieces<E>,
+    pieces: Replacement<E>,
     overlap: Overlap,
     met: Vec<Window>,
 }
@@ -133,7 +133,7 @@ impl<E> Default for Trimmer<E> {
     fn default() -> Self {
         let (entries, origins) = (Vec::new(), Vec::new());
         Self {
-            pieces: Pieces { entries, origins },
+            pieces: Replacement { entries, origins },
             overlap: Overlap::default(),
             met: Vec::new(),
         }
@@ -142,7 +142,7 @@ impl<E> Default for Trimmer<E> {
 
 /// The entries that replace those of a range.
 #[derive(Clone, Debug)]
-struct Pieces<E> {
+struct Replacement<E> {
     entries: Vec<E>,
     origins: Vec<PieceOrigin>,
 }
@@ -160,7 +160,7 @@ impl<E: Copy> Trimmer<E> {
         new: &Window,
         l: f64,
     ) -> Range<usize> {
-        let mut pass = Pass::start(list, &mut self.pieces, first, l);
+        let mut pass = ListPass::start(list, &mut self.pieces, first, l);
         if pass.insert::<true>(0, new) {
             pass.end()
         } else {
@@ -186,7 +186,7 @@ impl<E: Copy> Trimmer<E> {
         let Some(new) = list.arriving(k) else {
             return (0..0, k);
         };
-        let mut pass = Pass::start(list, &mut self.pieces, first, l);
+        let mut pass = ListPass::start(list, &mut self.pieces, first, l);
         if !pass.insert::<true>(k, &new) {
             return (self.divide(list, first, k, &new, l), k + 1);
         }
@@ -265,7 +265,7 @@ impl<E: Copy> Trimmer<E> {
     }
 }
 
-impl<E: Copy> Pieces<E> {
+impl<E: Copy> Replacement<E> {
     #[inline(always)]
     fn push<L: TrimmedList>(&mut self, entry: E, origin: PieceOrigin) {
         self.entries.push(entry);
@@ -279,21 +279,21 @@ impl<E: Copy> Pieces<E> {
 ///
 /// Replaced ranges are collected as pieces. A stored window that loses its left part is cut in
 /// place.
-struct Pass<'a, L: TrimmedList> {
+struct ListPass<'a, L: TrimmedList> {
     list: &'a mut L,
     /// Length of the edge.
     l: f64,
-    pieces: &'a mut Pieces<L::Entry>,
+    pieces: &'a mut Replacement<L::Entry>,
     /// The first entry that the pieces replace.
     base: usize,
     /// The first entry that has not been passed. The pieces replace those from `base` up to it.
     next: usize,
 }
 
-impl<'a, L: TrimmedList> Pass<'a, L> {
+impl<'a, L: TrimmedList> ListPass<'a, L> {
     /// Starts behind the first `next` entries.
     #[inline(always)]
-    fn start(list: &'a mut L, pieces: &'a mut Pieces<L::Entry>, next: usize, l: f64) -> Self {
+    fn start(list: &'a mut L, pieces: &'a mut Replacement<L::Entry>, next: usize, l: f64) -> Self {
         pieces.entries.clear();
         if L::RECORDS_ORIGINS {
             pieces.origins.clear();
@@ -393,9 +393,15 @@ impl<'a, L: TrimmedList> Pass<'a, L> {
     fn insert<const FIRST: bool>(&mut self, k: usize, new: &Window) -> bool {
         let list = &*self.list;
         let behind = list.entries()[self.next..].iter().map(|e| list.window(e));
+        if list.divides_all() {
+            let is_lost = loses_everywhere(behind, new, self.l);
+            if is_lost {
+                self.list.drop_new(k);
+            }
+            return is_lost;
+        }
         match OverlapRange::of(behind, new, self.l) {
             OverlapRange::Empty => self.list.drop_new(k),
-            OverlapRange::Single(..) if self.list.divides_all() => return false,
             OverlapRange::Single(start, end) => {
                 if FIRST {
                     while self.old(self.next).is_some_and(|w| w.b1 <= start) {

@@ -80,6 +80,26 @@ impl OverlapRange {
     }
 }
 
+/// Whether the windows `behind`, as in [`OverlapRange::of`], cover all of `new` and are nowhere
+/// longer.
+pub(super) fn loses_everywhere<'a>(
+    behind: impl Iterator<Item = &'a Window>,
+    new: &Window,
+    l: f64,
+) -> bool {
+    let mut covered = new.b0;
+    for w in behind.take_while(|w| w.b0 < new.b1) {
+        let (lo, hi) = (w.b0.max(new.b0), w.b1.min(new.b1));
+        if covered < lo && !is_sliver(new, covered, lo, l)
+            || ShorterPart::between(w, new, lo, hi, l) != ShorterPart::Lost
+        {
+            return false;
+        }
+        covered = hi;
+    }
+    is_sliver(new, covered, new.b1, l)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -180,7 +180,7 @@ fn a_window_that_waits_for_longer_once_it_is_cut_is_weighed_again() {
     let batch = Batch::default();
     let mut weighed = Vec::new();
     let mut count = Count::default();
-    let mut arrivals = Arrivals {
+    let mut arrivals = BatchArrivals {
         windows: &mut [],
         batch: &batch,
         least: &mut { f64::INFINITY },

@@ -113,7 +113,7 @@ impl<E: Copy + Default, H: Copy + Default> BlockLists<E, H> {
     /// Changes the numbers of lists and gates. The next [`clear`](Self::clear) makes all lists
     /// empty.
     pub fn set_count(&mut self, count: usize, gates: usize) {
-        self.heads.resize(count + gates, Head::default());
+        self.heads.resize(count + gates, ListHead::default());
         self.first_gate = count;
     }
 

@@ -24,6 +24,13 @@ const ENOUGH_SAMPLES: u64 = 2400;
 /// A profiled run is not repeated after this time, even with fewer samples.
 const LONGEST_PROFILE: Duration = Duration::from_secs(1);
 
+/// The profiled runs of a short solve end after this number of times the first of them, and at least
+/// [`SHORTEST_PROFILE`]: the profile would take most of the time of a small cell.
+const MOST_PROFILED: u32 = 100;
+
+/// Profiled runs may take this time.
+const SHORTEST_PROFILE: Duration = Duration::from_millis(10);
+
 /// Backend that runs every cell in the current process, sequentially. It cannot enforce limits.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ThisProcess;
@@ -255,7 +262,8 @@ impl InProcess {
         let result = solver.run(&source.vertices, &goal, Observer::Phases(&mut sampler));
         let peaks = measure.stop();
         let solution = result?;
-        while sampler.samples() < ENOUGH_SAMPLES && start.elapsed() < LONGEST_PROFILE {
+        let longest = (MOST_PROFILED * start.elapsed()).clamp(SHORTEST_PROFILE, LONGEST_PROFILE);
+        while sampler.samples() < ENOUGH_SAMPLES && start.elapsed() < longest {
             solver.run(&source.vertices, &goal, Observer::Phases(&mut sampler))?;
         }
         let phases = sampler.phases();

@@ -33,13 +33,19 @@ fn at(line: Option<usize>) -> String {
 pub struct TomlDocument<'p> {
     path: &'p Path,
     text: String,
+    /// The positions of the line ends.
+    line_ends: Vec<usize>,
 }
 
 impl<'p> TomlDocument<'p> {
     /// A document with this text, which messages attribute to `path`.
     pub fn new(path: &'p Path, text: &str) -> Self {
-        let text = text.to_owned();
-        Self { path, text }
+        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+        Self {
+            path,
+            line_ends: ends.map(|(at, _)| at).collect(),
+            text: text.to_owned(),
+        }
     }
 
     /// Reads the file at `path`.
@@ -53,7 +59,7 @@ impl<'p> TomlDocument<'p> {
             line: None,
             problem: error.to_string(),
         })?;
-        Ok(Self { path, text })
+        Ok(Self::new(path, &text))
     }
 
     /// The directory to which paths in the file are relative.
@@ -127,8 +133,7 @@ impl<'p> TomlDocument<'p> {
 
     /// The line on which `span` starts, counted from 1.
     pub(crate) fn line(&self, span: &Range<usize>) -> usize {
-        let before = self.text.as_bytes().iter().take(span.start);
-        1 + before.filter(|byte| **byte == b'\n').count()
+        1 + self.line_ends.partition_point(|end| *end < span.start)
     }
 }
 

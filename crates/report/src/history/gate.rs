@@ -1,7 +1,7 @@
 //! A regression gate: compares the newest record of a history with earlier ones. The noise of times
 //! is estimated from the variation between commits, not within one run.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use anyhow::bail;
 use geobench_harness::measure::statistics::median;
@@ -98,13 +98,19 @@ pub fn gate(
     };
     let known: Vec<&Record> = apart.iter().chain(records).collect();
     let (base, learning) = base(&known, newest, against)?;
+    let mut of_identity: HashMap<CellKey, Vec<&CellRecord>> = HashMap::new();
+    for record in &base {
+        for cell in record.cells.iter().filter(|c| c.status == Status::Ok) {
+            of_identity
+                .entry(cell.cell.identity())
+                .or_default()
+                .push(cell);
+        }
+    }
     let (mut lines, mut notes) = (Vec::new(), Vec::new());
     for cell in &newest.cells {
-        let earlier: Vec<&CellRecord> = base
-            .iter()
-            .filter_map(|r| r.cells.iter().find(|c| c.cell.is_same(&cell.cell)))
-            .filter(|c| c.status == Status::Ok)
-            .collect();
+        let earlier = of_identity.get(&cell.cell.identity());
+        let earlier = earlier.map_or(&[][..], Vec::as_slice);
         let Some(last) = earlier.last() else {
             notes.push(format!("{}: no base commit solved it", cell.cell));
             continue;
@@ -176,7 +182,9 @@ pub fn gate(
         }
     }
     let last = base.last().map_or(&[][..], |record| &record.cells);
-    let is_left = |cell: &&CellRecord| newest.cells.iter().all(|c| !c.cell.is_same(&cell.cell));
+    let present = newest.cells.iter().map(|cell| cell.cell.identity());
+    let present: HashSet<CellKey> = present.collect();
+    let is_left = |cell: &&CellRecord| !present.contains(&cell.cell.identity());
     let missing: Vec<&CellRecord> = last.iter().filter(is_left).collect();
     let rule = rules.on(Subject::Missing);
     let rule = rule.filter(|rule| missing.len() as f64 / last.len() as f64 > rule.limit);

@@ -9,6 +9,8 @@ use geobench_harness::schema::difference::first_difference;
 use geobench_harness::schema::{Cell, CellId, GroupRecord, ModelRecord, ResultFile, SourceLabel};
 use serde_json::Value;
 
+use crate::table::group::by_key;
+
 /// A joined file.
 #[derive(Clone, Debug)]
 pub struct Joined {
@@ -59,9 +61,13 @@ pub fn extend(
         file: earlier,
         notes: Vec::new(),
     };
+    let mut known: HashMap<CellId, Vec<&Cell>> = HashMap::new();
+    for cell in &joined.file.cells {
+        known.entry(cell.id()).or_default().push(cell);
+    }
     let is_timed_before = |cell: &Cell| {
-        let mut known = joined.file.cells.iter();
-        known.any(|known| known.id() == cell.id() && known.time == cell.time)
+        let known = known.get(&cell.id());
+        known.is_some_and(|known| known.iter().any(|known| known.time == cell.time))
     };
     if !new.cells.iter().all(is_timed_before) {
         check_machine(&joined.file, earlier_name, new_name, &new)?;
@@ -150,8 +156,14 @@ fn check_goals(
     name: &str,
     file: &ResultFile,
 ) -> anyhow::Result<()> {
+    // One cell of each goal of a group.
+    let goals = by_key(&whole.cells, |cell| (&cell.group, &cell.goal));
+    let mut known: HashMap<_, Vec<&Cell>> = HashMap::new();
+    for ((group, _), cells) in goals {
+        known.entry(group).or_default().push(cells[0]);
+    }
     for cell in &file.cells {
-        let mut known = whole.cells.iter().filter(|known| known.group == cell.group);
+        let mut known = known.get(&cell.group).into_iter().flatten();
         if let Some(other) = known.find(|known| known.goal != cell.goal) {
             let goal = |cell: &Cell| {
                 let all = || "to all vertices".to_owned();
@@ -297,25 +309,30 @@ fn rename_models(
     let refused = |model: &ModelRecord| (model.name.clone(), None);
     let own: HashSet<_> = file.models.iter().map(identity).collect();
     let mut renamed: HashMap<String, String> = HashMap::new();
+    let mut given: HashSet<String> = HashSet::new();
+    let hashed = whole.models.iter().filter(|known| known.sha256.is_some());
+    let by_hash: HashMap<_, _> = by_key(hashed, |known| &known.sha256).into_iter().collect();
+    let models = whole.models.iter().rev();
+    let by_name: HashMap<&str, &ModelRecord> =
+        models.map(|known| (known.name.as_str(), known)).collect();
     for model in &mut file.models {
         // Copies of a model have one hash. Each known name is given once.
         let is_free = |known: &&ModelRecord| {
             ![identity(known), refused(known)]
                 .iter()
                 .any(|taken| own.contains(taken))
-                && !renamed.values().any(|taken| *taken == known.name)
+                && !given.contains(&known.name)
         };
-        let mut same_hash = whole
-            .models
-            .iter()
-            .filter(|known| known.sha256.is_some() && known.sha256 == model.sha256);
+        let same_hash = by_hash.get(&model.sha256).map_or(&[][..], Vec::as_slice);
+        let mut same_hash = same_hash.iter().copied();
         if same_hash.clone().any(|known| known.name == model.name) {
             continue;
         }
         if let Some(known) = same_hash.find(is_free) {
+            given.insert(known.name.clone());
             renamed.insert(model.name.clone(), known.name.clone());
             model.name.clone_from(&known.name);
-        } else if let Some(known) = whole.models.iter().find(|known| known.name == model.name)
+        } else if let Some(known) = by_name.get(model.name.as_str())
             && let (Some(a), Some(b)) = (&known.sha256, &model.sha256)
         {
             bail!(

@@ -1,5 +1,7 @@
 //! Operations on several result files (compare, pool, join), and histories over commits.
 
+#[cfg(test)]
+mod alarms;
 pub mod changes;
 pub mod compare;
 pub mod gate;

@@ -62,8 +62,12 @@ impl OrderedHistory {
     fn on_line(line: &[String], records: Vec<Record>) -> Self {
         let mut placed = Vec::new();
         let mut apart = Vec::new();
+        let places: HashMap<&str, usize> = (line.iter().enumerate().rev())
+            .map(|(place, commit)| (commit.as_str(), place))
+            .collect();
         for record in records {
-            match place(line, &record) {
+            let found = places.get(record.commit.as_str()).copied();
+            match found.or_else(|| place(line, &record)) {
                 Some(place) => placed.push((place, record)),
                 None => apart.push(record),
             }

@@ -1,5 +1,7 @@
 //! The outcome of a group in one or two sentences, and warnings about its times.
 
+use std::collections::HashSet;
+
 use geobench_harness::figures::{capitalised, time};
 use geobench_harness::measure::number::{counted, grouped, ratio};
 use geobench_harness::measure::statistics::{FEWEST_FOR_INTERVAL, range_of};
@@ -147,8 +149,9 @@ impl Comparison {
             let ratio = group.ratio(time(), &model.name, slower, faster)?;
             Some((ratio, *model))
         };
-        let is_in_series =
-            |model: &&ModelRecord| series.iter().flatten().any(|one| one.name == model.name);
+        let in_series = series.iter().flatten().map(|model| model.name.as_str());
+        let in_series: HashSet<&str> = in_series.collect();
+        let is_in_series = |model: &&ModelRecord| in_series.contains(model.name.as_str());
         let alone = group
             .models
             .iter()

@@ -31,6 +31,7 @@ mod tex;
 mod tradeoff;
 mod trend;
 
+use std::collections::HashSet;
 use std::path::PathBuf;
 
 use base64::Engine;
@@ -40,7 +41,7 @@ use geobench_harness::figures::capitalised;
 use geobench_harness::schema::{Cell, GroupRecord, ResultFile, Status};
 use geobench_registry::UsageError;
 
-use crate::table::group::{GroupCells, algorithms, is_same_problem};
+use crate::table::group::{GroupCells, Problem, algorithms};
 use crate::table::{Note, ResultFormat, Table, matrix, results};
 use chart::Chart;
 use document::{Document, Download, Plot, Section, SectionItem, slug};
@@ -326,10 +327,15 @@ fn reading(result: &ResultFile) -> String {
         text += ". ";
     }
     let answers = result.cells.iter().filter(|cell| cell.status == Status::Ok);
-    let unchecked = answers
-        .clone()
-        .filter(|cell| !is_compared(cell, &result.cells))
-        .count();
+    let referred = result.cells.iter().filter_map(|cell| {
+        let reference = cell.check.reference.as_deref();
+        let reference = reference.filter(|name| *name != cell.algorithm)?;
+        Some((reference, Problem::of(cell)))
+    });
+    let referred: HashSet<(&str, Problem<'_>)> = referred.collect();
+    let unchecked = answers.clone();
+    let unchecked = unchecked.filter(|cell| !is_compared(cell, &referred));
+    let unchecked = unchecked.count();
     text += &match (unchecked, answers.count()) {
         (0, _) => "Every answer was compared with the reference that the remarks name; a wrong one has no time.".to_owned(),
         (n, all) => format!("{n} of {all} answers were not compared with a reference."),
@@ -338,14 +344,10 @@ fn reading(result: &ResultFile) -> String {
 }
 
 /// Whether the answer of `cell` was compared with another. The reference itself was compared if it
-/// is the reference of a further cell.
-fn is_compared(cell: &Cell, cells: &[Cell]) -> bool {
-    match &cell.check.reference {
-        Some(name) if *name == cell.algorithm => cells.iter().any(|other| {
-            other.algorithm != *name
-                && other.check.reference.as_ref() == Some(name)
-                && is_same_problem(other, cell)
-        }),
+/// is the reference of a further cell of the same problem, which are those `referred` to.
+fn is_compared(cell: &Cell, referred: &HashSet<(&str, Problem<'_>)>) -> bool {
+    match cell.check.reference.as_deref() {
+        Some(name) if name == cell.algorithm => referred.contains(&(name, Problem::of(cell))),
         reference => reference.is_some(),
     }
 }

@@ -10,7 +10,7 @@ use geobench_mesh::generate::Spec;
 use super::chart::{Axis, Chart, Fit, LinePoint, Lines, Series};
 use super::document::{Plot, slug};
 use super::setting::Setting;
-use crate::table::group::{Estimate, GroupCells, distinct};
+use crate::table::group::{Estimate, GroupCells, by_key};
 
 /// The property on the x-axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,13 +137,10 @@ fn families<'r>(
     against: Against,
     models: &[(f64, &'r ModelRecord)],
 ) -> Vec<(String, Vec<(f64, &'r ModelRecord)>)> {
-    let names = models.iter().filter_map(|(_, model)| against.family(model));
-    let own = |family: String| {
-        let is_own = |m: &ModelRecord| against.family(m).as_ref() == Some(&family);
-        let own: Vec<_> = models.iter().filter(|(_, m)| is_own(m)).copied().collect();
-        (family, own)
-    };
-    let families = distinct(names).into_iter().map(own);
+    let families = by_key(models.iter().copied(), |(_, model)| against.family(model));
+    let families = families
+        .into_iter()
+        .filter_map(|(family, own)| Some((family?, own)));
     let varied = families.filter(|(_, own)| differ(own) >= FEWEST_FOR_FIT && against.varies(own));
     varied.collect()
 }

@@ -3,7 +3,7 @@
 use geobench_harness::measure::number::grouped;
 use geobench_harness::schema::{ModelRecord, ResultFile};
 
-use crate::table::group::{GroupCells, distinct};
+use crate::table::group::{GroupCells, by_key, distinct};
 use crate::table::{Column, Entry, Mark, Note, Part, Table, results};
 
 /// The table of the figures of a group: a part for each model, a column for each algorithm.
@@ -85,10 +85,10 @@ pub(crate) fn notes(table: &Table) -> Vec<Note> {
         .filter(|part| !part.notes.is_empty())
         .count();
     let mut texts: Vec<Note> = Vec::new();
-    for (shape, failure) in distinct(notes().map(|(_, note)| (shape(&note.text), note.failure))) {
-        let same = notes().filter(|(_, n)| n.failure == failure && self::shape(&n.text) == shape);
-        let same: Vec<(&Part, &Note)> = same.collect();
-        let titles = distinct(same.iter().map(|(part, _)| part.title.as_str()));
+    let shapes = by_key(notes(), |(_, note)| (shape(&note.text), note.failure));
+    for ((_, failure), same) in shapes {
+        let titles = by_key(&same, |(part, _)| part.title.as_str());
+        let titles: Vec<&str> = titles.into_iter().map(|(title, _)| title).collect();
         if failure || titles.len() < 2 {
             texts.extend(same.iter().map(|(part, note)| Note {
                 text: format!("{}: {}", part.title, note.text),

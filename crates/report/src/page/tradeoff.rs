@@ -1,6 +1,8 @@
 //! Trade-offs between algorithms: error against time, and set-up time against the number of
 //! sources.
 
+use std::collections::HashMap;
+
 use geobench_harness::figures::{figure, time};
 use geobench_harness::measure::number::{self, grouped};
 use geobench_harness::schema::{Cell, Check, ModelRecord};
@@ -9,7 +11,7 @@ use super::chart::{Axis, Chart, LinePoint, Lines, Series, front};
 use super::document::Plot;
 use super::headline::EXACT;
 use super::setting::Setting;
-use crate::table::group::{GroupCells, distinct};
+use crate::table::group::{GroupCells, by_key, distinct};
 use crate::table::{Column, Entry, Part, Table};
 
 /// The least relative error that is drawn: the unit roundoff of `f64`.
@@ -78,19 +80,19 @@ fn error_of_models(
 
 /// A sentence that names the algorithms on the Pareto fronts.
 fn on_fronts(group: &GroupCells<'_>, series: &[Series]) -> String {
-    let points = |model: &str| -> Vec<(&str, [f64; 2])> {
-        let of = |series: &Series| {
-            let mut points = series.points.iter();
-            let point = points.find(|point| point.model == model)?;
-            Some([point.x, point.value.value])
-        };
-        let points = series.iter();
-        points
-            .filter_map(|s| Some((s.algorithm.as_str(), of(s)?)))
-            .collect()
-    };
+    let points = series.iter().flat_map(|series| {
+        let points = by_key(&series.points, |point| point.model.as_str()).into_iter();
+        let first = points.map(|(model, points)| (model, [points[0].x, points[0].value.value]));
+        first.map(|(model, at)| (model, (series.algorithm.as_str(), at)))
+    });
+    let of_model: HashMap<&str, Vec<(&str, [f64; 2])>> = by_key(points, |(model, _)| *model)
+        .into_iter()
+        .map(|(model, points)| (model, points.into_iter().map(|(_, point)| point).collect()))
+        .collect();
     let fronts = group.models.iter().map(|model| {
-        let points = points(&model.name);
+        let points = of_model
+            .get(model.name.as_str())
+            .map_or(&[][..], Vec::as_slice);
         let on = front(points.iter().map(|(_, at)| *at));
         let name = |at: &[f64; 2]| points.iter().find(|(_, p)| p == at).map(|(name, _)| *name);
         on.iter().filter_map(name).collect::<Vec<&str>>()

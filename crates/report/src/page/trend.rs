@@ -32,6 +32,7 @@ const BOTTOM: f64 = 26.0;
 pub fn page(history: &OrderedHistory, series: &[TrendSeries], found: &[ChangePoint]) -> String {
     let mut html = head("Trend of run times", "", [STYLE, CHARTS]) + "<main>\n";
     let records = &history.records;
+    let most = (MOST_POINTS / series.len().max(1)).clamp(60, 720);
     let ends = [records.first(), records.last()].map(|r| r.map_or("none", Record::short));
     html += &format!(
         "<p>{} records, from commit {} to {}. Dashed lines are change points: the first commits of \
@@ -40,6 +41,13 @@ pub fn page(history: &OrderedHistory, series: &[TrendSeries], found: &[ChangePoi
         escape(ends[0]),
         escape(ends[1])
     );
+    let thinned = series
+        .iter()
+        .any(|one| drawn(one, most).len() < one.points.len());
+    if thinned {
+        html += "<p>Long lines are thinned: the least and the greatest value of each stretch, without \
+                 intervals.</p>\n";
+    }
     for note in &history.notes {
         html += &format!("<p>{}</p>\n", escape(note));
     }
@@ -72,7 +80,7 @@ pub fn page(history: &OrderedHistory, series: &[TrendSeries], found: &[ChangePoi
             );
             last = Some(place);
         }
-        html += &chart(one);
+        html += &chart(one, most);
     }
     html += "</main>\n<footer><p>Made by <code>geobench trend</code> ";
     html += env!("CARGO_PKG_VERSION");
@@ -88,9 +96,40 @@ fn figure(name: &str, value: f64) -> String {
     }
 }
 
-/// The SVG chart of a series. The y-axis covers the range of the values and intervals, with a
-/// margin of 10 %.
-fn chart(series: &TrendSeries) -> String {
+/// The most points that the charts of a page draw together, so that a page of 2,000 commits has at
+/// most 5 MB. A chart of few series draws as many as it has pixels.
+const MOST_POINTS: usize = 30_000;
+
+/// The indices of the points that are drawn: all, or of equal stretches of the series the least and
+/// the greatest value. The ends of levels and of the series are always drawn.
+fn drawn(series: &TrendSeries, most: usize) -> Vec<usize> {
+    let points = &series.points;
+    if points.len() <= most {
+        return (0..points.len()).collect();
+    }
+    let stretch = (2 * points.len()).div_ceil(most);
+    let mut drawn: Vec<usize> = vec![0, points.len() - 1];
+    for start in (0..points.len()).step_by(stretch) {
+        let own = || start..(start + stretch).min(points.len());
+        let value = |i: &usize, j: &usize| points[*i].value.total_cmp(&points[*j].value);
+        drawn.extend(own().min_by(value));
+        // A level without noise is one point.
+        drawn.extend(
+            own()
+                .max_by(value)
+                .filter(|&i| points[i].value != points[start].value),
+        );
+    }
+    let ends = series.changes.iter().flat_map(|c| [c.index - 1, c.index]);
+    drawn.extend(ends);
+    drawn.sort_unstable();
+    drawn.dedup();
+    drawn
+}
+
+/// The SVG chart of a series, with at most about this number of points. The y-axis covers the range
+/// of the values and intervals, with a margin of 10 %.
+fn chart(series: &TrendSeries, most: usize) -> String {
     let points = &series.points;
     let ends = points
         .iter()
@@ -144,15 +183,16 @@ fn chart(series: &TrendSeries) -> String {
         svg.line("change", [at, TOP], [at, HEIGHT - BOTTOM]);
         svg.text([at + 3.0, TOP], "commit", &points[change.index].commit);
     }
-    let path: Vec<String> = points
+    let drawn = drawn(series, most);
+    let is_thinned = drawn.len() < points.len();
+    let path = drawn
         .iter()
-        .enumerate()
-        .map(|(i, p)| format!("{:.1} {:.1}", x(i as f64), y(p.value)))
-        .collect();
+        .map(|&i| format!("{:.1} {:.1}", x(i as f64), y(points[i].value)));
+    let path: Vec<String> = path.collect();
     svg.leaf("path", &[("d", format!("M{}", path.join(" L")))]);
-    for (i, point) in points.iter().enumerate() {
-        let at = x(i as f64);
-        if let Some([low, high]) = point.interval {
+    for i in drawn {
+        let (at, point) = (x(i as f64), &points[i]);
+        if let Some([low, high]) = point.interval.filter(|_| !is_thinned) {
             svg.line("interval", [at, y(low)], [at, y(high)]);
         }
         svg.open(
@@ -206,5 +246,50 @@ mod tests {
         assert_eq!(html.matches("class=\"change\"").count(), 3);
         assert!(!html.contains("NaN") && !html.contains("inf"));
         assert!(!html.contains("http://www.w3.org/1999") && !html.contains("<script"));
+    }
+
+    /// A page of 2,000 commits is usable in a browser.
+    #[test]
+    fn long_lines_are_thinned_and_keep_their_extremes() {
+        let record = history().swap_remove(0);
+        let mut records = Vec::new();
+        for i in 0..2000 {
+            let mut record = record.clone();
+            record.commit = format!("{i:012x}");
+            let slow = if i >= 1500 { 1.3 } else { 1.0 };
+            let cell = record.cells[0].clone();
+            let copy = |number: usize| {
+                let mut cell = cell.clone();
+                cell.cell.model = format!("model {number}");
+                cell.cell.sha256 = None;
+                for (j, sample) in cell.samples.iter_mut().enumerate() {
+                    *sample *= slow * (1.0 + ((i * 7 + j) % 11) as f64 / 1000.0);
+                }
+                if i == 777 {
+                    cell.samples.fill(9.0);
+                }
+                cell
+            };
+            record.cells = (0..12).map(copy).collect();
+            records.push(record);
+        }
+        let all = series(&records);
+        let found = change_points(&all);
+        let history = OrderedHistory {
+            records,
+            ..OrderedHistory::default()
+        };
+        let html = page(&history, &all, &found);
+        assert!(html.len() < 5_000_000, "{}", html.len());
+        assert!(html.contains("Long lines are thinned"));
+        let slowest = format!("{:012x}: 9.000000 s", 777);
+        assert_eq!(html.matches(&slowest).count(), 12);
+        assert_eq!(
+            found
+                .iter()
+                .filter(|change| change.figure == "time")
+                .count(),
+            12
+        );
     }
 }

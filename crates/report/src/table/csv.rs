@@ -1,9 +1,11 @@
 //! CSV output: any table, and results with a row for each cell or each sample. Text that a
 //! spreadsheet would take for a formula gets an apostrophe in front.
 
+use std::collections::HashMap;
+
 use csv::Writer;
 use geobench_export::escape::csv_text;
-use geobench_harness::schema::{Cell, ResultFile};
+use geobench_harness::schema::{Cell, ModelRecord, ResultFile};
 use geobench_window::{Counter, Counters};
 use serde_json::Value;
 
@@ -64,9 +66,10 @@ fn header() -> Vec<String> {
 
 /// A row for each cell. `null` becomes an empty field, and the items of a list are joined by `;`.
 pub(super) fn results(result: &ResultFile) -> anyhow::Result<Table> {
+    let models = models(result);
     let row = |cell: &Cell| {
         let values = places().map(values(cell)?);
-        let all = values.chain(surroundings(result, cell));
+        let all = values.chain(surroundings(result, &models, cell));
         Ok(all.map(Entry::new).collect())
     };
     let rows: anyhow::Result<Vec<Vec<Entry>>> = result.cells.iter().map(row).collect();
@@ -78,6 +81,7 @@ pub(super) fn samples(result: &ResultFile) -> anyhow::Result<Table> {
     const OF_CELL: [&str; 6] = ["model", "algorithm", "source", "goal", "threads", "group"];
     let of_sample = ["sample", "place", "solves", "seconds"];
     let heads = OF_CELL.iter().chain(&of_sample).chain(&SURROUNDINGS);
+    let models = models(result);
     let mut rows = Vec::new();
     for cell in &result.cells {
         let values = values(cell)?;
@@ -90,16 +94,26 @@ pub(super) fn samples(result: &ResultFile) -> anyhow::Result<Table> {
                 values(format!("/time/samples/{i}")),
             ];
             let all = of_cell.iter().cloned().chain(of_sample);
-            let all = all.chain(surroundings(result, cell));
+            let all = all.chain(surroundings(result, &models, cell));
             rows.push(all.map(Entry::new).collect());
         }
     }
     Ok(Table::new(Column::of(heads, [""; 0]), rows))
 }
 
+/// The models by name; of several with one name the first.
+fn models(result: &ResultFile) -> HashMap<&str, &ModelRecord> {
+    let models = result.models.iter().rev();
+    models.map(|model| (model.name.as_str(), model)).collect()
+}
+
 /// The values of [`SURROUNDINGS`] for a cell. The machine is its class, with the node in a cluster.
-fn surroundings(result: &ResultFile, cell: &Cell) -> [String; 4] {
-    let model = result.models.iter().find(|model| model.name == cell.model);
+fn surroundings(
+    result: &ResultFile,
+    models: &HashMap<&str, &ModelRecord>,
+    cell: &Cell,
+) -> [String; 4] {
+    let model = models.get(cell.model.as_str());
     let counts = model.map(|model| [model.vertices, model.faces, model.edges]);
     let [vertices, faces, edges] = counts
         .unwrap_or_default()

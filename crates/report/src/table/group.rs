@@ -1,10 +1,11 @@
 //! The cells of one group, for tables and charts.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::hash::Hash;
 
 use geobench_harness::figures::{CLAIMED, Figure};
 use geobench_harness::measure::statistics::{Variable, interval_of, median};
-use geobench_harness::schema::{Cell, GroupRecord, ModelRecord, Status};
+use geobench_harness::schema::{Cell, GroupRecord, ModelRecord, SourceLabel, Status};
 
 /// A group with its models and algorithms.
 #[derive(Debug)]
@@ -16,6 +17,10 @@ pub(crate) struct GroupCells<'r> {
     pub(crate) algorithms: Vec<&'r str>,
     /// The cells of each model, in the order of the file, by algorithm.
     of_model: HashMap<&'r str, ModelCells<'r>>,
+    /// The algorithms that are approximate in any cell.
+    approximate: HashSet<&'r str>,
+    /// The algorithms with times that are claims and nothing confirms.
+    claimed: HashSet<&'r str>,
 }
 
 /// The cells of a model.
@@ -53,6 +58,23 @@ pub(crate) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<
     })
 }
 
+/// `items` by their keys, in the order in which the keys first appear.
+pub(crate) fn by_key<K: Eq + Hash + Clone, T>(
+    items: impl IntoIterator<Item = T>,
+    key: impl Fn(&T) -> K,
+) -> Vec<(K, Vec<T>)> {
+    let (mut groups, mut places) = (Vec::<(K, Vec<T>)>::new(), HashMap::new());
+    for item in items {
+        let key = key(&item);
+        let place = *places.entry(key.clone()).or_insert(groups.len());
+        if place == groups.len() {
+            groups.push((key, Vec::new()));
+        }
+        groups[place].1.push(item);
+    }
+    groups
+}
+
 /// The geometric mean of positive `values`; `None` if there are none.
 pub(crate) fn geometric_mean(values: &[f64]) -> Option<f64> {
     let sum: f64 = values.iter().copied().map(libm::log).sum();
@@ -86,7 +108,13 @@ impl<'r> GroupCells<'r> {
                 measured.push(model);
             }
         }
+        let named = |is: fn(&Cell) -> bool| {
+            let cells = cells.iter().filter(|cell| is(cell));
+            cells.map(|cell| cell.algorithm.as_str()).collect()
+        };
         Self {
+            approximate: named(|cell| cell.approximate),
+            claimed: named(|cell| cell.time.unconfirmed),
             record,
             models: measured,
             algorithms: algorithms(cells.iter().copied()),
@@ -102,16 +130,16 @@ impl<'r> GroupCells<'r> {
 
     /// Whether an algorithm is approximate in any cell.
     pub(crate) fn is_approximate(&self, algorithm: &str) -> bool {
-        let mut cells = self.cells.iter();
-        cells.any(|cell| cell.algorithm == algorithm && cell.approximate)
+        self.approximate.contains(algorithm)
     }
 
     /// An algorithm as tables and plots show it: marked if it is approximate, and if its times are
     /// claims that nothing confirms.
     pub(crate) fn shown(&self, algorithm: &str) -> String {
-        let mut cells = self.cells.iter();
-        let is_claimed = cells.any(|cell| cell.algorithm == algorithm && cell.time.unconfirmed);
-        match (self.is_approximate(algorithm), is_claimed) {
+        match (
+            self.is_approximate(algorithm),
+            self.claimed.contains(algorithm),
+        ) {
             (false, false) => algorithm.to_owned(),
             (true, false) => format!("{algorithm} (approx.)"),
             (false, true) => format!("{algorithm} {CLAIMED}"),
@@ -203,9 +231,22 @@ pub(crate) fn overall(figure: &Figure, cells: &[&Cell], vertices: Option<u64>) -
     median(&cells.iter().map(of).collect::<Option<Vec<f64>>>()?)
 }
 
-/// Whether two cells ask for the same distances: of one model, source and goal.
-pub(crate) fn is_same_problem(one: &Cell, other: &Cell) -> bool {
-    one.model == other.model && one.source == other.source && one.goal == other.goal
+/// The distances that a cell asks for: of a model, from a source, within a goal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Problem<'r> {
+    model: &'r str,
+    source: Option<&'r SourceLabel>,
+    goal: Option<&'r str>,
+}
+
+impl<'r> Problem<'r> {
+    pub(crate) fn of(cell: &'r Cell) -> Self {
+        Self {
+            model: &cell.model,
+            source: cell.source.as_ref(),
+            goal: cell.goal.as_deref(),
+        }
+    }
 }
 
 /// The samples of the rounds that both cells have. The cells can have different numbers of samples

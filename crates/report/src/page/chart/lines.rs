@@ -7,7 +7,7 @@ use super::axis::{Axis, Scale};
 use super::{
     Datum, LINE, WIDTH, axis_below, draw_marker, draw_ticks, draw_whisker, legend, marker_class,
 };
-use crate::table::group::{Estimate, distinct};
+use crate::table::group::{Estimate, by_key};
 
 /// Height of the plotting area.
 const HEIGHT: f64 = 230.0;
@@ -136,7 +136,7 @@ impl Lines {
             let ends = [[first[0], top], [x.end(), last[1]]];
             let all = [ends[0]].into_iter().chain(corners.iter().copied());
             polyline(svg, "front", all.chain([ends[1]]));
-            if fronts.len() > 1 {
+            if (2..=MOST_NAMED).contains(&fronts.len()) {
                 let name = fitted(model, WIDTH / 3.0);
                 svg.text(names.place(&name, [first[0], top]), "q", &name);
             }
@@ -149,13 +149,14 @@ impl Lines {
 
     /// The name and the Pareto front of each model, from left to right; empty if none are drawn.
     pub(crate) fn fronts(&self) -> Vec<(&str, Vec<[f64; 2]>)> {
-        let points = || self.series.iter().flat_map(|series| &series.points);
-        let models = distinct(points().filter(|_| self.front).map(|p| p.model.as_str()));
-        let front = |model: &str| {
-            let own = points().filter(|point| point.model == model);
-            front(own.map(|point| [point.x, point.value.value]))
+        let points = self.series.iter().flat_map(|series| &series.points);
+        let models = by_key(points.filter(|_| self.front), |point| point.model.as_str());
+        let front = |own: Vec<&LinePoint>| {
+            let points = own.into_iter();
+            front(points.map(|point| [point.x, point.value.value]))
         };
-        models.into_iter().map(|m| (m, front(m))).collect()
+        let models = models.into_iter();
+        models.map(|(model, own)| (model, front(own))).collect()
     }
 
     pub(super) fn data(&self) -> Vec<Datum> {
@@ -223,6 +224,9 @@ fn stairs(front: &[[f64; 2]]) -> Vec<[f64; 2]> {
 /// the left end, right end and y-position of each name.
 #[derive(Default)]
 struct Names(Vec<[f64; 3]>);
+
+/// Fronts of more models have no names, which would cover each other.
+const MOST_NAMED: usize = 40;
 
 impl Names {
     /// The position of `name` beside a line with this x-position and top.

@@ -844,7 +844,8 @@ fn claims_are_about_what_suites_run() {
                     .chain(test.to.iter().flat_map(|to| &to.algorithms))
                     .collect();
                 let able = groups.clone().filter(|group| {
-                    let algorithms = group.settings.algorithms.iter().flatten();
+                    let algorithms = &group.settings.algorithms.algorithms;
+                    let algorithms = algorithms.iter().flat_map(|all| &all.0);
                     let run = |one: &Selection| one.clone().with_threads(1);
                     let planned: Vec<_> = algorithms.map(|one| plan::planned(&run(one))).collect();
                     all.iter()

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use anyhow::{Context, bail};
 use clap::Args;
@@ -19,7 +20,7 @@ use geobench_mesh::threads::Threads;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_registry::{self as registry, Selection};
 use geobench_window::{Solver, precision};
-use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
 
 use crate::args::{AlgorithmOption, MODELS_HELP, QuietOption};
 use crate::isolation::ReadingOptions;
@@ -164,6 +165,9 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
 /// Maximum size in bytes of the rows of a matrix that are in memory, unless a single row is larger.
 const MOST_ROWS_BYTES: usize = 64 << 20;
 
+/// Size in bytes of a number of a matrix, which in a CSV file has up to 17 digits.
+const NUMBER_BYTES: usize = 20;
+
 /// The kind and format of the output.
 enum DistanceOutput {
     Field(FieldFormat),
@@ -202,6 +206,12 @@ fn path_of_source(path: &Path, source: &SourceLabel) -> PathBuf {
     path.with_file_name(name)
 }
 
+/// Solvers of one algorithm, set up when they get their first task.
+struct Workers {
+    algorithm: Selection,
+    solvers: Vec<Option<Box<dyn Solver>>>,
+}
+
 /// Data shared by all tasks.
 struct DistanceCommand<'a> {
     options: &'a DistanceOptions,
@@ -230,7 +240,9 @@ impl DistanceCommand<'_> {
                 output,
             }]
         };
-        self.carry_out(&tasks, |algorithm, solver, task| {
+        let mut workers = self.workers(tasks.len());
+        let algorithm = workers.algorithm.clone();
+        self.carry_out(&mut workers, &tasks, |solver, task| {
             let sources: Vec<VertexId> = task.sources.iter().map(|(_, vertex)| *vertex).collect();
             let distances = self.solve(solver, &sources)?;
             let labels: Vec<SourceLabel> = task.sources.iter().map(|(l, _)| l.clone()).collect();
@@ -260,19 +272,22 @@ impl DistanceCommand<'_> {
                 .collect(),
         };
         // Rows are written as they are found: only so many are in memory.
-        let at_once = (MOST_ROWS_BYTES / (8 * columns.len()).max(1)).max(1);
+        let at_once = (MOST_ROWS_BYTES / (NUMBER_BYTES * columns.len()).max(1)).max(1);
         let at_once = at_once.max(self.options.threads.number());
         let mut unreachable = 0;
+        let mut workers = self.workers(sources.len());
         output.write_with("", |path| {
             let mut file = BufWriter::new(File::create(path)?);
             file.write_all(&format.head(sources.len(), &columns))?;
             for some in sources.chunks(at_once) {
-                let solve = |_: &Selection, solver: &mut dyn Solver, source: &(_, VertexId)| {
-                    self.solve(solver, &[source.1])
+                let row = |solver: &mut dyn Solver, (label, v): &(SourceLabel, VertexId)| {
+                    let row = self.solve(solver, &[*v])?;
+                    let missing = row.iter().filter(|d| !d.is_finite()).count();
+                    Ok((missing, format.row(label, &row)))
                 };
-                for ((label, _), row) in some.iter().zip(self.carry_out(some, solve)?) {
-                    unreachable += row.iter().filter(|d| !d.is_finite()).count();
-                    file.write_all(&format.row(label, &row))?;
+                for (missing, row) in self.carry_out(&mut workers, some, row)? {
+                    unreachable += missing;
+                    file.write_all(&row)?;
                 }
             }
             Ok(file.flush()?)
@@ -285,35 +300,55 @@ impl DistanceCommand<'_> {
         ))
     }
 
-    /// Executes all `tasks`, up to one per thread concurrently, and returns their results in order.
-    ///
-    /// Each concurrent task has its own solver, which is faster than several threads for one
-    /// source. If there are fewer tasks than threads, a parallel algorithm divides the threads
+    /// The workers of `tasks` tasks: one for each thread, which is faster than several threads for
+    /// one source. If there are fewer tasks than threads, a parallel algorithm divides the threads
     /// among its solvers. With a single solver, all threads take part in its set-up.
+    fn workers(&self, tasks: usize) -> Workers {
+        let threads = self.options.threads.number();
+        let count = threads.min(tasks).max(1);
+        let algorithm = self.algorithm.clone().with_threads(threads / count);
+        Workers {
+            algorithm: algorithm.with_simd(self.options.simd.simd.unwrap_or_default()),
+            solvers: (0..count).map(|_| None).collect(),
+        }
+    }
+
+    /// Executes all `tasks`, one for each of the `workers` at a time, and returns their results in
+    /// order. Solvers stay set up.
     fn carry_out<T: Sync, R: Send>(
         &self,
+        workers: &mut Workers,
         tasks: &[T],
-        work: impl Fn(&Selection, &mut dyn Solver, &T) -> anyhow::Result<R> + Sync,
+        work: impl Fn(&mut dyn Solver, &T) -> anyhow::Result<R> + Sync,
     ) -> anyhow::Result<Vec<R>> {
-        let threads = self.options.threads.number();
-        let workers = threads.min(tasks.len()).max(1);
-        let algorithm = self.algorithm.clone().with_threads(threads / workers);
-        let algorithm = algorithm.with_simd(self.options.simd.simd.unwrap_or_default());
+        let Workers { algorithm, solvers } = workers;
         let build = || algorithm.build(&self.points.refined.mesh);
-        if workers == 1 {
-            let mut solver = self.threads.run(build);
-            let solve = |task| work(&algorithm, &mut *solver, task);
-            return tasks.iter().map(solve).collect();
+        if let [solver] = &mut solvers[..] {
+            let solver = solver.get_or_insert_with(|| self.threads.run(build));
+            return tasks.iter().map(|task| work(&mut **solver, task)).collect();
         }
-        self.threads.run(|| {
-            tasks
-                .par_iter()
-                // rayon calls `build` for each piece of the tasks. Longer pieces mean fewer
-                // set-ups.
-                .with_min_len(tasks.len() / (4 * workers))
-                .map_init(build, |solver, task| work(&algorithm, &mut **solver, task))
-                .collect()
-        })
+        let next = AtomicUsize::new(0);
+        let take_tasks = |solver: &mut Option<Box<dyn Solver>>| {
+            let mut results = Vec::new();
+            loop {
+                let number = next.fetch_add(1, Relaxed);
+                let Some(task) = tasks.get(number) else {
+                    return results;
+                };
+                let result = work(&mut **solver.get_or_insert_with(build), task);
+                if result.is_err() {
+                    // The tasks before this one are taken already.
+                    next.store(tasks.len(), Relaxed);
+                }
+                results.push((number, result));
+            }
+        };
+        let mut results: Vec<_> = self.threads.run(|| {
+            let each = solvers.par_iter_mut().with_max_len(1);
+            each.flat_map_iter(take_tasks).collect()
+        });
+        results.sort_unstable_by_key(|(number, _)| *number);
+        results.into_iter().map(|(_, result)| result).collect()
     }
 
     /// The distances of the targets, or of all vertices of the model without targets. The refined

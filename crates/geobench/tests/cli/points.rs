@@ -210,6 +210,25 @@ fn a_matrix_has_a_row_for_each_source() {
 }
 
 #[test]
+fn rows_of_a_matrix_do_not_depend_on_threads() {
+    let sandbox = Sandbox::new();
+    let matrix = |threads: u32, file: &str| {
+        sandbox.succeed(&format!(
+            "distance gen:torus,faces=200 --source all --each --matrix --threads {threads} \
+             --quiet -o {file}"
+        ));
+        sandbox.bytes(file)
+    };
+    for form in ["csv", "npy"] {
+        let one = matrix(1, &format!("one.{form}"));
+        assert!(one.len() > 1000);
+        for threads in [2, 3] {
+            assert_eq!(matrix(threads, &format!("several.{form}")), one);
+        }
+    }
+}
+
+#[test]
 fn each_source_has_a_file_of_its_own() {
     let sandbox = Sandbox::with_square();
     sandbox.succeed("distance square.off --source 1,edge:0-2,0.5 --each -o d.csv");

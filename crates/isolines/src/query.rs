@@ -20,7 +20,7 @@ pub enum QueryError {
 }
 
 /// A point of a field: a vertex, or a point of a face of the refined mesh.
-enum Site {
+enum QueryPlace {
     Vertex(usize),
     Face(FaceId, Point),
 }
@@ -50,8 +50,8 @@ impl DistanceField {
     /// If the point is not one of the mesh.
     pub fn distance(&self, point: &SurfacePoint) -> Result<f64, PointError> {
         Ok(match self.site(point)? {
-            Site::Vertex(v) => self.distances[v],
-            Site::Face(face, x) => {
+            QueryPlace::Vertex(v) => self.distances[v],
+            QueryPlace::Face(face, x) => {
                 let (cones, nearest) = self.nearest_cone(face, x);
                 nearest.map_or(f64::INFINITY, |i| cones.cones[i].distance(x))
             }
@@ -123,8 +123,8 @@ impl DistanceField {
             return Ok(None);
         }
         let target = match self.site(point)? {
-            Site::Vertex(v) => (v as u32).into(),
-            Site::Face(face, x) => {
+            QueryPlace::Vertex(v) => (v as u32).into(),
+            QueryPlace::Face(face, x) => {
                 let weights = self.weights(face, x);
                 self.refined.mesh.point_in_face(face, weights)?
             }
@@ -140,17 +140,17 @@ impl DistanceField {
         }))
     }
 
-    fn site(&self, point: &SurfacePoint) -> Result<Site, PointError> {
+    fn site(&self, point: &SurfacePoint) -> Result<QueryPlace, PointError> {
         // Checks the point.
         self.mesh.insertion(std::slice::from_ref(point))?;
         if let Some(v) = point.vertex() {
-            return Ok(Site::Vertex(v.index()));
+            return Ok(QueryPlace::Vertex(v.index()));
         }
         let Some((face, weights)) = self.mesh.face_of(point) else {
             return Err(PointError::NoPositions);
         };
         let (part, x) = self.in_part(face, weights);
-        Ok(Site::Face(part, x))
+        Ok(QueryPlace::Face(part, x))
     }
 
     /// The cones of a face of the refined mesh, and the one that gives `x` the shortest distance.

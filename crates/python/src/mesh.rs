@@ -19,7 +19,7 @@ use crate::field::PyField;
 use crate::interrupt;
 use crate::isolines::{PyIsoline, check_levels};
 use crate::path::{PyPath, triples};
-use crate::points::{Finder, Surface, core, several, single, warn_user};
+use crate::points::{Finder, SharedMesh, core, several, single, warn_user};
 use crate::solver::{MeshAlgorithm, named, one_path, selection};
 use crate::voronoi::PyVoronoi;
 
@@ -65,7 +65,7 @@ use crate::voronoi::PyVoronoi;
 /// array([1.   , 0.   , 1.   , 1.414])
 #[pyclass(frozen, weakref, module = "geodesics", name = "Mesh")]
 pub(crate) struct PyMesh {
-    pub(crate) surface: Surface,
+    pub(crate) surface: SharedMesh,
     pub(crate) name: String,
     defects: Vec<String>,
 }
@@ -94,7 +94,7 @@ pub(crate) fn _mesh(
     };
     let (mesh, _) = made.map_err(|error| invalid(py, &error, ""))?;
     Ok(PyMesh {
-        surface: Surface::new(mesh),
+        surface: SharedMesh::new(mesh),
         name,
         defects,
     })
@@ -116,7 +116,7 @@ impl PyMesh {
         let known = report.summaries().into_iter();
         let defects = known.filter(|summary| summary.kind.severity() != Severity::Fatal);
         Self {
-            surface: Surface::new(mesh),
+            surface: SharedMesh::new(mesh),
             name,
             defects: defects.map(|summary| summary.text).collect(),
         }

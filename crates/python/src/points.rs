@@ -14,12 +14,12 @@ use crate::arrays;
 
 /// A mesh, and the tree that finds the points of it nearest to positions, built on first use.
 #[derive(Clone)]
-pub(crate) struct Surface {
+pub(crate) struct SharedMesh {
     pub(crate) mesh: Mesh,
     tree: Arc<OnceLock<Arc<NearestPoint>>>,
 }
 
-impl Surface {
+impl SharedMesh {
     pub(crate) fn new(mesh: Mesh) -> Self {
         Self {
             mesh,
@@ -371,13 +371,13 @@ pub(crate) fn single(value: &Bound<'_, PyAny>, name: &str) -> PyResult<PointSpec
 /// Finds points on a mesh.
 pub(crate) struct Finder<'m, 'py> {
     py: Python<'py>,
-    surface: &'m Surface,
+    surface: &'m SharedMesh,
     locator: Locator<'m>,
     has_tree: bool,
 }
 
 impl<'m, 'py> Finder<'m, 'py> {
-    pub(crate) const fn new(py: Python<'py>, surface: &'m Surface) -> Self {
+    pub(crate) const fn new(py: Python<'py>, surface: &'m SharedMesh) -> Self {
         Self {
             py,
             surface,
@@ -451,7 +451,7 @@ impl ResolvedPoints {
     /// The points `sources`, called `source_name` in messages, and the targets.
     pub(crate) fn new(
         py: Python<'_>,
-        surface: &Surface,
+        surface: &SharedMesh,
         sources: Vec<PointSpec>,
         source_name: &str,
         targets: Option<(&Bound<'_, PyAny>, &str)>,

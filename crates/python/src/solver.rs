@@ -21,7 +21,7 @@ use crate::field;
 use crate::interrupt;
 use crate::mesh::PyMesh;
 use crate::path::PyPath;
-use crate::points::{ResolvedPoints, Surface, core, several, together};
+use crate::points::{ResolvedPoints, SharedMesh, core, several, together};
 
 /// An algorithm on one mesh, with a pool of solvers. Each solver is set up once and reused.
 pub(crate) struct SolverPool {
@@ -298,13 +298,13 @@ pub(crate) fn warn(py: Python<'_>, doubt: Option<String>) -> PyResult<()> {
 /// An algorithm on a mesh.
 #[derive(Clone)]
 pub(crate) struct MeshAlgorithm {
-    pub(crate) surface: Surface,
+    pub(crate) surface: SharedMesh,
     /// The solvers, which are kept from call to call.
     pub(crate) kept: Arc<SolverPool>,
 }
 
 impl MeshAlgorithm {
-    pub(crate) fn new(surface: &Surface, selection: &Selection) -> Self {
+    pub(crate) fn new(surface: &SharedMesh, selection: &Selection) -> Self {
         Self {
             surface: surface.clone(),
             kept: SolverPool::new(selection, &surface.mesh),

@@ -90,7 +90,7 @@ impl Inserter {
     ) {
         let first = lists.ending_before(i, new.b0);
         let (places, waiting, slots) = lists.parts(i);
-        let mut insertion = Insertion {
+        let mut insertion = ListInsertion {
             places,
             waiting,
             slots,
@@ -103,7 +103,7 @@ impl Inserter {
 }
 
 /// The arrival of one window at a list.
-struct Insertion<'a> {
+struct ListInsertion<'a> {
     places: &'a mut [ListEntry],
     waiting: &'a mut u32,
     slots: &'a mut Slots,
@@ -111,7 +111,7 @@ struct Insertion<'a> {
     effects: &'a mut Effects,
 }
 
-impl Insertion<'_> {
+impl ListInsertion<'_> {
     /// Stores a window that waits to be propagated.
     #[inline]
     fn queue_piece(
@@ -130,7 +130,7 @@ impl Insertion<'_> {
     }
 }
 
-impl TrimmedList for Insertion<'_> {
+impl TrimmedList for ListInsertion<'_> {
     type Entry = ListEntry;
 
     #[inline]

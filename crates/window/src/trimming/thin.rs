@@ -52,21 +52,21 @@ pub struct ThinFaces {
     beside: Vec<bool>,
     doubt: f64,
     has_tip: bool,
-    limits: Limits,
+    limits: ThinLimits,
     /// The doubt of the mesh of the set-up; negative if no face is thin there.
     own_doubt: f64,
 }
 
 /// The limits of a mesh below which a face is thin.
 #[derive(Clone, Copy, Debug, Default)]
-struct Limits {
+struct ThinLimits {
     /// Height relative to the longest side.
     height: f64,
     /// Longest side.
     side: f64,
 }
 
-impl Limits {
+impl ThinLimits {
     fn of(mesh: &Mesh, has_tip: bool) -> Self {
         Self {
             height: if has_tip { THIN_AROUND_TIPS } else { THIN },
@@ -85,7 +85,7 @@ impl ThinFaces {
     /// `numbers`; [gates](crate::Faces::with_gates) follow. O(faces).
     pub fn of(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
         let has_tip = mesh.vertices().any(|v| is_tip(mesh, v));
-        let limits = Limits::of(mesh, has_tip);
+        let limits = ThinLimits::of(mesh, has_tip);
         let mut thin = Self {
             has_tip,
             limits,
@@ -208,7 +208,7 @@ impl ThinFaces {
 }
 
 /// Whether the face on any side of `h` is thin.
-fn is_beside_thin(mesh: &Mesh, h: HalfEdgeId, limits: Limits) -> bool {
+fn is_beside_thin(mesh: &Mesh, h: HalfEdgeId, limits: ThinLimits) -> bool {
     mesh.along_edge(h).any(|h| limits.is_thin(mesh, h.face()))
 }
 

@@ -83,7 +83,7 @@ fn length(x: f32, y: f32) -> f32 {
 
 /// A source that is about to enter a face through a half-edge.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reach {
+pub(super) struct Passage {
     pub(super) edge: Edge,
     /// The label that the face would get; set by [`Face::admit`].
     pub(super) label: u32,
@@ -166,7 +166,7 @@ impl Face {
     /// Lets `candidate` in, if it brings the least label so far. Its source bends at an end of the
     /// half-edge if the line to the aim does not cross the half-edge.
     #[inline]
-    pub(super) fn admit(&self, candidate: &mut Reach, round: u32, shared: bool) {
+    pub(super) fn admit(&self, candidate: &mut Passage, round: u32, shared: bool) {
         let corner = (candidate.edge & CORNER) as usize;
         let (length_here, [x, y]) = (self.lengths[corner], self.apexes[corner]);
         let centroid = [(x + length_here) * (1.0 / 3.0), y * (1.0 / 3.0)];
@@ -205,7 +205,7 @@ impl Face {
     /// Takes the source of `candidate` if its label has won: true at most once for a label, unless
     /// the distance is not below `bound`. Then the source waits in the face.
     #[inline]
-    pub(super) fn settle(&self, candidate: &Reach, bound: f32, shared: bool) -> bool {
+    pub(super) fn settle(&self, candidate: &Passage, bound: f32, shared: bool) -> bool {
         let label = candidate.label;
         if self.label.load(Relaxed) != label {
             return false;

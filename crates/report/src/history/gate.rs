@@ -98,18 +98,10 @@ pub fn gate(
     };
     let known: Vec<&Record> = apart.iter().chain(records).collect();
     let (base, learning) = base(&known, newest, against)?;
-    let mut of_identity: HashMap<CellKey, Vec<&CellRecord>> = HashMap::new();
-    for record in &base {
-        for cell in record.cells.iter().filter(|c| c.status == Status::Ok) {
-            of_identity
-                .entry(cell.cell.identity())
-                .or_default()
-                .push(cell);
-        }
-    }
+    let solved = solved_cells(&base);
     let (mut lines, mut notes) = (Vec::new(), Vec::new());
     for cell in &newest.cells {
-        let earlier = of_identity.get(&cell.cell.identity());
+        let earlier = solved.get(&cell.cell.identity());
         let earlier = earlier.map_or(&[][..], Vec::as_slice);
         let Some(last) = earlier.last() else {
             notes.push(format!("{}: no base commit solved it", cell.cell));
@@ -202,6 +194,16 @@ pub fn gate(
         lines,
         notes,
     })
+}
+
+/// The cells that the records of the base have solved, in their order, by what they measure.
+fn solved_cells<'r>(base: &[&'r Record]) -> HashMap<CellKey, Vec<&'r CellRecord>> {
+    let mut solved: HashMap<CellKey, Vec<&CellRecord>> = HashMap::new();
+    let cells = base.iter().flat_map(|record| &record.cells);
+    for cell in cells.filter(|cell| cell.status == Status::Ok) {
+        solved.entry(cell.cell.identity()).or_default().push(cell);
+    }
+    solved
 }
 
 /// The records of the commits `against` that can be compared with `newest`, and, while the history

@@ -87,8 +87,7 @@ pub fn markdown_line(text: &str) -> String {
 }
 
 /// `text` within a line of Markdown, without markup: no HTML, no link, no end of a table cell, and
-/// on GitHub no mention of a user, no reference to an issue, no formula and no address that becomes
-/// a link.
+/// on GitHub no mention of a user, no reference to an issue and no address that becomes a link.
 pub fn markdown(text: &str) -> String {
     /// Invisible. Letters behind it are no name of a user, and digits no number of an issue.
     const BREAK: &str = "&#8203;";
@@ -101,7 +100,7 @@ pub fn markdown(text: &str) -> String {
         match c {
             '<' => escaped.push_str("&lt;"),
             '&' => escaped.push_str("&amp;"),
-            '\\' | '|' | '`' | '*' | '~' | '$' => escaped.extend(['\\', c]),
+            '\\' | '|' | '`' | '*' | '~' => escaped.extend(['\\', c]),
             ':' if letters.clone().take(2).eq("//".chars()) => escaped.extend([":", BREAK]),
             '.' if ends_with_www(&escaped) => escaped.extend([BREAK, "."]),
             '@' if next.is_alphanumeric() => escaped.extend(["@", BREAK]),
@@ -220,7 +219,6 @@ mod tests {
             ("horse #2 # x", "horse #&#8203;2 # x"),
             ("see https://a.b", "see https:&#8203;//a.b"),
             ("WWW.a.b c:/d", "WWW&#8203;.a.b c:/d"),
-            ("$x^2$", "\\$x^2\\$"),
         ] {
             assert_eq!(markdown_line(text), escaped);
         }

@@ -346,7 +346,7 @@ const WRONG: &[(&str, &str)] = &[
     ("repeat = \"a", "suite.toml, line 1: invalid basic string"),
     (
         "\nrepaet = 1",
-        "suite.toml, line 2: there is no key `repaet` here, did you mean `repeat`?; known are group, full, ext, models,",
+        "suite.toml, line 2: there is no key `repaet` here, did you mean `repeat`?; known are ext, group, full, models,",
     ),
     ("[group]\nname = 'a'", "suite.toml, line 1: `group`: a list"),
     (

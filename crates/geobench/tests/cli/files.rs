@@ -95,8 +95,8 @@ const COMMANDS: [Files; 12] = [
 ];
 
 /// Commands that write no file of which the user chooses the name. `record` names its files itself,
-/// `cluster` fills a directory of its own.
-const OTHERS: [&str; 9] = [
+/// `cluster` and `site` fill a directory of their own.
+const OTHERS: [&str; 11] = [
     "verify",
     "certify",
     "info",
@@ -104,6 +104,8 @@ const OTHERS: [&str; 9] = [
     "suites",
     "record",
     "cluster",
+    "corpus",
+    "site",
     "completions",
     "man",
 ];

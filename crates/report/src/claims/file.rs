@@ -22,6 +22,10 @@ pub struct ClaimsFile {
     pub title: String,
     #[serde(default, rename = "claim")]
     claims: Vec<Spanned<PaperClaim>>,
+    /// Whether the claims are those of a paper, which other models than those of its suites do not
+    /// decide. Those in a file of a user are about the models that the user takes.
+    #[serde(skip)]
+    pub(super) is_of_paper: bool,
 }
 
 /// A claim.

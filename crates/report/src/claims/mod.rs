@@ -58,7 +58,11 @@ const FILES: &[(&str, &str)] = &[
 pub fn known() -> Result<Vec<ClaimsFile>, geobench_harness::DocumentError> {
     let files = FILES.iter();
     files
-        .map(|(name, text)| ClaimsFile::parse(&path(name), text))
+        .map(|(name, text)| {
+            let mut file = ClaimsFile::parse(&path(name), text)?;
+            file.is_of_paper = true;
+            Ok(file)
+        })
         .collect()
 }
 
@@ -81,19 +85,17 @@ pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<ClaimsReport, Us
         if has_authors {
             authors.push(&input.result);
         }
-        let suite = input.result.suite().filter(|suite| wanted(suite));
-        let Some(suite) = suite.filter(|_| input.result.suite_with_its_models().is_some()) else {
+        let Some(suite) = input.result.suite().filter(|suite| wanted(suite)) else {
             if !has_authors {
-                let why = match input.result.suite() {
-                    Some(suite) if wanted(&suite) => {
-                        "its models are not those of the suite, so that it decides no claim"
-                    }
-                    _ => "no claim is decided by its suite",
-                };
-                notes.push(format!("{shown}: {why}"));
+                notes.push(format!("{shown}: no claim is decided by its suite"));
             }
             continue;
         };
+        if input.result.suite_with_its_models().is_none() {
+            notes.push(format!(
+                "{shown}: its models are not those of the suite, so that it decides no claim of a paper"
+            ));
+        }
         let is_full = input.result.command.iter().any(|word| word == "--full");
         if let Some(other) = of_suite.insert((suite.clone(), is_full), input) {
             return Err(UsageError(format!(
@@ -121,7 +123,13 @@ pub fn judge(files: &[ClaimsFile], results: &[Input]) -> Result<ClaimsReport, Us
             .map(|claim| {
                 // A record at the sizes of the paper comes first, unless it does not decide.
                 let suite = claim.suite.clone().unwrap_or_default();
-                let found = [true, false].map(|is_full| of_suite.get(&(suite.clone(), is_full)));
+                let found = [true, false].map(|is_full| {
+                    let found = of_suite.get(&(suite.clone(), is_full));
+                    let has_its_models = |input: &&&Input| {
+                        !file.is_of_paper || input.result.suite_with_its_models().is_some()
+                    };
+                    found.filter(has_its_models)
+                });
                 let judge = |input: Option<&&Input>| {
                     judged(
                         &file.paper,

@@ -84,7 +84,8 @@ fn read(test: &str) -> Result<ClaimsFile, geobench_harness::DocumentError> {
 
 /// The verdict of a claim with one test.
 fn judge_one(test: &str, result: &ResultFile) -> JudgedClaim {
-    let file = read(test).unwrap();
+    let mut file = read(test).unwrap();
+    file.is_of_paper = true;
     let input = Input::new("r.json".into(), result.clone());
     let mut report = judge(&[file], &[input]).unwrap();
     report.papers.remove(0).claims.remove(0)

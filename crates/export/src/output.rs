@@ -262,8 +262,8 @@ fn plain(error: &io::Error) -> anyhow::Error {
 }
 
 /// Checks that no two outputs are the same file, and that none is among the files that the command
-/// reads: `inputs`, files that models name ([`files_beside`]), and the file from which standard input
-/// comes. Standard output may be none of them, either.
+/// reads: `inputs`, files that models name ([`files_beside`]), and the file from which standard
+/// input comes. Standard output may be none of them, either.
 ///
 /// # Errors
 ///

@@ -58,8 +58,8 @@ impl FarOption {
         if self.far { target.even_far() } else { target }
     }
 
-    /// The targets of `goal` and of its file, where `-` is standard input. `None` if there are none,
-    /// which means all vertices.
+    /// The targets of `goal` and of its file, where `-` is standard input. `None` if there are
+    /// none, which means all vertices.
     ///
     /// # Errors
     ///

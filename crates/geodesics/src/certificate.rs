@@ -93,8 +93,8 @@ impl Certificate {
     }
 
     /// The least tolerance with which all distances are proven right by the [rule](Tolerance):
-    /// nearly the error as a fraction of the distance, less where a distance is far below the others.
-    /// Infinite if nothing is proven.
+    /// nearly the error as a fraction of the distance, less where a distance is far below the
+    /// others. Infinite if nothing is proven.
     pub fn relative(&self) -> f64 {
         self.greatest(|v| self.relative_error(v, self.distances[v]))
     }
@@ -128,8 +128,8 @@ impl Certificate {
         [least, greatest]
     }
 
-    /// Upper bound of the error of `given` as the distance of vertex `v`. Infinite for NaN, and where
-    /// only one of both distances is infinite.
+    /// Upper bound of the error of `given` as the distance of vertex `v`. Infinite for NaN, and
+    /// where only one of both distances is infinite.
     ///
     /// # Panics
     ///
@@ -163,9 +163,9 @@ impl Certificate {
         }
     }
 
-    /// Judges `given` as the distance of vertex `v`. The [rule](Tolerance) of right distances allows
-    /// the relative error `tolerance`. A tolerance below 1e-9 reduces the rounding that it allows,
-    /// too.
+    /// Judges `given` as the distance of vertex `v`. The [rule](Tolerance) of right distances
+    /// allows the relative error `tolerance`. A tolerance below 1e-9 reduces the rounding that it
+    /// allows, too.
     ///
     /// # Panics
     ///

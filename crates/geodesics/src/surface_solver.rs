@@ -12,8 +12,8 @@ type SetUp = Box<dyn Fn(&Mesh) -> Box<dyn Solver> + Send>;
 /// A solver for sources and targets anywhere on the surface, set up once.
 ///
 /// Points on edges and in faces are inserted into the data of the solver for a run, and removed
-/// after it. A run takes as long as one between vertices. A solver that cannot do so, an approximate
-/// one, is set up anew for each such run.
+/// after it. A run takes as long as one between vertices. A solver that cannot do so, an
+/// approximate one, is set up anew for each such run.
 ///
 /// ```
 /// use geodesics::{Mesh, SurfaceSolver};
@@ -35,8 +35,8 @@ pub struct SurfaceSolver {
 }
 
 impl SurfaceSolver {
-    /// Sets up [`VtpFast`](crate::VtpFast), or [`mmp_fast`](crate::solvers::mmp_fast) on a mesh with
-    /// [junctions](Mesh::junction).
+    /// Sets up [`VtpFast`](crate::VtpFast), or [`mmp_fast`](crate::solvers::mmp_fast) on a mesh
+    /// with [junctions](Mesh::junction).
     pub fn new(mesh: &Mesh) -> Self {
         Self::with(mesh, usual_solver)
     }
@@ -59,8 +59,8 @@ impl SurfaceSolver {
         self.distances_within(sources, f64::INFINITY)
     }
 
-    /// Distances of all vertices from the nearest of `sources`, as far as they are at most `radius`;
-    /// others are infinite. The search ends at the radius.
+    /// Distances of all vertices from the nearest of `sources`, as far as they are at most
+    /// `radius`; others are infinite. The search ends at the radius.
     ///
     /// # Errors
     ///

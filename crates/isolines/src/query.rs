@@ -161,8 +161,8 @@ impl DistanceField {
         (cones, finite)
     }
 
-    /// The part of `face`, of the original mesh, that contains the point with these weights, and its
-    /// place in the plane of the part.
+    /// The part of `face`, of the original mesh, that contains the point with these weights, and
+    /// its place in the plane of the part.
     fn in_part(&self, face: FaceId, weights: [f64; 3]) -> (FaceId, Point) {
         let refined = &self.refined;
         let place = |corners: [Point; 3], weights: [f64; 3]| {

@@ -18,8 +18,8 @@ const SADDLE_SLACK: f64 = 1e-8;
 /// Builds the mesh of `triangles`, which are oriented consistently except at junctions.
 ///
 /// `lengths[t][k]` is the length of the edge from corner `k` of triangle `t` to the next corner. It
-/// is the same in all triangles of an edge. `twins` pairs the half-edges that are along no junction.
-/// `positions` may be empty. Copies in `stand_ins` are in no triangle.
+/// is the same in all triangles of an edge. `twins` pairs the half-edges that are along no
+/// junction. `positions` may be empty. Copies in `stand_ins` are in no triangle.
 pub(crate) fn build(
     vertex_count: usize,
     positions: Vec<[f64; 3]>,

@@ -274,8 +274,8 @@ impl Mesh {
         Ok(insertion.into_refined(mesh))
     }
 
-    /// The change of this mesh by which [`with_points`](Self::with_points) refines it. Takes time in
-    /// the size of the faces around the points only.
+    /// The change of this mesh by which [`with_points`](Self::with_points) refines it. Takes time
+    /// in the size of the faces around the points only.
     ///
     /// # Errors
     ///
@@ -369,7 +369,8 @@ struct Refinement<'m> {
 }
 
 impl Refinement<'_> {
-    /// The change of the mesh, the parents of the added faces, and the points of the added vertices.
+    /// The change of the mesh, the parents of the added faces, and the points of the added
+    /// vertices.
     fn build(mut self) -> (Splice, Vec<FaceId>, Vec<SurfacePoint>) {
         for stops in self.edges.values_mut() {
             // From the tail to the head. Near the head the weight of the tail distinguishes points.
@@ -449,8 +450,8 @@ impl Refinement<'_> {
     }
 
     /// The corners of `parts`, which are among the `changed` faces, and the extremes of all faces.
-    /// Angles and flags of vertices of the original stay as they are: rounding in the parts of split
-    /// faces must not change them. Corners of new slivers are flagged.
+    /// Angles and flags of vertices of the original stay as they are: rounding in the parts of
+    /// split faces must not change them. Corners of new slivers are flagged.
     fn vertices(
         &self,
         changed: &BTreeMap<FaceId, FaceData>,

@@ -58,8 +58,8 @@ impl Mesh {
         }
     }
 
-    /// The corners of all triangles of the file, with those that are left out. A mesh that is built of
-    /// them and the [copies](Self::copies) leaves out the same ones.
+    /// The corners of all triangles of the file, with those that are left out. A mesh that is built
+    /// of them and the [copies](Self::copies) leaves out the same ones.
     pub fn file_triangles(&self) -> Vec<[u32; 3]> {
         let left_out = &self.data.stand_ins.left_out;
         let mut all = Vec::with_capacity(self.face_count() + left_out.len());

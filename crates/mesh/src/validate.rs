@@ -180,7 +180,8 @@ impl Checked {
     }
 }
 
-/// Finds the [junctions](Mesh::junction) of oriented triangles, and parts the half-edges along them.
+/// Finds the [junctions](Mesh::junction) of oriented triangles, and parts the half-edges along
+/// them.
 fn cut_at_junctions(vertex_count: usize, triangles: &[[u32; 3]], mates: &mut [u32]) -> Junctions {
     let tails = triangles.as_flattened();
     let edges = EdgeGroups::new(vertex_count, triangles);

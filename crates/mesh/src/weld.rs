@@ -14,8 +14,8 @@ use crate::mesh::{Mesh, bounding_box_of, diagonal_of};
 use crate::soup::TriangleSoup;
 
 /// Distances of vertices, as fractions of the diagonal, up to which [`Defect::CoincidentVertices`]
-/// counts them: the rounding of numbers with seven, six and five digits. The first counts always, the
-/// others if they close more of the boundary and collapse no further face.
+/// counts them: the rounding of numbers with seven, six and five digits. The first counts always,
+/// the others if they close more of the boundary and collapse no further face.
 const NEAR: [f64; 3] = [1e-7, 1e-6, 1e-5];
 
 /// Side of the cells of the grid in radii. Most balls then touch few cells, and few vertices that

@@ -42,8 +42,8 @@ const MOST_TRIES: usize = 2_000;
 const THIN: f64 = 1e-7;
 
 /// Least length of an edge, as a fraction of the line up to it, that [`glide`](Paths::glide)
-/// accepts. The ends of the edge err by ε of the line, so the faces beyond are turned by ε over this
-/// fraction, 1e-11.
+/// accepts. The ends of the edge err by ε of the line, so the faces beyond are turned by ε over
+/// this fraction, 1e-11.
 const SHORT: f64 = 1e-5;
 
 /// Why a path cannot be traced.
@@ -148,9 +148,9 @@ impl Paths {
         })
     }
 
-    /// The shortest paths of a field with these exact `distances` of all vertices of `mesh`, without
-    /// the origins that a solver records: every path is found by a search from its end, which takes
-    /// longer.
+    /// The shortest paths of a field with these exact `distances` of all vertices of `mesh`,
+    /// without the origins that a solver records: every path is found by a search from its end,
+    /// which takes longer.
     pub fn of_distances(mesh: &Mesh, distances: Vec<f64>) -> Self {
         Self {
             mesh: mesh.clone(),
@@ -160,8 +160,8 @@ impl Paths {
         }
     }
 
-    /// For each vertex the source of its shortest path; `None` if no path leads there. The source of
-    /// a source is itself. O(faces crossed by the last lines of all paths).
+    /// For each vertex the source of its shortest path; `None` if no path leads there. The source
+    /// of a source is itself. O(faces crossed by the last lines of all paths).
     pub fn roots(&self) -> Vec<Option<VertexId>> {
         let mut order: Vec<VertexId> = self.mesh.vertices().collect();
         order.retain(|v| self.distances[v.index()].is_finite());
@@ -234,8 +234,9 @@ impl Paths {
     }
 
     /// The last straight line of a path to `target`, from the vertex where it begins: the one that
-    /// the solver recorded, or one that a search finds if that leads nowhere. Unlike [`to`](Self::to),
-    /// it is not verified. `None` for sources and where no path leads. O(faces crossed).
+    /// the solver recorded, or one that a search finds if that leads nowhere. Unlike
+    /// [`to`](Self::to), it is not verified. `None` for sources and where no path leads. O(faces
+    /// crossed).
     ///
     /// # Panics
     ///
@@ -349,8 +350,8 @@ impl Paths {
     }
 
     /// Follows lines back from `target`, depth first, to a source. Each line is taken once. `bend`
-    /// is the greatest [bend](BEND) on the wrong side; if it is infinite, the length does not matter
-    /// either. The lines to each vertex are added to `known`.
+    /// is the greatest [bend](BEND) on the wrong side; if it is infinite, the length does not
+    /// matter either. The lines to each vertex are added to `known`.
     fn walk(
         &self,
         target: VertexId,
@@ -515,8 +516,8 @@ impl Paths {
 
 /// The least angle between two directions at `v`, and the longest edge there.
 ///
-/// A way from one to the other turns around `v` from edge to edge, within faces: on either side of a
-/// vertex inside the surface, on one side at the boundary, and from an edge of several faces into
+/// A way from one to the other turns around `v` from edge to edge, within faces: on either side of
+/// a vertex inside the surface, on one side at the boundary, and from an edge of several faces into
 /// each of them. If there is no way, a path may bend at `v` anyhow, and the angle is infinite.
 fn angle_between(mesh: &Mesh, v: VertexId, [a, b]: [LineDirection; 2]) -> (f64, f64) {
     // The edges on both sides of a corner, each named by its other end, and the angle between.

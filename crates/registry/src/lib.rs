@@ -135,8 +135,8 @@ pub struct Algorithm {
     pub summary: &'static str,
     /// Worst-case time and space; n is the number of faces.
     pub complexity: &'static str,
-    /// Its queue: `heap`, `calendar`, `buckets`, `fifo`, `label-correcting` or `none`. A parameter of
-    /// this name takes its place.
+    /// Its queue: `heap`, `calendar`, `buckets`, `fifo`, `label-correcting` or `none`. A parameter
+    /// of this name takes its place.
     pub queue: &'static str,
     /// How windows cross triangles: one by one (`single`), several at a time before they leave the
     /// queue (`joint`), or all that wait on an edge (`list`); `none` without windows.
@@ -160,9 +160,9 @@ pub struct Algorithm {
     /// completion.
     #[serde(skip)]
     pub ends_early: bool,
-    /// Whether paths cross the [junctions](Mesh::junction) of a mesh: edges with more than two faces,
-    /// and those where a surface that cannot be oriented contradicts itself. Otherwise a run on such
-    /// a mesh is an error.
+    /// Whether paths cross the [junctions](Mesh::junction) of a mesh: edges with more than two
+    /// faces, and those where a surface that cannot be oriented contradicts itself. Otherwise a run
+    /// on such a mesh is an error.
     pub crosses_junctions: bool,
     /// Proven bound on the relative error of its distances with these parameter values, rounding
     /// aside; `None` without one.

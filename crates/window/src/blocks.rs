@@ -12,8 +12,8 @@ use crate::prefetch::prefetch;
 const GROUP: usize = 4;
 
 /// Number of places in a block of each class: 4, and then two sizes for each power of two. A table,
-/// because a branch on the class is mispredicted every other time. The table has more classes than a
-/// list can need.
+/// because a branch on the class is mispredicted every other time. The table has more classes than
+/// a list can need.
 const ROOMS: [usize; 64] = {
     let mut rooms = [0; 64];
     rooms[1] = GROUP;

@@ -89,8 +89,8 @@ counters! {
     /// Windows in the lists whose neighbours rules 2 and 3 compare: N in proposition 5.1 of Qin et
     /// al. 2016.
     ComparedWindows = "compared_windows",
-    /// Pairs of windows of one list that are compared, each as often as it is. With trimming, a pair
-    /// at the border of two registers may be compared once more.
+    /// Pairs of windows of one list that are compared, each as often as it is. With trimming, a
+    /// pair at the border of two registers may be compared once more.
     PairChecks = "pair_checks",
     /// Exits that rule 1 closed to windows before a child was tried.
     Rule1 = "rule_1",

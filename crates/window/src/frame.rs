@@ -465,8 +465,8 @@ impl Faces {
     }
 
     /// The paths from the tail of `h` along the edge of `h`, and along the other edge of its face
-    /// at the tail if that is on the boundary or a junction. Over all half-edges that leave a vertex,
-    /// each edge of the vertex occurs once, a junction once for each face.
+    /// at the tail if that is on the boundary or a junction. Over all half-edges that leave a
+    /// vertex, each edge of the vertex occurs once, a junction once for each face.
     #[inline]
     pub fn edge_paths(&self, h: HalfEdgeId) -> impl Iterator<Item = EdgePath> + use<> {
         let own = self.half_edge(h);

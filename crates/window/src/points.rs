@@ -8,9 +8,9 @@ use crate::solver::Solver;
 /// that mesh: with `solver`, set up for the original mesh, if it can [change](Solver::splice) its
 /// mesh in place, else with the one that `set_up` makes for the refined mesh.
 ///
-/// Afterwards `solver` is as before. Nothing but the data of the faces around the points changes, so
-/// every rule of the algorithm holds as on a mesh that is refined first. The first call copies the
-/// data of the mesh, and so does each one after clones of the refined mesh have outlived `run`.
+/// Afterwards `solver` is as before. Nothing but the data of the faces around the points changes,
+/// so every rule of the algorithm holds as on a mesh that is refined first. The first call copies
+/// the data of the mesh, and so does each one after clones of the refined mesh have outlived `run`.
 ///
 /// ```
 /// use geobench_ich::ich;

@@ -360,8 +360,8 @@ pub trait Propagate: Send {
     /// Whether all paths run along edges, so that they are not straight.
     const ALONG_EDGES: bool = false;
 
-    /// Whether paths cross the [junctions](Mesh::junction) of a mesh. A run on a mesh with junctions
-    /// is an error otherwise.
+    /// Whether paths cross the [junctions](Mesh::junction) of a mesh. A run on a mesh with
+    /// junctions is an error otherwise.
     const JUNCTIONS: bool = false;
 
     /// The counters that this algorithm reports.

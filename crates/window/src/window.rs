@@ -91,9 +91,10 @@ impl Window {
     /// The same paths in the frame of a half-edge of the opposite direction whose face is unfolded
     /// above the edge as well, as if turned over. `l` is the length of the edge.
     ///
-    /// Rounding may leave no interval of a window that is narrower than the rounding of `l`. Trimming
-    /// keeps such windows only if their source is as close to the edge, which is the case beside its
-    /// ends. All vertices of junctions are pseudo-sources, whose paths take the place of the window.
+    /// Rounding may leave no interval of a window that is narrower than the rounding of `l`.
+    /// Trimming keeps such windows only if their source is as close to the edge, which is the case
+    /// beside its ends. All vertices of junctions are pseudo-sources, whose paths take the place of
+    /// the window.
     #[inline]
     #[must_use]
     pub fn mirrored(&self, l: f64) -> Self {

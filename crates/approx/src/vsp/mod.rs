@@ -158,8 +158,8 @@ impl Propagate for Vsp {
 }
 
 /// A run. Sources move in rounds: all candidates enter their faces, then the sources that have won
-/// leave them as the candidates of the next round. Those farther than the bound wait until no others
-/// are left; then the bound rises by the mean length of an edge.
+/// leave them as the candidates of the next round. Those farther than the bound wait until no
+/// others are left; then the bound rises by the mean length of an edge.
 struct Run<'a> {
     vsp: &'a Vsp,
     shared: bool,
@@ -327,8 +327,8 @@ impl<'a> Run<'a> {
         distances.into_iter().map(in_units).collect()
     }
 
-    /// Lets no distance exceed that of a neighbour and the edge to it. A face keeps one source only,
-    /// which beside short edges may be the wrong one for a corner.
+    /// Lets no distance exceed that of a neighbour and the edge to it. A face keeps one source
+    /// only, which beside short edges may be the wrong one for a corner.
     fn relax(&self, distances: &[AtomicU32]) {
         let vsp = self.vsp;
         let distance = |v: VertexId| f32::from_bits(distances[v.index()].load(Relaxed));

@@ -141,7 +141,8 @@ pub struct Picture {
 
 impl Picture {
     /// Draws a scene. Interpolated isolines are drawn at multiples of `step`; an infinite step
-    /// draws none. `None` if the mesh has no coordinates or no faces, or if vertices lack distances.
+    /// draws none. `None` if the mesh has no coordinates or no faces, or if vertices lack
+    /// distances.
     pub fn new(scene: &Scene<'_>, step: f64) -> Option<Self> {
         Self::from(scene, step, None)
     }

@@ -62,8 +62,8 @@ pub(crate) struct ClusterOptions {
     #[arg(long, conflicts_with_all = ["resume", "config", "shards", "run"])]
     pub(crate) status: bool,
 
-    /// Submit the parts that have failed again; --time, --partition, --exclusive and --sbatch replace
-    /// those of before
+    /// Submit the parts that have failed again; --time, --partition, --exclusive and --sbatch
+    /// replace those of before
     #[arg(long, conflicts_with_all = ["config", "shards", "run"])]
     pub(crate) resume: bool,
 
@@ -248,8 +248,8 @@ fn submitted(record: &ClusterRecord) -> Vec<String> {
 }
 
 /// Submits the parts that are neither done nor queued, and the merge job. If all parts are done and
-/// only the merged file is missing, submits the merge job alone. Limits and options of `sbatch` that
-/// are given replace those of the record.
+/// only the merged file is missing, submits the merge job alone. Limits and options of `sbatch`
+/// that are given replace those of the record.
 fn resume(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Result<Verdict> {
     let mut record = directory.record()?;
     if let Some(time) = options.time {

@@ -44,8 +44,8 @@ pub(crate) struct CompareOptions {
     #[arg(long, value_name = "FILE", conflicts_with = "against")]
     pub(crate) baseline: Option<PathBuf>,
 
-    /// Compare the record of a commit in a history with those of these commits, such as HEAD~10..HEAD;
-    /// the noise of a time is that from commit to commit
+    /// Compare the record of a commit in a history with those of these commits, such as
+    /// HEAD~10..HEAD; the noise of a time is that from commit to commit
     #[arg(long, value_name = "RANGE")]
     pub(crate) against: Option<String>,
 
@@ -145,8 +145,8 @@ fn against(options: &CompareOptions, range: &str, look: Look) -> anyhow::Result<
 }
 
 /// The commits of a range, full hashes. A range that begins before the first commit begins there,
-/// with a note. What the repository here does not know, as a shallow clone or none, is looked for in
-/// `line`, the commits that the history knows, the newest first.
+/// with a note. What the repository here does not know, as a shallow clone or none, is looked for
+/// in `line`, the commits that the history knows, the newest first.
 fn commits_of(range: &str, line: &[String]) -> anyhow::Result<Vec<String>> {
     let list = |range: &str| git(&["rev-list", "--end-of-options", range]);
     let mut found = list(range);
@@ -186,9 +186,9 @@ fn commits_of(range: &str, line: &[String]) -> anyhow::Result<Vec<String>> {
     Ok(found.lines().map(str::to_owned).collect())
 }
 
-/// The commits of `line`, the newest first, in a range `BEGIN..END`, or up to a single commit. An end
-/// is `HEAD`, the first commit, or the beginning of a hash, with `~N` or `^`; one of `BEGIN` that is
-/// beyond the line takes all.
+/// The commits of `line`, the newest first, in a range `BEGIN..END`, or up to a single commit. An
+/// end is `HEAD`, the first commit, or the beginning of a hash, with `~N` or `^`; one of `BEGIN`
+/// that is beyond the line takes all.
 fn range_in<'l>(range: &str, line: &'l [String]) -> Option<&'l [String]> {
     let place = |name: &str| {
         let (commit, back) = match name.split_once(['~', '^']) {

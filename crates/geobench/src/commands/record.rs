@@ -41,7 +41,8 @@ pub(crate) struct RecordOptions {
     #[arg(long)]
     pub(crate) dirty: bool,
 
-    /// The suite; records of different suites are not compared [default: the name of the suite file]
+    /// The suite; records of different suites are not compared [default: the name of the suite
+    /// file]
     #[arg(long, value_name = "SUITE")]
     pub(crate) suite: Option<String>,
 

@@ -51,8 +51,8 @@ pub(crate) struct CommitOption {
 /// What counts as worse.
 #[derive(Args, Debug)]
 pub(crate) struct GateOption {
-    /// Fail if the last commit that counts breaks one of these rules, against all earlier ones, such
-    /// as time=5%,propagated=0
+    /// Fail if the last commit that counts breaks one of these rules, against all earlier ones,
+    /// such as time=5%,propagated=0
     #[arg(long, value_name = "RULES")]
     pub(crate) fail_on: Option<Rules>,
 }
@@ -71,8 +71,8 @@ pub(crate) struct LineOptions {
 /// More commits than any line of first parents has.
 const ALL: usize = 1_000_000_000;
 
-/// The records in `directory` that count by `options`, in the order of the last commit and its first
-/// parents.
+/// The records in `directory` that count by `options`, in the order of the last commit and its
+/// first parents.
 pub(crate) fn ordered(directory: &Path, options: &LineOptions) -> anyhow::Result<OrderedHistory> {
     let mut records = records::read_all(directory)?;
     let commit = options.last.commit.as_deref();

@@ -758,8 +758,8 @@ impl AnswerVerdict {
         self.judge(&name, &comparison, layout, None);
     }
 
-    /// Adds a remark on the comparison with `reference`, and marks a disagreement as wrong, or as in
-    /// doubt if it is within the doubt of the answer or of the reference.
+    /// Adds a remark on the comparison with `reference`, and marks a disagreement as wrong, or as
+    /// in doubt if it is within the doubt of the answer or of the reference.
     fn judge(
         &mut self,
         reference: &str,
@@ -808,8 +808,8 @@ impl AnswerVerdict {
         self.remarks.append(&mut remarks);
     }
 
-    /// Judges an answer within proven bounds. `is_left` if it is in the single group within them, or
-    /// agrees with the reference.
+    /// Judges an answer within proven bounds. `is_left` if it is in the single group within them,
+    /// or agrees with the reference.
     fn not_refuted(&mut self, is_left: bool) {
         if !is_left {
             self.word = Word::InDoubt;

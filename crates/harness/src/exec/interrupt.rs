@@ -1,8 +1,8 @@
 //! Signals that end the program: Ctrl-C, `SIGTERM`, and those of a terminal that closes or quits.
 //!
-//! Each removes the temporary files and ends the program, unless the program was started to ignore it
-//! (`nohup`). A run listens to the first two: the first signal stops it and keeps its results so far,
-//! the second one ends the program at once.
+//! Each removes the temporary files and ends the program, unless the program was started to ignore
+//! it (`nohup`). A run listens to the first two: the first signal stops it and keeps its results so
+//! far, the second one ends the program at once.
 //!
 //! A terminal sends Ctrl-C to the foreground process group. Child processes have process groups of
 //! their own ([`crate::exec::isolate`]), so only the parent, which holds the results, receives it.

@@ -334,7 +334,8 @@ impl ModelRef {
         }
     }
 
-    /// An upper bound of its number of faces, by its spec or the size of its file; `None` if unknown.
+    /// An upper bound of its number of faces, by its spec or the size of its file; `None` if
+    /// unknown.
     pub fn faces_at_most(&self) -> Option<f64> {
         /// Bytes of a face and half a vertex in a compact binary PLY.
         const BYTES: f64 = 19.0;
@@ -558,7 +559,8 @@ fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, ModelErr
     read.map_err(ModelError::Unreadable)
 }
 
-/// SHA-256 in hexadecimal of the bytes of a regular file and of those that it names, in their order.
+/// SHA-256 in hexadecimal of the bytes of a regular file and of those that it names, in their
+/// order.
 fn hash_file(path: &Path) -> io::Result<String> {
     let mut hash = Sha256::new();
     for path in iter::once(path.to_owned()).chain(files_beside(path)) {

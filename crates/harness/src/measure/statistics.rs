@@ -69,8 +69,8 @@ pub fn time(samples: Vec<f64>, setup: Option<f64>) -> Time {
 /// Tolerated relative difference between the clocks of a program and of the harness.
 pub const CLOCKS: f64 = 0.01;
 
-/// The record of the times of an external program with a protocol: for each run, the seconds that it
-/// `claimed`, those from `outside`, and under protocol 2 those to answer a `ping`, which are
+/// The record of the times of an external program with a protocol: for each run, the seconds that
+/// it `claimed`, those from `outside`, and under protocol 2 those to answer a `ping`, which are
 /// already subtracted from those from outside.
 ///
 /// The claims are the times. Under protocol 2 they are doubted if they are below the times from
@@ -338,8 +338,8 @@ pub fn paired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
 
 /// The ratio of two independent sets of samples: the estimate of Hodges and Lehmann (1963) of the
 /// shift of their logarithms, which is the median of the ratios of all pairs. Its interval inverts
-/// the test of [`mann_whitney()`] (Lehmann 1975, section 2.3): it holds the factors by which `under`
-/// can be multiplied so that the test finds no difference. O(m n log(m n)).
+/// the test of [`mann_whitney()`] (Lehmann 1975, section 2.3): it holds the factors by which
+/// `under` can be multiplied so that the test finds no difference. O(m n log(m n)).
 ///
 /// `None` if a set is empty, or a sample is not finite and positive.
 pub fn unpaired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
@@ -629,8 +629,8 @@ mod tests {
     }
 
     /// Shares of 4,000 simulated cells whose interval encloses the truth, in noise as it is seen: a
-    /// normal machine, times with a long tail, and a machine that is 10 % slower in every third run.
-    /// `docs/methodology.md` has a table of such shares.
+    /// normal machine, times with a long tail, and a machine that is 10 % slower in every third
+    /// run. `docs/methodology.md` has a table of such shares.
     #[test]
     fn intervals_enclose_the_truth_as_often_as_they_say() {
         type Noise = fn(&mut SplitMix64) -> f64;

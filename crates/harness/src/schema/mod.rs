@@ -61,8 +61,8 @@ pub struct ResultFile {
     /// The plan, with all parameters; null in files of older versions.
     #[serde(default)]
     pub plan: Option<PlanRecord>,
-    /// The git repository of the working directory at the start of the run; null outside of one, and
-    /// in files of older versions.
+    /// The git repository of the working directory at the start of the run; null outside of one,
+    /// and in files of older versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repository: Option<RepositoryRecord>,
     /// The parameters of the algorithms, in files joined from several plans. Absent if the file has

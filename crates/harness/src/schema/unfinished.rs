@@ -1,9 +1,9 @@
 //! The store of a run that has not ended: `FILE.unfinished` beside its output FILE.
 //!
-//! An output is written whole, since most formats cannot be appended to. Writing it after each model
-//! would take quadratic time, so it is written at growing intervals. The store has a line of JSON for
-//! each model, on disk before the next one starts. A run that ends removes it. If a run was killed,
-//! [`read`](super::result_file::read) takes what the output lacks from the store.
+//! An output is written whole, since most formats cannot be appended to. Writing it after each
+//! model would take quadratic time, so it is written at growing intervals. The store has a line of
+//! JSON for each model, on disk before the next one starts. A run that ends removes it. If a run
+//! was killed, [`read`](super::result_file::read) takes what the output lacks from the store.
 //!
 //! The first line is the result file without cells. An incomplete last line is ignored.
 

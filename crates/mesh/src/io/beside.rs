@@ -4,8 +4,8 @@ use std::fs::{self, File};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Component, Path, PathBuf};
 
-/// Where the file is that the one at `path` calls `name`: in the folder of that one or below. `None`
-/// for any other place.
+/// Where the file is that the one at `path` calls `name`: in the folder of that one or below.
+/// `None` for any other place.
 pub(super) fn place(path: &Path, name: &str) -> Option<PathBuf> {
     let parts = Path::new(name).components();
     let parts = parts.filter(|part| *part != Component::CurDir);
@@ -17,8 +17,8 @@ pub(super) fn place(path: &Path, name: &str) -> Option<PathBuf> {
     Some(folder.join(parts.collect::<PathBuf>()))
 }
 
-/// At most `length` bytes of the file at `path`, from the one at `start`; `None` if it cannot be read.
-/// Never waits for a pipe.
+/// At most `length` bytes of the file at `path`, from the one at `start`; `None` if it cannot be
+/// read. Never waits for a pipe.
 pub(super) fn part(path: &Path, start: u64, length: u64) -> Option<Vec<u8>> {
     if !fs::metadata(path).is_ok_and(|metadata| metadata.is_file()) {
         return None;

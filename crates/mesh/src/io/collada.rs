@@ -1,10 +1,10 @@
 //! COLLADA (`.dae`): geometries that the nodes of a visual scene place.
 //!
-//! Triangles, polygons, lists of polygons, strips and fans are read; lines and splines are not. Skins
-//! and morphs are not applied: their geometry is placed as it is, by the bind shape and the node.
-//! Of the transforms a skew is not read: programs differ on its axes. Polygons with holes are not read,
-//! either. Units and the axis that is up are not converted. Without a scene, all geometries are placed as
-//! they are.
+//! Triangles, polygons, lists of polygons, strips and fans are read; lines and splines are not.
+//! Skins and morphs are not applied: their geometry is placed as it is, by the bind shape and the
+//! node. Of the transforms a skew is not read: programs differ on its axes. Polygons with holes are
+//! not read, either. Units and the axis that is up are not converted. Without a scene, all
+//! geometries are placed as they are.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;

@@ -249,7 +249,8 @@ pub fn polygons(
     soup.map_err(|flaw| PolygonError(flaw.problem))
 }
 
-/// A polygon without the repetition of its first corner at its end, by which some programs close it.
+/// A polygon without the repetition of its first corner at its end, by which some programs close
+/// it.
 fn open(mut corners: &[u32]) -> &[u32] {
     while let [first, .., last] = corners
         && corners.len() > 3
@@ -263,8 +264,8 @@ fn open(mut corners: &[u32]) -> &[u32] {
 /// The corners and the triangles of a polygon, as ranges of those of all.
 type Piece = (Range<usize>, Range<usize>);
 
-/// Cuts polygons anew: apart, where a cut would make an edge of more than two faces that the file has
-/// not, and alike, where one is a copy of another.
+/// Cuts polygons anew: apart, where a cut would make an edge of more than two faces that the file
+/// has not, and alike, where one is a copy of another.
 fn cut_alike_or_apart(soup: &mut TriangleSoup, corners: &[u32], arities: &[u32]) {
     let mut polygons: Vec<Piece> = Vec::with_capacity(arities.len());
     let (mut corner, mut triangle) = (0, 0);
@@ -307,7 +308,8 @@ struct PolygonCopy {
 /// The copies among polygons of more than three corners, in ascending order. O(n log n) for n
 /// corners.
 fn copies_of_polygons(corners: &[u32], polygons: &[Piece]) -> Vec<PolygonCopy> {
-    // Most polygons differ in this number from all others. It depends on neither start nor direction.
+    // Most polygons differ in this number from all others. It depends on neither start nor
+    // direction.
     let mark = |v: &u32| u64::from(v ^ 0x5bd1_e995).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let sum_of = |outline: &[u32]| {
         let marks = outline.iter().map(|v| mark(v) ^ (mark(v) >> 29));
@@ -348,8 +350,8 @@ fn copies_of_polygons(corners: &[u32], polygons: &[Piece]) -> Vec<PolygonCopy> {
 /// The rotation of a cycle that comes first in lexicographic order. O(k) for k corners.
 fn from_least(cycle: &[u32]) -> Vec<u32> {
     let k = cycle.len();
-    // Of two candidates for the start, one falls behind at each difference; no start that was passed
-    // is better.
+    // Of two candidates for the start, one falls behind at each difference; no start that was
+    // passed is better.
     let (mut start, mut other, mut same) = (0, 1, 0);
     while start < k && other < k && same < k {
         match cycle[(start + same) % k].cmp(&cycle[(other + same) % k]) {

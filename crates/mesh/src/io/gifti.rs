@@ -1,5 +1,5 @@
-//! GIFTI surfaces (`.gii`): point sets with their triangles, as text, as base64, also compressed, or
-//! in files beside.
+//! GIFTI surfaces (`.gii`): point sets with their triangles, as text, as base64, also compressed,
+//! or in files beside.
 //!
 //! The matrices of coordinate systems lead to other spaces and are not applied. Several surfaces of
 //! a file become parts.

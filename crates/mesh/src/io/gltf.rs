@@ -90,8 +90,8 @@ fn compressed_by(extension: &str) -> String {
     format!("its positions are compressed by {extension}; save it without compression")
 }
 
-/// Whether a surface is the same without an extension that the file needs: quantised numbers are read
-/// in any case, and the others are about looks and names.
+/// Whether a surface is the same without an extension that the file needs: quantised numbers are
+/// read in any case, and the others are about looks and names.
 fn is_harmless(extension: &str) -> bool {
     let kinds = [
         "KHR_mesh_quantization",

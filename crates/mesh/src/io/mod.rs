@@ -130,8 +130,8 @@ impl Format {
         known.map(|(_, format)| *format)
     }
 
-    /// The format of a file: that of its extension, or of a surface of `FreeSurfer` with any name of a
-    /// hemisphere, which its first bytes tell from other data.
+    /// The format of a file: that of its extension, or of a surface of `FreeSurfer` with any name
+    /// of a hemisphere, which its first bytes tell from other data.
     pub fn of_file(path: &Path) -> Option<Self> {
         Self::from_path(path).or_else(|| {
             of_hemisphere(path)?;

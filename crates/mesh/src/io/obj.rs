@@ -60,8 +60,8 @@ fn read_statements(bytes: &[u8]) -> Result<FileMesh, Flaw> {
 /// The coordinates of a vertex.
 ///
 /// One further number must be 1: a weight, by which some programs divide (Assimp, tobj) and which
-/// others ignore (`MeshLab`, tinyobjloader), so that any other one has two meanings. Two or
-/// more further numbers are a colour, which is ignored. If there are two numbers only, the third is 0.
+/// others ignore (`MeshLab`, tinyobjloader), so that any other one has two meanings. Two or more
+/// further numbers are a colour, which is ignored. If there are two numbers only, the third is 0.
 fn position(line: u64, mut words: Words<'_>, faces: &mut FaceList) -> Result<[f64; 3], Flaw> {
     if words.clone().count() == 2 {
         let mut numbers = words.by_ref().map(|word| number(line, word));

@@ -2,8 +2,8 @@
 //!
 //! The keyword may have the prefixes `ST`, `C` and `N`: then texture coordinates, colours and
 //! normals follow the position of a vertex. They are ignored, as are colours after the corners of a
-//! face. The counts may be on the keyword's line. Each vertex and each face has a line, or all words
-//! are separated by blanks and lines of any kind.
+//! face. The counts may be on the keyword's line. Each vertex and each face has a line, or all
+//! words are separated by blanks and lines of any kind.
 
 use super::error::Flaw;
 use super::faces::{FaceList, FileMesh};
@@ -212,8 +212,8 @@ fn header(lines: &mut Content<'_>) -> Result<OffHeader, Flaw> {
     }
 }
 
-/// The keyword of a word, and what follows: many files of `ModelNet` have no blank between keyword and
-/// counts, as in `OFF490 518 0`.
+/// The keyword of a word, and what follows: many files of `ModelNet` have no blank between keyword
+/// and counts, as in `OFF490 518 0`.
 fn split_keyword(word: &[u8]) -> (&[u8], &[u8]) {
     let is_glued = |w: &[u8]| w[0].eq_ignore_ascii_case(&b'f') && w[1].is_ascii_digit();
     let last = word.windows(2).position(is_glued);

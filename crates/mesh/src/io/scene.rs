@@ -61,8 +61,8 @@ impl Affine {
         ])
     }
 
-    /// The place and direction of a viewer at `eye` who looks along -z at `target`, with `up` above.
-    /// Not finite if these are no directions.
+    /// The place and direction of a viewer at `eye` who looks along -z at `target`, with `up`
+    /// above. Not finite if these are no directions.
     pub(super) fn look_at(eye: [f64; 3], target: [f64; 3], up: [f64; 3]) -> Self {
         let unit = |v: [f64; 3]| v.map(|x| x / dot(v, v).sqrt());
         let back = unit(sub(eye, target));

@@ -107,8 +107,8 @@ fn read_binary(bytes: &[u8]) -> Result<FileMesh, Flaw> {
 }
 
 /// Reads a text file, word by word: programs differ in their lines. The keywords `outer loop`,
-/// `endloop` and `endfacet` may be one word or two, the name of a solid may follow `endsolid` without
-/// a blank, and `endfacet` may be missing. Between facets and solids there may be comments.
+/// `endloop` and `endfacet` may be one word or two, the name of a solid may follow `endsolid`
+/// without a blank, and `endfacet` may be missing. Between facets and solids there may be comments.
 fn read_text(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     let mut words = Tokens::new(NumberedLines::new(text_of(bytes)), false);
     // A triangle takes some 100 bytes of text.

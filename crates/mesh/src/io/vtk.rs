@@ -1,7 +1,7 @@
 //! Legacy VTK files, text or binary: data sets `POLYDATA` and `UNSTRUCTURED_GRID`.
 //!
-//! Polygons, triangles, quads, pixels and strips are read. Vertices and lines are ignored, and so are
-//! all fields. Both layouts of cells are known: the number of corners before each cell (up to
+//! Polygons, triangles, quads, pixels and strips are read. Vertices and lines are ignored, and so
+//! are all fields. Both layouts of cells are known: the number of corners before each cell (up to
 //! version 4.2), and offsets beside the corners of all (from 5.0).
 
 use super::arrays::NumberType;

@@ -1,7 +1,7 @@
 //! XML files of VTK: `PolyData` (`.vtp`) and `UnstructuredGrid` (`.vtu`).
 //!
-//! Numbers may be text, base64, or appended at the end, raw or base64, and compressed with zlib. The
-//! pieces of a file become parts. Arrays of data are ignored.
+//! Numbers may be text, base64, or appended at the end, raw or base64, and compressed with zlib.
+//! The pieces of a file become parts. Arrays of data are ignored.
 
 use std::borrow::Cow;
 
@@ -265,8 +265,8 @@ impl Arrays<'_> {
         }
     }
 
-    /// A compressed array, behind the number of its blocks, their size, the size of a last part of a
-    /// block, and the compressed sizes.
+    /// A compressed array, behind the number of its blocks, their size, the size of a last part of
+    /// a block, and the compressed sizes.
     fn decompressed(&self, data: &Encoded<'_>) -> Option<Vec<u8>> {
         let word = self.header.size();
         let blocks = *self.sizes(&data.bytes(0, word)?).first()?;

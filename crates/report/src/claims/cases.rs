@@ -451,8 +451,8 @@ impl<'r> Results<'r> {
         Ok(())
     }
 
-    /// Sets whether the sizes of the cases of an expression agree with the paper's numbers. Figures of
-    /// the paper's own models must be within 5 %. Otherwise the range of our values, with their
+    /// Sets whether the sizes of the cases of an expression agree with the paper's numbers. Figures
+    /// of the paper's own models must be within 5 %. Otherwise the range of our values, with their
     /// intervals, must meet that of the paper's numbers, with their deviations; a single value
     /// without an interval counts with 5 %.
     fn judge_sizes(&self, operand: &Operand, cases: &mut [ClaimCase]) {

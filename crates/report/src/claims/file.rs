@@ -442,8 +442,8 @@ pub(super) fn labels(selections: &[Selection]) -> String {
 }
 
 impl Test {
-    /// The paper's numbers for `operand`. Rows of tables are found by the label of the algorithm, or
-    /// by its name if no row has the label.
+    /// The paper's numbers for `operand`. Rows of tables are found by the label of the algorithm,
+    /// or by its name if no row has the label.
     pub(super) fn printed(&self, operand: &Operand) -> Vec<PaperNumber> {
         let saved = |number: f64| match self.show {
             Show::Value | Show::Exponent => number,

@@ -1,5 +1,5 @@
-//! How often histories raise false alarms, and how soon they catch a slow commit. `docs/methodology`
-//! names these tests.
+//! How often histories raise false alarms, and how soon they catch a slow commit.
+//! `docs/methodology` names these tests.
 
 use geobench_mesh::SplitMix64;
 

@@ -55,8 +55,8 @@ pub struct GateLine {
     /// figures that are compared exactly.
     pub ci95: Option<[f64; 2]>,
     /// The largest change from commit to commit that counts as noise in the history of the cell, as
-    /// a share: the third quartile of these changes and three interquartile ranges. Null for figures
-    /// that are compared exactly.
+    /// a share: the third quartile of these changes and three interquartile ranges. Null for
+    /// figures that are compared exactly.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<f64>,
     /// The broken rule, or the new status of a failed cell; null if the cell is not worse.
@@ -79,14 +79,15 @@ impl GateReport {
 }
 
 /// Compares the last of `records`, which are in the order of their commits, with the records of the
-/// commits `against`, which are full hashes. These may also be among the records `apart`, of commits
-/// on other lines. Only records of the same machine class and suite are used. While the history has
-/// records of fewer than [`FEWEST`] other commits, whatever the machine, it is learning.
+/// commits `against`, which are full hashes. These may also be among the records `apart`, of
+/// commits on other lines. Only records of the same machine class and suite are used. While the
+/// history has records of fewer than [`FEWEST`] other commits, whatever the machine, it is
+/// learning.
 ///
 /// # Errors
 ///
-/// When `records` is empty, or the history has records of enough commits but none of those asked for
-/// that can be compared with the last.
+/// When `records` is empty, or the history has records of enough commits but none of those asked
+/// for that can be compared with the last.
 pub fn gate(
     records: &[Record],
     apart: &[Record],
@@ -252,10 +253,10 @@ fn base<'r>(
 /// Fewest values of which a minority can be told.
 const FEWEST_OF_LEVEL: usize = 5;
 
-/// The last level of a series of times: the values since the last change of level by a factor of
-/// `1 + least`, without those that are farther from their median than that and than noise (Hampel
-/// 1974). So a few slow commits neither widen the noise nor are the measure of the next ones. A level
-/// of [`FEWEST`] commits or more is taken to be meant.
+/// The last level of a series of times: the values since the last change of level by a factor of `1
+/// + least`, without those that are farther from their median than that and than noise (Hampel
+/// 1974). So a few slow commits neither widen the noise nor are the measure of the next ones. A
+/// level of [`FEWEST`] commits or more is taken to be meant.
 fn last_level(values: &[f64], least: f64) -> Vec<f64> {
     let start = changes(values, least)
         .last()
@@ -270,10 +271,10 @@ fn last_level(values: &[f64], least: f64) -> Vec<f64> {
     level.iter().filter(is_kept).copied().collect()
 }
 
-/// Compares the time of a cell with the medians of the base commits, as far as they are of their [last
-/// level](last_level). The interval is the 95 %
-/// prediction interval for one more value, from the mean and the standard deviation of the
-/// logarithms and Student's t-distribution. `None` if fewer than [`FEWEST`] commits have times.
+/// Compares the time of a cell with the medians of the base commits, as far as they are of their
+/// [last level](last_level). The interval is the 95 % prediction interval for one more value, from
+/// the mean and the standard deviation of the logarithms and Student's t-distribution. `None` if
+/// fewer than [`FEWEST`] commits have times.
 fn time(
     kind: TimeKind,
     cell: &CellRecord,

@@ -1,5 +1,5 @@
-//! The order of the records of a history. It is that of git: of the first parents of one commit, the
-//! head. Dates order nothing, because clocks differ and a rebase gives many commits one second.
+//! The order of the records of a history. It is that of git: of the first parents of one commit,
+//! the head. Dates order nothing, because clocks differ and a rebase gives many commits one second.
 
 use std::collections::{HashMap, HashSet};
 
@@ -14,8 +14,8 @@ pub struct OrderedHistory {
     pub records: Vec<Record>,
     /// Those of other commits, by the times of their runs.
     pub apart: Vec<Record>,
-    /// The commits of the line, the newest first, as far as they are known, whether or not they have
-    /// records.
+    /// The commits of the line, the newest first, as far as they are known, whether or not they
+    /// have records.
     pub line: Vec<String>,
     /// The commit that was measured last on the line.
     pub head: Option<String>,

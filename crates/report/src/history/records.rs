@@ -136,8 +136,8 @@ impl Record {
         self.commit.get(..12).unwrap_or(&self.commit)
     }
 
-    /// The name of the record's file: date, `commit`, the first words of the machine class and suite,
-    /// and a hash of both.
+    /// The name of the record's file: date, `commit`, the first words of the machine class and
+    /// suite, and a hash of both.
     fn file_name(&self, commit: &str) -> String {
         let date = self.time().get(..10).unwrap_or("0000-00-00");
         let class = format!(

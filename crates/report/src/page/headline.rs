@@ -22,7 +22,8 @@ const MOST_PAIRED: usize = 12;
 ///
 /// Algorithms that differ only in parameters or instructions count as one: the form that is faster
 /// than most others stands for it. Approximate algorithms are ignored. The ranking is by the number
-/// of algorithms that each is faster than, in the geometric mean over all problems that both solved.
+/// of algorithms that each is faster than, in the geometric mean over all problems that both
+/// solved.
 pub(crate) fn headline(group: &GroupCells<'_>) -> Option<Headline> {
     let names = group.algorithms.iter().copied();
     let exact: Vec<&str> = names.filter(|name| is_exact(group, name)).collect();
@@ -136,8 +137,8 @@ struct Growth {
 }
 
 impl Comparison {
-    /// Compares the times from all sources of the models that both algorithms solved. Of each series
-    /// over size, only the largest of these models counts.
+    /// Compares the times from all sources of the models that both algorithms solved. Of each
+    /// series over size, only the largest of these models counts.
     fn of<'r>(
         group: &GroupCells<'r>,
         series: &[Vec<&'r ModelRecord>],

@@ -99,8 +99,8 @@ impl<'r> Measurement<'r> {
         self.cells.iter().copied().find(|c| c.status != Status::Ok)
     }
 
-    /// The cells whose reference is an algorithm or a proof. Distances of a file may be those of the
-    /// smooth surface that the model stands for.
+    /// The cells whose reference is an algorithm or a proof. Distances of a file may be those of
+    /// the smooth surface that the model stands for.
     fn compared(&self) -> impl Iterator<Item = &'r Cell> {
         self.cells.iter().copied().filter(|cell| {
             let reference = cell.check.reference.as_deref();
@@ -157,8 +157,8 @@ pub(super) struct Standing<'r> {
 }
 
 /// The standings of all programs on the models that `counts`, the fastest first. Of several
-/// measurements of a program on a model the newest counts. Forms of a program other than its default
-/// count only if that was not measured.
+/// measurements of a program on a model the newest counts. Forms of a program other than its
+/// default count only if that was not measured.
 pub(super) fn standings<'r>(
     all: &'r [Measurement<'r>],
     counts: impl Fn(&ModelRecord) -> bool,

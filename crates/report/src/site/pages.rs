@@ -195,8 +195,8 @@ impl<'r> Pages<'r> {
         Entry::linked(self.name_of(model), address)
     }
 
-    /// The table of `measured`, at most [`MOST_ROWS`], with a remark on those that are left out. The
-    /// first column is the model, or the program if `of_model`.
+    /// The table of `measured`, at most [`MOST_ROWS`], with a remark on those that are left out.
+    /// The first column is the model, or the program if `of_model`.
     pub(super) fn table(
         &self,
         id: &str,

@@ -115,8 +115,8 @@ impl BorderTracer<'_> {
         self.trace([middle, to], steps, parts)
     }
 
-    /// The sites of the part that begins at the first of `ends`, if they are near the part before it,
-    /// as nearly always. A part that they fit all the way needs no search among all sites.
+    /// The sites of the part that begins at the first of `ends`, if they are near the part before
+    /// it, as nearly always. A part that they fit all the way needs no search among all sites.
     fn expected(&self, [from, to]: [Point; 2]) -> Option<[usize; 2]> {
         let x = between(from, to, AHEAD);
         let near = self.near.borrow();

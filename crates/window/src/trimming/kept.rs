@@ -219,7 +219,8 @@ impl KeptWindows {
     /// are replaced in turn. Windows that were dropped because they tied with it are no shorter
     /// than those by more than a tie, so nothing adds up.
     ///
-    /// A part that is left does not tell that the rest is needed, but the window crosses as a whole.
+    /// A part that is left does not tell that the rest is needed, but the window crosses as a
+    /// whole.
     #[cold]
     pub fn has_replaced(&self, h: usize, waiting: &Window) -> bool {
         let Some(list) = self.list(h).filter(|&list| !self.kept.note(list)) else {

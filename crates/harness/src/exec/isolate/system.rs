@@ -162,8 +162,8 @@ pub fn adopt_orphans() {
 ///    mark was first seen ([`OrphanOwners`]).
 ///
 /// An orphan that belongs to no child is killed when no child is left. Children that this process
-/// has started itself are no orphans. Outside Linux, and in programs that use this library, nothing is
-/// adopted.
+/// has started itself are no orphans. Outside Linux, and in programs that use this library, nothing
+/// is adopted.
 #[derive(Debug)]
 pub(super) struct Descendants {
     child: KnownChild,
@@ -285,8 +285,8 @@ fn mark(process: Process) -> Option<String> {
 /// To which children the orphans without a mark belong: each to the child that was at work when it
 /// was first seen. It cannot have been started by another, which waits for a request.
 ///
-/// Orphans are looked for when a child begins to work, while its memory is watched, and when it ends.
-/// So one that appears after the answer of a child still belongs to that child.
+/// Orphans are looked for when a child begins to work, while its memory is watched, and when it
+/// ends. So one that appears after the answer of a child still belongs to that child.
 #[derive(Debug)]
 pub(super) struct OrphanOwners {
     /// The orphans that were seen, each with the mark of its child. It has none if several children

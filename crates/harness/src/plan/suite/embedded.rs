@@ -1,5 +1,5 @@
-//! The suites of `bench-configs`, which are part of the program. The link `suites` of this crate puts
-//! them into its package, too.
+//! The suites of `bench-configs`, which are part of the program. The link `suites` of this crate
+//! puts them into its package, too.
 
 use std::path::Path;
 
@@ -27,8 +27,8 @@ macro_rules! file {
     };
 }
 
-/// Every suite of `bench-configs`, by name, but `peers`, whose programs `scripts/peers` installs, and
-/// `002-section-7.2`, whose stored distances lie beside it.
+/// Every suite of `bench-configs`, by name, but `peers`, whose programs `scripts/peers` installs,
+/// and `002-section-7.2`, whose stored distances lie beside it.
 pub const SUITES: &[EmbeddedSuite] = &[
     file!("000-figure-10"),
     file!("000-figure-12"),

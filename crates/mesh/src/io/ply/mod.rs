@@ -22,8 +22,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     let header = header::read(&mut lines)?;
     let (elements, rest) = (&header.elements, lines.rest());
     match header.encoding {
-        // Most files have a line for each element. In others numbers extend over lines or share one,
-        // or lines have more numbers than the header declares.
+        // Most files have a line for each element. In others numbers extend over lines or share
+        // one, or lines have more numbers than the header declares.
         Encoding::Text => {
             let read = |layout| read_elements(elements, Text::new(lines.clone(), layout));
             read(Layout::Lines).or_else(|flaw| {

@@ -620,8 +620,8 @@ impl Measure {
         }
     }
 
-    /// Whether a rule requires this figure of cells of `algorithm`. Algorithms lack some counters by
-    /// design, and external programs may omit any figure.
+    /// Whether a rule requires this figure of cells of `algorithm`. Algorithms lack some counters
+    /// by design, and external programs may omit any figure.
     pub fn is_due(self, algorithm: &str) -> bool {
         // The other memory figures are derived from counters.
         let is_measured = matches!(

@@ -115,8 +115,8 @@ pub(crate) fn picture(
     }
 }
 
-/// Checks that a model that a result file names is a regular file of a usual size. A result file may
-/// come from anywhere, and a pipe or a device would never end.
+/// Checks that a model that a result file names is a regular file of a usual size. A result file
+/// may come from anywhere, and a pipe or a device would never end.
 fn check_file(path: &Path) -> Result<(), String> {
     let shown = path.display();
     let found = fs::metadata(path).map_err(|error| format!("{shown}: {error}"))?;

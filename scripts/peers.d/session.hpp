@@ -1,5 +1,5 @@
-// Protocol 2 of docs/protocol.md for adapters in C++: `peer::serve` answers requests with a solver, and
-// times its solve alone.
+// Protocol 2 of docs/protocol.md for adapters in C++: `peer::serve` answers requests with a
+// solver, and times its solve alone.
 
 #pragma once
 
@@ -55,9 +55,10 @@ private:
     std::streambuf* output;
 };
 
-// Answers requests until the end of input. `Solver(model)` is made when the model is loaded and anew after
-// each run, since programs keep their tree or their windows after a solve; `solve(source)` is measured, and
-// then `distance(vertex)` answers, with infinity or a negative number for a vertex that is not reached.
+// Answers requests until the end of input. `Solver(model)` is made when the model is loaded and
+// anew after each run, since programs keep their tree or their windows after a solve;
+// `solve(source)` is measured, and then `distance(vertex)` answers, with infinity or a negative
+// number for a vertex that is not reached.
 template <typename Solver>
 int serve() {
     using Clock = std::chrono::steady_clock;

@@ -253,8 +253,8 @@ fn base<'r>(
 /// Fewest values of which a minority can be told.
 const FEWEST_OF_LEVEL: usize = 5;
 
-/// The last level of a series of times: the values since the last change of level by a factor of `1
-/// + least`, without those that are farther from their median than that and than noise (Hampel
+/// The last level of a series of times: the values since the last change of level by a factor of
+/// `1 + least`, without those that are farther from their median than that and than noise (Hampel
 /// 1974). So a few slow commits neither widen the noise nor are the measure of the next ones. A
 /// level of [`FEWEST`] commits or more is taken to be meant.
 fn last_level(values: &[f64], least: f64) -> Vec<f64> {

@@ -301,6 +301,7 @@ fn path() -> impl clap::builder::TypedValueParser<Value = Spanned<PathBuf>> {
 }
 
 /// A value of the command line, which has no place in a document.
+#[cfg(feature = "cli")]
 pub(super) fn unplaced<T>(value: T) -> Spanned<T> {
     Spanned::new(0..0, value)
 }

@@ -3,14 +3,16 @@
 use std::str::FromStr;
 
 use geobench_mesh::generate::Spec;
-use geobench_registry::{self as registry, Selection, UsageError};
+#[cfg(feature = "cli")]
+use geobench_registry as registry;
+use geobench_registry::{Selection, UsageError};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
 use super::options::{
     AlgorithmsOption, DecompressionOption, GoalOptions, LimitOptions, SimdOption, SourceOption,
-    ThreadsOption, ToleranceOption, WeldOption, Whole, list, options, text, unplaced, words,
+    ThreadsOption, ToleranceOption, WeldOption, Whole, list, options, text, words,
 };
 use crate::figures;
 use crate::plan::Reference;
@@ -220,7 +222,7 @@ impl Settings {
 /// Parses a value of the command line, which has no place in a document.
 #[cfg(feature = "cli")]
 fn placeless<T: FromStr>(text: &str) -> Result<Spanned<T>, T::Err> {
-    text.parse().map(unplaced)
+    text.parse().map(super::options::unplaced)
 }
 
 /// Parses the name of a row of tables.

@@ -5,6 +5,7 @@ use std::io::{self, IsTerminal, Write};
 use clap::ValueEnum;
 use geobench_export::escape::{for_terminal, printable};
 use geobench_export::output::write_standard_output;
+use geobench_harness::exec::interrupt;
 use geobench_report::table::Look;
 use terminal_size::{Width, terminal_size_of};
 
@@ -74,6 +75,12 @@ pub(crate) fn print_rendered(text: &str) -> anyhow::Result<()> {
 /// Writes an error to standard error as a single line.
 pub(crate) fn error(message: &str) {
     note("error", message);
+}
+
+/// As [`error`], for a command that a signal has stopped: after what was said about the signal.
+pub(crate) fn interrupted(message: &str) {
+    interrupt::wait_until_told();
+    error(message);
 }
 
 /// Writes a warning to standard error as a single line.

@@ -285,7 +285,7 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
 /// The verdict after a signal. Prints the number of finished cells.
 fn interrupted(done: usize, plans: &[Plan]) -> Verdict {
     let all = cells(plans).map_or_else(String::new, |all| format!(" of {all}"));
-    terminal::error(&format!("interrupted: {done}{all} cells are done"));
+    terminal::interrupted(&format!("interrupted: {done}{all} cells are done"));
     Verdict::Interrupted
 }
 

@@ -169,7 +169,7 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
         terminal::print(&format!("{}\n", tally.text()))?;
     }
     if interrupt::requested() {
-        terminal::error("interrupted");
+        terminal::interrupted("interrupted");
         return Ok(Verdict::Interrupted);
     }
     Ok(match tally.has_failed() {

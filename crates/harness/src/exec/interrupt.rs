@@ -12,7 +12,8 @@ use std::io::{self, Read};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, LazyLock, OnceLock};
+use std::sync::{Arc, Condvar, LazyLock, Mutex, OnceLock, PoisonError};
+use std::time::Duration;
 use std::{fs, thread};
 
 use geobench_export::temporary;
@@ -32,7 +33,10 @@ static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 static WAKE: OnceLock<UnixStream> = OnceLock::new();
 
 /// What tells the user about the first signal.
-static TOLD: OnceLock<fn()> = OnceLock::new();
+static TELL: OnceLock<fn()> = OnceLock::new();
+
+/// Whether the user has been told.
+static TOLD: (Mutex<bool>, Condvar) = (Mutex::new(false), Condvar::new());
 
 /// Lets the signals that end the program remove its temporary files first. A thread sleeps until
 /// one arrives.
@@ -55,9 +59,13 @@ pub fn watch() -> io::Result<()> {
         let mut is_first = true;
         while arrived.read_exact(&mut [0]).is_ok() {
             let signal = c_int::try_from(last.load(Ordering::SeqCst)).unwrap_or_default();
-            match TOLD.get().filter(|_| STOP.contains(&signal)) {
-                // The user may stop reading what is told.
-                Some(&told) if is_first => drop(thread::spawn(told)),
+            match TELL.get().filter(|_| STOP.contains(&signal)) {
+                // The user may stop reading what is told. A second signal ends the program then.
+                Some(&tell) if is_first => drop(thread::spawn(move || {
+                    tell();
+                    *TOLD.0.lock().unwrap_or_else(PoisonError::into_inner) = true;
+                    TOLD.1.notify_all();
+                })),
                 Some(_) => {
                     temporary::remove_all();
                     low_level::exit(EXIT_STATUS.into());
@@ -90,12 +98,12 @@ fn is_ignored(signal: c_int) -> bool {
     }
 }
 
-/// From now on the first `SIGINT` or `SIGTERM` only sets [`requested`], and calls `told`.
+/// From now on the first `SIGINT` or `SIGTERM` only sets [`requested`], and calls `tell`.
 ///
 /// # Errors
 ///
 /// If a handler or a socket cannot be created.
-pub fn listen(told: fn()) -> io::Result<()> {
+pub fn listen(tell: fn()) -> io::Result<()> {
     let (wake, signalled) = UnixStream::pair()?;
     if WAKE.set(wake).is_err() {
         return Ok(());
@@ -106,13 +114,22 @@ pub fn listen(told: fn()) -> io::Result<()> {
             low_level::pipe::register(signal, signalled.try_clone()?)?;
         }
     }
-    let _ = TOLD.set(told);
+    let _ = TELL.set(tell);
     Ok(())
 }
 
 /// Whether a signal has arrived.
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::SeqCst)
+}
+
+/// Waits until the user has been told about the first signal, for a program that is about to end.
+pub fn wait_until_told() {
+    let told = TOLD.0.lock().unwrap_or_else(PoisonError::into_inner);
+    // The limit is for a program whose `watch` has failed.
+    let _told = TOLD
+        .1
+        .wait_timeout_while(told, Duration::from_secs(5), |told| !*told);
 }
 
 /// A descriptor that is readable after a signal; `None` before [`listen`].

@@ -13,7 +13,7 @@ use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
-use geobench_export::output::OutputFile;
+use geobench_export::output::{OutputFile, temporary_file};
 use serde::{Deserialize, Serialize};
 
 use super::{Cell, GroupRecord, ModelRecord, ResultFile};
@@ -72,20 +72,26 @@ impl Unfinished {
     /// If it cannot be written, or there is something else in its place.
     pub fn create(output: &Path, head: &ResultFile) -> io::Result<Self> {
         let path = path_of(output);
-        if fs::symlink_metadata(&path).is_ok_and(|found| is_store(&path, &found)) {
-            fs::remove_file(&path)?;
-        }
-        let mut unfinished = Self {
-            file: File::create_new(&path)?,
-            path,
+        // A run that is killed at any moment leaves no part of a first line: the next run would not
+        // take that for a store.
+        let directory = path.parent().filter(|parent| *parent != Path::new(""));
+        let mut new = temporary_file(directory.unwrap_or(Path::new(".")), "")?;
+        write_line(
+            new.as_file_mut(),
+            &ResultFile {
+                groups: Vec::new(),
+                models: Vec::new(),
+                cells: Vec::new(),
+                ..head.clone()
+            },
+        )?;
+        let replaced = fs::symlink_metadata(&path).is_ok_and(|found| is_store(&path, &found));
+        let file = if replaced {
+            new.persist(&path)?
+        } else {
+            new.persist_noclobber(&path)?
         };
-        unfinished.write(&ResultFile {
-            groups: Vec::new(),
-            models: Vec::new(),
-            cells: Vec::new(),
-            ..head.clone()
-        })?;
-        Ok(unfinished)
+        Ok(Self { file, path })
     }
 
     /// Adds a model that has ended, with its cells.
@@ -100,18 +106,12 @@ impl Unfinished {
         cells: &[Cell],
     ) -> io::Result<()> {
         use std::borrow::Cow::Borrowed;
-        self.write(&UnfinishedLine {
+        let line = UnfinishedLine {
             groups: Borrowed(groups),
             model: Borrowed(model),
             cells: Borrowed(cells),
-        })
-    }
-
-    fn write(&mut self, line: &impl Serialize) -> io::Result<()> {
-        let mut text = serde_json::to_string(line)?;
-        text.push('\n');
-        self.file.write_all(text.as_bytes())?;
-        self.file.sync_data()
+        };
+        write_line(&mut self.file, &line)
     }
 
     /// Removes the store: the output is complete.
@@ -119,6 +119,14 @@ impl Unfinished {
         // What stays is harmless.
         let _ = fs::remove_file(&self.path);
     }
+}
+
+/// Adds a line, which is on disk when this returns.
+fn write_line(file: &mut File, line: &impl Serialize) -> io::Result<()> {
+    let mut text = serde_json::to_string(line)?;
+    text.push('\n');
+    file.write_all(text.as_bytes())?;
+    file.sync_data()
 }
 
 /// Whether the file at `path` is a store: no link, and with the first line of one.

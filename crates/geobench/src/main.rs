@@ -7,6 +7,8 @@ mod git;
 mod isolation;
 mod points;
 mod progress;
+mod reporter;
+mod result_store;
 mod terminal;
 mod verdict;
 

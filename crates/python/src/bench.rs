@@ -1,7 +1,6 @@
 //! Benchmarks that run in the Python process.
 
 use std::path::Path;
-use std::time::SystemTime;
 
 use geobench_harness::exec::Listener;
 use geobench_harness::exec::goal::GoalSpec;
@@ -152,17 +151,16 @@ pub(crate) fn run_to_json(
 }
 
 fn result(plan: &Plan, command: Vec<String>, mut listener: UntilStopped) -> anyhow::Result<String> {
-    let now = || humantime::format_rfc3339_seconds(SystemTime::now()).to_string();
     let isolation = IsolationRecord {
         process: false,
         cpus: None,
         jobs: None,
     };
     let record = plan::record(std::slice::from_ref(plan), isolation.clone());
-    let (host, started) = (host::host(), now());
+    let (host, started) = (host::host(), host::now());
     let before = Snapshot::take(Path::new("/"));
     let records = run::run(plan, &ThisProcess, None, None, &mut listener, 1)?;
-    let finished = now();
+    let finished = host::now();
     let file = ResultFile {
         schema: SCHEMA.to_owned(),
         tool: host::tool(),

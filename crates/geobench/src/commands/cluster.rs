@@ -6,6 +6,7 @@ use std::time::Duration;
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, Command, FromArgMatches};
 use geobench_export::escape::shell;
+use geobench_harness::measure::host;
 use geobench_harness::plan::Plan;
 use geobench_harness::plan::suite::Plans;
 use geobench_harness::run::cluster::{
@@ -14,7 +15,7 @@ use geobench_harness::run::cluster::{
 use geobench_report::table::terminal::listing;
 use geobench_report::table::{Column, Entry, Look, Table};
 
-use super::run::{RunOptions, SuiteFileOption, now, possible_plans};
+use super::run::{RunOptions, SuiteFileOption, possible_plans};
 use crate::args::in_one_line;
 use crate::terminal;
 use crate::verdict::Verdict;
@@ -148,7 +149,7 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
             ),
         ]);
     } else {
-        directory.submit(&mut record, &all, &now())?;
+        directory.submit(&mut record, &all, &host::now())?;
         lines.extend(submitted(&record));
         lines.push(format!(
             "`geobench cluster --status -o {}` shows the parts; the result will be {}",
@@ -271,7 +272,7 @@ fn resume(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Res
     } else if missing.is_empty() && !done {
         "no part has failed; the others wait or run\n".to_owned()
     } else {
-        directory.submit(&mut record, &missing, &now())?;
+        directory.submit(&mut record, &missing, &host::now())?;
         submitted(&record).join("\n") + "\n"
     };
     terminal::print(&text)?;

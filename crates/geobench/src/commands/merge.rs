@@ -8,10 +8,9 @@ use geobench_harness::run::merge as parts;
 use geobench_harness::schema::{ResultFile, result_file};
 use geobench_report::history::join;
 
-use super::run::{Tally, verdict};
 use crate::args::CsvOptions;
 use crate::terminal;
-use crate::verdict::Verdict;
+use crate::verdict::{self, Tally, Verdict};
 
 #[derive(Args, Debug)]
 #[command(
@@ -65,5 +64,5 @@ pub(crate) fn merge(options: &MergeOptions) -> anyhow::Result<Verdict> {
     if whole.plan.is_none() {
         tallies.push(Tally::of(false, &whole.cells));
     }
-    Ok(verdict(&tallies))
+    Ok(verdict::of_cells(&tallies))
 }

@@ -2,16 +2,13 @@
 
 use clap::{ArgGroup, Args};
 use geobench_registry::MOST_THREADS;
-use std::fs::File;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
 
 use anyhow::{Context, bail};
-use geobench_export::output::{self, OutputFile, check_files};
+use geobench_export::output::{OutputFile, check_files};
 use geobench_harness::exec::goal::GoalSpec;
 use geobench_harness::exec::limits::{DecompressionLimit, Limits, Timeout};
-use geobench_harness::exec::{InstructionCounter, Listener, Step, interrupt};
+use geobench_harness::exec::{Listener, interrupt};
 use geobench_harness::measure::conditions::{self, Snapshot};
 use geobench_harness::measure::{host, instructions};
 use geobench_harness::plan::suite::{
@@ -19,13 +16,10 @@ use geobench_harness::plan::suite::{
 };
 use geobench_harness::plan::{self, Plan};
 use geobench_harness::run::journal::{Journal, JournalHeader};
-use geobench_harness::run::{self, Earlier, agreement};
-use geobench_harness::schema::{
-    Cell, GroupRecord, ModelRecord, PlanRecord, ResultFile, SCHEMA, SessionRecord, Shard,
-    SourceLabel, Status, result_file, unfinished::Unfinished,
-};
+use geobench_harness::run::{self, Earlier};
+use geobench_harness::schema::unfinished::Unfinished;
+use geobench_harness::schema::{PlanRecord, ResultFile, SCHEMA, SessionRecord, Shard};
 use geobench_harness::usage::read_text;
-use geobench_report::history::join::{self, Joined};
 use geobench_report::table::{self, Look, ResultFormat};
 
 use crate::args::{CsvOptions, FormatOption, MODELS_HELP, QuietOption};
@@ -33,8 +27,10 @@ use crate::git;
 use crate::isolation::IsolationOptions;
 use crate::points::FarOption;
 use crate::progress::Progress;
+use crate::reporter::Reporter;
+use crate::result_store::{self, ResultStore};
 use crate::terminal;
-use crate::verdict::Verdict;
+use crate::verdict::{self, Tally, Verdict};
 
 #[derive(Args, Debug)]
 #[command(after_help = MODELS_HELP)]
@@ -167,16 +163,6 @@ pub(crate) struct ScaleOptions {
     pub(crate) full: bool,
 }
 
-/// The output beside which the results so far are stored: the first file of results, which the store
-/// then completes for every command that reads it, else the first file.
-fn stored_file(outputs: &[(ResultFormat, OutputFile)]) -> Option<&Path> {
-    let files = || outputs.iter().filter(|(_, file)| file.is_replaced());
-    let results = files().find(|(format, _)| *format == ResultFormat::Json);
-    results
-        .or_else(|| files().next())
-        .map(|(_, file)| file.path())
-}
-
 pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     let limits = &options.settings.limits;
     options.isolation.check(options.jobs(), limits)?;
@@ -187,7 +173,7 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
         .input_files(&all)
         .into_iter()
         .chain(options.resume.clone());
-    let store = stored_file(&outputs).filter(|_| options.add_to.is_none());
+    let store = result_store::stored_file(&outputs).filter(|_| options.add_to.is_none());
     let store = store.map(Unfinished::prepare).transpose()?;
     check_files(outputs.iter().map(|(_, file)| file).chain(&store), read)?;
     let Plans { plans, notes, .. } = all;
@@ -208,19 +194,17 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     let mut journal = None;
     let mut sessions = vec![session.clone()];
     if let Some(path) = &options.resume {
-        if path == Path::new("-") {
-            bail!("--resume -: a journal is a file; name one");
-        }
         let opened = open_journal(path, &plan, &session, options.quiet.is_set)?;
         sessions = opened.sessions().to_vec();
         journal = Some(opened);
     }
     let runs = plans.iter().map(Plan::runs).fold(0, usize::saturating_add);
     let add_to = options.add_to.as_deref();
-    let earlier = add_to.map(|path| earlier(path, &plans)).transpose()?;
+    let earlier = add_to
+        .map(|path| result_store::earlier(path, &plans))
+        .transpose()?;
     let past = earlier.as_ref().map(Earlier::new);
     let mut listener = Reporter {
-        add_to: options.add_to.clone(),
         progress: Progress::new(runs, !options.quiet.is_set && !options.no_progress),
         format,
         look,
@@ -228,10 +212,11 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
         goal: GoalSpec::default(),
         decompressed: DecompressionLimit::default(),
         quiet: options.quiet.is_set,
-        outputs,
-        result: empty(plan, session, sessions),
-        unfinished: None,
-        write_due: WriteDue::default(),
+        store: ResultStore::new(
+            empty(plan, session, sessions),
+            outputs,
+            options.add_to.clone(),
+        ),
     };
     let before = Snapshot::take(Path::new("/"));
     let mut verdicts = Vec::new();
@@ -256,15 +241,16 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     let mut conditions = conditions::between(&before, &Snapshot::take(Path::new("/")));
     conditions
         .warnings
-        .extend(table::disturbance(&listener.result));
+        .extend(table::disturbance(&listener.store.result));
     let doubts = conditions.warnings.clone();
     // A file without conditions is that of a run that has not ended.
-    listener.result.conditions = Some(conditions).filter(|_| !interrupt::requested());
-    let whole = listener.store_all()?;
+    listener.store.result.conditions = Some(conditions).filter(|_| !interrupt::requested());
+    let whole = listener.write_all()?;
     let Reporter {
-        progress, result, ..
+        progress, store, ..
     } = listener;
     drop(progress);
+    let result = store.result;
     if format == ResultFormat::Table {
         terminal::print_rendered(&table::footnote(&result, look))?;
     } else {
@@ -275,7 +261,7 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
             terminal::warning(&format!("times may be disturbed: {doubt}"));
         }
     }
-    let verdict = verdict(&verdicts);
+    let verdict = verdict::of_cells(&verdicts);
     if interrupt::requested() {
         return Ok(interrupted(result.cells.len(), &plans));
     }
@@ -294,61 +280,6 @@ fn cells(plans: &[Plan]) -> Option<usize> {
     plans.iter().try_fold(0, |all: usize, plan| {
         Some(all.saturating_add(plan.cells()?))
     })
-}
-
-/// Counts of the cells of a plan by result.
-pub(crate) struct Tally {
-    cells: usize,
-    failed: usize,
-    refused: usize,
-    /// Whether a reference is proven wrong, which may have no cell.
-    has_wrong_reference: bool,
-}
-
-impl Tally {
-    /// Counts `cells` by result. If they are `checked`, a cell without a comparison counts as
-    /// failed.
-    pub(crate) fn of<'c>(checked: bool, cells: impl IntoIterator<Item = &'c Cell>) -> Self {
-        let mut tally = Self {
-            cells: 0,
-            failed: 0,
-            refused: 0,
-            has_wrong_reference: false,
-        };
-        for cell in cells {
-            tally.cells += 1;
-            tally.has_wrong_reference |= cell.check.replaced.is_some();
-            match cell.status {
-                Status::Ok => {
-                    tally.failed += usize::from(checked && cell.check.reference.is_none());
-                }
-                Status::Refused => tally.refused += 1,
-                _ => tally.failed += 1,
-            }
-        }
-        tally
-    }
-}
-
-/// The verdict on all cells. Failed cells take precedence over refused models. Prints the number of
-/// failed cells.
-pub(crate) fn verdict(tallies: &[Tally]) -> Verdict {
-    let sum = |of: fn(&Tally) -> usize| tallies.iter().map(of).sum::<usize>();
-    let failed = sum(|tally| tally.failed);
-    if failed > 0 {
-        terminal::error(&format!(
-            "{failed} of {} cells failed or could not be checked",
-            sum(|tally| tally.cells)
-        ));
-        Verdict::Failed
-    } else if tallies.iter().any(|tally| tally.has_wrong_reference) {
-        terminal::error("a reference is proven wrong");
-        Verdict::Failed
-    } else if sum(|tally| tally.refused) > 0 {
-        Verdict::BadInput
-    } else {
-        Verdict::Passed
-    }
 }
 
 /// The plans of the suite file, with the settings of the options, which take precedence.
@@ -498,71 +429,10 @@ fn session(options: &RunOptions) -> SessionRecord {
         command: std::env::args_os()
             .map(|word| word.to_string_lossy().into_owned())
             .collect(),
-        started: now(),
+        started: host::now(),
         finished: None,
         tool: None,
     }
-}
-
-/// Reads the file of `--add-to`.
-///
-/// # Errors
-///
-/// If the file cannot be read, or if results of `plans` cannot be combined with it: it is from
-/// another machine and times would be added, it is a part of a benchmark, or it has other goals or
-/// vector instructions.
-fn earlier(path: &Path, plans: &[Plan]) -> anyhow::Result<ResultFile> {
-    let name = path.display().to_string();
-    let file = result_file::read(path)?;
-    let here = host::host();
-    let times_nothing = || {
-        let known = Earlier::new(&file);
-        plans.iter().all(|plan| run::is_known(plan, &known))
-    };
-    if !here.is_same_machine(&file.host) && !times_nothing() {
-        bail!(
-            "{name}: from another machine, so that times added here would not compare: {} and not {}",
-            file.host.in_words(),
-            here.in_words()
-        );
-    }
-    if file.plan.as_ref().is_some_and(|plan| plan.shard.is_some()) {
-        bail!("{name}: a part of a benchmark; join the parts with `geobench merge` first");
-    }
-    for plan in plans {
-        let of_group = |cell: &&Cell| cell.group == plan.group.name;
-        let goal = plan.goal.label();
-        let mut cells = file.cells.iter().filter(of_group);
-        if let Some(cell) = cells.find(|cell| cell.goal != goal) {
-            let word = |goal: Option<String>| goal.unwrap_or_else(|| "to all vertices".to_owned());
-            bail!(
-                "{name}: its runs are {}, and this one {}; give the same --target and --radius or \
-                 name another file",
-                word(cell.goal.clone()),
-                word(goal)
-            );
-        }
-        for algorithm in &plan.algorithms {
-            let label = algorithm.label();
-            let of_same = |cell: &&Cell| cell.group == plan.group.name && cell.algorithm == label;
-            let found = file
-                .cells
-                .iter()
-                .filter(of_same)
-                .find(|cell| cell.simd.is_some());
-            if let Some(cell) = found.filter(|cell| cell.simd != algorithm.simd()) {
-                let [there, here] = [cell.simd.clone(), algorithm.simd()];
-                let word = |simd: Option<String>| simd.unwrap_or_else(|| "no choice of".to_owned());
-                bail!(
-                    "{name}: its cells of {label} have {} instructions, and this run {}; give the \
-                     same --simd or name another file",
-                    word(there),
-                    word(here)
-                );
-            }
-        }
-    }
-    Ok(file)
 }
 
 /// Opens the journal. Warns, unless `quiet`, if some of its sessions ran on another machine.
@@ -572,6 +442,9 @@ fn open_journal(
     session: &SessionRecord,
     quiet: bool,
 ) -> anyhow::Result<Journal> {
+    if path == Path::new("-") {
+        bail!("--resume -: a journal is a file; name one");
+    }
     let header = JournalHeader::new(host::tool(), plan.clone());
     let journal = Journal::open(path, &header, session)?;
     let elsewhere = |earlier: &SessionRecord| !session.host.is_same_machine(&earlier.host);
@@ -582,353 +455,4 @@ fn open_journal(
         ));
     }
     Ok(journal)
-}
-
-/// Shows progress, and prints and stores the results of each finished model, so that a killed run
-/// loses only unfinished models.
-pub(crate) struct Reporter {
-    pub(crate) progress: Progress,
-    pub(crate) format: ResultFormat,
-    pub(crate) look: Look,
-    /// Whether to count instructions.
-    pub(crate) instructions: bool,
-    /// The goal of the runs of the current group.
-    pub(crate) goal: GoalSpec,
-    /// The limit of decompression of the current group.
-    pub(crate) decompressed: DecompressionLimit,
-    /// Whether to suppress the warnings about successful cells and about the earlier file.
-    pub(crate) quiet: bool,
-    pub(crate) outputs: Vec<(ResultFormat, OutputFile)>,
-    pub(crate) result: ResultFile,
-    /// The file of `--add-to`. Other processes may add to it meanwhile.
-    pub(crate) add_to: Option<PathBuf>,
-    /// The models that have ended, for when this process is killed.
-    unfinished: Option<Unfinished>,
-    write_due: WriteDue,
-}
-
-/// When the results so far are written to the output files: each time that they have grown by a
-/// quarter, so that all writes together take linear time, and at least once a minute, unless a write
-/// itself takes long.
-#[derive(Debug, Default)]
-struct WriteDue {
-    /// Number of cells at the last write, and its end and duration.
-    last: Option<(usize, Instant, Duration)>,
-}
-
-impl WriteDue {
-    const MOST_AGE: Duration = Duration::from_secs(60);
-
-    /// Whether results with this number of cells are to be written now.
-    fn now(&self, cells: usize) -> bool {
-        self.last.is_none_or(|(known, end, took)| {
-            4 * cells >= 5 * known || end.elapsed() >= Self::MOST_AGE.max(100 * took)
-        })
-    }
-
-    /// Notes a write that began at `start`.
-    fn done(&mut self, cells: usize, start: Instant) {
-        self.last = Some((cells, Instant::now(), start.elapsed()));
-    }
-}
-
-impl Reporter {
-    /// Starts the group of `plan`: adds its record and prints its heading.
-    pub(crate) fn begin(&mut self, plan: &Plan) -> anyhow::Result<()> {
-        let Limits {
-            timeout,
-            memory,
-            decompressed,
-        } = plan.limits;
-        self.decompressed = decompressed;
-        self.goal.clone_from(&plan.goal);
-        self.result.groups.push(GroupRecord {
-            timeout: timeout.0.map(|time| time.as_secs_f64()),
-            memory_limit: memory.0,
-            ..plan.group.clone()
-        });
-        // A shard may have no cells of a group.
-        if plan.runs() == 0 {
-            return Ok(());
-        }
-        let look = self.look;
-        self.show(&table::group_heading(&plan.group, look))
-    }
-
-    /// Ends a group: prints its table of ratios.
-    pub(crate) fn end(&mut self, group: &GroupRecord) -> anyhow::Result<()> {
-        let look = self.look;
-        self.show(&table::ratio_table(group, &self.result, look))?;
-        self.show(&table::matrix_table(group, &self.result, look))
-    }
-
-    /// Prints text of a table above the progress, if the format of standard output is a table.
-    fn show(&mut self, text: &str) -> anyhow::Result<()> {
-        if self.format == ResultFormat::Table && !text.is_empty() {
-            self.progress.suspend(|| terminal::print_rendered(text))?;
-        }
-        Ok(())
-    }
-
-    /// Puts a model that has ended into the store, and writes the results so far to all regular
-    /// files if that is due. A failed write causes a warning only, because `store_all` writes again.
-    fn store(&mut self, model: &ModelRecord, cells: &[Cell]) -> anyhow::Result<()> {
-        self.note_time();
-        if self.unfinished.is_none()
-            // Other processes extend the file of `--add-to` as well.
-            && self.add_to.is_none()
-            && let Some(path) = stored_file(&self.outputs)
-        {
-            self.unfinished = Unfinished::create(path, &self.result).ok();
-        }
-        let store = self.unfinished.as_mut();
-        let stored = store.map(|store| store.add(&self.result.groups, model, cells));
-        let is_stored = matches!(stored, Some(Ok(())));
-        if is_stored && !self.write_due.now(self.result.cells.len()) {
-            return Ok(());
-        }
-        let start = Instant::now();
-        let warn = |progress: &mut Progress, error: &anyhow::Error| {
-            let text = format!("{error:#}; it will be tried again");
-            progress.suspend(|| terminal::warning(&text));
-        };
-        let (whole, _lock) = match self.whole() {
-            Ok((joined, lock)) => (joined.file, lock),
-            Err(error) => {
-                warn(&mut self.progress, &error);
-                return Ok(());
-            }
-        };
-        for (format, file) in self.outputs.iter().filter(|(_, file)| file.is_replaced()) {
-            if let Err(error) = file.write(format.render(&whole)?.as_bytes()) {
-                warn(&mut self.progress, &error);
-            }
-        }
-        self.write_due.done(self.result.cells.len(), start);
-        Ok(())
-    }
-
-    /// Writes the final results, with those of the file of `--add-to`, to all files, and returns
-    /// them.
-    ///
-    /// # Errors
-    ///
-    /// If one of them cannot be written, or that of `--add-to` not read. The results are then saved
-    /// in a temporary file, which the error names.
-    pub(crate) fn store_all(&mut self) -> anyhow::Result<ResultFile> {
-        self.note_time();
-        let mut failed = Vec::new();
-        let (Joined { file: whole, notes }, _lock) = match self.whole() {
-            Ok(whole) => whole,
-            Err(error) => {
-                let rescued = rescue(&ResultFormat::Json.render(&self.result)?);
-                bail!("{error:#}; {rescued}");
-            }
-        };
-        if !self.quiet {
-            self.progress.suspend(|| terminal::warnings(&notes));
-        }
-        for (format, file) in &self.outputs {
-            if let Err(error) = file.write(format.render(&whole)?.as_bytes()) {
-                failed.push(format!("{error:#}"));
-            }
-        }
-        if failed.is_empty() {
-            if let Some(store) = self.unfinished.take() {
-                store.remove();
-            }
-            return Ok(whole);
-        }
-        let rescued = rescue(&ResultFormat::Json.render(&whole)?);
-        bail!("{}; {rescued}", failed.join("; "));
-    }
-
-    /// The results so far, together with those that the file of `--add-to` has now. While the lock
-    /// is kept, no other process adds to that file.
-    fn whole(&self) -> anyhow::Result<(Joined, Option<File>)> {
-        let new = self.result.clone();
-        let Some(path) = &self.add_to else {
-            let notes = Vec::new();
-            return Ok((Joined { file: new, notes }, None));
-        };
-        let name = path.display().to_string();
-        let lock = output::lock(path).with_context(|| format!("{name}: cannot be locked"))?;
-        let mut file = result_file::read(path)?;
-        // Each write after the first finds what this run has written before.
-        let is_own = |session: &SessionRecord| {
-            let mut of_new = new.sessions.iter();
-            of_new.any(|own| (&own.started, &own.command) == (&session.started, &session.command))
-        };
-        file.sessions.retain(|session| !is_own(session));
-        let joined = join::extend((&name, file), ("this run", new))?;
-        Ok((joined, Some(lock)))
-    }
-
-    /// Sets the end time of the results and of this session to now.
-    fn note_time(&mut self) {
-        self.result.finished = now();
-        if let Some(session) = self.result.sessions.last_mut() {
-            session.finished = Some(self.result.finished.clone());
-        }
-    }
-}
-
-impl Listener for Reporter {
-    fn loading(&mut self, model: &str) {
-        self.progress.loading(model);
-    }
-
-    fn step(&mut self, step: &Step<'_>) {
-        self.progress.step(step);
-    }
-
-    fn ran(&mut self, step: &Step<'_>, outcome: Result<Option<f64>, Status>) {
-        self.progress.ran(step, outcome);
-    }
-
-    fn instruction_counter(
-        &mut self,
-        model: &ModelRecord,
-        cell: &Cell,
-    ) -> Option<InstructionCounter> {
-        // Valgrind cannot separate the solve of an external program from the rest of its work.
-        if !self.instructions || cell.algorithm.starts_with("ext:") {
-            return None;
-        }
-        self.progress
-            .counting_instructions(&model.name, &cell.algorithm);
-        let source = cell.source.as_ref()?.to_string();
-        let simd = cell.simd.as_ref().and_then(|simd| simd.parse().ok());
-        let mut options = self.goal.options();
-        if let Some(bytes) = self.decompressed.0 {
-            options.push(format!("--max-decompressed={bytes}"));
-        }
-        if let Some(tolerance) = model.weld {
-            options.push(format!("--weld={tolerance:?}"));
-        }
-        Some(Box::new(move |model, cell| {
-            let (path, algorithm) = (&model.path, &cell.algorithm);
-            let is_stopped = interrupt::requested;
-            instructions::count(path, algorithm, &source, &options, simd, is_stopped)
-        }))
-    }
-
-    fn not_counted(&mut self, cell: &Cell, error: &anyhow::Error) {
-        let source = cell.source.as_ref().map(SourceLabel::to_string);
-        let text = format!(
-            "{}: {}, source {}: instructions are not counted: {error:#}",
-            cell.model,
-            cell.algorithm,
-            source.unwrap_or_default()
-        );
-        self.progress.suspend(|| terminal::warning(&text));
-    }
-
-    fn more(&mut self, runs: usize) {
-        self.progress.more(runs);
-    }
-
-    fn skipped(&mut self, runs: usize) {
-        self.progress.skip(runs);
-    }
-
-    fn model_done(&mut self, model: &ModelRecord, cells: &[Cell]) -> anyhow::Result<()> {
-        if self.result.models.iter().all(|m| m.name != model.name) {
-            self.result.models.push(model.clone());
-            if !self.quiet {
-                let notes = || terminal::notes_on(&model.name, &model.notes);
-                self.progress.suspend(notes);
-            }
-        }
-        self.result.cells.extend_from_slice(cells);
-        // Whatever happens to standard output, the files have the cells.
-        self.store(model, cells)?;
-        self.progress.ended(&model.name, cells);
-        self.progress.suspend(|| {
-            remark(cells, self.format, self.quiet);
-            for summary in agreement::summaries(cells) {
-                terminal::error(&summary);
-            }
-            if let (ResultFormat::Table, Some(group)) = (self.format, self.result.groups.last()) {
-                let look = self.look;
-                let mut text = table::model_table(group, model, cells, look);
-                // The last column stays free, because some terminals wrap a line that fills it.
-                let width = look.width.map(|width| width.saturating_sub(1));
-                text += &width.map_or_else(String::new, |width| {
-                    table::model_bars(group, model, cells, width)
-                });
-                terminal::print_rendered(&text)?;
-            }
-            Ok(())
-        })
-    }
-
-    fn interrupted(&self) -> bool {
-        interrupt::requested()
-    }
-}
-
-/// Prints the messages of cells to standard error: each refusal once, failures, and, unless
-/// `quiet`, messages of successful cells. For tables only refusals and where positions were found
-/// are printed.
-fn remark(cells: &[Cell], format: ResultFormat, quiet: bool) {
-    let mut refusals = Vec::new();
-    let mut last_place = None;
-    let is_position = |cell: &Cell| match &cell.source {
-        Some(SourceLabel::Other(text)) => text.contains("at:") || text.contains("far:"),
-        _ => false,
-    };
-    for cell in cells {
-        let Some(message) = &cell.message else {
-            continue;
-        };
-        match cell.status {
-            Status::Refused if !refusals.contains(&message) => {
-                terminal::error(message);
-                refusals.push(message);
-            }
-            Status::Refused => {}
-            Status::Ok if format == ResultFormat::Table && !quiet && is_position(cell) => {
-                let place = Some((&cell.model, message));
-                if last_place != place {
-                    terminal::notes_on(&cell.model, std::slice::from_ref(message));
-                    last_place = place;
-                }
-            }
-            // Tables have these messages in their notes.
-            _ if format == ResultFormat::Table => {}
-            status => {
-                let source = cell.source.clone().unwrap_or(SourceLabel::Vertex(0));
-                let place = format!("{}: {}, source {source}", cell.model, cell.algorithm);
-                match status {
-                    Status::Ok if quiet => {}
-                    Status::Ok => terminal::warning(&format!("{place}: {message}")),
-                    _ => terminal::error(&format!("{place}: {}: {message}", status.name())),
-                }
-            }
-        }
-    }
-}
-
-/// Saves results in a temporary file after writing them elsewhere has failed. Returns a message
-/// with the path, or with the error.
-fn rescue(json: &str) -> String {
-    let save = || -> std::io::Result<std::path::PathBuf> {
-        let mut file = tempfile::Builder::new()
-            .prefix("geobench-")
-            .suffix(".json")
-            .tempfile()?;
-        file.write_all(json.as_bytes())?;
-        Ok(file.keep()?.1)
-    };
-    match save() {
-        Ok(path) => format!("the results are in {}", path.display()),
-        Err(error) => format!("nor could the results be saved as a temporary file: {error}"),
-    }
-}
-
-/// The current time, RFC 3339 in UTC; the first second of 1970 if the clock is before it.
-pub(crate) fn now() -> String {
-    let now = SystemTime::now().max(SystemTime::UNIX_EPOCH);
-    humantime::format_rfc3339_seconds(now).to_string()
 }

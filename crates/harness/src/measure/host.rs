@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 use std::thread;
+use std::time::SystemTime;
 
 use crate::schema::{Host, Tool};
 
@@ -17,6 +18,12 @@ pub fn tool() -> Tool {
         profile: env!("GEOBENCH_PROFILE").to_owned(),
         features: Vec::new(),
     }
+}
+
+/// The current time, RFC 3339 in UTC; the first second of 1970 if the clock is before it.
+pub fn now() -> String {
+    let now = SystemTime::now().max(SystemTime::UNIX_EPOCH);
+    humantime::format_rfc3339_seconds(now).to_string()
 }
 
 /// Whether this is a release build. Times of other builds are meaningless.

@@ -1,7 +1,10 @@
 //! File formats for isolines.
 
+use std::fmt::Write;
+
 use geobench_isolines::{Isoline, Line};
-use geobench_mesh::Mesh;
+use geobench_mesh::{Mesh, vector};
+use geobench_window::{Front, WaitingWindow};
 use serde::Serialize;
 
 use crate::polylines::Polylines;
@@ -21,6 +24,59 @@ pub struct IsolineSet<'a> {
     pub isolines: &'a [Isoline],
     /// The largest distance of chords from their arcs, in formats that cannot hold arcs.
     pub tolerance: f64,
+    /// The wavefront of a run at the distances of the isolines.
+    pub wavefront: Option<Wavefront<'a>>,
+}
+
+/// The wavefront of a run of an algorithm.
+#[derive(Clone, Copy, Debug)]
+pub struct Wavefront<'a> {
+    /// The algorithm.
+    pub algorithm: &'a str,
+    /// The mesh on which it ran.
+    pub mesh: &'a Mesh,
+    /// The wavefront at each distance that it came to.
+    pub fronts: &'a [Front],
+}
+
+impl Wavefront<'_> {
+    /// The intervals of all windows in space, as lines.
+    pub fn lines(&self) -> Vec<Vec<[f64; 3]>> {
+        let windows = self.windows();
+        windows.map(|w| self.interval(w).to_vec()).collect()
+    }
+
+    fn document(&self) -> WavefrontDocument<'_> {
+        let window = |window: &WaitingWindow| {
+            let [from, to] = self.interval(window);
+            let distance = window.distance;
+            WindowRecord { from, to, distance }
+        };
+        let front = |front: &Front| FrontRecord {
+            at: front.at,
+            parents: front.record.parents,
+            mean: front.record.distance,
+            deviation: front.record.deviation,
+            windows: front.windows.iter().map(window).collect(),
+        };
+        WavefrontDocument {
+            algorithm: self.algorithm,
+            fronts: self.fronts.iter().map(front).collect(),
+        }
+    }
+
+    fn windows(&self) -> impl Iterator<Item = &WaitingWindow> {
+        self.fronts.iter().flat_map(|front| &front.windows)
+    }
+
+    /// The ends of the interval of `window` in space.
+    fn interval(&self, window: &WaitingWindow) -> [[f64; 3]; 2] {
+        let [tail, head] = window.ends.map(|v| self.mesh.positions()[v.index()]);
+        let length = vector::norm(vector::sub(head, tail));
+        window
+            .interval
+            .map(|x| vector::between(tail, head, x / length))
+    }
 }
 
 /// A file format for isolines.
@@ -85,14 +141,26 @@ impl IsolineSet<'_> {
 
     fn polylines(&self) -> Polylines {
         let lines = self.lines();
-        let distances = self.lines().map(|(distance, _)| distance);
-        Polylines {
+        let mut distances: Vec<f64> = self.lines().map(|(distance, _)| distance).collect();
+        let mut polylines = Polylines {
             title: format!("isolines of the geodesic distance, model {}", self.model),
             lines: lines
                 .map(|(_, line)| line.polyline(self.mesh, self.tolerance))
                 .collect(),
-            scalars: vec![Array::doubles("distance", distances)],
+            scalars: Vec::new(),
+        };
+        if let Some(wavefront) = &self.wavefront {
+            let _ = write!(polylines.title, ", wavefront of {}", wavefront.algorithm);
+            let mut is_window = vec![0; polylines.lines.len()];
+            polylines.lines.extend(wavefront.lines());
+            distances.extend(wavefront.windows().map(|window| window.distance));
+            is_window.resize(polylines.lines.len(), 1);
+            polylines.scalars.push(Array::ints("is_window", is_window));
         }
+        polylines
+            .scalars
+            .push(Array::doubles("distance", distances));
+        polylines
     }
 }
 
@@ -102,6 +170,34 @@ struct IsolineDocument<'a> {
     model: &'a str,
     sources: &'a [SourceLabel],
     levels: Vec<LevelRecord>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wavefront: Option<WavefrontDocument<'a>>,
+}
+
+#[derive(Serialize)]
+struct WavefrontDocument<'a> {
+    algorithm: &'a str,
+    fronts: Vec<FrontRecord>,
+}
+
+#[derive(Serialize)]
+struct FrontRecord {
+    /// The distance that was asked for.
+    at: f64,
+    /// Windows propagated before.
+    parents: u64,
+    /// Mean and standard deviation of the least distances of the windows.
+    mean: f64,
+    deviation: f64,
+    windows: Vec<WindowRecord>,
+}
+
+#[derive(Serialize)]
+struct WindowRecord {
+    from: [f64; 3],
+    to: [f64; 3],
+    /// The least distance that the window offers.
+    distance: f64,
 }
 
 #[derive(Serialize)]
@@ -162,6 +258,7 @@ fn json(set: &IsolineSet<'_>) -> anyhow::Result<Vec<u8>> {
         model: set.model,
         sources: set.sources,
         levels: set.isolines.iter().map(level).collect(),
+        wavefront: set.wavefront.as_ref().map(Wavefront::document),
     };
     json_line(&document)
 }

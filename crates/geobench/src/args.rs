@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::ensure;
+use anyhow::{bail, ensure};
 use clap::{Args, ValueEnum};
 use geobench_export::output::{self, OutputFile};
 use geobench_export::picture::View;
@@ -87,8 +87,20 @@ pub(crate) enum ListFormat {
 pub(crate) struct AlgorithmOption {
     /// The algorithm, an exact one [default: vtp-fast; mmp-fast on a model with edges of more than
     /// two faces, or one that cannot be oriented]
-    #[arg(long, value_name = "A", value_parser = registry::select_one)]
+    #[arg(long, value_name = "A", value_parser = select_inside)]
     pub(crate) algo: Option<Selection>,
+}
+
+/// Parses an algorithm of this program.
+pub(crate) fn select_inside(text: &str) -> anyhow::Result<Selection> {
+    let selection = registry::select_one(text)?;
+    if selection.outside_name().is_some() {
+        bail!(
+            "{} is an outside program: those take part in `run` and `verify`",
+            selection.label()
+        );
+    }
+    Ok(selection)
 }
 
 /// What a command does not print.

@@ -528,8 +528,15 @@ impl Propagate for Pch {
             probe.raise(Counter::PeakWavefront, self.buckets.waiting as u64);
             self.buckets.waiting -= windows.len();
             if probe.wants_sample(windows.len() as u64) {
-                let later = self.buckets.by_number.values().flat_map(|b| &b.windows);
-                probe.sample(windows.iter().chain(later).map(|w| w.window.min_distance()));
+                let waiting = || {
+                    let later = self.buckets.by_number.values().flat_map(|b| &b.windows);
+                    windows.iter().chain(later)
+                };
+                probe.sample(waiting().map(|w| w.window.min_distance()));
+                if probe.wants_windows() {
+                    let faces = self.surface.faces();
+                    probe.take_windows(waiting().map(|w| (faces.ends(w.h), w.window)));
+                }
             }
             for (d, v) in vertices {
                 // A vertex is queued anew whenever it improves; older entries are void.

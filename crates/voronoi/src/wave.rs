@@ -520,6 +520,12 @@ impl WaveState {
         if probe.wants_sample(parents) {
             let waiting = self.store.all().filter(|s| s.waits());
             probe.sample(waiting.map(|s| s.window.min_distance()));
+            if probe.wants_windows() {
+                probe.take_windows(self.mesh.half_edges().flat_map(|h| {
+                    let waiting = self.store.list(h.index()).iter().filter(|s| s.waits());
+                    waiting.map(move |s| (self.faces.ends(h), s.window))
+                }));
+            }
         }
     }
 

@@ -194,6 +194,13 @@ impl Front {
         self.store.windows()
     }
 
+    /// The windows that wait on `h`.
+    pub(crate) fn windows_on(&self, h: u32) -> impl Iterator<Item = Window> {
+        let (face, corner) = parts(h);
+        let lists = self.places[face].lists[corner].into_iter();
+        lists.flat_map(|list| self.store.windows_at(list, 0..self.store.len(list)))
+    }
+
     /// The windows of both lists on `h`, in order.
     #[inline]
     pub(crate) fn lists(&self, h: u32) -> [Columns<'_>; 2] {

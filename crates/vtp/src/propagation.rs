@@ -305,6 +305,14 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                     .chain(self.active.iter())
                     .map(|w| Window::min_distance(&w)),
             );
+            if probe.wants_windows() {
+                let (layout, front) = (&self.layout, &self.front);
+                let crossing = self.active.iter().map(|w| (layout.ends(h), w));
+                let waiting = layout
+                    .half_edges()
+                    .flat_map(|h| front.windows_on(h).map(move |w| (layout.ends(h), w)));
+                probe.take_windows(crossing.chain(waiting));
+            }
         }
         if self.active.len > 0 {
             let (best, distance) = BestPath::shortest(
@@ -556,9 +564,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> Propagate for ListPropagation<S,
                 None => break,
             }
         }
-        if B::TRACES {
-            self.layout.renumber(&self.mesh, &self.numbering, probe);
-        }
+        self.layout.renumber(&self.mesh, &self.numbering, probe);
         Solution::new(self.numbering.restore(&self.distances))
     }
 }

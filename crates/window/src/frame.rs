@@ -434,6 +434,22 @@ impl Faces {
         self.half_edge(h).corners()
     }
 
+    /// The ends of `h`, tail and head; of a gate, too.
+    pub fn ends(&self, h: HalfEdgeId) -> [VertexId; 2] {
+        let ends = |h| {
+            let [tail, head, _] = self.corners(h);
+            [tail, head]
+        };
+        match self.beyond(h).and_then(<[Entrance]>::first) {
+            Some(first) if first.mirrored => {
+                let [tail, head] = ends(first.half_edge);
+                [head, tail]
+            }
+            Some(first) => ends(first.half_edge),
+            None => ends(h),
+        }
+    }
+
     /// Prefetches the memory of the face of `h`.
     #[inline]
     pub fn announce(&self, h: HalfEdgeId) {

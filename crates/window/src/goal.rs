@@ -10,6 +10,7 @@ use crate::counters::Counter;
 use crate::origins::Way;
 use crate::probe::{Phase, Probe};
 use crate::solver::Solution;
+use crate::window::Window;
 
 /// By how much the bound of all that waits must exceed a distance, relatively, for the distance to
 /// be final. It is far more than the rounding that the labels of windows gather.
@@ -211,6 +212,15 @@ impl<P: Probe> Probe for Until<'_, P> {
 
     fn sample(&mut self, labels: impl Iterator<Item = f64>) {
         self.probe.sample(labels);
+    }
+
+    #[inline]
+    fn wants_windows(&self) -> bool {
+        self.probe.wants_windows()
+    }
+
+    fn take_windows(&mut self, waiting: impl Iterator<Item = ([VertexId; 2], Window)>) {
+        self.probe.take_windows(waiting);
     }
 
     #[inline]

@@ -1,4 +1,5 @@
-//! Observation of a run: nothing, counts, [phases](crate::phases) or origins of paths.
+//! Observation of a run: nothing, counts (with pictures of the wavefront),
+//! [phases](crate::phases) or origins of paths.
 //!
 //! Solvers are generic over a [`Probe`] and call it at every event. Timed runs use `()`, whose
 //! methods are empty and compile to nothing. Counts and phases come from separate runs, so
@@ -8,7 +9,8 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
 use crate::counters::{Counter, Counters};
 use crate::origins::Way;
-use crate::wavefront::WavefrontSampler;
+use crate::wavefront::{Fronts, WavefrontSampler};
+use crate::window::Window;
 
 /// The kind of work that a solver does, for [`Phases`](crate::Phases).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +73,18 @@ pub trait Probe {
     /// Takes a sample of the wavefront, given the least distance of every window on it.
     fn sample(&mut self, labels: impl Iterator<Item = f64>) {
         let _ = labels;
+    }
+
+    /// Whether [`take_windows`](Self::take_windows) should be called now, after a sample.
+    #[inline]
+    fn wants_windows(&self) -> bool {
+        false
+    }
+
+    /// Takes all windows of the wavefront, each with the ends of its half-edge: tail and head, in the
+    /// numbers of the solver.
+    fn take_windows(&mut self, waiting: impl Iterator<Item = ([VertexId; 2], Window)>) {
+        let _ = waiting;
     }
 
     /// Tells that `phase` begins.
@@ -140,9 +154,26 @@ pub struct Count {
     /// The K of the current round, for a queue that works in rounds.
     k: Option<u64>,
     wavefront: WavefrontSampler,
+    /// The vertices of the mesh by their numbers in the solver, if these differ.
+    mesh_vertices: Vec<VertexId>,
 }
 
 impl Count {
+    /// One that also finds `fronts`.
+    pub fn watching(fronts: Fronts) -> Self {
+        Self {
+            wavefront: WavefrontSampler::watching(fronts),
+            ..Self::default()
+        }
+    }
+
+    /// The wavefronts found.
+    pub fn fronts(&self) -> Fronts {
+        let vertices = &self.mesh_vertices;
+        self.wavefront
+            .fronts(|v| vertices.get(v.index()).copied().unwrap_or(v))
+    }
+
     /// The counts of the counters in `has`, those that the algorithm keeps.
     pub fn counters(&self, has: &[Counter]) -> Counters {
         let mut counters = Counters::default();
@@ -179,6 +210,29 @@ impl Probe for Count {
 
     fn sample(&mut self, labels: impl Iterator<Item = f64>) {
         self.wavefront.sample(labels, self.k);
+    }
+
+    #[inline]
+    fn wants_windows(&self) -> bool {
+        self.wavefront.wants_windows()
+    }
+
+    fn take_windows(&mut self, waiting: impl Iterator<Item = ([VertexId; 2], Window)>) {
+        self.wavefront.take_windows(waiting);
+    }
+
+    fn renumber(
+        &mut self,
+        mesh: &Mesh,
+        vertex: impl Fn(VertexId) -> VertexId,
+        _: impl Fn(VertexId, usize) -> HalfEdgeId,
+    ) {
+        if self.wavefront.has_fronts() {
+            self.mesh_vertices = mesh.vertices().collect();
+            for v in mesh.vertices() {
+                self.mesh_vertices[vertex(v).index()] = v;
+            }
+        }
     }
 }
 

@@ -12,6 +12,7 @@ use crate::goal::{Goal, Until};
 use crate::origins::Origins;
 use crate::phases::{PhaseProbe, PhaseSampler};
 use crate::probe::{Count, Probe};
+use crate::wavefront::Fronts;
 
 /// The result of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -300,6 +301,8 @@ pub enum Observer<'a> {
     Nothing,
     /// The counts of its events.
     Counters(&'a mut Counters),
+    /// The windows that wait when the run is at certain distances.
+    Fronts(&'a mut Fronts),
     /// The origins of the shortest paths.
     Origins(&'a mut Origins),
     /// Samples of its phases.
@@ -493,6 +496,13 @@ impl<T: Propagate> Solver for T {
                 let run = |probe: &mut _| (runs.count)(self, sources, probe);
                 let (solution, count) = goal.bound(Count::default(), run);
                 *counters = count.counters(&T::counters());
+                solution
+            }
+            Observer::Fronts(fronts) => {
+                let probe = Count::watching(std::mem::take(fronts));
+                let run = |probe: &mut _| (runs.count)(self, sources, probe);
+                let (solution, count) = goal.bound(probe, run);
+                *fronts = count.fronts();
                 solution
             }
             Observer::Origins(_) if !T::TRACES => return Err(SolveError::NoPaths),

@@ -1,4 +1,9 @@
-//! Samples of the wavefront over a run: the number of windows and the spread of their distances.
+//! Samples of the wavefront over a run: the number of windows and the spread of their distances; at
+//! chosen distances the windows themselves.
+
+use geobench_mesh::VertexId;
+
+use crate::window::Window;
 
 /// Most samples stored. When they are reached, every second one is dropped.
 const CAPACITY: usize = 512;
@@ -21,6 +26,75 @@ pub struct WavefrontRecord {
     pub k: Option<u64>,
 }
 
+/// A window that waits to be propagated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaitingWindow {
+    /// The ends of its half-edge: tail and head.
+    pub ends: [VertexId; 2],
+    /// Where its interval begins and ends: distances from the tail, in the units of the mesh.
+    pub interval: [f64; 2],
+    /// The least distance that it offers on its interval.
+    pub distance: f64,
+}
+
+/// The windows of the wavefront at one moment of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Front {
+    /// The distance that was asked for.
+    pub at: f64,
+    /// Their number, mean distance and deviation.
+    pub record: WavefrontRecord,
+    /// The windows, in no particular order.
+    pub windows: Vec<WaitingWindow>,
+}
+
+/// The wavefronts of a run at chosen distances, for pictures like those of the papers (transfer
+/// report of February 2016, figure 5.7; Xu et al. 2015, figures 3 and 11).
+///
+/// The wavefront is at distance d when the mean of the least distances of its windows is first seen
+/// to be d or more. It is looked at often: whenever the run has propagated a thirty-second of its
+/// windows.
+///
+/// ```
+/// use geobench_ich::ich;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::{Fronts, Goal, Observer, Solver};
+///
+/// let mesh = Mesh::generate("sphere,subdiv=3")?;
+/// let mut fronts = Fronts::at([0.5, 1.0]);
+/// ich(&mesh).run(&[0.into()], &Goal::everything(), Observer::Fronts(&mut fronts))?;
+/// let [half, one] = fronts.found() else { panic!("the sphere is larger") };
+/// assert!(half.record.distance >= 0.5 && one.record.distance >= 1.0);
+/// assert!(half.windows.len() < one.windows.len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fronts {
+    /// The distances that are still to come, the next one last.
+    wanted: Vec<f64>,
+    found: Vec<Front>,
+}
+
+impl Fronts {
+    /// Asks for the wavefront at each of these distances, in the units of the mesh.
+    pub fn at(distances: impl IntoIterator<Item = f64>) -> Self {
+        let mut wanted: Vec<f64> = distances.into_iter().collect();
+        wanted.sort_by(|a, b| b.total_cmp(a));
+        let found = Vec::new();
+        Self { wanted, found }
+    }
+
+    /// Those that the run has come to, in the order of their distances. Algorithms without windows
+    /// have none, nor do those that propagate on several threads.
+    pub fn found(&self) -> &[Front] {
+        &self.found
+    }
+}
+
+/// The part of the windows of a wavefront that is propagated between two samples, if the run is
+/// watched for [`Fronts`].
+const WATCHED_PART: u64 = 32;
+
 /// Takes samples at even intervals of propagated windows, for runs of any length.
 #[derive(Clone, Debug)]
 pub(crate) struct WavefrontSampler {
@@ -29,6 +103,7 @@ pub(crate) struct WavefrontSampler {
     /// Windows propagated between two samples; `left` is the number until the next sample.
     interval: u64,
     left: u64,
+    fronts: Fronts,
 }
 
 impl Default for WavefrontSampler {
@@ -38,11 +113,20 @@ impl Default for WavefrontSampler {
             parents: 0,
             interval: 1,
             left: 1,
+            fronts: Fronts::default(),
         }
     }
 }
 
 impl WavefrontSampler {
+    /// One that also finds `fronts`.
+    pub(crate) fn watching(fronts: Fronts) -> Self {
+        Self {
+            fronts,
+            ..Self::default()
+        }
+    }
+
     /// Adds `parents` propagated windows; returns whether a sample is due.
     #[inline]
     pub(crate) fn advance(&mut self, parents: u64) -> bool {
@@ -78,7 +162,53 @@ impl WavefrontSampler {
             });
             self.interval *= 2;
         }
-        self.left = self.interval;
+        self.left = if self.fronts.wanted.is_empty() {
+            self.interval
+        } else {
+            (windows / WATCHED_PART).max(1)
+        };
+    }
+
+    /// Whether the wavefront of the last sample is the next one that is wanted.
+    #[inline]
+    pub(crate) fn wants_windows(&self) -> bool {
+        let next = self.fronts.wanted.last();
+        next.is_some_and(|d| self.samples.last().is_some_and(|s| s.distance >= *d))
+    }
+
+    /// Takes the windows of the last sample, with the ends of their half-edges.
+    pub(crate) fn take_windows(&mut self, waiting: impl Iterator<Item = ([VertexId; 2], Window)>) {
+        let windows: Vec<WaitingWindow> = waiting
+            .map(|(ends, window)| WaitingWindow {
+                ends,
+                interval: [window.b0, window.b1],
+                distance: window.min_distance(),
+            })
+            .collect();
+        while self.wants_windows()
+            && let Some(at) = self.fronts.wanted.pop()
+            && let Some(&record) = self.samples.last()
+        {
+            let windows = windows.clone();
+            self.fronts.found.push(Front {
+                at,
+                record,
+                windows,
+            });
+        }
+    }
+
+    /// The wavefronts found, with vertices as `mesh_vertex` numbers them.
+    pub(crate) fn fronts(&self, mesh_vertex: impl Fn(VertexId) -> VertexId) -> Fronts {
+        let mut fronts = self.fronts.clone();
+        let windows = fronts.found.iter_mut().flat_map(|front| &mut front.windows);
+        windows.for_each(|window| window.ends = window.ends.map(&mesh_vertex));
+        fronts
+    }
+
+    /// Whether it finds wavefronts.
+    pub(crate) fn has_fronts(&self) -> bool {
+        !self.fronts.found.is_empty()
     }
 
     /// Mean of the deviations; `None` if there is no sample.

@@ -83,17 +83,6 @@ const THREADS_HELP: &str = "Threads that read the model, set up the solver and w
     also of a parallel algorithm (pvtp), or with --each so many sources at a time [default: 1]";
 
 pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
-    if let Some(algorithm) = options
-        .algorithm
-        .algo
-        .as_ref()
-        .filter(|one| one.outside_name().is_some())
-    {
-        bail!(
-            "{} is an outside program: those take part in `run` and `verify`",
-            algorithm.label()
-        );
-    }
     let form = if options.matrix {
         DistanceOutput::Matrix(MatrixFormat::of_path(&options.output)?)
     } else {

@@ -3,17 +3,18 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::Args;
 use geobench_export::FileFormat;
-use geobench_export::isolines::{IsolineFormat, IsolineSet};
+use geobench_export::isolines::{IsolineFormat, IsolineSet, Wavefront};
 use geobench_export::output::{check_files, prepare_one};
 use geobench_export::picture::Scene;
 use geobench_harness::measure::number::counted;
 use geobench_isolines::{DistanceField, Isoline};
-use geobench_window::precision;
+use geobench_registry::Selection;
+use geobench_window::{Front, Fronts, Goal, Observer, precision};
 
-use crate::args::{MODELS_HELP, QuietOption, ViewOption};
+use crate::args::{MODELS_HELP, QuietOption, ViewOption, select_inside};
 use crate::isolation::ReadingOptions;
 use crate::points::{LocatedPoints, SourcesOptions};
 use crate::terminal;
@@ -50,6 +51,11 @@ pub(crate) struct IsolinesOptions {
     /// [default: a ten thousandth of the size of the model]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = positive_distance)]
     tolerance: Option<f64>,
+
+    /// Also the windows that wait in a run of this algorithm when the mean of their distances comes to
+    /// each of the distances
+    #[arg(long, value_name = "A", value_parser = select_inside)]
+    wavefront: Option<Selection>,
 
     #[command(flatten)]
     reading: ReadingOptions,
@@ -113,6 +119,15 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
             ));
         }
     }
+    let fronts = match &options.wavefront {
+        Some(algorithm) => fronts_of(algorithm, &points, &levels)?,
+        None => Vec::new(),
+    };
+    let wavefront = options.wavefront.as_ref().map(|algorithm| Wavefront {
+        algorithm: algorithm.label(),
+        mesh: &points.refined.mesh,
+        fronts: &fronts,
+    });
     let set = IsolineSet {
         model: &model.name,
         sources: &points.source_labels(),
@@ -121,6 +136,7 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
         tolerance: options
             .tolerance
             .unwrap_or_else(|| TOLERANCE * mesh.diagonal()),
+        wavefront,
     };
     let contents = if format.is_picture() {
         let lines = isolines.iter().flat_map(|isoline| &isoline.lines);
@@ -130,6 +146,7 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
         let scene = Scene {
             sources: &points.positions(mesh),
             isolines: &lines,
+            paths: &wavefront.map_or_else(Vec::new, |wavefront| wavefront.lines()),
             levels: &levels,
             view,
             ..Scene::new(mesh, field.distances())
@@ -140,9 +157,62 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     };
     output.write(&contents)?;
     if !is_quiet {
-        terminal::print(&summary(&options.output, &isolines, farthest))?;
+        let mut text = summary(&options.output, &isolines, farthest);
+        if let Some(wavefront) = wavefront {
+            text += &summary_of_fronts(&wavefront, &levels);
+        }
+        terminal::print(&text)?;
     }
     Ok(Verdict::Passed)
+}
+
+/// The wavefront of a run of `algorithm` at these distances.
+fn fronts_of(
+    algorithm: &Selection,
+    points: &LocatedPoints,
+    levels: &[f64],
+) -> anyhow::Result<Vec<Front>> {
+    let mut fronts = Fronts::at(levels.iter().copied());
+    let mut solver = algorithm.build(&points.refined.mesh);
+    let (sources, goal) = (points.source_vertices(), Goal::everything());
+    solver
+        .run(&sources, &goal, Observer::Fronts(&mut fronts))
+        .with_context(|| algorithm.label().to_owned())?;
+    if fronts.found().is_empty() {
+        bail!(
+            "--wavefront {}: no windows that wait were seen at any of the distances; take distances \
+             below that of the farthest vertex, and an algorithm that propagates windows on one thread",
+            algorithm.label()
+        );
+    }
+    Ok(fronts.found().to_vec())
+}
+
+/// A line for each front, if there are few, and one for the distances that no front comes to.
+fn summary_of_fronts(wavefront: &Wavefront<'_>, levels: &[f64]) -> String {
+    let mut text = String::new();
+    if levels.len() <= LINES {
+        for Front { at, record, .. } in wavefront.fronts {
+            let _ = writeln!(
+                text,
+                "wavefront of {} at {at}: {} at {} on average (standard deviation {:.3e}), after {} \
+                 were propagated",
+                wavefront.algorithm,
+                counted(record.windows as usize, "window"),
+                record.distance,
+                record.deviation,
+                record.parents
+            );
+        }
+    }
+    let missing = levels.len() - wavefront.fronts.len();
+    if missing > 0 {
+        let _ = writeln!(
+            text,
+            "the wavefront does not come to {missing} of the distances"
+        );
+    }
+    text
 }
 
 fn summary(path: &Path, isolines: &[Isoline], farthest: f64) -> String {

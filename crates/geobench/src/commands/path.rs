@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::path::Path as FilePath;
 use std::path::PathBuf;
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use geobench_export::FileFormat;
 use geobench_export::output::{check_files, prepare_one};
 use geobench_export::paths::{FoundPath, PathFormat, PathSet};
@@ -67,17 +67,6 @@ pub(crate) struct PathOptions {
 const LINES: usize = 20;
 
 pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
-    if let Some(algorithm) = options
-        .algorithm
-        .algo
-        .as_ref()
-        .filter(|one| one.outside_name().is_some())
-    {
-        bail!(
-            "{} is an outside program: those take part in `run` and `verify`",
-            algorithm.label()
-        );
-    }
     let output = options.output.as_deref();
     let output = output.map(prepare_one::<PathFormat>).transpose()?;
     let is_picture = output.iter().any(|(format, _)| format.is_picture());

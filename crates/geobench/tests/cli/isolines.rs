@@ -126,6 +126,58 @@ fn every_form_is_written() {
 }
 
 #[test]
+fn the_wavefront_of_a_run_lies_around_its_isoline() {
+    let sandbox = Sandbox::new();
+    let run = "isolines gen:sphere,subdiv=3 --source 0 --levels 1,2";
+    let mut deviations = Vec::new();
+    // First in, first out, or nearest first.
+    for algorithm in ["ch", "ich", "vtp-fast"] {
+        let said = sandbox.succeed(&format!("{run} --wavefront {algorithm} -o w.json"));
+        assert!(
+            said.contains(&format!("wavefront of {algorithm} at 1: ")),
+            "{said}"
+        );
+        let file = &sandbox.json("w.json")["wavefront"];
+        assert_eq!(file["algorithm"], algorithm);
+        let fronts = file["fronts"].as_array().unwrap();
+        assert_eq!(fronts.len(), 2);
+        for front in fronts {
+            let windows = front["windows"].as_array().unwrap();
+            assert!(windows.len() > 50, "{algorithm}: {}", windows.len());
+            for window in windows {
+                // All lie between the chords and the sphere.
+                let position = [0, 1, 2].map(|k| window["from"][k].as_f64().unwrap());
+                let radius = position.iter().map(|x| x * x).sum::<f64>().sqrt();
+                assert!((0.98..1.0 + 1e-12).contains(&radius), "{window}");
+            }
+        }
+        deviations.push(fronts[0]["deviation"].as_f64().unwrap());
+    }
+    assert!(deviations[0] > 2.0 * deviations[1], "{deviations:?}");
+
+    sandbox.succeed(&format!("{run} --wavefront ich -o w.vtk"));
+    assert!(sandbox.read("w.vtk").contains("SCALARS is_window int 1"));
+    sandbox.succeed(&format!("{run} -o plain.svg"));
+    sandbox.succeed(&format!("{run} --wavefront ich -o w.svg"));
+    let lines = |file| sandbox.read(file).matches("<polyline ").count();
+    assert!(lines("w.svg") > lines("plain.svg") + 20);
+
+    let said = sandbox.succeed(&format!("{run},9 --wavefront ich -o w.json"));
+    assert!(
+        said.ends_with("the wavefront does not come to 1 of the distances\n"),
+        "{said}"
+    );
+    for (algorithm, message) in [
+        ("dijkstra", "no windows that wait were seen"),
+        ("ext:other", "outside program"),
+    ] {
+        let outcome = sandbox.call(&format!("{run} --wavefront {algorithm} -o w.json"));
+        assert_eq!(outcome.code, 2);
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
+    }
+}
+
+#[test]
 fn a_view_turns_the_picture() {
     let sandbox = Sandbox::new();
     let draw = |view: &str| {

@@ -4,7 +4,7 @@ use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_oracle::nasty::Kind;
 use geobench_oracle::{Model, edge_graph_distances, euclidean_distances, steiner_distances, zoo};
-use geobench_window::{Counter, Goal, Observer, PhaseSampler};
+use geobench_window::{Counter, Fronts, Goal, Observer, PhaseSampler, WaitingWindow};
 
 use crate::support::{Failures, ROUNDING, caught, exact_runs, mesh_of};
 
@@ -96,6 +96,55 @@ fn a_solver_that_was_used_answers_as_a_fresh_one() {
                 let (found, expected) = (used.distances(sources), fresh.distances(sources));
                 let same = fresh.may_give(&found, &expected);
                 failures.unless(same, || format!("{}: other bits", fresh.at(sources)));
+            }
+        }
+    });
+}
+
+/// The windows that wait lie on edges of the mesh, and no vertex is farther than over them.
+#[test]
+fn wavefronts_lie_on_edges_at_true_distances() {
+    on_the_zoo(|model, failures| {
+        let mesh = mesh_of(model);
+        let source = [model.sources[0]];
+        let id = [VertexId::new(source[0])];
+        for mut run in exact_runs(&model.name, &mesh) {
+            let plain = run.distances(&source);
+            let finite = plain.iter().copied().filter(|d| d.is_finite());
+            let furthest = finite.fold(0.0, f64::max);
+            let slack = ROUNDING * furthest;
+            let mut fronts = Fronts::at([0.5 * furthest, 0.25 * furthest]);
+            let solved = run
+                .solver()
+                .run(&id, &Goal::everything(), Observer::Fronts(&mut fronts));
+            let same = solved.is_ok_and(|solution| run.may_give(&solution.distances, &plain));
+            failures.unless(same, || {
+                format!("{}: other bits when observed", run.at(&source))
+            });
+            for front in fronts.found() {
+                let (count, sum) = (front.windows.len(), |sum, w: &WaitingWindow| {
+                    sum + w.distance
+                });
+                let mean = front.windows.iter().fold(0.0, sum) / count as f64;
+                let is_whole = front.record.windows == count as u64
+                    && (mean - front.record.distance).abs() <= slack
+                    && mean + slack >= front.at;
+                failures.unless(is_whole, || {
+                    format!("{}: {count} windows of {:?}", run.at(&source), front.record)
+                });
+                for window in &front.windows {
+                    let [tail, head] = window.ends;
+                    let length = mesh.neighbours(tail).find(|(v, _)| *v == head);
+                    let fits = length.is_some_and(|(_, length)| {
+                        let [from, to] = window.interval;
+                        from >= 0.0
+                            && from <= to
+                            && to <= length + slack
+                            && plain[tail.index()] <= window.distance + to + slack
+                            && plain[head.index()] <= window.distance + length - from + slack
+                    });
+                    failures.unless(fits, || format!("{}: {window:?}", run.at(&source)));
+                }
             }
         }
     });

@@ -164,7 +164,12 @@ impl<Q: Discipline> Batched<Q> {
             let parents = taken.windows.len() as u64;
             probe.add(Counter::Parents, parents);
             if probe.wants_sample(parents) {
-                probe.sample(state.store.waiting().map(Window::min_distance));
+                let waiting = || state.store.waiting();
+                probe.sample(waiting().map(|(_, window)| window.min_distance()));
+                if probe.wants_windows() {
+                    let ends = |i| state.surface.faces().ends(HalfEdgeId::new(i as u32));
+                    probe.take_windows(waiting().map(|(i, &window)| (ends(i), window)));
+                }
             }
         }
         self.cross(h, label, probe);

@@ -101,10 +101,11 @@ impl Store {
         self.levels.get(i).map_or(&[], Vec::as_slice)
     }
 
-    /// All waiting windows.
-    pub(super) fn waiting(&self) -> impl Iterator<Item = &Window> {
+    /// All waiting windows, with the numbers of their lists.
+    pub(super) fn waiting(&self) -> impl Iterator<Item = (usize, &Window)> {
         let lists = (0..self.lists.count()).filter(|&i| self.queued(i) < f64::INFINITY);
-        lists.flat_map(|i| self.windows(i)).filter(|w| waits(w))
+        let windows = lists.flat_map(|i| self.windows(i).iter().map(move |w| (i, w)));
+        windows.filter(|(_, w)| waits(w))
     }
 
     /// Number of waiting windows of list `i`.

@@ -17,6 +17,18 @@ pub(crate) enum Direction {
     Reverse,
 }
 
+impl Direction {
+    /// A window of an edge of length `l` in the frame of the half-edge by which it crosses, or one of
+    /// that half-edge in the frame of the edge.
+    #[inline]
+    pub(crate) fn turned(self, window: &Window, l: f64) -> Window {
+        match self {
+            Self::Forward => *window,
+            Self::Reverse => window.reversed(l),
+        }
+    }
+}
+
 /// The number of a window, by which lists and the queue refer to it. It stays the same while the
 /// window is stored, also when its interval is cut.
 pub(crate) type Slot = u32;

@@ -218,10 +218,12 @@ impl Policy for Trimming {
         self.levels.clear();
     }
 
-    fn waiting(&self, _: HalfEdgeId, id: u32) -> Option<&Window> {
+    fn waiting(&self, h: HalfEdgeId, id: u32, surface: &Surface) -> Option<Window> {
+        let window = || self.lists.windows()[id as usize];
+        let (_, direction) = self.place(h, surface);
         self.lists
             .waits(id)
-            .then(|| &self.lists.windows()[id as usize])
+            .then(|| direction.turned(&window(), surface.faces().length(h)))
     }
 
     fn root(&self, _: VertexId, _: &Surface) -> u32 {
@@ -245,10 +247,7 @@ impl Policy for Trimming {
             return false;
         }
         let (place, direction) = self.place(arrival.h, surface);
-        let window = match direction {
-            Direction::Forward => arrival.window,
-            Direction::Reverse => arrival.window.reversed(l),
-        };
+        let window = direction.turned(&arrival.window, l);
         let place = place.index();
         if self.lists.is_evicted(place) {
             if let Some(kept) = self.pass_on(arrival, surface, queue, probe) {
@@ -318,21 +317,13 @@ impl Policy for Trimming {
             self.eviction
                 .step(&mut self.lists, 1, || window.min_distance());
         }
-        let window = match direction {
-            Direction::Forward => window,
-            Direction::Reverse => window.reversed(surface.faces().length(h)),
-        };
+        let window = direction.turned(&window, surface.faces().length(h));
         let level = if P::COUNTS {
             self.levels[id as usize]
         } else {
             0
         };
         Dequeued::Propagate(window, level)
-    }
-
-    fn least_distance(&self, _: HalfEdgeId, id: u32, _: f64) -> Option<f64> {
-        let window = || self.lists.windows()[id as usize].min_distance();
-        self.lists.waits(id).then(window)
     }
 
     /// The left exit is always tried; the right one only if some ray can leave there.

@@ -468,6 +468,17 @@ impl MeshLayout {
         }
     }
 
+    /// All half-edges.
+    pub(crate) fn half_edges(&self) -> impl Iterator<Item = u32> {
+        (0..self.faces.len() as u32).flat_map(|f| (0..3).map(move |corner| half_edge(f, corner)))
+    }
+
+    /// The ends of `h`: tail and head.
+    pub(crate) fn ends(&self, h: u32) -> [VertexId; 2] {
+        let (f, corner) = parts(h);
+        [corner, next(corner)].map(|k| VertexId::new(self.faces[f].vertex[k]))
+    }
+
     /// Tells `probe` the numbers here of the vertices and half-edges of `mesh`.
     pub(crate) fn renumber<P: Probe>(&self, mesh: &Mesh, numbering: &Numbering, probe: &mut P) {
         let corner = |v, i| {

@@ -209,10 +209,8 @@ impl Propagate for VtpFast {
                 probe,
             });
         }
-        if P::TRACES {
-            let layout = self.state.layout();
-            layout.renumber(&self.mesh, &self.numbering, probe);
-        }
+        let layout = self.state.layout();
+        layout.renumber(&self.mesh, &self.numbering, probe);
         Solution::new(self.numbering.restore(&self.state.distances))
     }
 }

@@ -631,6 +631,17 @@ impl Wavefront {
         }
         if probe.wants_sample(found.kept as u64) {
             probe.sample(self.store.windows().map(|w| w.min_distance()));
+            if probe.wants_windows() {
+                let layout = state.layout();
+                let waiting = layout.half_edges().map(|h| {
+                    let (f, corner) = parts(h);
+                    (h, state.list(f, corner))
+                });
+                probe.take_windows(waiting.chain([(h, list)]).flat_map(|(h, list)| {
+                    let windows = self.store.windows_at(list, 0..self.store.len(list));
+                    windows.map(move |w| (layout.ends(h), w))
+                }));
+            }
         }
         if found.kept > 0 {
             let waiting = self.store.first(list, len);

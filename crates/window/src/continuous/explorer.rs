@@ -134,7 +134,10 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     /// none does). `taken`, which has just left the queue, counts as waiting.
     fn has_direct(&self, taken: EventKind) -> (bool, usize) {
         let is_direct = |kind| match kind {
-            EventKind::Window(h, id) => self.policy.waiting(h, id).is_some_and(|w| w.sigma == 0.0),
+            EventKind::Window(h, id) => {
+                let window = self.policy.waiting(h, id, &self.surface);
+                window.is_some_and(|w| w.sigma == 0.0)
+            }
             EventKind::Vertex(_) => false,
         };
         let mut waiting = self.queue.events().map(|(_, event)| event.kind());

@@ -146,10 +146,10 @@ pub trait Policy: Send {
         self.reset();
     }
 
-    /// Window `id` on `h`, which has an event in the queue; `None` if it no longer waits.
-    fn waiting(&self, h: HalfEdgeId, id: u32) -> Option<&Window> {
-        let _ = h;
-        self.foresee(id)
+    /// Window `id` in the frame of `h`, which has an event in the queue; `None` if it no longer waits.
+    fn waiting(&self, h: HalfEdgeId, id: u32, surface: &Surface) -> Option<Window> {
+        let _ = (h, surface);
+        self.foresee(id).copied()
     }
 
     /// The lineage of windows that start from `v`.
@@ -174,13 +174,6 @@ pub trait Policy: Send {
         surface: &Surface,
         probe: &mut P,
     ) -> Dequeued<Self::Lineage>;
-
-    /// The least distance of window `id` on `h`, which is in the queue under `label`; `None` if the
-    /// window no longer exists. Used by samples of the wavefront only.
-    fn least_distance(&self, h: HalfEdgeId, id: u32, label: f64) -> Option<f64> {
-        let _ = (h, id);
-        Some(label)
-    }
 
     /// Whether windows may be crossed several at a time, before they leave the queue. A policy may
     /// set this if waiting windows do not change, if [`Child`] holds all that it asks about an

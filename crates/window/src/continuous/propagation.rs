@@ -176,14 +176,13 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         self.surface.faces().number(h)
     }
 
-    /// The least distances of the waiting windows.
-    fn waiting(&self) -> impl Iterator<Item = f64> {
-        self.queue
-            .events()
-            .filter_map(|(label, event)| match event.kind() {
-                EventKind::Window(h, id) => self.policy.least_distance(h, id, label),
-                EventKind::Vertex(_) => None,
-            })
+    /// The waiting windows and their half-edges.
+    fn waiting(&self) -> impl Iterator<Item = (HalfEdgeId, Window)> {
+        let events = self.queue.events();
+        events.filter_map(|(_, event)| match event.kind() {
+            EventKind::Window(h, id) => Some((h, self.policy.waiting(h, id, &self.surface)?)),
+            EventKind::Vertex(_) => None,
+        })
     }
 
     /// Whether everything that `probe` wants is final, now that an event under `label` has left the
@@ -357,7 +356,11 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         probe.enter(Phase::Propagation);
         probe.add(Counter::Parents, 1);
         if probe.wants_sample(1) {
-            probe.sample(self.waiting());
+            probe.sample(self.waiting().map(|(_, window)| window.min_distance()));
+            if probe.wants_windows() {
+                let ends = |h| self.surface.faces().ends(h);
+                probe.take_windows(self.waiting().map(|(h, window)| (ends(h), window)));
+            }
         }
     }
 

@@ -38,8 +38,8 @@ impl<W: Policy> Policy for Relaying<W> {
         self.0.reset_at(half_edges);
     }
 
-    fn waiting(&self, h: HalfEdgeId, id: u32) -> Option<&Window> {
-        self.0.waiting(h, id)
+    fn waiting(&self, h: HalfEdgeId, id: u32, surface: &Surface) -> Option<Window> {
+        self.0.waiting(h, id, surface)
     }
 
     fn root(&self, v: VertexId, surface: &Surface) -> Self::Lineage {
@@ -66,10 +66,6 @@ impl<W: Policy> Policy for Relaying<W> {
         probe: &mut P,
     ) -> Dequeued<Self::Lineage> {
         self.0.take(h, id, surface, probe)
-    }
-
-    fn least_distance(&self, h: HalfEdgeId, id: u32, label: f64) -> Option<f64> {
-        self.0.least_distance(h, id, label)
     }
 
     #[inline]

@@ -11,10 +11,12 @@ use geobench_harness::exec::isolate::Isolated;
 use geobench_harness::exec::limits::{Limits, MemoryLimit, Timeout};
 use geobench_harness::exec::model::{self, ModelRef};
 use geobench_harness::plan::suite;
-use geobench_harness::plan::suite::options::{DecompressionOption, LimitOptions, WeldOption};
+use geobench_harness::plan::suite::options::{
+    DecompressionOption, LimitOptions, ReaderOption, WeldOption,
+};
 use geobench_harness::schema::IsolationRecord;
 use geobench_mesh::Mesh;
-use geobench_mesh::io::{ObjReader, ReadOptions};
+use geobench_mesh::io::ReadOptions;
 use geobench_registry::{Programs, Selection};
 
 use crate::terminal;
@@ -45,14 +47,8 @@ pub(crate) struct ReadingOptions {
     #[command(flatten)]
     weld: WeldOption,
 
-    /// What reads OBJ files: direct (this program), or tobj (a library, to compare with)
-    #[arg(
-        long,
-        value_name = "READER",
-        default_value = "direct",
-        hide_possible_values = true
-    )]
-    reader: Reader,
+    #[command(flatten)]
+    reader: ReaderOption,
 }
 
 impl ReadingOptions {
@@ -62,7 +58,7 @@ impl ReadingOptions {
     ///
     /// If there is none, or several.
     pub(crate) fn model(&self, argument: &str) -> anyhow::Result<ModelRef> {
-        Ok(model::only(argument)?.welded(self.weld.weld))
+        Ok(self.of(model::only(argument)?))
     }
 
     /// The models that `arguments` name.
@@ -72,7 +68,12 @@ impl ReadingOptions {
     /// If an argument names none.
     pub(crate) fn models(&self, arguments: &[String]) -> anyhow::Result<Vec<ModelRef>> {
         let models = model::collect(arguments)?.into_iter();
-        Ok(models.map(|model| model.welded(self.weld.weld)).collect())
+        Ok(models.map(|model| self.of(model)).collect())
+    }
+
+    fn of(&self, model: ModelRef) -> ModelRef {
+        let reader = self.reader.reader.unwrap_or_default();
+        model.welded(self.weld.weld).read_by(reader)
     }
 
     /// The mesh of `model`. Unless `quiet`, prints what validation repairs and notes.
@@ -89,21 +90,9 @@ impl ReadingOptions {
     }
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Reader {
-    Direct,
-    Tobj,
-}
-
 impl From<&ReadingOptions> for ReadOptions {
     fn from(options: &ReadingOptions) -> Self {
-        Self {
-            obj_reader: match options.reader {
-                Reader::Direct => ObjReader::Direct,
-                Reader::Tobj => ObjReader::Tobj,
-            },
-            ..options.decompression.limit().into()
-        }
+        options.decompression.limit().into()
     }
 }
 

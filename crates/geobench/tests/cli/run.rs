@@ -335,3 +335,39 @@ fn a_pipe_gets_the_whole_output_at_once() {
     sandbox.succeed("distance square.off --source 0 -o p.csv --quiet");
     assert!(reader.join().unwrap().starts_with("vertex,distance\n0,0\n"));
 }
+
+#[test]
+fn the_reader_of_obj_files_can_be_the_library() {
+    let sandbox = Sandbox::new();
+    // The library refuses what is no number, also where no face uses it.
+    sandbox.write(
+        "m.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan(1) 0 0\nf 1 2 3\n",
+    );
+    sandbox.write(
+        "suite.toml",
+        "models = [\"m.obj\"]\nalgorithms = [\"mmp\"]\nreader = \"tobj\"\n[[group]]\nname = \"g\"\n",
+    );
+    let refusal = "tobj cannot read it";
+    for isolate in ["process", "none"] {
+        let run = format!("run m.obj --algo mmp --repeat 1 --isolate {isolate}");
+        sandbox.succeed(&run);
+        sandbox.succeed(&format!("{run} --reader direct"));
+        for run in [
+            format!("{run} --reader tobj"),
+            format!("run --config suite.toml --repeat 1 --isolate {isolate}"),
+        ] {
+            let outcome = sandbox.call(&run);
+            assert_eq!(outcome.code, 2, "{run}: {}", outcome.stderr);
+            assert!(
+                outcome.stderr.contains(refusal),
+                "{run}: {}",
+                outcome.stderr
+            );
+        }
+    }
+    let outcome = sandbox.call("run m.obj --reader fast");
+    assert_eq!(outcome.code, 2);
+    let message = "the readers of OBJ files are `direct` and `tobj`";
+    assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
+}

@@ -12,7 +12,7 @@ use std::time::Instant;
 pub mod standard_input;
 
 use geobench_mesh::generate::{self, Spec};
-use geobench_mesh::io::{ReadOptions, files_beside};
+use geobench_mesh::io::{ObjReader, ReadOptions, files_beside};
 use geobench_mesh::{
     InvalidMesh, Mesh, MeshMeasures, Report, TriangleSoup, VertexId, Weld, io as mesh_io,
 };
@@ -32,6 +32,8 @@ pub struct ModelRef {
     origin: ModelOrigin,
     /// Which of its vertices are welded. Its name says so, too.
     weld: Option<Weld>,
+    /// What reads it if it is an OBJ file.
+    reader: ObjReader,
 }
 
 #[derive(Clone, Debug)]
@@ -195,6 +197,7 @@ impl ModelRef {
             path: path.display().to_string(),
             origin: ModelOrigin::File(path),
             weld: None,
+            reader: ObjReader::default(),
         }
     }
 
@@ -212,6 +215,7 @@ impl ModelRef {
             path: parsed.to_string(),
             origin: ModelOrigin::Generated(parsed),
             weld: None,
+            reader: ObjReader::default(),
         })
     }
 
@@ -222,6 +226,7 @@ impl ModelRef {
             path: name.to_owned(),
             origin: ModelOrigin::Memory(mesh.clone()),
             weld: None,
+            reader: ObjReader::default(),
         }
     }
 
@@ -234,6 +239,17 @@ impl ModelRef {
             self.name += &self.weld_suffix();
         }
         self
+    }
+
+    /// The model, read by `reader` if it is an OBJ file. All readers make the same of it.
+    #[must_use]
+    pub fn read_by(self, reader: ObjReader) -> Self {
+        Self { reader, ..self }
+    }
+
+    /// What reads it if it is an OBJ file.
+    pub(crate) const fn reader(&self) -> ObjReader {
+        self.reader
     }
 
     /// Which of its vertices are welded.
@@ -277,6 +293,7 @@ impl ModelRef {
             path: format!("{name}.obj"),
             origin: ModelOrigin::File(PathBuf::from(format!("{name}.obj"))),
             weld: None,
+            reader: ObjReader::default(),
         }
     }
 
@@ -289,6 +306,7 @@ impl ModelRef {
         argument: &OsStr,
         name: String,
         weld: Option<Weld>,
+        reader: ObjReader,
     ) -> Result<Self, ModelError> {
         let model = match argument.to_str().filter(|text| Spec::is_spec(text)) {
             Some(spec) => Self::generated(spec)?,
@@ -297,11 +315,12 @@ impl ModelRef {
         Ok(Self {
             name,
             weld,
+            reader,
             ..model
         })
     }
 
-    /// Identifies the model, except its name and weld, to a child process.
+    /// Identifies the model, except its name, weld and reader, to a child process.
     pub(crate) fn argument(&self) -> &OsStr {
         match &self.origin {
             ModelOrigin::File(path) => path.as_os_str(),
@@ -376,7 +395,10 @@ impl ModelRef {
     ///
     /// When the file or generator does not exist or is invalid.
     pub fn read(&self, options: impl Into<ReadOptions>) -> Result<TriangleSoup, ModelError> {
-        let options = options.into();
+        let options = ReadOptions {
+            obj_reader: self.reader,
+            ..options.into()
+        };
         let mut soup = match &self.origin {
             ModelOrigin::File(path) => {
                 // Polygons are cut for the welded surface.

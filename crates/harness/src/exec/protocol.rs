@@ -68,6 +68,8 @@ pub(crate) struct ChildSettings {
     pub(crate) max_decompressed: Option<u64>,
     /// Tolerance within which vertices of the model are welded; none are if null.
     pub(crate) weld: Option<f64>,
+    /// The reader of OBJ files, by name.
+    pub(crate) reader: String,
 }
 
 /// A line of a child. Every field is optional; unknown fields are errors, so that a typo does not

@@ -46,6 +46,7 @@ use std::borrow::Cow;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use crate::soup::TriangleSoup;
 use crate::weld::Weld;
@@ -262,6 +263,26 @@ pub enum ObjReader {
     /// The library `tobj`, for comparison. It is four times slower and stricter, and its errors
     /// name no line.
     Tobj,
+}
+
+impl ObjReader {
+    /// Its name: `direct` or `tobj`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Tobj => "tobj",
+        }
+    }
+}
+
+impl FromStr for ObjReader {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        let mut all = [Self::Direct, Self::Tobj].into_iter();
+        let found = all.find(|reader| reader.name() == name);
+        found.ok_or_else(|| "the readers of OBJ files are `direct` and `tobj`".to_owned())
+    }
 }
 
 impl ReadOptions {

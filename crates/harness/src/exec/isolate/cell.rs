@@ -47,7 +47,8 @@ pub fn cell(model: &OsStr, settings: &str) -> io::Result<()> {
     };
     let weld = settings.weld.map(Weld::within).transpose();
     let weld = weld.map_err(io::Error::other)?;
-    let model = match ModelRef::named_by(model, settings.name, weld) {
+    let reader = settings.reader.parse().map_err(io::Error::other)?;
+    let model = match ModelRef::named_by(model, settings.name, weld, reader) {
         Ok(model) => model,
         Err(error) => return refuse(error.to_string()),
     };

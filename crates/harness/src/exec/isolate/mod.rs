@@ -278,6 +278,7 @@ impl<'b> ChildPool<'b> {
             memory_limit: self.options.limits.memory.0,
             max_decompressed: self.options.limits.decompressed.0,
             weld: self.model.weld().map(Weld::tolerance),
+            reader: self.model.reader().name().to_owned(),
         });
         let program = self.options.program.as_ref();
         let mut command = program.map_or_else(system::this_program, Command::new);

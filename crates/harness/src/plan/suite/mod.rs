@@ -87,9 +87,10 @@ impl Plans {
         if let Some(file) = &settings.goal.targets {
             self.targets_files.push(file.get_ref().clone());
         }
+        let reader = settings.reader.reader.unwrap_or_default();
         let models = models
             .into_iter()
-            .map(|model| model.welded(settings.weld.weld));
+            .map(|model| model.welded(settings.weld.weld).read_by(reader));
         let models = models.collect();
         self.plans.push(plan(settings, sources, models, group)?);
         Ok(())

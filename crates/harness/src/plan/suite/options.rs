@@ -8,6 +8,7 @@ use std::str::FromStr;
 
 use anyhow::anyhow;
 use geobench_mesh::Weld;
+use geobench_mesh::io::ObjReader;
 use geobench_registry::{self as registry, MOST_THREADS, Selection, SimdChoice, UsageError};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
@@ -141,6 +142,13 @@ options! {
         /// Bytes that a compressed model may decompress to, such as 16GiB [default: 100 times its size,
         /// at least 64MiB, at most 8GiB]
         max_decompressed: DecompressionLimit, [long, value_name = "SIZE", allow_negative_numbers = true], [deserialize_with = "text"];
+    }
+
+    /// The reader of OBJ files.
+    ReaderOption {
+        /// What reads OBJ files: direct (this program), or tobj (a library, to compare with)
+        /// [default: direct]
+        reader: ObjReader, [long, value_name = "READER"], [deserialize_with = "text"];
     }
 
     /// Which vertices of models are welded.

@@ -11,8 +11,8 @@ use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
 use super::options::{
-    AlgorithmsOption, DecompressionOption, GoalOptions, LimitOptions, SimdOption, SourceOption,
-    ThreadsOption, ToleranceOption, WeldOption, Whole, list, options, text, words,
+    AlgorithmsOption, DecompressionOption, GoalOptions, LimitOptions, ReaderOption, SimdOption,
+    SourceOption, ThreadsOption, ToleranceOption, WeldOption, Whole, list, options, text, words,
 };
 use crate::figures;
 use crate::plan::Reference;
@@ -87,6 +87,7 @@ options! {
         "Processes": limits: LimitOptions;
         "Processes": decompression: DecompressionOption;
         "Processes": weld: WeldOption;
+        "Processes": reader: ReaderOption;
     }
 }
 

@@ -141,18 +141,10 @@ impl Listener for Reporter {
     }
 
     fn model_done(&mut self, model: &ModelRecord, cells: &[Cell]) -> anyhow::Result<()> {
-        if self
-            .store
-            .result
-            .models
-            .iter()
-            .all(|m| m.name != model.name)
-        {
-            self.store.result.models.push(model.clone());
-            if !self.quiet {
-                let notes = || terminal::notes_on(&model.name, &model.notes);
-                self.progress.suspend(notes);
-            }
+        let new = self.store.result.add_model(model);
+        if !self.quiet {
+            self.progress
+                .suspend(|| terminal::notes_on(&model.name, &new));
         }
         // Whatever happens to standard output, the files have the cells.
         for error in self.store.add(model, cells)? {

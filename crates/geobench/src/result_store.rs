@@ -43,7 +43,7 @@ impl ResultStore {
         }
     }
 
-    /// Adds a model that has ended, and writes the results so far to all regular files if that is
+    /// Adds the cells of a model that has ended, and writes the results so far to all regular files if that is
     /// due. Returns the writes that failed, which [`write_all`](Self::write_all) repeats.
     pub(crate) fn add(
         &mut self,

@@ -126,7 +126,10 @@ pub(crate) fn run_to_json(
     let (sources, notes) = sources.distinct();
     warn_user(py, "sources", &notes)?;
     let plan = Plan {
-        group: GroupRecord::default(),
+        group: GroupRecord {
+            left_out_at_junctions: plan::left_out_at_junctions(&selected),
+            ..GroupRecord::default()
+        },
         models: self::models(&models)?,
         algorithms: selected,
         sources,

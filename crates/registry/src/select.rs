@@ -22,6 +22,7 @@ pub struct Selection {
     label: String,
     /// Number of threads, unless the parameters set it.
     threads: usize,
+    is_optional: bool,
     /// The external program, once it has been looked up.
     program: Option<Arc<Program>>,
 }
@@ -34,8 +35,24 @@ impl Selection {
             label: format!("{}{values}", algorithm.name),
             values,
             threads: 1,
+            is_optional: false,
             program: None,
         }
+    }
+
+    /// The same as part of a set, such as a family or a default.
+    #[must_use]
+    pub fn as_optional(self) -> Self {
+        Self {
+            is_optional: true,
+            ..self
+        }
+    }
+
+    /// Whether it is selected as part of a set: a family, `exact`, `all` or a default. A model that
+    /// it cannot solve then goes without it. One that is named fails.
+    pub const fn is_optional(&self) -> bool {
+        self.is_optional
     }
 
     /// The external program of this name, not yet looked up.
@@ -258,15 +275,21 @@ impl Selection {
 ///
 /// Names the first invalid item and the allowed values.
 pub fn select(list: &str) -> Result<Vec<Selection>, UsageError> {
+    let items = split_outside_braces(list).map(|item| matches(item, list));
+    let items = items.collect::<Result<Vec<_>, UsageError>>()?;
+    Ok(distinct(items.into_iter().flatten()))
+}
+
+/// `selections` in their order, each label once. It is optional if all of that label are.
+pub fn distinct(selections: impl IntoIterator<Item = Selection>) -> Vec<Selection> {
     let mut chosen: Vec<Selection> = Vec::new();
-    for item in split_outside_braces(list) {
-        for selection in matches(item, list)? {
-            if chosen.iter().all(|c| c.label != selection.label) {
-                chosen.push(selection);
-            }
+    for selection in selections {
+        match chosen.iter_mut().find(|one| one.label == selection.label) {
+            Some(one) => one.is_optional &= selection.is_optional,
+            None => chosen.push(selection),
         }
     }
-    Ok(chosen)
+    chosen
 }
 
 /// Parses the name of one algorithm.
@@ -322,7 +345,15 @@ fn matches(item: &str, list: &str) -> Result<Vec<Selection>, UsageError> {
     if found.is_empty() {
         return Err(unknown(&name));
     }
-    found.iter().map(|a| with_settings(a, &settings)).collect()
+    let selections = found.iter().map(|algorithm| {
+        let selection = with_settings(algorithm, &settings)?;
+        Ok(if algorithm.name == name {
+            selection
+        } else {
+            selection.as_optional()
+        })
+    });
+    selections.collect()
 }
 
 /// `algorithm` with these parameter values.

@@ -128,11 +128,10 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     goal.read_targets(read_text)?;
     options.far.apply(&mut options.source.clone(), &mut goal);
     let goal = goal.spec();
-    let algorithms = if goal.is_everything() {
-        algorithms
-    } else {
-        able_to_end_early(algorithms, options)?
-    };
+    let (algorithms, note) = plan::able_to_end_early(algorithms, &goal)?;
+    if let Some(note) = note.filter(|_| !options.quiet.is_set) {
+        terminal::print(&format!("{note}\n"))?;
+    }
     let crowding = options.isolation.crowding(&algorithms, 1);
     if let Some(crowding) = crowding.filter(|_| !options.quiet.is_set) {
         terminal::warning(&crowding);
@@ -177,29 +176,6 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
         false if tally.bad_input => Verdict::BadInput,
         false => Verdict::Passed,
     })
-}
-
-/// Removes the algorithms that cannot end early, and prints which.
-///
-/// # Errors
-///
-/// If the user has named such an algorithm.
-fn able_to_end_early(
-    mut algorithms: Vec<Selection>,
-    options: &VerifyOptions,
-) -> anyhow::Result<Vec<Selection>> {
-    if options.algorithms.algorithms.is_some() {
-        plan::check_ends_early(&algorithms)?;
-    }
-    let left_out = algorithms.extract_if(.., |one| !one.ends_early());
-    let names: Vec<String> = left_out.map(|one| one.label().to_owned()).collect();
-    if !names.is_empty() && !options.quiet.is_set {
-        terminal::print(&format!(
-            "left out, because they cannot end early: {}\n",
-            names.join(", ")
-        ))?;
-    }
-    Ok(algorithms)
 }
 
 /// Counts over all models, sources and algorithms.
@@ -284,21 +260,18 @@ impl LoadedModelCheck<'_> {
         Ok(())
     }
 
-    /// Whether to skip `algorithm`: it was not selected with `--algo`, and the model has more faces
-    /// than it solves in about a minute.
+    /// Whether to skip `algorithm`: it is not named, and the model has more faces than it solves in
+    /// about a minute.
     fn is_too_slow(&self, algorithm: &Selection) -> bool {
         let faces = self.record.faces.unwrap_or(0);
         let comfortable = algorithm.algorithm().comfortable_faces;
-        self.options.algorithms.algorithms.is_none() && comfortable.is_some_and(|most| faces > most)
+        algorithm.is_optional() && comfortable.is_some_and(|most| faces > most)
     }
 
-    /// Whether to skip `algorithm`: it was not selected with `--algo`, and does not cross the
-    /// junctions of the model.
+    /// Whether to skip `algorithm`: it is not named, and does not cross the junctions of the model.
     fn crosses_too_little(&self, algorithm: &Selection) -> bool {
         let has_junctions = self.record.junctions.is_some();
-        self.options.algorithms.algorithms.is_none()
-            && has_junctions
-            && !algorithm.crosses_junctions()
+        algorithm.is_optional() && has_junctions && !algorithm.crosses_junctions()
     }
 
     /// The distances from `source` that are stored beside the model; `None` if there are none, or

@@ -109,3 +109,145 @@ fn what_does_not_cross_them_says_so() {
         assert!(outcome.stdout.contains(&named), "{}", outcome.stdout);
     }
 }
+
+/// The algorithms that have cells on a model of a result, and the notes of that model.
+fn cells_and_notes(result: &Value, model: &str) -> (Vec<String>, String) {
+    let of = |cell: &&Value| cell["model"] == model;
+    let cells = result["cells"].as_array().unwrap().iter().filter(of);
+    let mut models = result["models"].as_array().unwrap().iter();
+    let record = models.find(|record| record["name"] == model).unwrap();
+    let algorithms = cells.map(|cell| cell["algorithm"].as_str().unwrap().to_owned());
+    (algorithms.collect(), record["notes"].to_string())
+}
+
+const LEFT_OUT: &str = "left out, because they cross no edges with more than two faces and no surface \
+    that cannot be oriented: ";
+
+#[test]
+fn a_run_leaves_out_what_it_was_not_asked_for_by_name() {
+    let sandbox = with_models();
+    sandbox.write(
+        "flat.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n",
+    );
+    // Both default groups have algorithms that do not cross junctions.
+    let models = "flat.obj book.obj moebius.obj";
+    let outcome = sandbox.call(&format!("run {models} --repeat 1 -o r.json -o r.md"));
+    assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+    let result = sandbox.json("r.json");
+    let flat = "mmp ich fwp-mmp fwp-ch vtp mmp-fast ich-fast vtp vtp-fast";
+    let (algorithms, _) = cells_and_notes(&result, "flat");
+    assert_eq!(algorithms.join(" "), flat);
+    let [papers, fast] = ["ich, fwp-ch, vtp", "ich-fast, vtp, vtp-fast"];
+    for model in ["book", "moebius"] {
+        let (algorithms, notes) = cells_and_notes(&result, model);
+        assert_eq!(algorithms.join(" "), "mmp fwp-mmp mmp-fast");
+        for names in [papers, fast] {
+            assert!(notes.contains(&format!("{LEFT_OUT}{names}\"")), "{notes}");
+            let told = format!("{model}: {LEFT_OUT}{names}\n");
+            assert!(outcome.stderr.contains(&told), "{}", outcome.stderr);
+        }
+    }
+    let markdown = sandbox.read("r.md");
+    for text in [&outcome.stdout, &markdown] {
+        let count = |names: &str| text.matches(&format!("{LEFT_OUT}{names}")).count();
+        assert_eq!([count(papers), count(fast)], [2, 2], "{text}");
+    }
+    // Every row marks the best of the three algorithms that ran.
+    assert!(!outcome.stdout.contains("refused"), "{}", outcome.stdout);
+}
+
+#[test]
+fn what_is_named_fails_also_beside_its_family() {
+    let sandbox = with_models();
+    let outcome = sandbox.call("run book.obj --algo mmp,vtp,vtp-family --repeat 1 -o r.json");
+    assert_eq!(outcome.code, 2, "{}", outcome.stderr);
+    let (algorithms, _) = cells_and_notes(&sandbox.json("r.json"), "book");
+    assert_eq!(algorithms, ["mmp", "vtp", "vtp-mmp"]);
+    let verified = sandbox.call("verify book.obj --algo mmp,vtp,vtp-family");
+    assert_eq!(verified.code, 1);
+    assert!(
+        verified.stdout.contains("vtp: WRONG: vtp: edges"),
+        "{}",
+        verified.stdout
+    );
+    assert!(
+        verified.stdout.contains("ftp: left out"),
+        "{}",
+        verified.stdout
+    );
+    // If nothing else would be left, the model is refused.
+    let outcome = sandbox.call("run book.obj --algo ch-family --repeat 1");
+    assert_eq!(outcome.code, 2, "{}", outcome.stderr);
+    assert!(
+        outcome.stderr.contains("use mmp-fast"),
+        "{}",
+        outcome.stderr
+    );
+    // Another reference takes the place of one that is left out.
+    let outcome = sandbox.call("run book.obj --algo vtp-family,mmp,all --repeat 1 -o r.json");
+    assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+    let result = sandbox.json("r.json");
+    for cell in result["cells"].as_array().unwrap() {
+        assert_eq!(cell["status"], "ok", "{cell}");
+        assert!(cell["check"]["reference"].is_string(), "{cell}");
+    }
+    let outcome = sandbox.call("run book.obj --algo lc-mmp,vtp-family --target 5 --repeat 1");
+    assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+}
+
+#[test]
+fn parts_and_continued_runs_leave_out_the_same() {
+    let sandbox = with_models();
+    let models = "gen:sphere,subdiv=1 book.obj moebius.obj --source 0,2";
+    let run = format!(
+        "run {models} --algo vtp,ich,mmp-family,fwp-ch,ftp,lc-family \
+        --repeat 1 --check mmp"
+    );
+    let refused = |name: &str| {
+        let outcome = sandbox.call(&format!("{run} {name}"));
+        assert_eq!(outcome.code, 2, "{}", outcome.stderr);
+        outcome
+    };
+    refused("-o whole.json");
+    let keys = |file: &str| -> Vec<String> {
+        let result = sandbox.json(file);
+        let cells = result["cells"].as_array().unwrap().iter();
+        cells
+            .map(|c| {
+                format!(
+                    "{} {} {} {}",
+                    c["model"], c["source"], c["algorithm"], c["status"]
+                )
+            })
+            .collect()
+    };
+    let whole = keys("whole.json");
+    assert!(whole.iter().any(|key| key.contains("lc-ch")), "{whole:?}");
+    assert!(
+        !whole
+            .iter()
+            .any(|key| key.contains("book") && key.contains("lc-ch")),
+        "{whole:?}"
+    );
+    for part in 1..=3 {
+        refused(&format!("--shard {part}/3 -o {part}.json"));
+    }
+    let merged = sandbox.call("merge 3.json 1.json 2.json -o merged.json");
+    assert_eq!(merged.code, 2, "{}", merged.stderr);
+    assert_eq!(keys("merged.json"), whole);
+    let notes = |file: &str| cells_and_notes(&sandbox.json(file), "book").1;
+    assert_eq!(notes("merged.json"), notes("whole.json"));
+    refused("--resume j.jsonl -o first.json");
+    let before = sandbox.read("j.jsonl").lines().count();
+    refused("--resume j.jsonl -o second.json");
+    // Only the new session is added.
+    assert_eq!(sandbox.read("j.jsonl").lines().count(), before + 1);
+    assert_eq!(keys("second.json"), whole);
+    // What is named later gets its cells.
+    sandbox.call("run book.obj --algo mmp,vtp-family --repeat 1 -o grown.json");
+    let outcome = sandbox.call("run book.obj --algo ftp,mmp --repeat 1 --add-to grown.json");
+    assert_eq!(outcome.code, 2, "{}", outcome.stderr);
+    let (algorithms, _) = cells_and_notes(&sandbox.json("grown.json"), "book");
+    assert_eq!(algorithms, ["mmp", "vtp-mmp", "ftp"]);
+}

@@ -186,18 +186,6 @@ impl Plan {
         }
     }
 
-    /// Checks that all algorithms can end early, if the plan has targets or a radius.
-    ///
-    /// # Errors
-    ///
-    /// Names the algorithms that cannot.
-    pub fn check_goal(&self) -> Result<(), UsageError> {
-        match &self.goal {
-            goal if goal.is_everything() => Ok(()),
-            _ => check_ends_early(&self.algorithms),
-        }
-    }
-
     /// Looks up the external programs among the algorithms.
     ///
     /// # Errors
@@ -239,6 +227,34 @@ impl Plan {
     /// Whether the number of units depends on the models.
     pub(crate) fn is_open(&self) -> bool {
         self.sources.has_all() && !self.sources_together
+    }
+
+    /// Whether `model` is solved without this algorithm.
+    fn leaves_out(&self, algorithm: &str, model: &ModelRecord) -> bool {
+        let mut left_out = self.group.left_out_of(model).iter();
+        left_out.any(|label| label == algorithm)
+    }
+
+    /// The algorithms that run on `model`.
+    pub fn algorithms_on(&self, model: &ModelRecord) -> impl Iterator<Item = &Selection> {
+        let all = self.algorithms.iter();
+        all.filter(|one| !self.leaves_out(one.label(), model))
+    }
+
+    /// The reference on `model`. Another one takes the place of a default that is left out.
+    pub fn reference_on(&self, model: &ModelRecord) -> Reference {
+        match &self.reference {
+            Reference::Algorithm(one)
+                if one.is_optional() && self.leaves_out(one.label(), model) =>
+            {
+                let left: Vec<Selection> = self.algorithms_on(model).cloned().collect();
+                match Reference::usual(&left) {
+                    Reference::Unasked(other) => Reference::Algorithm(other),
+                    usual => usual,
+                }
+            }
+            reference => reference.clone(),
+        }
     }
 
     /// The sources of each unit in `model`, in order.
@@ -315,16 +331,43 @@ impl Plan {
     }
 }
 
-/// Checks that all algorithms can end early.
+/// Labels of the algorithms without which a model with junctions is solved: the optional ones that
+/// do not cross them. None if no other would be left.
+pub fn left_out_at_junctions(algorithms: &[Selection]) -> Vec<String> {
+    let left_out = algorithms
+        .iter()
+        .filter(|one| one.is_optional() && !one.crosses_junctions());
+    let labels: Vec<String> = left_out.map(|one| one.label().to_owned()).collect();
+    if labels.len() == algorithms.len() {
+        return Vec::new();
+    }
+    labels
+}
+
+/// The algorithms for `goal`. Optional ones that cannot end early are left out if it asks for
+/// that, unless none would be left; a note names them.
 ///
 /// # Errors
 ///
-/// Names the algorithms that cannot.
-pub fn check_ends_early(algorithms: &[Selection]) -> Result<(), UsageError> {
-    let others = algorithms.iter().filter(|one| !one.ends_early());
+/// Names the others that cannot.
+pub fn able_to_end_early(
+    mut algorithms: Vec<Selection>,
+    goal: &GoalSpec,
+) -> Result<(Vec<Selection>, Option<String>), UsageError> {
+    let can = |one: &Selection| goal.is_everything() || one.ends_early();
+    let mut left_out = Vec::new();
+    if algorithms.iter().any(can) {
+        left_out.extend(algorithms.extract_if(.., |one| one.is_optional() && !can(one)));
+    }
+    let others = algorithms.iter().filter(|one| !can(one));
     let others: Vec<&str> = others.map(Selection::label).collect();
     let Some(first) = others.first() else {
-        return Ok(());
+        let names: Vec<&str> = left_out.iter().map(Selection::label).collect();
+        let note = format!(
+            "left out, because they cannot end early: {}",
+            names.join(", ")
+        );
+        return Ok((algorithms, (!names.is_empty()).then_some(note)));
     };
     if first.starts_with("ext:") {
         return Err(UsageError(format!(

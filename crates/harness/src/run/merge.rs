@@ -11,7 +11,9 @@ use serde_json::json;
 use crate::exec::source::SourceSpec;
 use crate::measure::conditions;
 use crate::schema::difference::first_difference;
-use crate::schema::{Cell, ModelRecord, PlanRecord, PlannedGroup, ResultFile, Shard, SourceLabel};
+use crate::schema::{
+    Cell, GroupRecord, ModelRecord, PlanRecord, PlannedGroup, ResultFile, Shard, SourceLabel,
+};
 
 /// Maximum number of missing parts that a message names.
 const MOST_NAMED: usize = 20;
@@ -164,7 +166,13 @@ fn differs(first: &ShardFile, part: &ShardFile) -> Option<String> {
 fn cells(plan: &PlanRecord, parts: &mut [ShardFile]) -> anyhow::Result<Vec<Cell>> {
     let mut all = Vec::new();
     let mut first_unit = 0_u128;
+    let records = parts.first().map(|part| part.file.groups.clone());
     for group in &plan.groups {
+        let record = records
+            .iter()
+            .flatten()
+            .find(|record| record.name == group.name);
+        let record = record.cloned().unwrap_or_default();
         let spec = group.sources.parse::<SourceSpec>().ok();
         let spec = spec.filter(|_| !group.sources_together);
         let planned = spec.as_ref().map_or(1, |spec| spec.count() as u128);
@@ -177,7 +185,7 @@ fn cells(plan: &PlanRecord, parts: &mut [ShardFile]) -> anyhow::Result<Vec<Cell>
             // algorithm. Of several such parts the first counts.
             let mut refusing = Vec::new();
             for part in &mut *parts {
-                if let Some(cells) = next_unit(group, &model.name, part, Option::is_none) {
+                if let Some(cells) = next_unit(group, &record, &model.name, part, Option::is_none) {
                     if refusing.is_empty() {
                         all.extend(cells);
                     }
@@ -191,7 +199,7 @@ fn cells(plan: &PlanRecord, parts: &mut [ShardFile]) -> anyhow::Result<Vec<Cell>
                 if refusing.contains(&part.shard.index) {
                     continue;
                 }
-                if let Some(cells) = next_unit(group, &model.name, part, Option::is_some) {
+                if let Some(cells) = next_unit(group, &record, &model.name, part, Option::is_some) {
                     all.extend(cells);
                 } else {
                     bail!(
@@ -223,19 +231,24 @@ fn units_of_model(spec: &SourceSpec, model: &str, parts: &[ShardFile]) -> u128 {
     points.map_or(unknown, |points| points.len()) as u128
 }
 
-/// Takes the next cells of `part`, one for each algorithm. `None` if they are not cells of this
+/// Takes the next cells of `part`, one for each algorithm that runs on the model. `None` if they are not cells of this
 /// group and model with one source that `is_wanted`, in the order of the plan; then nothing is
 /// taken.
 fn next_unit(
     group: &PlannedGroup,
+    record: &GroupRecord,
     model: &str,
     part: &mut ShardFile,
     is_wanted: fn(&Option<SourceLabel>) -> bool,
 ) -> Option<Vec<Cell>> {
     let source = part.cells.last()?.source.clone();
-    let start = part.cells.len().checked_sub(group.algorithms.len())?;
+    let known = part.file.models.iter().find(|known| known.name == model);
+    let left_out = known.map_or(&[][..], |known| record.left_out_of(known));
+    let algorithms = group.algorithms.iter();
+    let algorithms = algorithms.filter(|algorithm| !left_out.contains(&algorithm.label));
+    let start = part.cells.len().checked_sub(algorithms.clone().count())?;
     let next = part.cells[start..].iter().rev();
-    let mut pairs = next.zip(&group.algorithms);
+    let mut pairs = next.zip(algorithms);
     let fits = is_wanted(&source)
         && pairs.all(|(cell, algorithm)| {
             cell.group == group.name
@@ -274,7 +287,10 @@ fn models(plan: &PlanRecord, parts: &[ShardFile]) -> anyhow::Result<Vec<ModelRec
             let difference = format!("the SHA-256 of {name} is `{there}` and not `{here}`");
             return Err(part.differs_from(first, &difference));
         }
-        models.push(model.clone());
+        let mut model = model.clone();
+        // A part without cells of a group has no note on algorithms that the group left out.
+        model.add_notes(holders.flat_map(|(_, model)| model.notes.clone()));
+        models.push(model);
     }
     Ok(models)
 }

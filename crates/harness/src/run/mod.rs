@@ -86,7 +86,8 @@ pub fn run(
             earlier,
             is_parallel: jobs > 1,
         };
-        let (model, mut cells) = benchmark.run()?;
+        let (mut model, mut cells) = benchmark.run()?;
+        model.add_notes(plan.group.note_on_left_out(&model));
         for cell in &mut cells {
             cell.shard = plan.shard_range.map(|shard_range| shard_range.shard.index);
         }
@@ -225,7 +226,7 @@ impl Benchmark<'_, '_> {
             Err(_) if self.log.interrupted() => Ok((model.record(), Vec::new())),
             Err(refusal) => {
                 let record = model.record();
-                let cells = self.without_model(&refusal);
+                let cells = self.without_model(&record, &refusal);
                 Ok((record, cells))
             }
         }
@@ -302,10 +303,11 @@ impl Benchmark<'_, '_> {
         let sources = match sources(self.plan, self.model_index, &model) {
             Ok(sources) => sources,
             Err(error) => {
-                let cells = self.without_model(&Refusal {
+                let refusal = Refusal {
                     status: Status::Refused,
                     message: format!("{}: {error}", model.path),
-                });
+                };
+                let cells = self.without_model(&model, &refusal);
                 return Ok((model, cells));
             }
         };
@@ -376,7 +378,7 @@ impl Benchmark<'_, '_> {
 
     /// The cells of a model that is unusable or lacks a requested source. Sources that depend on the
     /// mesh, such as random ones, are unknown then: all sources share one cell per algorithm.
-    fn without_model(&self, refusal: &Refusal) -> Vec<Cell> {
+    fn without_model(&self, model: &ModelRecord, refusal: &Refusal) -> Vec<Cell> {
         let plan = self.plan;
         let runs = plan.runs_of_model(self.model_index);
         self.log.listener().skipped(runs);
@@ -392,7 +394,7 @@ impl Benchmark<'_, '_> {
                 Some(_) => plan.has_unit(self.model_index, number),
                 None => plan.units_of_model(self.model_index) > 0,
             })
-            .flat_map(|(_, source)| plan.algorithms.iter().map(move |a| (source.clone(), a)))
+            .flat_map(|(_, source)| plan.algorithms_on(model).map(move |a| (source.clone(), a)))
             .map(|(source, algorithm)| Cell {
                 group: plan.group.name.clone(),
                 source,
@@ -402,7 +404,7 @@ impl Benchmark<'_, '_> {
                 threads: algorithm.threads(),
                 approximate: algorithm.is_approximate(),
                 simd: algorithm.simd(),
-                ..Cell::new(&plan.models[self.model_index].name, algorithm.label())
+                ..Cell::new(&model.name, algorithm.label())
             })
             // What was measured before stands.
             .map(|cell| {

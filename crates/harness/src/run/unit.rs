@@ -30,7 +30,7 @@ use crate::schema::{Cell, ModelRecord, Status};
 /// interleaved, so that a drift of clock frequency or temperature affects all algorithms alike.
 pub(crate) struct Unit<'p> {
     plan: UnitPlan<'p>,
-    /// One for each algorithm of the plan, in its order.
+    /// One for each algorithm that runs on the model, in the order of the plan.
     cells: Vec<CellRuns<'p>>,
     /// What a proof has decided about disagreeing answers.
     decision: Option<Decision>,
@@ -42,6 +42,8 @@ struct UnitPlan<'p> {
     model: &'p ModelRecord,
     /// The source, or several sources together.
     source: SourceSpec,
+    /// The reference for this model.
+    reference: Reference,
     order: RunOrder,
     is_interleaved: bool,
 }
@@ -74,14 +76,15 @@ impl<'p> Unit<'p> {
         recorded: RecordedRuns<'_>,
         is_interleaved: bool,
     ) -> Self {
-        let algorithms = &plan.algorithms;
-        let cells = algorithms.iter().enumerate();
+        let algorithms: Vec<&Selection> = plan.algorithms_on(model).collect();
+        let cells = algorithms.iter().copied().enumerate();
         let mut unit = Self {
             plan: UnitPlan {
                 plan,
                 model,
                 order: RunOrder::new(plan.seed, &model.name, &source.label(), algorithms.len()),
                 source,
+                reference: plan.reference_on(model),
                 is_interleaved,
             },
             cells: cells
@@ -97,7 +100,7 @@ impl<'p> Unit<'p> {
         let times = (0..plan.sampling.most()).map(|round| (Pass::Time, round));
         let last = [(Pass::Profile, 0), (Pass::Count, 0)];
         for (pass, round) in warmups.chain(times).chain(last) {
-            for (index, algorithm) in algorithms.iter().enumerate() {
+            for (index, &algorithm) in algorithms.iter().enumerate() {
                 let run = unit.plan.run_id(algorithm, pass, round);
                 let cell = &mut unit.cells[index];
                 if pass == Pass::Warmup && round == 0 {
@@ -204,9 +207,12 @@ impl<'p> Unit<'p> {
 
     /// Reports to the listener how many planned runs were not executed.
     fn end(&self, log: &RunLog<'_>) {
-        let planned = self.plan.plan.runs_per_cell();
+        let plan = self.plan.plan;
+        let planned = plan.runs_per_cell();
         let skipped = self.cells.iter().map(|e| planned.saturating_sub(e.made));
-        log.listener().skipped(skipped.sum());
+        let left_out = plan.algorithms.len() - self.cells.len();
+        log.listener()
+            .skipped(skipped.sum::<usize>() + left_out * planned);
     }
 
     /// The records of the finished cells.
@@ -413,7 +419,7 @@ impl<'p> UnitPlan<'p> {
             }
             _ => {}
         }
-        let reference = match &self.plan.reference {
+        let reference = match &self.reference {
             Reference::None => return Ok(None),
             Reference::Files(files) => {
                 let vertices = self.model.vertex_count();
@@ -592,7 +598,7 @@ impl<'p> UnitPlan<'p> {
         let is_named = |name: &str| check.answer.as_ref().is_some_and(|a| a.name == name);
         let certificate = registry::certificate(self.plan.tolerance);
         let [_, greatest] = registry::proven_bounds();
-        let algorithm = match self.plan.reference.algorithm() {
+        let algorithm = match self.reference.algorithm() {
             Some(reference) if is_named(reference.label()) => reference,
             _ if is_named(proof::BOUNDS) => &greatest,
             // It takes the place of a refuted reference. A file is not run.
@@ -724,7 +730,7 @@ impl<'p> UnitPlan<'p> {
         &self,
         context: &mut RunContext<'_, '_>,
     ) -> Result<Option<NearestSources>, Interrupted> {
-        let Some(reference) = self.plan.reference.algorithm() else {
+        let Some(reference) = self.reference.algorithm() else {
             return Ok(None);
         };
         let vertices = self.model.vertex_count();

@@ -75,6 +75,18 @@ pub struct ResultFile {
 }
 
 impl ResultFile {
+    /// Adds a model, or the notes that its record lacks. Returns the new notes.
+    pub fn add_model(&mut self, model: &ModelRecord) -> Vec<String> {
+        let mut known = self.models.iter_mut();
+        let Some(known) = known.find(|known| known.name == model.name) else {
+            self.models.push(model.clone());
+            return model.notes.clone();
+        };
+        let before = known.notes.len();
+        known.add_notes(model.notes.iter().cloned());
+        known.notes[before..].to_vec()
+    }
+
     /// Number of cells that ran concurrently; `None` for one.
     pub fn jobs(&self) -> Option<usize> {
         self.isolation.as_ref()?.jobs
@@ -265,6 +277,33 @@ pub struct GroupRecord {
     /// Whether its cells record samples of the wavefront.
     #[serde(default)]
     pub wavefront: bool,
+    /// Algorithms that have no cells on models with `junctions`: they do not cross them, and were
+    /// selected as part of a family, `exact`, `all` or a default. Absent if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out_at_junctions: Vec<String>,
+}
+
+impl GroupRecord {
+    /// The algorithms that have no cells on `model`.
+    pub fn left_out_of(&self, model: &ModelRecord) -> &[String] {
+        if model.junctions.is_some() {
+            &self.left_out_at_junctions
+        } else {
+            &[]
+        }
+    }
+
+    /// Names the algorithms that have no cells on `model`, and says why. `None` if there are none.
+    pub fn note_on_left_out(&self, model: &ModelRecord) -> Option<String> {
+        let names = self.left_out_of(model);
+        (!names.is_empty()).then(|| {
+            format!(
+                "left out, because they cross no edges with more than two faces and no surface \
+                 that cannot be oriented: {}",
+                names.join(", ")
+            )
+        })
+    }
 }
 
 /// A model. One that was refused has its name and path, and few other fields.
@@ -320,6 +359,15 @@ pub struct ModelRecord {
 }
 
 impl ModelRecord {
+    /// Adds the notes that it lacks.
+    pub fn add_notes(&mut self, notes: impl IntoIterator<Item = String>) {
+        for note in notes {
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
+    }
+
     /// Number of vertices; 0 if it is not known.
     pub fn vertex_count(&self) -> usize {
         self.vertices.unwrap_or(0) as usize

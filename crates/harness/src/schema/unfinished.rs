@@ -151,13 +151,7 @@ pub(super) fn parse(text: &str) -> Option<ResultFile> {
     for line in lines.filter(|line| line.ends_with('\n')) {
         let line: UnfinishedLine<'_> = serde_json::from_str(line).ok()?;
         file.groups = line.groups.into_owned();
-        if file
-            .models
-            .iter()
-            .all(|known| known.name != line.model.name)
-        {
-            file.models.push(line.model.into_owned());
-        }
+        file.add_model(&line.model);
         file.cells.extend(line.cells.into_owned());
     }
     Some(file)

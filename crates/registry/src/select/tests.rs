@@ -286,3 +286,19 @@ fn answers_and_counts_do_not_depend_on_the_instructions() {
         }
     }
 }
+
+#[test]
+fn algorithms_of_a_set_are_optional_unless_they_are_named_too() {
+    let optional = |list: &str| -> Vec<String> {
+        let selected = select(list).unwrap().into_iter();
+        let optional = selected.filter(Selection::is_optional);
+        optional.map(|one| one.label().to_owned()).collect()
+    };
+    assert_eq!(optional("mmp,ext:a,VTP").len(), 0);
+    assert_eq!(optional("lc-family"), ["lc-mmp", "lc-ch"]);
+    assert_eq!(optional("lc-ch,lc-family"), ["lc-mmp"]);
+    assert_eq!(optional("lc-family,lc-ch"), ["lc-mmp"]);
+    // Other parameters are another selection.
+    assert_eq!(optional("lc-family,lc-ch{threshold=1e-9}").len(), 2);
+    assert_eq!(optional("all").len(), algorithms().len());
+}

@@ -220,8 +220,18 @@ fn add(
         }
     }
     for group in file.groups {
-        if whole.groups.iter().all(|known| known.name != group.name) {
-            whole.groups.push(group);
+        match whole
+            .groups
+            .iter_mut()
+            .find(|known| known.name == group.name)
+        {
+            Some(known) => {
+                let known = &mut known.left_out_at_junctions;
+                let new = group.left_out_at_junctions.into_iter();
+                let new: Vec<String> = new.filter(|label| !known.contains(label)).collect();
+                known.extend(new);
+            }
+            None => whole.groups.push(group),
         }
     }
     let known = whole.models.iter().enumerate();
@@ -232,7 +242,7 @@ fn add(
         match place.and_then(|&place| whole.models.get_mut(place)) {
             // A model without a hash was refused, for example because its file was missing.
             Some(known) if known.sha256.is_none() => *known = model,
-            Some(_) => {}
+            Some(known) => known.add_notes(model.notes),
             None => whole.models.push(model),
         }
     }

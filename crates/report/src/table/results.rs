@@ -97,6 +97,7 @@ pub(super) fn part(group: &GroupCells<'_>, model: &ModelRecord) -> Part {
         .collect();
     let mut notes = notes(cells, model.vertices);
     notes.extend(note_on_largest(cells, model));
+    notes.extend(group.record.note_on_left_out(model).map(Note::new));
     if let Some((row, note)) = ratio_times(group, &model.name, &columns) {
         rows.push(row);
         notes.extend(note);

@@ -17,10 +17,10 @@ use crate::exec::expected::{Expected, stored_files};
 use crate::exec::model::{self, ModelError, ModelRef};
 use crate::exec::source::SourceSpec;
 use crate::plan::sampling::Seconds;
-use crate::plan::{Plan, Reference};
+use crate::plan::{Plan, Reference, able_to_end_early, left_out_at_junctions};
 use crate::schema::GroupRecord;
 use crate::usage::DocumentError;
-use options::{AlgorithmsOption, SimdOption};
+use options::{Algorithms, AlgorithmsOption, SimdOption};
 
 #[cfg(feature = "suites")]
 mod embedded;
@@ -43,7 +43,8 @@ pub const DEFAULT_SEED: u64 = 1;
 pub struct Plans {
     /// One plan per group, in order. A model has the same name in all plans.
     pub plans: Vec<Plan>,
-    /// Warnings about models that are left out and sources named twice, one line each.
+    /// Warnings about models and algorithms that are left out and sources named twice, one line
+    /// each.
     pub notes: Vec<String>,
     /// Files of targets that settings of the suite name.
     pub targets_files: Vec<PathBuf>,
@@ -92,7 +93,9 @@ impl Plans {
             .into_iter()
             .map(|model| model.welded(settings.weld.weld).read_by(reader));
         let models = models.collect();
-        self.plans.push(plan(settings, sources, models, group)?);
+        let (plan, note) = plan(settings, sources, models, group)?;
+        self.notes.extend(note);
+        self.plans.push(plan);
         Ok(())
     }
 }
@@ -141,7 +144,7 @@ pub fn plans(
             let settings = Settings {
                 simd: SimdOption { simd: Some(simd) },
                 algorithms: AlgorithmsOption {
-                    algorithms: Some(algorithms.parse()?),
+                    algorithms: Some(Algorithms(set(algorithms)?)),
                 },
                 ..Settings::default()
             };
@@ -240,21 +243,25 @@ fn name_alike(plans: &mut [Plan]) {
     }
 }
 
+/// The plan of a group, and a note on algorithms that are left out.
 fn plan(
     settings: &Settings,
     sources: SourceSpec,
     models: Vec<ModelRef>,
     group: GroupRecord,
-) -> Result<Plan, UsageError> {
+) -> Result<(Plan, Option<String>), UsageError> {
     let threads = settings.threads.number();
     let simd = settings.simd.simd.unwrap_or_default();
-    let set = |algorithm: Selection| algorithm.with_threads(threads).with_simd_in_table(simd);
+    let with_settings =
+        |algorithm: Selection| algorithm.with_threads(threads).with_simd_in_table(simd);
     let algorithms = settings.algorithms.algorithms.clone();
     let algorithms = algorithms.map_or_else(usual, |algorithms| algorithms.0);
-    let algorithms: Vec<Selection> = algorithms.into_iter().map(set).collect();
+    let goal = settings.goal.spec();
+    let (algorithms, note) = able_to_end_early(algorithms, &goal)?;
+    let algorithms: Vec<Selection> = algorithms.into_iter().map(with_settings).collect();
     let reference = settings.check.clone().map(Spanned::into_inner);
     let reference = match reference {
-        Some(Reference::Algorithm(one)) => Some(Reference::Algorithm(set(one))),
+        Some(Reference::Algorithm(one)) => Some(Reference::Algorithm(with_settings(one))),
         other => other,
     };
     let plan = Plan {
@@ -265,12 +272,13 @@ fn plan(
                 .as_ref()
                 .map(|one| one.label().to_owned()),
             wavefront: settings.wavefront.unwrap_or(false),
+            left_out_at_junctions: left_out_at_junctions(&algorithms),
             ..group
         },
         models,
         sources,
         sources_together: settings.sources_together.unwrap_or(false),
-        goal: settings.goal.spec(),
+        goal,
         sampling: settings.sampling(),
         warmup: settings.warmup.map_or(1, |runs| runs.0 as usize),
         counts: settings.counts.unwrap_or(true),
@@ -283,14 +291,19 @@ fn plan(
         algorithms,
     };
     plan.check_reference()?;
-    plan.check_goal()?;
-    Ok(plan)
+    Ok((plan, note))
+}
+
+/// The algorithms of `list` as a set.
+fn set(list: &str) -> Result<Vec<Selection>, UsageError> {
+    let selected = registry::select(list)?.into_iter();
+    Ok(selected.map(Selection::as_optional).collect())
 }
 
 /// The algorithms of a group without algorithms, and of `--simd` without `--algo`.
 fn usual() -> Vec<Selection> {
     let [(_, _, _, papers), _] = GROUPS;
-    registry::select(papers).unwrap_or_default()
+    set(papers).unwrap_or_default()
 }
 
 /// The built-in suite: closed and open surfaces, with and without handles, of regular and of

@@ -366,12 +366,8 @@ fn algorithms<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Algor
         }
     }
     let elements: Option<Vec<Element>> = list(deserializer)?;
-    let mut chosen: Vec<Selection> = Vec::new();
-    for selection in elements.into_iter().flatten().flat_map(|list| list.0) {
-        if chosen.iter().all(|c| c.label() != selection.label()) {
-            chosen.push(selection);
-        }
-    }
+    let elements = elements.into_iter().flatten();
+    let chosen = registry::distinct(elements.flat_map(|list| list.0));
     Ok(Some(Algorithms(chosen)))
 }
 

@@ -92,12 +92,42 @@ fn distances_beside_saddles_can_be_too_short() {
     assert!(found.iter().zip(exact).any(|(d, e)| *d < e * (1.0 - 1e-3)));
 }
 
+/// The squares of `n`^3 cubes: edges of up to four squares, and many equal distances.
+fn cubes(n: u32) -> Mesh {
+    let side = n + 1;
+    let position = |v: u32| [v / side / side, v / side % side, v % side].map(f64::from);
+    let positions = (0..side.pow(3)).map(position).collect();
+    let mut triangles = Vec::new();
+    for square in 0..3 * side * n * n {
+        let (axis, c) = (square as usize % 3, square / 3 % side);
+        let [a, b] = [square / 3 / side % n, square / 3 / side / n];
+        let mut corners = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[da, db]| {
+            let mut at = [0; 3];
+            (at[axis], at[(axis + 1) % 3], at[(axis + 2) % 3]) = (c, a + da, b + db);
+            (at[0] * side + at[1]) * side + at[2]
+        });
+        corners.rotate_left((a * a + 3 * b + 5 * c) as usize % 7 % 2);
+        let [p, q, r, s] = corners;
+        triangles.extend([[p, q, r], [p, r, s]]);
+    }
+    let soup = TriangleSoup::new(positions, triangles);
+    Mesh::from_soup(soup).unwrap().0
+}
+
+/// Rounds of over 1024 candidates, which several threads share.
 #[test]
 fn the_number_of_threads_changes_nothing() {
-    for spec in ["terrain,n=150,seed=3", "torus,faces=30000,bump=0.2,seed=3"] {
-        let mesh = generated(spec);
-        let sources = [17, 400].map(VertexId::new);
+    let meshes = [
+        generated("terrain,n=150,seed=3"),
+        generated("torus,faces=30000,bump=0.2,seed=3"),
+        cubes(14),
+    ];
+    for mesh in meshes {
+        // The lattice has enough candidates from one source, and more equal distances.
+        let step = if mesh.has_junctions() { 4000 } else { 50 };
+        let sources: Vec<VertexId> = mesh.vertices().step_by(step).collect();
         let one = Vsp::new(&mesh, 1).count(&sources).unwrap();
+        assert!(one.1.get(Counter::QueuePeak).unwrap() > 2048);
         for threads in [2, 3] {
             let mut solver = Vsp::new(&mesh, threads);
             for _ in 0..2 {

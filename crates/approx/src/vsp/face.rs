@@ -31,9 +31,10 @@ const NO_DISTANCE: u32 = 127;
 
 /// The label of a face: the distance of its centroid to 16 bits, then `round` modulo 16, the
 /// `corner` of the half-edge where the source came in, and [`WAITS`]. Lesser labels win. Among
-/// distances that agree to 16 bits the earlier round wins, so that rounding does not send sources
-/// around a vertex again and again; in one round the corner decides, so that the order of sources
-/// does not matter. Neither NaN nor infinity is less than [`UNREACHED`].
+/// distances that agree to 16 bits the earlier of nearby rounds wins, so that rounding does not
+/// send sources around a vertex again and again; in one round the corner decides, so that the order
+/// of sources matters only where two come in by one half-edge. Neither NaN nor infinity is less
+/// than [`UNREACHED`].
 #[inline]
 pub(super) const fn label(distance: f32, round: u32, corner: usize) -> u32 {
     (distance.to_bits() & !NO_DISTANCE) | (round % 16) << 3 | (corner as u32) << 1 | WAITS
@@ -203,7 +204,8 @@ impl Face {
     }
 
     /// Takes the source of `candidate` if its label has won: true at most once for a label, unless
-    /// the distance is not below `bound`. Then the source waits in the face.
+    /// the distance is not below `bound`. Then the source waits in the face, and the last candidate
+    /// with the label stays; threads must not settle equal labels at the same time.
     #[inline]
     pub(super) fn settle(&self, candidate: &Passage, bound: f32, shared: bool) -> bool {
         let label = candidate.label;

@@ -22,7 +22,7 @@ use face::{BOUNDARY, CORNER, Edge, Face, MOST_FACES, Passage, SADDLE, Source, UN
 /// next face, or bends at an end of the edge if the next face does not see it, and stays there if
 /// it brings the centroid a shorter distance than the source before. Distances of vertices are the
 /// least over their faces. They may be too long or too short, by some 0.2 % in the mean. The number
-/// of threads does not change them, except at [junctions](Mesh::junction).
+/// of threads does not change them.
 ///
 /// ```
 /// use geobench_approx::Vsp;
@@ -55,7 +55,7 @@ pub struct Vsp {
     has_pinched: bool,
 }
 
-/// Differences of distances below this share are left to rounding.
+/// A distance counts as shorter below this share of another. The rest is left to rounding.
 const SHORTER: f32 = 1.0 - 1e-4;
 
 /// Fewer candidates than this are the work of one thread.
@@ -249,6 +249,7 @@ impl<'a> Run<'a> {
         threads::each(candidates.chunks_mut(size).collect(), |part| {
             vsp.admit(part, round, shared);
         });
+        let size = self.size_of_ordered_parts(candidates.len());
         let parts = candidates.chunks(size).zip(&mut self.parts).collect();
         threads::each(parts, |(candidates, part)| {
             for candidate in candidates {
@@ -264,7 +265,7 @@ impl<'a> Run<'a> {
     fn wake(&mut self) {
         let vsp = self.vsp;
         let mut waiting = std::mem::take(&mut self.waiting);
-        let size = self.size_of_parts(waiting.len());
+        let size = self.size_of_ordered_parts(waiting.len());
         let parts = waiting.chunks(size).zip(&mut self.parts).collect();
         threads::each(parts, |(faces, part)| {
             for &f in faces {
@@ -282,6 +283,16 @@ impl<'a> Run<'a> {
     fn size_of_parts(&self, n: usize) -> usize {
         let threads = if n < LITTLE { 1 } else { self.parts.len() };
         n.div_ceil(threads).max(1)
+    }
+
+    /// How many of `n` items each thread takes where their order matters: one thread takes all if
+    /// labels can be equal.
+    fn size_of_ordered_parts(&self, n: usize) -> usize {
+        if self.vsp.has_ties() {
+            n.max(1)
+        } else {
+            self.size_of_parts(n)
+        }
     }
 
     /// Collects what the threads found, in the order in which one thread would have found it.
@@ -371,6 +382,12 @@ impl<'a> Run<'a> {
 }
 
 impl Vsp {
+    /// Whether two candidates of a round can enter a face by one half-edge, with equal labels: at
+    /// junctions, and around pinched vertices that become sources.
+    const fn has_ties(&self) -> bool {
+        self.has_pinched || !self.junctions.is_empty()
+    }
+
     /// Lets `candidates` into their faces.
     fn admit(&self, candidates: &mut [Passage], round: u32, shared: bool) {
         const AHEAD: usize = 8;

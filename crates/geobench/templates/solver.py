@@ -1,7 +1,7 @@
 """A solver to be replaced: Dijkstra's algorithm on the edges of a mesh.
 
-Requests come as lines on standard input: load MODEL, ping, solve SOURCE, write FILE. Each is answered with
-a line of JSON on standard output; print nothing else there. Only `solve` is timed.
+Requests come as lines on standard input: load MODEL, ping, solve SOURCE, write FILE. Each is
+answered with a line of JSON on standard output; print nothing else there. Only `solve` is timed.
 """
 
 import heapq
@@ -12,7 +12,7 @@ import time
 
 
 def load(path):
-    """Positions and, for each vertex, its neighbours, of an OBJ file with lines `v x y z` and `f a b c`."""
+    """Positions, and the neighbours of each vertex, of an OBJ file of `v x y z` and `f a b c`."""
     positions, neighbours = [], []
     with open(path, encoding="ascii") as lines:
         for line in lines:

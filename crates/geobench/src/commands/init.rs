@@ -69,7 +69,7 @@ next:
   2. put your solver in the place of benchmarks/solver.py, and its command into programs.toml
   3. commit the files and push them
   4. on GitHub, Settings > Pages: deploy from the branch benchmark-history (there after the first push)
-docs/track-your-solver.md has every step, and how a pull request turns red
+docs/track-your-solver.md in the repository of geobench has every step, and how a pull request turns red
 ";
 
 pub(crate) fn init(options: &InitOptions) -> anyhow::Result<Verdict> {

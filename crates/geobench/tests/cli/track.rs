@@ -194,6 +194,12 @@ fn pushes_are_recorded_also_at_the_same_time() {
         1
     );
     assert_eq!(git(&sandbox, "mine", &["status", "--porcelain"]), "");
+    let branches = ["branch", "--format", "%(refname:short)"];
+    assert_eq!(git(&sandbox, "mine", &branches), "main");
+    let step = track(&sandbox, "mine", "record", &[("BUILD", "exit 1")]);
+    let (status, shown) = finished(&sandbox, "mine", step);
+    assert_eq!(status, 2, "{shown}");
+    assert!(shown.contains("HEAD does not build"), "{shown}");
 }
 
 #[test]
@@ -220,6 +226,13 @@ fn a_pull_request_that_takes_longer_is_red() {
     assert!(shown.contains("worse: measured again"), "{shown}");
     assert!(
         shown.contains("ext:solver") && shown.contains("time=15%"),
+        "{shown}"
+    );
+    // A misspelt file is an error: nothing would ever be measured.
+    let (status, shown) = gate(&[("PROGRAMS", "benchmarks/program.toml")]);
+    assert_eq!(status, 2, "{shown}");
+    assert!(
+        shown.contains("there is no benchmarks/program.toml"),
         "{shown}"
     );
     // The first commit with a solver has nothing to be compared with.

@@ -73,7 +73,7 @@ impl ReadingOptions {
 
     fn of(&self, model: ModelRef) -> ModelRef {
         let reader = self.reader.reader.unwrap_or_default();
-        model.welded(self.weld.weld).read_by(reader)
+        model.welded(self.weld.vertices()).read_by(reader)
     }
 
     /// The mesh of `model`. Unless `quiet`, prints what validation repairs and notes.

@@ -26,7 +26,7 @@ pub(crate) struct CountOneSolveOptions {
 /// The hidden command that callgrind runs: one solve, whose instructions are counted.
 pub(crate) fn count_one_solve(options: &CountOneSolveOptions) -> anyhow::Result<()> {
     let selection = instructions::announce(&options.algorithm, options.simd.simd)?;
-    let model = model::only(&options.model)?.welded(options.weld.weld);
+    let model = model::only(&options.model)?.welded(options.weld.vertices());
     let (mesh, _) = model.mesh_within(options.decompression.limit())?;
     let sources = options.source.points(mesh.vertex_count())?;
     let goal = options.goal.spec();

@@ -80,7 +80,8 @@ const ALGORITHM_HELP: &str = "The algorithm [default: vtp-fast; mmp-fast on a mo
     than two faces, or one that cannot be oriented]";
 
 const THREADS_HELP: &str = "Threads that read the model, set up the solver and write the distances; \
-    also of a parallel algorithm (pvtp), or with --each so many sources at a time [default: 1]";
+    also of a parallel algorithm (pvtp, vsp, pch), or with --each so many sources at a time \
+    [default: 1]";
 
 pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     let form = if options.matrix {

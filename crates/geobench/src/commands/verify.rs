@@ -103,7 +103,7 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     } else {
         model::collect(&options.models)?
     };
-    let weld = options.weld.weld;
+    let weld = options.weld.vertices();
     let models = models.into_iter().map(|model| model.welded(weld));
     let models: Vec<ModelRef> = models.collect();
     let mut algorithms = match &options.algorithms.algorithms {

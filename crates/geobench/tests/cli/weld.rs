@@ -155,6 +155,12 @@ fn suites_have_a_key() {
         sandbox.succeed("run --config suite.toml -o r.json");
         assert_eq!(sandbox.json("r.json")["models"][0]["name"], name);
     }
+    // A group overrides the weld of all groups.
+    let suite = "weld = true\n[[group]]\nname = \"g\"\nmodels = [\"seam.obj\"]\n\
+                 algorithms = [\"mmp\"]\nweld = false\nrepeat = 1\n";
+    sandbox.write("suite.toml", suite);
+    sandbox.succeed("run --config suite.toml -o r.json");
+    assert_eq!(sandbox.json("r.json")["models"][0]["name"], "seam");
 }
 
 #[test]

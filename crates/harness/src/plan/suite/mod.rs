@@ -91,7 +91,7 @@ impl Plans {
         let reader = settings.reader.reader.unwrap_or_default();
         let models = models
             .into_iter()
-            .map(|model| model.welded(settings.weld.weld).read_by(reader));
+            .map(|model| model.welded(settings.weld.vertices()).read_by(reader));
         let models = models.collect();
         let (plan, note) = plan(settings, sources, models, group)?;
         self.notes.extend(note);

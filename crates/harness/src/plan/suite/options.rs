@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::anyhow;
-use geobench_mesh::Weld;
 use geobench_mesh::io::ObjReader;
+use geobench_mesh::{Weld, WeldError};
 use geobench_registry::{self as registry, MOST_THREADS, Selection, SimdChoice, UsageError};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
@@ -73,30 +73,30 @@ options! {
     /// Which algorithms run.
     AlgorithmsOption {
         /// Algorithms by name, by family, or exact, or all; separated by commas; with parameters as
-        /// name{key=value,...} [default: mmp,ich,fwp-mmp,fwp-ch,vtp with --simd scalar, and mmp-fast,
-        /// ich-fast,vtp,vtp-fast with the widest instructions for the fast forms]
+        /// name{key=value,...} [default: mmp,ich,fwp-mmp,fwp-ch,vtp with --simd scalar, and
+        /// mmp-fast,ich-fast,vtp,vtp-fast with the widest instructions for the fast forms]
         algorithms: Algorithms, [long = "algo", value_name = "LIST"], [deserialize_with = "algorithms"];
     }
 
     /// Where runs start.
     SourceOption {
-        /// Sources: first, largest (the first vertex of the largest component, vertex 0 if there is only
-        /// one), a vertex number, random:N[,seed=S], all, edge:A-B,T (from vertex A the
-        /// fraction T of the way to B), face:F,U,V,W (barycentric coordinates), at:X,Y,Z (the nearest
-        /// point), or a list of these; may be repeated [default: largest]
+        /// Sources: first, largest (the first vertex of the largest component, vertex 0 if there is
+        /// only one), a vertex number, random:N[,seed=S], all, edge:A-B,T (from vertex A the
+        /// fraction T of the way to B), face:F,U,V,W (barycentric coordinates), at:X,Y,Z (the
+        /// nearest point), or a list of these; may be repeated [default: largest]
         source: Vec<SourceSpec>, [long, value_name = "SRC", allow_negative_numbers = true], [deserialize_with = "points"];
     }
 
     /// Where runs may end.
     TargetOption {
-        /// Only the distances of these points, in the forms of --source; may be repeated. Runs end as
-        /// soon as they are final [default: all vertices]
+        /// Only the distances of these points, in the forms of --source; may be repeated. Runs end
+        /// as soon as they are final [default: all vertices]
         target: Vec<TargetSpec>, [long, value_name = "DST", allow_negative_numbers = true], [deserialize_with = "points"];
     }
 
     /// What runs are to find.
     GoalOptions {
-        /// The same from a file with one DST in a line
+        /// Targets from a file with one DST in a line, beside those of --target
         targets: Spanned<PathBuf>, [long, value_name = "FILE", value_parser = path()], [];
 
         /// Only distances up to R, in the units of the model; others are infinite. Runs end there
@@ -107,16 +107,16 @@ options! {
 
     /// The threads of a command.
     ThreadsOption {
-        /// Threads of the parallel algorithms (pvtp, pch), of the set-up of svg, and of outside programs
-        /// whose command has {threads} [default: 1]
+        /// Threads of the parallel algorithms (pvtp, vsp, pch), of the set-up of svg, and of
+        /// outside programs whose command has {threads} [default: 1]
         threads: Whole<1, { MOST_THREADS as u64 }>, [long, value_name = "N", allow_negative_numbers = true], [];
     }
 
     /// The vector instructions of algorithms.
     SimdOption {
-        /// Instructions of every algorithm: auto (scalar for the algorithms of papers, the widest of the
-        /// processor for the fast forms), scalar, avx2 or avx512; narrower ones where the processor lacks
-        /// them. Distances and counts do not depend on it [default: auto]
+        /// Instructions of every algorithm: auto (scalar for the algorithms of papers, the widest
+        /// of the processor for the fast forms), scalar, avx2 or avx512; narrower ones where the
+        /// processor lacks them. Distances and counts do not depend on it [default: auto]
         simd: SimdChoice, [long, value_name = "SIMD"], [deserialize_with = "text"];
     }
 
@@ -132,15 +132,15 @@ options! {
         /// `timeout` [default: 10m]
         timeout: Timeout, [long, value_name = "DUR", allow_negative_numbers = true], [deserialize_with = "text"];
 
-        /// Memory limit of the process of each cell, such as 8GiB, or none; a cell that exceeds it ends
-        /// as `out_of_memory` [default: none]
+        /// Memory limit of the process of each cell, such as 8GiB, or none; a cell that exceeds it
+        /// ends as `out_of_memory` [default: none]
         memory_limit: MemoryLimit, [long, value_name = "SIZE", allow_negative_numbers = true], [deserialize_with = "text"];
     }
 
     /// Limit of decompression.
     DecompressionOption {
-        /// Bytes that a compressed model may decompress to, such as 16GiB [default: 100 times its size,
-        /// at least 64MiB, at most 8GiB]
+        /// Bytes that a compressed model may decompress to, such as 16GiB [default: 100 times its
+        /// size, at least 64MiB, at most 8GiB]
         max_decompressed: DecompressionLimit, [long, value_name = "SIZE", allow_negative_numbers = true], [deserialize_with = "text"];
     }
 
@@ -153,10 +153,10 @@ options! {
 
     /// Which vertices of models are welded.
     WeldOption {
-        /// Make vertices at one place one vertex: without TOL those at exactly one place, else those
-        /// within TOL of the first, as a fraction of the diagonal of the bounding box. Vertices keep
-        /// their numbers
-        weld: Weld, [long, value_name = "TOL", num_args = 0..=1, require_equals = true, default_missing_value = "0"], [deserialize_with = "weld"];
+        /// Make vertices at one place one vertex: without TOL those at exactly one place, else
+        /// those within TOL of the first, as a fraction of the diagonal of the bounding box.
+        /// Vertices keep their numbers
+        weld: Welding, [long, value_name = "TOL", num_args = 0..=1, require_equals = true, default_missing_value = "0"], [deserialize_with = "weld"];
     }
 }
 
@@ -238,6 +238,25 @@ impl DecompressionOption {
     /// The limit, or the default.
     pub fn limit(&self) -> DecompressionLimit {
         self.max_decompressed.unwrap_or_default()
+    }
+}
+
+impl WeldOption {
+    /// Which vertices are welded.
+    pub fn vertices(&self) -> Option<Weld> {
+        self.weld.and_then(|welding| welding.0)
+    }
+}
+
+/// Which vertices are welded: none if `false`, with which a group overrides a weld of all groups.
+#[derive(Clone, Copy, Debug)]
+pub struct Welding(Option<Weld>);
+
+impl FromStr for Welding {
+    type Err = WeldError;
+
+    fn from_str(text: &str) -> Result<Self, WeldError> {
+        text.parse().map(|weld| Self(Some(weld)))
     }
 }
 
@@ -339,15 +358,15 @@ fn real(value: &Value) -> Option<f64> {
     value.as_float().or(whole)
 }
 
-/// Deserializes a weld: `true` for vertices at one place, or a tolerance.
-fn weld<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Weld>, D::Error> {
+/// Deserializes a weld: `true` for vertices at one place, `false` for none, or a tolerance.
+fn weld<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Welding>, D::Error> {
     let tolerance = match Value::deserialize(deserializer)? {
-        Value::Boolean(false) => return Ok(None),
+        Value::Boolean(false) => return Ok(Some(Welding(None))),
         Value::Boolean(true) => 0.0,
         value => real(&value).unwrap_or(f64::NAN),
     };
-    let weld = Weld::within(tolerance);
-    weld.map(Some).map_err(D::Error::custom)
+    let weld = Weld::within(tolerance).map_err(D::Error::custom)?;
+    Ok(Some(Welding(Some(weld))))
 }
 
 /// Deserializes a list of algorithms. An element is a list in the notation of the command line, or

@@ -28,8 +28,8 @@ const MOST_SUBDIVISIONS: u64 = 12;
 const MOST_RUNS: u64 = 1_000_000;
 
 options! {
-    /// Settings from one source, which are options of `geobench run` and keys of suite files. `None`
-    /// means unset.
+    /// Settings from one source, which are options of `geobench run` and keys of suite files.
+    /// `None` means unset.
     Settings {
         /// Models; without any, those of the suite, or a built-in suite of generated ones
         models: Vec<Spanned<WantedModel>>, [help_heading = None, value_name = "MODEL", value_parser = placeless::<WantedModel>], [deserialize_with = "list"];
@@ -40,8 +40,8 @@ options! {
         /// Timed runs of each cell [default: 6 to 100, as many as --precision needs]
         repeat: Whole<1, MOST_RUNS>, [help_heading = "Repetitions", long, value_name = "N", allow_negative_numbers = true], [];
 
-        /// Repeat until the 95 % interval of the median time lies within this share of the median; short
-        /// solves are timed in batches [default: 3%]
+        /// Repeat until the 95 % interval of the median time lies within this share of the median;
+        /// short solves are timed in batches [default: 3%]
         precision: Share, [help_heading = "Repetitions", long, value_name = "P", conflicts_with = "repeat"], [deserialize_with = "text"];
 
         /// Least time that the timed runs of a cell take together, such as 1s [default: 0.2s]
@@ -54,25 +54,25 @@ options! {
         /// Untimed runs of each cell before the timed ones [default: 1]
         warmup: Whole<0, MOST_RUNS>, [help_heading = "Repetitions", long, value_name = "N", allow_negative_numbers = true], [];
 
-        /// Only warm-ups and timed runs: no profiled run, which gives phases and peaks of memory, and no
-        /// counted run, which takes several times as long as a timed one
+        /// Only warm-ups and timed runs: no profiled run, which gives phases and peaks of memory,
+        /// and no counted run, which takes several times as long as a timed one
         counts: bool, [help_heading = "Repetitions", long = "no-counts", num_args = 0, default_missing_value = "false"], [];
 
         /// Seed of the order in which the algorithms take turns [default: 1]
         seed: Whole<0, { u64::MAX }>, [help_heading = "Repetitions", long, value_name = "N"], [];
 
-        /// What answers must agree with: an algorithm, certificate (mmp with a proof of its distances),
-        /// none, file (MODEL.sSOURCE.csv beside the model or in a folder named expected there or beside
-        /// its folder), or the path of such a file
-        /// [default: mmp-fast if it runs, else the first exact algorithm]
+        /// What answers must agree with: an algorithm, certificate (mmp with a proof of its
+        /// distances), none, file (MODEL.sSOURCE.csv beside the model or in a folder named expected
+        /// there or beside its folder), or the path of such a file [default: mmp-fast if it runs,
+        /// else the first exact algorithm, else mmp-fast; another one for a single algorithm]
         check: Spanned<Reference>, [help_heading = "Checks", long, value_name = "REF", value_parser = placeless::<Reference>], [];
 
-        /// Rows of tables: time, propagated and any other counter, generated, valid, ...; separated by
-        /// commas [default: time, propagations and two measures of memory]
+        /// Rows of tables: time, propagated and any other counter, generated, valid, ...; separated
+        /// by commas [default: time, propagations and two measures of memory]
         rows: Vec<String>, [help_heading = "Output", long, value_name = "LIST", value_delimiter = ',', value_parser = row], [deserialize_with = "rows"];
 
-        /// Show the ratio of each algorithm to this one as well; of times, the median of the ratios run
-        /// by run
+        /// Show the ratio of each algorithm to this one as well; of times, the median of the ratios
+        /// run by run
         ratios_to: Selection, [help_heading = "Output", long, value_name = "A", value_parser = registry::select_one], [deserialize_with = "text", rename = "ratios_to"];
 
         /// Keep samples of the wavefront of each counted run, for the plots of `geobench report`

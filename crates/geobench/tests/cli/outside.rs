@@ -246,7 +246,6 @@ fn a_claim_is_checked_under_protocol_2() {
     for cell in &cells {
         assert_eq!(cell["status"], "ok", "{cell}");
         assert_eq!(cell["counters"]["propagated"], 7);
-        assert_eq!(cell["time"]["unconfirmed"], false);
         assert_eq!(cell["time"]["ping"].as_array().unwrap().len(), 6);
     }
     // How far pings and answers vary depends on what else the machine does, so that an honest claim
@@ -273,7 +272,6 @@ fn a_claim_is_checked_under_protocol_2() {
         let note = format!("! ext:{name}: the time that it claims is less than that from outside");
         assert!(shown.contains(&note), "{shown}");
     }
-    assert!(!shown.contains("(claimed)"), "{shown}");
 }
 
 #[test]
@@ -291,8 +289,8 @@ fn a_claim_above_the_time_from_outside_is_an_error_of_the_program() {
         assert_eq!(cell["status"], "crashed");
         let message = cell["message"].as_str().unwrap();
         assert!(
-            message.starts_with("broke the protocol: `seconds` is 0.0")
-                && message.contains("s after the request, and pings took"),
+            message.starts_with("broke the protocol: `seconds` is ")
+                && message.contains(" s after the request"),
             "{message}"
         );
     }
@@ -385,6 +383,37 @@ fn an_error_in_an_answer_names_the_key() {
         "{}",
         call.stderr
     );
+}
+
+/// A line that waits before the request would be an answer in no time. The keys of `geobench`'s own
+/// children would be measurements of an outside program.
+#[test]
+fn lines_without_a_request_and_keys_of_own_children_break_the_protocol() {
+    let sandbox = Sandbox::with_square();
+    for (name, line, problem) in [
+        (
+            "twice",
+            r"{}\n{}\n",
+            "printed without a request: \"{}\"; write one line for each request",
+        ),
+        (
+            "own",
+            r#"{"edge_excess": 5}\n"#,
+            "broke the protocol: there is no key `edge_excess`",
+        ),
+    ] {
+        let script = format!("while read -r request; do printf '{line}'; done");
+        sandbox.write("answers.sh", &script);
+        let table = format!("[ext.{name}]\nprotocol = 2\ncommand = ['sh', 'answers.sh']\n");
+        sandbox.write("peers.toml", &table);
+        let run =
+            format!("run square.off --ext peers.toml --algo mmp,ext:{name} --quiet -o r.json");
+        let call = sandbox.call(&run);
+        assert_eq!(call.code, 1, "{}", call.stderr);
+        let cells = &sandbox.json("r.json")["cells"];
+        let message = cells[1]["message"].as_str().unwrap();
+        assert!(message.starts_with(problem), "{message}");
+    }
 }
 
 #[test]

@@ -14,7 +14,8 @@ use crate::exec::{Observation, Pass};
 use crate::measure::memory::Peaks;
 use crate::schema::{ModelRecord, PhaseSeconds, SourceLabel, WavefrontSample};
 
-/// Request to an outside program under protocol 1. Its command names the model and the source.
+/// Request to an outside program with `protocol = "session"`. Its command names the model and the
+/// source.
 pub(crate) const SOLVE: &str = "solve";
 
 /// Number of pings before each solve of protocol 2.
@@ -102,16 +103,16 @@ pub(crate) struct Reply {
     pub(crate) rss_peak_bytes: Option<u64>,
     /// Most bytes on its heap during the solve, without the mesh.
     pub(crate) heap_peak_bytes: Option<u64>,
-    /// Seconds in each phase.
+    /// Seconds in each phase; from this program only.
     pub(crate) phases: Option<PhaseSeconds>,
-    /// The wavefront at even intervals of the run.
+    /// The wavefront at even intervals of the run; from this program only.
     pub(crate) wavefront: Vec<WavefrontSample>,
     /// Most by which the distances of the ends of an edge differ beyond its length; from this
     /// program only.
     pub(crate) edge_excess: Option<f64>,
     /// Where the source is, if that is not as it was asked for; from this program only.
     pub(crate) note: Option<String>,
-    /// The answer of a child of this program, unless it equals the last one sent.
+    /// The distances, unless they equal the last ones sent; from this program only.
     #[serde(with = "distances")]
     pub(crate) distances: Option<Vec<f64>>,
 }
@@ -149,6 +150,22 @@ impl Reply {
             }
         }
         Ok(reply)
+    }
+
+    /// The first key set that outside programs may not use.
+    pub(crate) fn own_key(&self) -> Option<&'static str> {
+        let keys = [
+            ("model", self.model.is_some()),
+            ("solves", self.solves.is_some()),
+            ("extraction_seconds", self.extraction_seconds.is_some()),
+            ("labels", self.labels.is_some()),
+            ("phases", self.phases.is_some()),
+            ("wavefront", !self.wavefront.is_empty()),
+            ("edge_excess", self.edge_excess.is_some()),
+            ("note", self.note.is_some()),
+            ("distances", self.distances.is_some()),
+        ];
+        keys.into_iter().find_map(|(key, set)| set.then_some(key))
     }
 
     /// Maximum number of bytes of a line with at most `answers` distances and labels.
@@ -195,12 +212,16 @@ pub(crate) enum ReplyError {
 /// The message for an unknown key; `None` if `problem` of serde is another one.
 fn unknown_key(problem: &str) -> Option<String> {
     let name = problem.strip_prefix("unknown field `")?.split('`').next()?;
-    let name: String = name.chars().take(40).collect();
-    Some(format!(
+    Some(no_such_key(&name.chars().take(40).collect::<String>()))
+}
+
+/// The message for a key that outside programs may not use.
+pub(crate) fn no_such_key(name: &str) -> String {
+    format!(
         "there is no key `{name}`{}; known are {}",
-        did_you_mean(&name, &KEYS),
+        did_you_mean(name, &KEYS),
         KEYS.join(", ")
-    ))
+    )
 }
 
 impl From<Observation> for Reply {

@@ -74,8 +74,8 @@ pub const CLOCKS: f64 = 0.01;
 /// already subtracted from those from outside.
 ///
 /// The claims are the times. Under protocol 2 they are doubted if they are below the times from
-/// outside by more than the noise of these, which are then the times. Otherwise nothing confirms
-/// the claims.
+/// outside by more than the noise of these, which are then the times. Under the other protocols
+/// nothing confirms the claims.
 pub fn time_of_program(
     claimed: Vec<f64>,
     outside: Vec<f64>,
@@ -86,7 +86,7 @@ pub fn time_of_program(
     let samples = if doubted { &outside } else { &claimed };
     let time = Time {
         doubted,
-        unconfirmed: ping.len() < claimed.len(),
+        unconfirmed: !doubted && are_unconfirmed(&claimed, &ping),
         ..time(samples.clone(), setup)
     };
     Time {
@@ -107,6 +107,23 @@ fn are_doubted(claimed: &[f64], outside: &[f64], ping: &[f64]) -> bool {
         outside - claimed - noise
     });
     median(&excess.collect::<Vec<f64>>()).is_some_and(|excess| excess > 0.0)
+}
+
+/// Pings that take longer, in seconds, hide a solve of their own length from the check of claims.
+const SLOW_PING: f64 = 0.01;
+
+/// Whether nothing confirms the claims of a program: its protocol has no pings, or its pings are so
+/// slow that the noise is more than what it claims, in the median over the runs.
+fn are_unconfirmed(claimed: &[f64], ping: &[f64]) -> bool {
+    let excess = claimed.iter().zip(ping).map(|(claimed, ping)| {
+        let noise = 2.0 * ping;
+        if *ping > SLOW_PING {
+            noise - claimed
+        } else {
+            -claimed
+        }
+    });
+    ping.len() < claimed.len() || median(&excess.collect::<Vec<f64>>()).is_some_and(|e| e > 0.0)
 }
 
 /// The note that explains why there is no interval; `None` if there are enough `samples` for one.
@@ -523,7 +540,12 @@ mod tests {
         let alone = time([0.012; 3], [0.1; 3], &[]);
         assert_eq!((alone.doubted, alone.unconfirmed), (false, true));
         assert_eq!(alone.median, Some(0.012));
-        assert!(!lie.unconfirmed);
+        assert!(!lie.unconfirmed && !fast.unconfirmed);
+        // Slow pings would hide the whole solve.
+        let hidden = time([1e-6; 3], [0.0; 3], &[0.2; 3]);
+        assert_eq!((hidden.doubted, hidden.unconfirmed), (false, true));
+        let long = time([30.0; 3], [30.1; 3], &[0.2; 3]);
+        assert_eq!((long.doubted, long.unconfirmed), (false, false));
     }
 
     #[test]

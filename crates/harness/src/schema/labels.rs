@@ -38,7 +38,7 @@ pub(super) fn renew(file: &mut ResultFile) {
     for cell in &mut file.cells {
         // Older versions had no protocol 2, and no mark of claims.
         let time = &mut cell.time;
-        time.unconfirmed = !time.doubted && time.ping.len() < time.claimed.len();
+        time.unconfirmed |= !time.doubted && time.ping.len() < time.claimed.len();
         renew(&cell.group, &mut cell.algorithm);
         if let Some(reference) = &mut cell.check.reference {
             renew(&cell.group, reference);

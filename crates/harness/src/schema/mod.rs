@@ -597,8 +597,9 @@ pub struct Time {
     /// these. The samples are then the times by the clock of the harness.
     #[serde(default)]
     pub doubted: bool,
-    /// Whether the samples are claims of an external program that its protocol does not let anyone
-    /// check. Tables mark them as claimed.
+    /// Whether the samples are claims of an external program that nothing confirms: its protocol
+    /// does not let anyone check them, or its answers to pings are too slow. Tables mark them as
+    /// claimed.
     #[serde(default)]
     pub unconfirmed: bool,
 }

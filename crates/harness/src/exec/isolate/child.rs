@@ -191,6 +191,13 @@ impl ChildProcess {
         longest: usize,
     ) -> Result<(Vec<u8>, Duration), ChildError> {
         let deadline = self.deadline();
+        if !request.is_empty() {
+            // A line from before the request would be taken for the answer, at once.
+            self.receive()?;
+            if !self.received.is_empty() {
+                return Err(ChildError::Unasked(shortened(&self.received)));
+            }
+        }
         let start = Instant::now();
         if let Some(requests) = self.requests.as_mut().filter(|_| !request.is_empty()) {
             match requests.write_all(format!("{request}\n").as_bytes()) {
@@ -405,6 +412,9 @@ pub(super) enum ChildError {
     /// Output that is not a reply.
     #[error("printed what is no answer: {0:?}")]
     Garbage(String),
+    /// Output between an answer and the next request.
+    #[error("printed without a request: {0:?}; write one line for each request")]
+    Unasked(String),
     /// A reply that the protocol does not allow.
     #[error("broke the protocol: {0}")]
     Protocol(String),
@@ -442,13 +452,7 @@ pub(super) struct ExitReport {
 impl ChildError {
     /// A line that is not a reply.
     pub(super) fn garbage(line: &[u8]) -> Self {
-        const MOST: usize = 60;
-        let text = String::from_utf8_lossy(&line[..line.len().min(4 * MOST)]);
-        let text = text.trim();
-        Self::Garbage(match text.char_indices().nth(MOST) {
-            Some((end, _)) => format!("{}...", &text[..end]),
-            None => text.to_owned(),
-        })
+        Self::Garbage(shortened(line))
     }
 
     /// Status and message of the row. `doing` says in what phase the child failed.
@@ -462,6 +466,17 @@ impl ChildError {
             _ => Status::Crashed,
         };
         Failure::new(status, format!("{self} ({doing})"))
+    }
+}
+
+/// The beginning of a line, for messages.
+fn shortened(line: &[u8]) -> String {
+    const MOST: usize = 60;
+    let text = String::from_utf8_lossy(&line[..line.len().min(4 * MOST)]);
+    let text = text.trim();
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_owned(),
     }
 }
 

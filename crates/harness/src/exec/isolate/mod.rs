@@ -27,8 +27,8 @@
 //! **Clock.** The child reads it around the solve and nothing else (`exec::in_process`).
 //! Distances are sent afterwards, and only if they differ from the last ones sent. Outside programs
 //! read clocks of their own and write distances to a file, which is checked (`answer`). Under
-//! protocol 2 their times are checked, too: by the time from the request `solve` to its answer, less
-//! the median time to answer a `ping`.
+//! protocol 2 their times are checked, too: by the time from the request `solve` to its answer,
+//! less the median time to answer a `ping`.
 
 use std::collections::BTreeMap;
 use std::os::unix::process::CommandExt;
@@ -45,7 +45,7 @@ use crate::exec::affinity::CpuList;
 use crate::exec::in_process::InProcess;
 use crate::exec::limits::{DecompressionLimit, Limits, Timeout};
 use crate::exec::model::ModelRef;
-use crate::exec::protocol::{ChildSettings, PAUSE, PINGS, Reply, Request, SOLVE};
+use crate::exec::protocol::{ChildSettings, PAUSE, PINGS, Reply, Request, SOLVE, no_such_key};
 use crate::exec::source::{Locator, SourceSpec, TargetSpec};
 use crate::exec::{Backend, Components, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::Peaks;
@@ -641,15 +641,14 @@ impl ModelChild {
         let (outside_seconds, ping_seconds) = match pings {
             Some(ping) if seconds > outside_seconds * (1.0 + CLOCKS) => {
                 let problem = format!(
-                    "`seconds` is {seconds}, but the answer came {outside_seconds} s after the \
-                     request, and pings took {ping} s"
+                    "`seconds` is {seconds:e}, but the answer came {outside_seconds:e} s after the \
+                     request, and pings took {ping:e} s"
                 );
                 return Err(ChildError::Protocol(problem).failure(doing));
             }
             Some(ping) => ((outside_seconds - ping).max(0.0), Some(ping)),
             None => (outside_seconds, None),
         };
-        (reply.solves, reply.extraction_seconds, reply.labels) = (None, None, None);
         reply.rss_peak_bytes = measured.or(reply.rss_peak_bytes);
         reply.note.clone_from(&outside.note);
         let mesh = &outside.mesh;
@@ -708,6 +707,10 @@ impl ModelChild {
         doing: &str,
     ) -> Result<(Reply, Duration), Failure> {
         let reply = self.process.ask(request, longest);
+        let reply = reply.and_then(|(reply, time)| match (reply.own_key(), &self.outside) {
+            (Some(key), Some(_)) => Err(ChildError::Protocol(no_such_key(key))),
+            _ => Ok((reply, time)),
+        });
         reply.map_err(|error| match (error, &self.outside) {
             (ChildError::Refused(why), Some(Outside { program, .. })) => {
                 let message = format!("ext:{} refused: {why}", program.name);

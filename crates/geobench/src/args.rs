@@ -85,8 +85,8 @@ pub(crate) enum ListFormat {
 /// The algorithm of a command that solves once.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct AlgorithmOption {
-    /// The algorithm, an exact one [default: vtp-fast; mmp-fast on a model with edges of more than
-    /// two faces, or one that cannot be oriented]
+    /// The algorithm [default: vtp-fast; mmp-fast on a model with edges of more than two faces, or
+    /// one that cannot be oriented]
     #[arg(long, value_name = "A", value_parser = select_inside)]
     pub(crate) algo: Option<Selection>,
 }
@@ -106,7 +106,7 @@ pub(crate) fn select_inside(text: &str) -> anyhow::Result<Selection> {
 /// What a command does not print.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct QuietOption {
-    /// Print no summary, no progress and no warnings
+    /// Print no summary, no progress and no warnings; tables of results are printed
     #[arg(id = "quiet", long = "quiet")]
     pub(crate) is_set: bool,
 }

@@ -475,6 +475,7 @@ impl fmt::Display for Defect {
                 write!(f, "face {face} repeats face {first}")
             }
             Self::CoincidentVertices {
+                exact,
                 near,
                 tolerance,
                 components,
@@ -484,9 +485,12 @@ impl fmt::Display for Defect {
             } => {
                 let some =
                     |n: &u32, one: &str| format!("{n} {one}{}", if *n == 1 { "" } else { "s" });
+                if *exact > 0 {
+                    write!(f, "and {near} within {tolerance:e} of the size; ")?;
+                }
                 write!(
                     f,
-                    "and {near} within {tolerance:e} of the size; welding would leave {} and {}",
+                    "welding would leave {} and {}",
                     some(components, "component"),
                     some(boundary_edges, "boundary edge")
                 )?;

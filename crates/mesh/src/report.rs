@@ -149,10 +149,28 @@ fn summarize(defects: &[Defect]) -> DefectSummary {
         Defect::SeveralComponents { triangles } => triangles.len(),
         Defect::WeldedVertices { count } => *count as usize,
         Defect::Parts { parts } => *parts as usize,
-        Defect::CoincidentVertices { exact, .. } => *exact as usize,
+        Defect::CoincidentVertices { exact, near, .. } => match exact {
+            0 => *near as usize,
+            exact => *exact as usize,
+        },
         _ => defects.len(),
     };
-    let mut text = headline(kind, count);
+    let mut text = match &defects[0] {
+        Defect::CoincidentVertices {
+            exact: 0,
+            near,
+            tolerance,
+            ..
+        } => {
+            let lie = if *near == 1 {
+                "vertex lies"
+            } else {
+                "vertices lie"
+            };
+            format!("{near} {lie} within {tolerance:e} of the size of another")
+        }
+        _ => headline(kind, count),
+    };
     let mut names: Vec<String> = defects.iter().take(SHOWN).map(Defect::to_string).collect();
     names.retain(|name| !name.is_empty());
     if !names.is_empty() {
@@ -233,8 +251,8 @@ fn headline(kind: DefectKind, count: usize) -> String {
             "surfaces cannot be oriented, they have only one side",
         ),
         DefectKind::DuplicateFace => (
-            "face has the same vertices as another",
-            "faces have the same vertices as others",
+            "face has the same vertices as another, whose other side it is",
+            "faces have the same vertices as others, whose other sides they are",
         ),
         DefectKind::FlippedFace => (
             "face was wound against its neighbours and is used turned over",

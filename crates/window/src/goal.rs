@@ -231,7 +231,10 @@ impl<P: Probe> Probe for Until<'_, P> {
     #[inline]
     fn is_reached(&mut self, bound: f64, distance: impl Fn(VertexId) -> f64) -> bool {
         let is_stopped = self.goal.stop.as_ref().is_some_and(Stop::is_set);
-        if is_stopped || is_below(self.goal.radius, bound) {
+        if is_stopped
+            || is_below(self.goal.radius, bound)
+            || self.probe.is_reached(bound, &distance)
+        {
             return true;
         }
         let Some(targets) = &self.goal.targets else {

@@ -212,6 +212,12 @@ impl Probe for Count {
         self.wavefront.sample(labels, self.k);
     }
 
+    /// Once all wavefronts that were wanted are found.
+    #[inline]
+    fn is_reached(&mut self, _: f64, _: impl Fn(VertexId) -> f64) -> bool {
+        self.wavefront.is_done()
+    }
+
     #[inline]
     fn wants_windows(&self) -> bool {
         self.wavefront.wants_windows()

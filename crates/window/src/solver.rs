@@ -301,7 +301,7 @@ pub enum Observer<'a> {
     Nothing,
     /// The counts of its events.
     Counters(&'a mut Counters),
-    /// The windows that wait when the run is at certain distances.
+    /// The windows that wait when the run is at certain distances, the last of which ends it.
     Fronts(&'a mut Fronts),
     /// The origins of the shortest paths.
     Origins(&'a mut Origins),

@@ -53,7 +53,7 @@ pub struct Front {
 ///
 /// The wavefront is at distance d when the mean of the least distances of its windows is first seen
 /// to be d or more. It is looked at often: whenever the run has propagated a thirty-second of its
-/// windows.
+/// windows. The run ends soon after the last distance; what is not final then is infinite.
 ///
 /// ```
 /// use geobench_ich::ich;
@@ -206,9 +206,14 @@ impl WavefrontSampler {
         fronts
     }
 
-    /// Whether it finds wavefronts.
+    /// Whether it has found wavefronts.
     pub(crate) fn has_fronts(&self) -> bool {
         !self.fronts.found.is_empty()
+    }
+
+    /// Whether it has found all wavefronts that were wanted.
+    pub(crate) fn is_done(&self) -> bool {
+        self.has_fronts() && self.fronts.wanted.is_empty()
     }
 
     /// Mean of the deviations; `None` if there is no sample.

@@ -107,7 +107,7 @@ pub(crate) fn compare(options: &CompareOptions, look: Look) -> anyhow::Result<Ve
     }
     if let (Some(rule), false) = (unjudged, is_worse) {
         bail!(
-            "the rule {rule} is judged in no cell: an interval of the time takes six runs of each file"
+            "the rule {rule}: an interval of the time takes six runs of each file, with times above 0"
         );
     }
     Ok(Verdict::of(!is_worse))

@@ -27,7 +27,8 @@ pub(crate) struct RemeshingOptions {
     #[arg(value_name = "MODEL")]
     model: String,
 
-    /// Number of vertices of the new mesh; a few more are added where needed
+    /// Number of vertices of the new mesh; more are added where the dual would be no mesh, up to
+    /// 4 N + 256
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
     sites: u32,
 

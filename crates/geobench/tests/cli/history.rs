@@ -208,7 +208,7 @@ fn a_commit_that_is_unknown_here_needs_a_time() {
     file["started"] = "../../../x".into();
     sandbox.write("evil.json", &file.to_string());
     let message = sandbox.refuse("record evil.json --into other --commit c0ffee --date 2025-03-04");
-    assert!(message.contains("`../../../x` is not a time"), "{message}");
+    assert!(message.contains("`../../../x`, is not a time"), "{message}");
     assert!(!sandbox.path("other").exists());
 }
 

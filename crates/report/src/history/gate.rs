@@ -78,6 +78,18 @@ impl GateReport {
     }
 }
 
+/// The note on cells that no base commit solved.
+fn note_on_unsolved(cells: &[String]) -> Option<String> {
+    match cells {
+        [] => None,
+        [cell] => Some(format!("{cell}: no base commit solved it")),
+        [first, ..] => Some(format!(
+            "{} cells, {first} first: no base commit solved them",
+            cells.len()
+        )),
+    }
+}
+
 /// Compares the last of `records`, which are in the order of their commits, with the records of the
 /// commits `against`, which are full hashes. These may also be among the records `apart`, of
 /// commits on other lines. Only records of the same machine class and suite are used. While the
@@ -101,11 +113,12 @@ pub fn gate(
     let (base, learning) = base(&known, newest, against)?;
     let solved = solved_cells(&base);
     let (mut lines, mut notes) = (Vec::new(), Vec::new());
+    let mut unsolved = Vec::new();
     for cell in &newest.cells {
         let earlier = solved.get(&cell.cell.identity());
         let earlier = earlier.map_or(&[][..], Vec::as_slice);
         let Some(last) = earlier.last() else {
-            notes.push(format!("{}: no base commit solved it", cell.cell));
+            unsolved.push(cell.cell.to_string());
             continue;
         };
         if cell.status != Status::Ok {
@@ -174,6 +187,7 @@ pub fn gate(
             });
         }
     }
+    notes.extend(note_on_unsolved(&unsolved));
     let last = base.last().map_or(&[][..], |record| &record.cells);
     let present = newest.cells.iter().map(|cell| cell.cell.identity());
     let present: HashSet<CellKey> = present.collect();

@@ -101,12 +101,13 @@ impl Record {
             bail!("`{commit}` is not a commit; give its hash");
         }
         // Both become names of files.
-        for time in [Some(&file.started), committed.as_ref()]
-            .into_iter()
-            .flatten()
-        {
+        for (what, time) in [
+            ("start of the run", Some(&file.started)),
+            ("time of the commit", committed.as_ref()),
+        ] {
+            let Some(time) = time else { continue };
             humantime::parse_rfc3339(time)
-                .map_err(|error| anyhow!("`{time}` is not a time: {error}"))?;
+                .map_err(|error| anyhow!("the {what}, `{time}`, is not a time: {error}"))?;
         }
         Ok(Self {
             schema: SCHEMA.to_owned(),
@@ -437,6 +438,6 @@ mod tests {
         let mut file = file;
         file.started = "../../../x".to_owned();
         let error = Record::new(&file, "c0ffee", Vec::new(), None, None).unwrap_err();
-        assert!(error.to_string().contains("is not a time"), "{error}");
+        assert!(error.to_string().contains(", is not a time"), "{error}");
     }
 }

@@ -20,11 +20,12 @@ use crate::exec::source::{SourceSpec, TargetSpec};
 use crate::usage::document::{DocumentError, TableParts, text_or_table};
 
 /// Defines structs of options: for each option its help text, key, value, argument of clap and
-/// attribute of serde; then groups of options with their headings in help.
+/// attribute of serde; then groups of options with their headings in help, `_` for none.
 macro_rules! options {
     ($($(#[doc = $about:literal])* $name:ident {
         $($(#[doc = $help:literal])* $key:ident: $value:ty, [$($arg:tt)*], [$($serde:tt)*];)*
         $($heading:literal: $group:ident: $type:ty;)*
+        $(_: $plain:ident: $plain_type:ty;)*
     })*) => {
         $(
             $(#[doc = $about])*
@@ -44,6 +45,12 @@ macro_rules! options {
                     #[serde(skip)]
                     pub $group: $type,
                 )*
+                $(
+                    /// A group of options, under the heading of these.
+                    #[cfg_attr(feature = "cli", command(flatten))]
+                    #[serde(skip)]
+                    pub $plain: $plain_type,
+                )*
             }
 
             impl $name {
@@ -53,6 +60,7 @@ macro_rules! options {
                     Self {
                         $($key: self.$key.clone().or_else(|| other.$key.clone()),)*
                         $($group: self.$group.completed_by(&other.$group),)*
+                        $($plain: self.$plain.completed_by(&other.$plain),)*
                     }
                 }
 
@@ -61,6 +69,7 @@ macro_rules! options {
                     #[allow(unused_mut, reason = "some have no groups")]
                     let mut all: Self = table.take()?;
                     $(all.$group = <$type>::take(table)?;)*
+                    $(all.$plain = <$plain_type>::take(table)?;)*
                     Ok(all)
                 }
             }
@@ -102,7 +111,7 @@ options! {
         /// Only distances up to R, in the units of the model; others are infinite. Runs end there
         radius: NotNegative, [long, value_name = "R", allow_negative_numbers = true], [];
 
-        "Sources and targets": target: TargetOption;
+        _: target: TargetOption;
     }
 
     /// The threads of a command.

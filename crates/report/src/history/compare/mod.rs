@@ -15,7 +15,7 @@
 //! * A cell that the new file lacks is a regression only under a rule on missing cells, because
 //!   users compare parts of a benchmark with the whole.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt;
 
 use geobench_harness::figures::CLAIMED;
@@ -68,14 +68,22 @@ impl FileComparison {
         self.regressions > 0 || !self.overall.is_empty()
     }
 
-    /// The rule on times, if times are compared but none has the interval by which it is judged: a
-    /// comparison that can never fail is no comparison.
+    /// The rule on times and the cells in which nothing is judged by it: all, or all of an algorithm.
+    /// A comparison that can never fail is no comparison.
     pub fn unjudged_rule(&self, rules: &Rules) -> Option<String> {
         let rule = rules.on(Subject::Time(TimeKind::Time))?;
-        let mut times = self.cells.iter().filter_map(|cell| cell.time.as_ref());
-        let is_compared = times.clone().next().is_some();
-        let is_judged = times.any(|time| time.ci95.is_some());
-        (is_compared && !is_judged).then(|| rule.to_string())
+        let mut judged = BTreeMap::<&str, bool>::new();
+        for cell in self.cells.iter().filter(|c| c.status == [Status::Ok; 2]) {
+            let is_judged = cell.time.as_ref().is_some_and(|time| time.ci95.is_some());
+            let is_gone = !cell.regressions.is_empty();
+            *judged.entry(&cell.cell.algorithm).or_default() |= is_judged || is_gone;
+        }
+        let (first, _) = judged.iter().find(|(_, is_judged)| !**is_judged)?;
+        Some(if judged.values().any(|is_judged| *is_judged) {
+            format!("{rule} is judged in no cell of {first}")
+        } else {
+            format!("{rule} is judged in no cell")
+        })
     }
 }
 

@@ -32,7 +32,7 @@ impl Mesh {
     /// If the model has a fatal defect. The error lists all defects with their elements.
     pub fn from_soup(mut soup: TriangleSoup) -> Result<(Self, Report), InvalidMesh> {
         let mut notes = std::mem::take(&mut soup.notes);
-        if let Ok(count @ 1..) = u32::try_from(soup.copies.len()) {
+        if let count @ 1.. = welded_on_request(&soup.copies, &notes) {
             notes.push(Defect::WeldedVertices { count });
         }
         let (mesh, mut found) = if let Some(mut sound) = Sound::of(&soup) {
@@ -98,6 +98,19 @@ impl Mesh {
         let checked = check(vertex_count, triangles, &[], Metric::Lengths(lengths), &[])?;
         Ok(checked.into_mesh(Vec::new(), triangles.to_vec(), Vec::new()))
     }
+}
+
+/// The number of copies that no note says to be an end of an edge of no length.
+fn welded_on_request(copies: &[[u32; 2]], notes: &[Defect]) -> u32 {
+    let mut ends: Vec<u32> = Vec::new();
+    for note in notes {
+        if let Defect::ZeroLengthEdge { vertices, .. } = note {
+            ends.extend(vertices);
+        }
+    }
+    ends.sort_unstable();
+    let is_end = |copy: &&[u32; 2]| ends.binary_search(&copy[0]).is_ok();
+    (copies.len() - copies.iter().filter(is_end).count()) as u32
 }
 
 /// Puts the vertices of a sound soup that have no finite position, and so are in no triangle, at

@@ -119,15 +119,17 @@ impl TriangleSoup {
 
     /// Welds the ends of edges of no length, since no mesh has such edges. A note names each.
     pub(crate) fn merge_ends_of_null_edges(&mut self) {
-        let mut sides: Vec<([u32; 2], u32)> = Vec::new();
-        for (t, &[a, b, c]) in self.triangles.iter().enumerate() {
-            for [from, to] in [[a, b], [b, c], [c, a]] {
-                let [p, q] = [from, to].map(|v| self.positions.get(v as usize));
-                if from != to && p.is_some() && p == q {
-                    sides.push(([from.min(to), from.max(to)], self.file_face(t as u32)));
-                }
-            }
-        }
+        let triangles = self.triangles.iter().zip(0..);
+        let sides = triangles.flat_map(|(&[a, b, c], t)| {
+            [[a, b], [b, c], [c, a]].map(|ends| (ends, self.file_face(t)))
+        });
+        let null = null_sides(&self.positions, sides);
+        self.merge_ends(null);
+    }
+
+    /// Welds the ends of the given sides, all of no length and with the face that each is from. A
+    /// note names each edge.
+    pub(crate) fn merge_ends(&mut self, mut sides: Vec<([u32; 2], u32)>) {
         if sides.is_empty() {
             return;
         }
@@ -146,6 +148,20 @@ impl TriangleSoup {
         let copies = all.map(|v| [v, places.find(v)]);
         self.merge(copies.filter(|[v, kept]| v != kept).collect());
     }
+}
+
+/// Of sides of faces those of no length, with the lower vertex first.
+pub(crate) fn null_sides(
+    positions: &[[f64; 3]],
+    sides: impl Iterator<Item = ([u32; 2], u32)>,
+) -> Vec<([u32; 2], u32)> {
+    let is_null = |&([from, to], _): &([u32; 2], u32)| {
+        let [p, q] = [from, to].map(|v| positions.get(v as usize));
+        from != to && p.is_some() && p == q
+    };
+    let null = sides.filter(is_null);
+    null.map(|([from, to], face)| ([from.min(to), from.max(to)], face))
+        .collect()
 }
 
 /// For each vertex the one that stands for it, which may be itself.

@@ -2,6 +2,7 @@
 
 mod validate_support;
 
+use std::fmt::Write;
 use std::path::Path;
 
 use geobench_mesh::{
@@ -258,4 +259,135 @@ fn cracks_of_any_rounding_are_noted() {
     fan.triangles.push([2, 3, 4]);
     let (_, report) = mesh_of(fan);
     assert_eq!(report.defects.iter().find(is_note), None);
+}
+
+/// A file with polygons, in the form of OFF.
+struct Polygons {
+    places: Vec<[f64; 3]>,
+    faces: Vec<Vec<u32>>,
+}
+
+impl Polygons {
+    /// A warped sheet of quads, so that each of the two ways to cut one makes another surface.
+    fn sheet() -> Self {
+        let mut random = SplitMix64::new(7);
+        let mut place = |i: u32| [f64::from(i % 4), f64::from(i / 4), 2.0 * random.unit()];
+        let places = (0..16).map(&mut place).collect();
+        let quad = |i: u32| vec![i, i + 1, i + 5, i + 4];
+        let faces = (0..11).filter(|i| i % 4 < 3).map(quad).collect();
+        Self { places, faces }
+    }
+
+    /// Places of the corners of the triangles that the file becomes, in ascending order.
+    fn surface(&self, weld: Option<Weld>) -> Vec<[[u64; 3]; 3]> {
+        let mut text = format!("OFF\n{} {} 0\n", self.places.len(), self.faces.len());
+        for [x, y, z] in &self.places {
+            writeln!(text, "{x:?} {y:?} {z:?}").unwrap();
+        }
+        for face in &self.faces {
+            let corners: Vec<String> = face.iter().map(u32::to_string).collect();
+            writeln!(text, "{} {}", face.len(), corners.join(" ")).unwrap();
+        }
+        let options = io::ReadOptions {
+            weld,
+            ..io::ReadOptions::default()
+        };
+        let soup = options.read_bytes(text.as_bytes(), io::Format::Off, Path::new("a.off"));
+        let (mesh, _) = mesh_of(soup.unwrap());
+        let place = |v: VertexId| mesh.positions()[v.index()].map(f64::to_bits);
+        let mut surface: Vec<_> = (mesh.faces())
+            .map(|f| {
+                let mut corners = mesh.face_vertices(f).map(place);
+                corners.sort_unstable();
+                corners
+            })
+            .collect();
+        surface.sort_unstable();
+        surface
+    }
+
+    /// A copy of a random corner's vertex, which some of its faces name instead.
+    fn split(&mut self, random: &mut SplitMix64) -> (usize, [u32; 2]) {
+        let face = random.below(self.faces.len());
+        let corner = random.below(self.faces[face].len());
+        let vertex = self.faces[face][corner];
+        let copy = self.places.len() as u32;
+        self.places.push(self.places[vertex as usize]);
+        for other in self.faces.iter_mut().flatten() {
+            if *other == vertex && random.below(2) == 0 {
+                *other = copy;
+            }
+        }
+        (face, [vertex, copy])
+    }
+
+    /// Adds a defect of the given kind, which leaves the surface as it is.
+    fn damage(&mut self, kind: usize, random: &mut SplitMix64) {
+        let face = random.below(self.faces.len());
+        let corner = random.below(self.faces[face].len());
+        match kind {
+            // Copies along a seam.
+            0 => {
+                self.split(random);
+            }
+            // An edge of no length, in a polygon or a face of its own.
+            1 => {
+                let (face, [vertex, copy]) = self.split(random);
+                let outline = &mut self.faces[face];
+                let at = outline.iter().position(|&v| v == vertex || v == copy);
+                if let (Some(at), true) = (at, random.below(2) == 0) {
+                    let other = vertex + copy - outline[at];
+                    outline.insert(at + random.below(2), other);
+                    // A first corner in place of the former first one is at its place.
+                } else {
+                    let third = self.faces[(face + 1) % self.faces.len()][0];
+                    self.faces.push(vec![vertex, copy, third]);
+                }
+            }
+            // A corner given twice, or a first one also at the end.
+            2 => {
+                let vertex = self.faces[face][corner];
+                self.faces[face].insert(corner, vertex);
+            }
+            3 => {
+                let first = self.faces[face][0];
+                self.faces[face].push(first);
+            }
+            // A second copy, from another corner and in either direction.
+            4 => {
+                let mut copy = self.faces[face].clone();
+                copy.rotate_left(corner);
+                if random.below(2) == 0 {
+                    copy.reverse();
+                }
+                self.faces.push(copy);
+            }
+            // Faces that are a segment.
+            _ => {
+                let [a, b] = [0, 1].map(|k| self.faces[face][k]);
+                self.faces
+                    .push([vec![a, b, a], vec![a, b, b, a]][corner % 2].clone());
+            }
+        }
+    }
+}
+
+/// Edges of no length became one vertex only after polygons had been cut, so that a copy of a
+/// polygon was cut along the other diagonal, or a cut of a polygon was one of its neighbour.
+#[test]
+fn cuts_do_not_depend_on_other_defects() {
+    let sheet = Polygons::sheet().surface(None);
+    for seed in 0..400 {
+        let mut random = SplitMix64::new(seed);
+        let mut file = Polygons::sheet();
+        let mut weld = None;
+        for _ in 0..1 + random.below(6) {
+            let kind = random.below(6);
+            file.damage(kind, &mut random);
+            if kind == 0 {
+                weld = Some(Weld::COINCIDENT);
+            }
+        }
+        assert!(file.surface(weld) == sheet, "{seed}: {:?}", file.faces);
+    }
 }

@@ -9,7 +9,7 @@ use super::error::Flaw;
 use super::triangulate::{Budget, TooComplex, other_cuts, triangulate};
 use crate::defect::{Defect, FileForm};
 use crate::soup::TriangleSoup;
-use crate::weld::{Weld, kept_vertices};
+use crate::weld::{Weld, kept_vertices, null_sides};
 
 /// The contents of a file: vertices, and faces that are not yet cut into triangles.
 #[derive(Debug, Default)]
@@ -134,57 +134,87 @@ impl FaceList {
         Ok(())
     }
 
-    /// Replaces each corner by the vertex that stands for it. Of a polygon with more than three, a
-    /// corner is dropped that becomes the one before it: the edge between them has no length.
-    fn weld(&mut self, kept: &[u32]) {
-        let of = |v: u32| kept.get(v as usize).copied().unwrap_or(v);
-        for corner in self.triangles.as_flattened_mut() {
-            *corner = of(*corner);
+    /// Replaces each corner by the vertex that stands for it.
+    fn rename(&mut self, kept: &[u32]) {
+        let triangles = self.triangles.as_flattened_mut().iter_mut();
+        for corner in triangles.chain(&mut self.corners) {
+            *corner = kept.get(*corner as usize).copied().unwrap_or(*corner);
         }
-        let mut welded = Vec::with_capacity(self.corners.len());
-        let mut rest = &self.corners[..];
+    }
+
+    /// Drops corners of polygons at the vertex of the corner before them, and last ones at that of
+    /// the first, by which some programs close polygons. Three corners always stay.
+    fn drop_repeated_corners(&mut self) {
+        let mut read = 0;
+        let mut written = 0;
         for arity in &mut self.arities {
-            let (corners, next) = rest.split_at(*arity as usize);
-            rest = next;
-            let mut left = corners.len();
-            let start = welded.len();
-            for (i, &corner) in corners.iter().enumerate() {
-                let before = corners[(i + corners.len() - 1) % corners.len()];
-                if left > 3 && before != corner && of(before) == of(corner) {
+            let start = written;
+            let mut left = *arity;
+            for place in read..read + *arity as usize {
+                let corner = self.corners[place];
+                if left > 3 && written > start && self.corners[written - 1] == corner {
                     left -= 1;
                 } else {
-                    welded.push(of(corner));
+                    self.corners[written] = corner;
+                    written += 1;
                 }
             }
-            *arity = (welded.len() - start) as u32;
+            read += *arity as usize;
+            while left > 3 && self.corners[start] == self.corners[written - 1] {
+                written -= 1;
+                left -= 1;
+            }
+            *arity = left;
         }
-        self.corners = welded;
+        self.corners.truncate(written);
+    }
+
+    /// The sides of all polygons, each with the number of its face.
+    fn sides(&self) -> impl Iterator<Item = ([u32; 2], u32)> {
+        let faces = self.each().zip(0..);
+        faces.flat_map(|(outline, face)| {
+            let next = outline.iter().cycle().skip(1);
+            outline.iter().zip(next).map(move |(&a, &b)| ([a, b], face))
+        })
     }
 }
 
 impl FileMesh {
     /// Cuts every face into triangles. Faces with fewer than three corners are left out:
-    /// `file_faces` still counts them, and the notes have their numbers. Vertices are welded first,
-    /// so that cuts are chosen for the edges of the welded surface.
+    /// `file_faces` still counts them, and the notes have their numbers.
+    ///
+    /// Cuts depend on which vertices are one and on which corner is the first, so that the order is:
+    /// vertices are welded, if asked for; the ends of edges of no length become one vertex;
+    /// repeated corners are dropped; copies of polygons are found; the polygons are cut. Equal
+    /// surfaces with different defects are then cut alike. Triangles with repeated vertices and
+    /// second copies are left out last, by [`Mesh::from_soup`](crate::Mesh::from_soup).
     pub(super) fn into_soup(self, weld: Option<Weld>) -> Result<TriangleSoup, Flaw> {
         let Self {
             positions,
             mut faces,
         } = self;
-        let copies = weld.map_or_else(Vec::new, |weld| weld.copies(&positions));
-        if !copies.is_empty() {
-            faces.weld(&kept_vertices(positions.len(), &copies));
+        let vertex_count = positions.len();
+        let mut soup = TriangleSoup::new(positions, Vec::new());
+        soup.notes = std::mem::take(&mut faces.notes);
+        if let Some(weld) = weld {
+            soup.merge(weld.copies(&soup.positions));
+            faces.rename(&kept_vertices(vertex_count, &soup.copies));
         }
-        let mut soup = TriangleSoup::new(positions, faces.triangles);
-        soup.copies = copies;
-        soup.notes = faces.notes;
+        if !faces.arities.is_empty() {
+            let null_sides = null_sides(&soup.positions, faces.sides());
+            if !null_sides.is_empty() {
+                soup.merge_ends(null_sides);
+                faces.rename(&kept_vertices(vertex_count, &soup.copies));
+            }
+            faces.drop_repeated_corners();
+        }
+        soup.triangles = faces.triangles;
         let mut budget = Budget::for_corners(faces.corners.len());
         let mut short = 0;
         let mut rest = &faces.corners[..];
         for (face, &arity) in faces.arities.iter().enumerate() {
             let (corners, next) = rest.split_at(arity as usize);
             rest = next;
-            let corners = open(corners);
             if corners.len() < 3 {
                 short += 1;
                 soup.notes.push(Defect::ShortFace { face: face as u32 });
@@ -249,18 +279,6 @@ pub fn polygons(
     soup.map_err(|flaw| PolygonError(flaw.problem))
 }
 
-/// A polygon without the repetition of its first corner at its end, by which some programs close
-/// it.
-fn open(mut corners: &[u32]) -> &[u32] {
-    while let [first, .., last] = corners
-        && corners.len() > 3
-        && first == last
-    {
-        corners = &corners[..corners.len() - 1];
-    }
-    corners
-}
-
 /// The corners and the triangles of a polygon, as ranges of those of all.
 type Piece = (Range<usize>, Range<usize>);
 
@@ -270,10 +288,9 @@ fn cut_alike_or_apart(soup: &mut TriangleSoup, corners: &[u32], arities: &[u32])
     let mut polygons: Vec<Piece> = Vec::with_capacity(arities.len());
     let (mut corner, mut triangle) = (0, 0);
     for &arity in arities {
-        let outline = open(&corners[corner..corner + arity as usize]).len();
-        let count = outline.saturating_sub(2);
+        let (outline, count) = (arity as usize, arity.saturating_sub(2) as usize);
         polygons.push((corner..corner + outline, triangle..triangle + count));
-        corner += arity as usize;
+        corner += outline;
         triangle += count;
     }
     // A copy is cut as the first one is, so that their triangles are copies, too, and are left out.

@@ -153,11 +153,14 @@ fn list<'a>(value: &'a Value, name: &str) -> &'a [Value] {
     value[name].as_array().map_or(&[], Vec::as_slice)
 }
 
-/// A whole number; `None` if it is missing.
-fn whole(value: &Value, name: &str) -> Option<usize> {
-    value[name]
-        .as_u64()
-        .and_then(|number| number.try_into().ok())
+/// A whole number; `None` if it is missing. An error is in words.
+fn whole(value: &Value, name: &str) -> Result<Option<usize>, String> {
+    let number = match &value[name] {
+        Value::Null => return Ok(None),
+        number => number.as_u64().and_then(|number| number.try_into().ok()),
+    };
+    let wrong = || format!("{name} is {}, not a whole number from 0", value[name]);
+    number.map(Some).ok_or_else(wrong)
 }
 
 /// The N numbers of a list; `None` if it is missing.
@@ -187,7 +190,8 @@ impl GltfFile<'_> {
         let json = self.json;
         let nodes = list(json, "nodes");
         let scenes = list(json, "scenes");
-        let roots: Vec<usize> = match scenes.get(whole(json, "scene").unwrap_or(0)) {
+        let scene = whole(json, "scene").map_err(Flaw::file)?;
+        let roots: Vec<usize> = match scenes.get(scene.unwrap_or(0)) {
             Some(scene) => indices(scene, "nodes"),
             None if scenes.is_empty() => {
                 let mut is_root = vec![true; nodes.len()];
@@ -222,7 +226,8 @@ impl GltfFile<'_> {
                 .get(number)
                 .ok_or_else(|| Flaw::file(format!("node {number} does not exist")))?;
             let transform = outer.after(&transform_of(node, number)?);
-            if let Some(mesh) = whole(node, "mesh") {
+            let mesh = whole(node, "mesh");
+            if let Some(mesh) = mesh.map_err(|p| Flaw::file(format!("node {number}: {p}")))? {
                 if let Entry::Vacant(place) = pieces.entry(mesh) {
                     place.insert(self.mesh(mesh)?);
                 }
@@ -243,8 +248,10 @@ impl GltfFile<'_> {
         let mut firsts: HashMap<usize, (u32, u32)> = HashMap::new();
         for (i, primitive) in list(mesh, "primitives").iter().enumerate() {
             let name = format!("mesh {number}, primitive {i}");
-            let mode = whole(primitive, "mode").unwrap_or(4);
-            let Some(positions) = whole(&primitive["attributes"], "POSITION") else {
+            let wrong = |problem: String| Flaw::file(format!("{name}: {problem}"));
+            let mode = whole(primitive, "mode").map_err(wrong)?.unwrap_or(4);
+            let positions = whole(&primitive["attributes"], "POSITION").map_err(wrong)?;
+            let Some(positions) = positions else {
                 continue;
             };
             // Points and lines.
@@ -267,7 +274,7 @@ impl GltfFile<'_> {
                 piece.positions.extend(all.as_chunks().0);
             }
             let (first, count) = firsts[&positions];
-            let corners = match whole(primitive, "indices") {
+            let corners = match whole(primitive, "indices").map_err(wrong)? {
                 Some(accessor) => self.accessor(accessor, 1)?,
                 None => (0..count).map(f64::from).collect(),
             };
@@ -284,11 +291,16 @@ impl GltfFile<'_> {
             });
             let corners = corners.collect::<Result<Vec<u32>, Flaw>>()?;
             match mode {
-                4 => corners
-                    .as_chunks::<3>()
-                    .0
-                    .iter()
-                    .for_each(|face| piece.faces.push(face)),
+                4 => {
+                    let (triangles, rest) = corners.as_chunks::<3>();
+                    if !rest.is_empty() {
+                        let problem = format!("it has {} corners, not three each", corners.len());
+                        return Err(wrong(problem));
+                    }
+                    for face in triangles {
+                        piece.faces.push(face);
+                    }
+                }
                 5 => piece.faces.push_strip(&corners),
                 6 => {
                     for pair in corners.get(1..).unwrap_or_default().windows(2) {
@@ -316,7 +328,7 @@ impl GltfFile<'_> {
             )));
         }
         let component = |value: &Value| {
-            Some(match whole(value, "componentType")? {
+            Some(match whole(value, "componentType").ok()?? {
                 5120 => (NumberType::I8, 127.0),
                 5121 => (NumberType::U8, 255.0),
                 5122 => (NumberType::I16, 32767.0),
@@ -328,26 +340,29 @@ impl GltfFile<'_> {
         };
         let unknown = || wrong("its componentType is unknown");
         let (kind, largest) = component(accessor).ok_or_else(unknown)?;
-        let count = whole(accessor, "count").ok_or_else(|| wrong("it has no count"))?;
-        let rows = |from: &Value, kind, columns, count| Rows {
-            view: whole(from, "bufferView"),
-            offset: whole(from, "byteOffset").unwrap_or(0),
-            kind,
-            columns,
-            count,
+        let number_of = |from: &Value, name: &str| whole(from, name).map_err(|p| wrong(&p));
+        let count = number_of(accessor, "count")?.ok_or_else(|| wrong("it has no count"))?;
+        let rows = |from: &Value, kind, columns, count| -> Result<Rows, Flaw> {
+            Ok(Rows {
+                view: number_of(from, "bufferView")?,
+                offset: number_of(from, "byteOffset")?.unwrap_or(0),
+                kind,
+                columns,
+                count,
+            })
         };
         let mut numbers = self
-            .numbers(&rows(accessor, kind, columns, count))
+            .numbers(&rows(accessor, kind, columns, count)?)
             .map_err(|p| wrong(&p))?;
         let sparse = &accessor["sparse"];
-        if let Some(changes) = whole(sparse, "count") {
+        if let Some(changes) = number_of(sparse, "count")? {
             let (places, values) = (&sparse["indices"], &sparse["values"]);
             let (index, _) = component(places).ok_or_else(unknown)?;
             let places = self
-                .numbers(&rows(places, index, 1, changes))
+                .numbers(&rows(places, index, 1, changes)?)
                 .map_err(|p| wrong(&p))?;
             let values = self
-                .numbers(&rows(values, kind, columns, changes))
+                .numbers(&rows(values, kind, columns, changes)?)
                 .map_err(|p| wrong(&p))?;
             for (&place, value) in places.iter().zip(values.chunks_exact(columns)) {
                 if !(0.0..count as f64).contains(&place) {
@@ -390,7 +405,7 @@ impl GltfFile<'_> {
         let json = self.json;
         let view = list(json, "bufferViews").get(number);
         let view = view.ok_or_else(|| format!("there is no bufferView {number}"))?;
-        let buffer = whole(view, "buffer").unwrap_or(usize::MAX);
+        let buffer = whole(view, "buffer")?.unwrap_or(usize::MAX);
         let is_empty = list(json, "buffers").get(buffer).is_some_and(|buffer| {
             let [_, meshopt] = COMPRESSED.map(|name| &buffer["extensions"][name]["fallback"]);
             *meshopt == true && buffer["uri"].is_null()
@@ -399,10 +414,10 @@ impl GltfFile<'_> {
             return Err(compressed_by(COMPRESSED[1]));
         }
         let data = self.buffer(buffer)?;
-        let start = whole(view, "byteOffset").unwrap_or(0);
-        let length = whole(view, "byteLength").unwrap_or(0);
+        let start = whole(view, "byteOffset")?.unwrap_or(0);
+        let length = whole(view, "byteLength")?.unwrap_or(0);
         let row = columns * kind.size();
-        let stride = whole(view, "byteStride")
+        let stride = whole(view, "byteStride")?
             .filter(|&stride| stride >= row)
             .unwrap_or(row);
         let data = start

@@ -378,9 +378,22 @@ impl ReadOptions {
             FileError::Malformed {
                 path: owned(),
                 place,
-                problem,
+                problem: shortened(problem),
             }
         })
+    }
+}
+
+/// `problem`, without its middle if it quotes much of a file.
+fn shortened(problem: String) -> String {
+    const KEPT: usize = 200;
+    let mut from_start = problem.char_indices().skip(KEPT);
+    let mut from_end = problem.char_indices().rev().skip(KEPT - 1);
+    match (from_start.next(), from_end.next()) {
+        (Some((head, _)), Some((tail, _))) if head + KEPT < tail => {
+            format!("{} … {}", &problem[..head], &problem[tail..])
+        }
+        _ => problem,
     }
 }
 

@@ -111,21 +111,34 @@ impl Arrays<'_> {
             }
             piece.positions = positions.to_vec();
         }
+        let counted = |name: &str, found: usize| match attribute::<u64>(node, name)? {
+            Some(count) if found as u64 != count => Err(flaw(
+                node,
+                format!("{name} is {count}, and there are {found}; fetch or save it again"),
+            )),
+            _ => Ok(()),
+        };
+        counted("NumberOfPoints", piece.positions.len())?;
         if !is_poly {
             if let Some(node) = child(node, "Cells") {
                 let cells = self.cells(node)?;
                 let types = self.named(node, "types")?;
+                counted("NumberOfCells", types.len())?;
                 push_cells(&cells, &types, &mut piece.faces).map_err(|e| flaw(node, e.problem))?;
             }
             return Ok(piece);
         }
         if let Some(polys) = child(node, "Polys") {
-            for (_, corners) in self.cells(polys)?.each() {
+            let cells = self.cells(polys)?;
+            counted("NumberOfPolys", cells.each().count())?;
+            for (_, corners) in cells.each() {
                 piece.faces.push(corners);
             }
         }
         if let Some(strips) = child(node, "Strips") {
-            for (_, corners) in self.cells(strips)?.each() {
+            let cells = self.cells(strips)?;
+            counted("NumberOfStrips", cells.each().count())?;
+            for (_, corners) in cells.each() {
                 piece.faces.push_strip(corners);
             }
         }

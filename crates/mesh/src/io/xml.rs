@@ -29,6 +29,9 @@ pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
     String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
 }
 
+/// The most attributes of an element. The parser compares each name with all others.
+const MOST_ATTRIBUTES: usize = 1000;
+
 /// The elements of a document. Definitions of entities, by which a small file can become a large
 /// text, are refused: no format of meshes needs them.
 pub(super) fn parse(text: &str) -> Result<Document<'_>, Flaw> {
@@ -36,6 +39,13 @@ pub(super) fn parse(text: &str) -> Result<Document<'_>, Flaw> {
         return Err(Flaw::file(
             "it defines entities, which are not read; write them out",
         ));
+    }
+    let attributes = |part: &str| ["=\"", "='"].map(|sign| part.matches(sign).count());
+    let count = |part| attributes(part).iter().sum::<usize>();
+    if text.split('<').any(|part| count(part) > MOST_ATTRIBUTES) {
+        return Err(Flaw::file(format!(
+            "an element has more than {MOST_ATTRIBUTES} attributes, which no format of meshes needs"
+        )));
     }
     let options = ParsingOptions {
         allow_dtd: true,

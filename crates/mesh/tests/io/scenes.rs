@@ -156,7 +156,7 @@ fn arrays_are_not_read_without_bound() {
     let many =
         vec![format!("{primitive},{{\"attributes\":{{\"POSITION\":0}},\"indices\":1}}"); 2000];
     let file = gltf("{\"mesh\":0}", "[0]", "").replace(primitive, &many.join(","));
-    let index = "{\"bufferView\":0,\"componentType\":5121,\"count\":14,\"type\":\"SCALAR\"}";
+    let index = "{\"bufferView\":0,\"componentType\":5121,\"count\":12,\"type\":\"SCALAR\"}";
     fails(
         Format::Gltf,
         &file.replace("\"VEC3\"}]", &format!("\"VEC3\"}},{index}]")),
@@ -314,7 +314,16 @@ fn bombs_and_deep_documents_are_refused() {
         fails(format, bomb, "it defines entities, which are not read");
         let deep = "<a>".repeat(200_000) + &"</a>".repeat(200_000);
         assert!(parse(format, deep).is_err());
+        // The parser takes quadratic time for these.
+        let attributes: String = (0..100_000).map(|i| format!(" a{i}='1'")).collect();
+        let wide = format!("<GIFTI><a{attributes}/></GIFTI>");
+        fails(format, wide, "an element has more than 1000 attributes");
     }
+    // A message quotes little of a file.
+    let long = "é".repeat(100_000);
+    let error = parse(Format::Gifti, format!("<{long}></GIFTI>")).unwrap_err();
+    let message = error.to_string();
+    assert!(message.contains(" … ") && message.len() < 1000, "{message}");
     let deep = "[".repeat(200_000) + &"]".repeat(200_000);
     fails(Format::Gltf, deep, "line 1: this is no valid JSON");
     // A megabyte of blanks in a kilobyte.
@@ -625,4 +634,59 @@ fn models_in_other_parts_of_an_archive_are_read() {
     ]);
     let soup = read_bytes(&archive, Format::ThreeMf, Path::new("test")).unwrap();
     assert_eq!(soup.triangles, [[0, 1, 2]]);
+}
+
+/// What is no number was passed over, so that another surface was read.
+#[test]
+fn numbers_that_name_nothing_and_counts_that_lie_are_refused() {
+    let samples = scene_samples::all();
+    let sample = |name: &str| {
+        let (_, format, bytes) = samples.iter().find(|sample| sample.0 == name).unwrap();
+        (*format, String::from_utf8(bytes.clone()).unwrap())
+    };
+    let damaged = |name: &str, from: &str, to: &str, message: &str| {
+        let (format, text) = sample(name);
+        assert!(text.contains(from), "{from}");
+        fails(format, text.replacen(from, to, 1), message);
+    };
+    for (from, to, message) in [
+        (
+            "\"scene\":0",
+            "\"scene\":-1",
+            "scene is -1, not a whole number",
+        ),
+        (
+            "\"indices\":1",
+            "\"indices\":\"x\"",
+            "mesh 0, primitive 0: indices is \"x\"",
+        ),
+        (
+            "\"mode\":5",
+            "\"mode\":1.5",
+            "mesh 0, primitive 1: mode is 1.5",
+        ),
+        ("\"mesh\":0", "\"mesh\":[0]", "node 0: mesh is [0]"),
+        (
+            "\"bufferView\":0",
+            "\"bufferView\":-1",
+            "accessor 0: bufferView is -1",
+        ),
+        (
+            "\"byteOffset\":48",
+            "\"byteOffset\":\"48\"",
+            "accessor 1: byteOffset is \"48\"",
+        ),
+        (
+            "\"count\":3",
+            "\"count\":2",
+            "mesh 0, primitive 0: it has 2 corners, not three each",
+        ),
+    ] {
+        damaged("glTF", from, to, message);
+    }
+    for name in ["NumberOfPoints=\"4\"", "NumberOfPolys=\"2\""] {
+        let other = name.replace(['4', '2'], "7");
+        let message = format!("{} is 7, and there are", &name[..name.len() - 4]);
+        damaged("text VTP", name, &other, &message);
+    }
 }

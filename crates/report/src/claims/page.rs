@@ -1,7 +1,7 @@
 //! Writes verdicts as Markdown, JSON, CSV and text.
 
 use geobench_export::{FileFormat, json_lines};
-use geobench_harness::measure::number::grouped;
+use geobench_harness::measure::number::{counted, grouped};
 use geobench_harness::measure::statistics::range_of;
 use toml::Spanned;
 
@@ -81,7 +81,25 @@ impl ClaimsFormat {
     }
 }
 
+/// The claims that the results say something of, and how many are left out.
 fn text(report: &ClaimsReport, look: Look) -> String {
+    let mut report = report.clone();
+    let count = |report: &ClaimsReport| report.papers.iter().map(|p| p.claims.len()).sum::<usize>();
+    let all = count(&report);
+    for paper in &mut report.papers {
+        let says = |claim: &JudgedClaim| {
+            claim.verdict != ClaimVerdict::Unjudged || !claim.values.is_empty()
+        };
+        paper.claims.retain(says);
+    }
+    report.papers.retain(|paper| !paper.claims.is_empty());
+    let left_out = match all - count(&report) {
+        0 => String::new(),
+        n => format!(
+            "\n{} without results; --format markdown has them.\n",
+            counted(n, "claim")
+        ),
+    };
     let paper = |paper: &JudgedPaper| {
         let table = Table::new(
             Column::of(["Claim", "Verdict", "Here", "Why"], [""; 0]),
@@ -108,7 +126,7 @@ fn text(report: &ClaimsReport, look: Look) -> String {
         )
     };
     let papers: String = report.papers.iter().map(paper).collect();
-    papers + &listing(&summary(report), look)
+    papers + &listing(&summary(&report, |paper| paper.paper.clone()), look) + &left_out
 }
 
 /// What holds, what does not, and why it matters: a line for each topic.
@@ -152,7 +170,8 @@ fn in_markdown(report: &ClaimsReport) -> String {
     let mut page = format!(
         "# The papers' claims, one by one\n\n{}\n{}\n\n{HOW_TO_READ}\n",
         digest(report),
-        markdown::table(&summary(report)).trim_end()
+        markdown::table(&summary(report, |paper| format!("{}: {}", paper.paper, paper.title)))
+            .trim_end()
     );
     page +=
         "Made by `geobench claims` from these results, whose suites are in `bench-configs`:\n\n";
@@ -223,8 +242,8 @@ fn rows(report: &ClaimsReport) -> Table {
     Table::new(Column::of(heads, [""; 0]), claims.map(row).collect())
 }
 
-/// The number of claims with each verdict, for each paper and in total.
-fn summary(report: &ClaimsReport) -> Table {
+/// The number of claims with each verdict, for each paper by its `name` and in total.
+fn summary(report: &ClaimsReport, name: fn(&JudgedPaper) -> String) -> Table {
     let count = |claims: &[&JudgedClaim], title: String| -> Vec<Entry> {
         let with = |verdict| claims.iter().filter(move |claim| claim.verdict == verdict);
         let counts = ClaimVerdict::ALL.map(|verdict| with(verdict).count().to_string());
@@ -234,7 +253,7 @@ fn summary(report: &ClaimsReport) -> Table {
     let mut rows: Vec<Vec<Entry>> = Vec::new();
     for paper in &report.papers {
         let claims: Vec<&JudgedClaim> = paper.claims.iter().collect();
-        rows.push(count(&claims, format!("{}: {}", paper.paper, paper.title)));
+        rows.push(count(&claims, name(paper)));
     }
     let all: Vec<&JudgedClaim> = report
         .papers

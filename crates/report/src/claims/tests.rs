@@ -770,6 +770,18 @@ fn every_form_has_the_verdict() {
 }
 
 #[test]
+fn claims_without_results_are_counted_in_text() {
+    let files = super::known().unwrap();
+    let claims: usize = files.iter().map(|file| file.claims().count()).sum();
+    let report = super::judge(&files, &[]).unwrap();
+    let text = ClaimsFormat::Text.render(&report, crate::table::Look::default());
+    let text = text.unwrap();
+    assert!(!text.contains("000:"), "{text}");
+    let rest = format!("{claims} claims without results; --format markdown has them.\n");
+    assert!(text.ends_with(&rest), "{text}");
+}
+
+#[test]
 fn all_files_are_known_and_can_be_read() {
     let directory = concat!(
         env!("CARGO_MANIFEST_DIR"),

@@ -25,6 +25,10 @@ return {
         .flatMap(svg => { const box = svg.viewBox.baseVal; return [...svg.querySelectorAll('text')]
             .filter(t => { const b = t.getBBox(); return b.x < -1 || b.x + b.width > box.width + 1; })
             .map(t => svg.closest('figure').id + ': ' + t.textContent); }).slice(0, 5),
+    small: [...document.querySelectorAll('svg.chart')].filter(svg => !svg.querySelector('image') && svg.checkVisibility())
+        .map(svg => [svg, 12 * svg.getBoundingClientRect().width / svg.viewBox.baseVal.width])
+        .filter(([svg, size]) => svg.querySelector('text') && size < 11.9)
+        .map(([svg, size]) => svg.closest('figure').id + ': ' + size.toFixed(1) + ' px').slice(0, 5),
     dark: matchMedia('(prefers-color-scheme: dark)').matches,
     paper: getComputedStyle(document.body).backgroundColor,
     loaded: performance.getEntriesByType('resource').map(e => e.name).filter(n => !n.startsWith('data:')),
@@ -95,7 +99,8 @@ expect('the third click undoes it', names().join() === before);
 
 const menus = [...document.querySelectorAll('.filters details')];
 const box = (menu, name) => [...menu.querySelectorAll('input')].find(i => i.value === name);
-const charts = () => [...document.querySelectorAll('figure svg.chart')].map(s => s.textContent).join(' ');
+const charts = () => [...document.querySelectorAll('figure svg.chart text')].filter(t => !t.closest('[hidden]'))
+    .map(t => t.textContent).join(' ');
 const algorithms = menus.find(m => m.textContent.startsWith('Algorithms'));
 expect('algorithms can be filtered', algorithms);
 if (algorithms) {
@@ -117,13 +122,15 @@ if (algorithms) {
 const models = menus.find(m => m.textContent.startsWith('Models'));
 if (models) {
     const name = table.tBodies[0].querySelector('.of').textContent;
-    const drawn = () => [...document.querySelectorAll('svg.chart .b')].filter(t => t.textContent === name).length;
+    const drawn = () => [...document.querySelectorAll('svg.chart .b')].filter(t => t.textContent === name && !t.closest('[hidden]')).length;
     const all = drawn();
     box(models, name).click();
     expect('the table follows the filter of models', table.tBodies[0].hidden);
     expect('charts follow the filter of models', all > 0 && drawn() === 0);
     [...models.querySelectorAll('button')][1].click();
-    expect('without models charts say so', charts().includes('Nothing selected'));
+    // The papers' values and the picture stay.
+    expect('without models there are no charts',
+        [...document.querySelectorAll('figure')].every(f => f.hidden || f.id.includes('-paper-') || f.querySelector('image')));
     [...models.querySelectorAll('button')][0].click();
     expect('all models come back', !table.tBodies[0].hidden && drawn() === all);
 }
@@ -270,6 +277,8 @@ class Browser:
         self.devtools("Emulation.setEmulatedMedia", media=medium,
                       features=[{"name": "prefers-color-scheme", "value": scheme}])
         call("POST", self.base + "/url", {"url": page})
+        self.height = self.run("return document.documentElement.scrollHeight;")
+        self.run("document.querySelectorAll('details.more').forEach(d => { d.open = true; });")
 
     def wrong(self, *what):
         self.problems += [f"{self.where}: {one}" for one in what]
@@ -312,6 +321,7 @@ def check_layout(browser, scheme):
     browser.expect(f"the page is {scrolls} px wide in a window of {wide} px", scrolls <= wide)
     browser.wrong(*(f"sticks out: {what}" for what in seen["out"]))
     browser.wrong(*(f"text outside of its chart: {what}" for what in seen["text"]))
+    browser.wrong(*(f"text below 12 px: {what}" for what in seen["small"]))
     browser.wrong(*(f"the page loads {what}" for what in seen["loaded"]))
     # The background must be light or dark as the colour scheme requires.
     red = int(seen["paper"].split("(")[1].split(",")[0])
@@ -348,7 +358,7 @@ def check_values(browser):
 def check_keyboard(browser):
     """Everything can be reached with Tab, and charts are read with arrows."""
     # Focus starts at the top of the page.
-    call("POST", browser.base + "/url", {"url": PAGE})
+    browser.open(1440, "light")
     reached = {}
     for _ in range(2500):
         browser.press("Tab")
@@ -409,7 +419,7 @@ def check_site(browser, directory):
             browser.open(width, "light", page=f"{PAGE}/{page}")
             seen = browser.run(OVERFLOWING)
             browser.expect(f"the page is {seen['page'][0]} px wide", seen["page"][0] <= seen["page"][1])
-            browser.wrong(*(f"sticks out: {what}" for what in seen["out"] + seen["text"]))
+            browser.wrong(*(f"sticks out: {what}" for what in seen["out"] + seen["text"] + seen["small"]))
             browser.wrong(*browser.run(CUT_OFF))
             check_console(browser)
             if width == 768 and page != "index.html":
@@ -485,7 +495,8 @@ def main():
         "return !document.querySelector('.filters') && [...document.querySelectorAll('svg.chart')]"
         ".every(svg => svg.querySelectorAll('text, image').length > 0);"))
     browser.picture()
-    finish(browser, "360, 768 and 1440 px, light, dark, print and without scripts: nothing cut off, "
+    browser.open(1440, "light")
+    finish(browser, f"{browser.height} px long at 1440; 360, 768 and 1440 px, light, dark, print and without scripts: nothing cut off, "
            "no errors, no requests; sorting, filters, values, keyboard and names work")
 
 

@@ -1,5 +1,6 @@
 //! The git repository of the current directory.
 
+use std::collections::HashMap;
 use std::process::Command;
 
 use geobench_harness::schema::RepositoryRecord;
@@ -35,6 +36,15 @@ pub(crate) fn first_parents(commit: &str, count: usize) -> Option<Vec<String>> {
     ])?;
     let line: Vec<String> = text.lines().map(str::to_owned).collect();
     (!line.is_empty()).then_some(line)
+}
+
+/// The first lines of the messages of a commit and all before it, by their hashes; empty if the
+/// commit is unknown.
+pub(crate) fn subjects(commit: &str) -> HashMap<String, String> {
+    let text = git(&["log", "--format=%H %s", "--end-of-options", commit]).unwrap_or_default();
+    let lines = text.lines().filter_map(|line| line.split_once(' '));
+    let lines = lines.map(|(hash, subject)| (hash.to_owned(), subject.to_owned()));
+    lines.collect()
 }
 
 /// The full hash of a commit. `None` if it is unknown.

@@ -89,7 +89,10 @@ fn of_file(file: &ResultFile, options: &RecordOptions) -> anyhow::Result<Record>
     }
     let mut line = line.unwrap_or_else(|| vec![measured]);
     let commit = line.remove(0);
-    Record::new(file, &commit, line, committed, suite)
+    let subject = git(&["show", "-s", "--format=%s", "--end-of-options", &commit]);
+    let mut record = Record::new(file, &commit, line, committed, suite)?;
+    record.subject = subject.map(|subject| subject.trim().to_owned());
+    Ok(record)
 }
 
 /// The commit that was measured: that of `--commit`; else the one that the program was built from,

@@ -15,7 +15,7 @@ use geobench_report::page::trend_page;
 use geobench_report::table::{self, Look};
 
 use crate::args::{FormatOption, ListFormat};
-use crate::git::{first_parents, full_hash};
+use crate::git::{first_parents, full_hash, subjects};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -103,7 +103,14 @@ pub(crate) fn trend(options: &TrendOptions, look: Look) -> anyhow::Result<Verdic
         .map(OutputFile::page)
         .transpose()?;
     check_files(&page, files_in(&options.history, "json")?)?;
-    let history = ordered(&options.history, &options.line)?;
+    let mut history = ordered(&options.history, &options.line)?;
+    if page.is_some() && history.records.iter().any(|r| r.subject.is_none()) {
+        let known = subjects(options.line.last.commit.as_deref().unwrap_or("HEAD"));
+        for record in &mut history.records {
+            let subject = || known.get(&record.commit).cloned();
+            record.subject = record.subject.take().or_else(subject);
+        }
+    }
     terminal::notes(&history.notes);
     let series = trend::series(&history.records);
     let found = trend::change_points(&series);

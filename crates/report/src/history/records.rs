@@ -32,6 +32,9 @@ pub struct Record {
     pub version: Option<String>,
     /// The time of the commit, RFC 3339 in UTC; null if unknown.
     pub committed: Option<String>,
+    /// The first line of the message of the commit; null if unknown, and in older records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub subject: Option<String>,
     /// When the first run started, RFC 3339 in UTC.
     pub started: String,
     /// The machine.
@@ -115,6 +118,7 @@ impl Record {
             ancestors,
             version: Some(file.tool.version.clone()),
             committed,
+            subject: None,
             started: file.started.clone(),
             host: file.host.clone(),
             suite,
@@ -166,6 +170,7 @@ impl Record {
             self.ancestors = later.ancestors;
         }
         self.version = later.version.or(self.version.take());
+        self.subject = later.subject.or(self.subject.take());
         let known = self.cells.iter().enumerate();
         let mut places: HashMap<CellKey, usize> = known
             .map(|(place, known)| (known.cell.identity(), place))

@@ -32,6 +32,8 @@ pub struct TrendSeries {
 pub struct TrendPoint {
     /// The commit, shortened.
     pub commit: String,
+    /// The number of the commit among those of the history, the oldest first.
+    pub place: usize,
     /// The value.
     pub value: f64,
     /// 95 % interval of a time with enough samples; else `None`.
@@ -76,12 +78,15 @@ const FIGURES: [(&str, f64); 5] = [
 pub fn series(records: &[Record]) -> Vec<TrendSeries> {
     let mut all: Vec<TrendSeries> = Vec::new();
     let mut places: HashMap<_, usize> = HashMap::new();
+    let mut commits: HashMap<&str, usize> = HashMap::new();
     for record in records {
         let machine = record.machine();
+        let next = commits.len();
+        let commit = *commits.entry(&record.commit).or_insert(next);
         for cell in record.cells.iter().filter(|c| c.status == Status::Ok) {
             let identity = cell.cell.identity();
             for (figure, _) in FIGURES {
-                let Some(point) = point(record, cell, figure) else {
+                let Some(point) = point(record, commit, cell, figure) else {
                     continue;
                 };
                 let key = (
@@ -114,7 +119,7 @@ pub fn series(records: &[Record]) -> Vec<TrendSeries> {
     all
 }
 
-fn point(record: &Record, cell: &CellRecord, figure: &str) -> Option<TrendPoint> {
+fn point(record: &Record, place: usize, cell: &CellRecord, figure: &str) -> Option<TrendPoint> {
     let (value, interval) = match figure {
         "time" => {
             let summary = summarise(&cell.samples)?;
@@ -124,6 +129,7 @@ fn point(record: &Record, cell: &CellRecord, figure: &str) -> Option<TrendPoint>
     };
     Some(TrendPoint {
         commit: record.short().to_owned(),
+        place,
         value,
         interval,
     })

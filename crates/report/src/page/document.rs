@@ -45,6 +45,8 @@ pub(crate) enum SectionItem {
     Figures(Table),
     /// Plots, side by side if there is room.
     Plots(Vec<Plot>),
+    /// Further items, which pages show when a reader opens their summary.
+    More(String, Vec<SectionItem>),
     /// Remarks, one by one.
     Notes(Vec<Note>),
     /// Downloads.
@@ -126,7 +128,11 @@ impl Document {
     }
 
     fn blocks(&self) -> impl Iterator<Item = &SectionItem> {
-        self.sections.iter().flat_map(|section| &section.blocks)
+        let blocks = self.sections.iter().flat_map(|section| &section.blocks);
+        blocks.flat_map(|block| match block {
+            SectionItem::More(_, items) => items.as_slice(),
+            item => std::slice::from_ref(item),
+        })
     }
 }
 

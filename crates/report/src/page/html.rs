@@ -7,7 +7,6 @@ use geobench_export::escape::xml as escape;
 use geobench_export::svg;
 use sha2::{Digest, Sha256};
 
-use super::chart::Chart;
 use super::document::{Document, Headline, Plot, Section, SectionItem};
 use super::tables::by_algorithm;
 use super::{BuiltReport, prose};
@@ -119,12 +118,14 @@ fn write_block(html: &mut String, block: &SectionItem) {
         }
         SectionItem::Table(table) => table::html::table(html, table),
         SectionItem::Figures(table) => table::html::table(html, &by_algorithm(table)),
-        SectionItem::Plots(plots) => {
-            html.push_str("<div class=\"plots\">\n");
-            for plot in plots {
-                write_plot(html, plot);
+        SectionItem::Plots(plots) => write_plots(html, plots),
+        SectionItem::More(summary, items) => {
+            let summary = escape(summary);
+            *html += &format!("<details class=\"more\"><summary>{summary}</summary>\n");
+            for item in items {
+                write_block(html, item);
             }
-            html.push_str("</div>\n");
+            html.push_str("</details>\n");
         }
         SectionItem::Notes(notes) => {
             html.push_str("<ul class=\"notes\">\n");
@@ -180,26 +181,20 @@ fn write_headline(html: &mut String, name: Option<&str>, headline: &Headline) {
     html.push_str("</div>\n");
 }
 
+fn write_plots(html: &mut String, plots: &[Plot]) {
+    html.push_str("<div class=\"plots\">\n");
+    for plot in plots {
+        write_plot(html, plot);
+    }
+    html.push_str("</div>\n");
+}
+
 fn write_plot(html: &mut String, plot: &Plot) {
     *html += &format!(
-        "<figure id=\"{}\">\n<figcaption><b>{}</b> {}</figcaption>\n{}{}</figure>\n",
+        "<figure id=\"{}\">\n<figcaption><b>{}</b> {}</figcaption>\n{}</figure>\n",
         plot.id,
         escape(&plot.title),
         escape(&plot.caption),
-        plot.draw(false),
-        data(plot)
+        plot.draw(false)
     );
-}
-
-/// The data from which the scripts draw a plot, as a JSON script element.
-fn data(plot: &Plot) -> String {
-    let json = match &plot.chart {
-        Chart::Picture(_) => None,
-        chart => serde_json::to_string(chart).ok(),
-    };
-    // A `<` in the text could end the element or start a comment.
-    let json = json.map(|json| json.replace('<', "\\u003c"));
-    json.map_or_else(String::new, |json| {
-        format!("<script type=\"application/json\">{json}</script>\n")
-    })
 }

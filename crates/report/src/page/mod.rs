@@ -226,13 +226,13 @@ fn of_result(
     }
     head.push(SectionItem::Text(environment::summary(result)));
     head.push(SectionItem::Links(raw_numbers(input)));
-    head.extend(picture.map(|plot| SectionItem::Plots(vec![plot])));
     let mut all = vec![Section {
         id: format!("{prefix}result"),
         heading: name,
         top: true,
         blocks: head,
     }];
+    let mut picture = picture;
     let styles = algorithms(&result.cells);
     let claimed = algorithms(result.cells.iter().filter(|cell| cell.time.unconfirmed));
     let tables = options.tables.of(result);
@@ -248,7 +248,7 @@ fn of_result(
             claimed: &claimed,
             base: record.ratios_to.as_deref(),
         };
-        let mut blocks = of_group(group, setting);
+        let mut blocks = of_group(group, setting, picture.take());
         for (k, table) in tables.iter().enumerate() {
             let prefix = format!("{id}-paper-{}", k + 1);
             blocks.extend(papers::compare(group, table, setting, &prefix));
@@ -282,7 +282,12 @@ fn of_result(
     all
 }
 
-fn of_group(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<SectionItem> {
+/// The items of a group. `picture` is shown beside its plots.
+fn of_group(
+    group: &GroupCells<'_>,
+    setting: Setting<'_>,
+    picture: Option<Plot>,
+) -> Vec<SectionItem> {
     let mut blocks = Vec::new();
     if let Some(shows) = &group.record.shows {
         blocks.push(SectionItem::Text(
@@ -303,11 +308,19 @@ fn of_group(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<SectionItem> {
     if !notes.is_empty() {
         blocks.push(SectionItem::Notes(notes));
     }
-    let id = format!("{}-sources-table", setting.prefix);
-    blocks.extend(tradeoff::crossings(&id, group).map(SectionItem::Table));
-    let plots = plots::plots(group, setting);
+    let [mut plots, more] = plots::plots(group, setting);
+    plots.extend(picture);
     if !plots.is_empty() {
         blocks.push(SectionItem::Plots(plots));
+    }
+    let id = format!("{}-sources-table", setting.prefix);
+    let crossings = tradeoff::crossings(&id, group).map(SectionItem::Table);
+    let titles: Vec<&str> = more.iter().map(|plot| plot.title.as_str()).collect();
+    let summary = format!("More plots: {}", titles.join("; "));
+    let plots = (!more.is_empty()).then_some(SectionItem::Plots(more));
+    let items: Vec<SectionItem> = plots.into_iter().chain(crossings).collect();
+    if !items.is_empty() {
+        blocks.push(SectionItem::More(summary, items));
     }
     blocks
 }

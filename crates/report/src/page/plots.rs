@@ -12,25 +12,26 @@ use super::setting::Setting;
 use super::{scaling, tradeoff};
 use crate::table::group::{Estimate, GroupCells};
 
-/// All plots of a group.
-pub(crate) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
+/// The plots of a group: those of times and errors, and the others.
+pub(crate) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> [Vec<Plot>; 2] {
+    let [times, mut more] = scaling::plots(group, setting);
     let mut plots = Vec::new();
     plots.extend(values(group, setting, time()));
     plots.extend(setting.base.and_then(|base| ratios(group, setting, base)));
-    plots.extend(scaling::plots(group, setting));
-    plots.extend(phases(group, setting));
-    plots.extend(wavefronts(group, setting));
+    plots.extend(times);
+    plots.extend(tradeoff::errors(group, setting));
+    more.extend(phases(group, setting));
+    more.extend(wavefronts(group, setting));
     for figure in figures(&group.record.rows) {
         // Times and phases have plots of their own.
         if figure.key != "time" && !figure.key.starts_with("phase_") {
-            plots.extend(values(group, setting, figure));
+            more.extend(values(group, setting, figure));
         }
     }
-    plots.extend(spread(group, setting));
-    plots.extend(quantiles(group, setting));
-    plots.extend(tradeoff::errors(group, setting));
-    plots.extend(tradeoff::sources(group, setting));
-    plots
+    more.extend(spread(group, setting));
+    more.extend(quantiles(group, setting));
+    more.extend(tradeoff::sources(group, setting));
+    [plots, more]
 }
 
 /// A band for each model, with the lanes of all algorithms. Empty bands are left out.
@@ -52,6 +53,7 @@ fn point(setting: Setting<'_>, model: &str, algorithm: &str, value: Estimate) ->
         style: setting.style(algorithm),
         name: setting.shown(algorithm),
         model: Some(model.to_owned()),
+        algorithm: None,
         value,
         hollow: false,
     }
@@ -157,16 +159,18 @@ fn phases(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
             continue;
         }
         let bars = group.algorithms.iter().filter_map(|name| {
-            let label = setting.shown(name);
+            let (label, algorithm) = (setting.shown(name), (*name).to_owned());
             Some(match of(name) {
                 Some(parts) => Bar {
                     label,
+                    algorithm,
                     parts: parts.map(|part| 100.0 * part / slowest),
                     note: format!("{:.3} s", parts.iter().sum::<f64>()),
                     failed: false,
                 },
                 None => Bar {
                     label,
+                    algorithm,
                     parts: [0.0; 3],
                     note: group.failure(&model.name, name)?,
                     failed: true,
@@ -185,7 +189,7 @@ fn phases(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
             "Shares of the median time, by samples of a run of its own; of several sources the first."
                 .to_owned(),
         chart: Chart::Bars(Bars {
-            axis: Axis::linear("Time, % of the slowest algorithm on the model"),
+            axis: Axis::linear("Time, % of the slowest on the model"),
             parts: ["propagation", "pruning", "management"].map(str::to_owned),
             groups,
         }),

@@ -86,11 +86,11 @@ impl Against {
     }
 }
 
-/// Plots of the time, and of its ratio to the base, against each property. There is a plot for each
+/// Plots of the time, and those of its ratio to the base, against each property. There is a plot for each
 /// family with enough models. If no family has enough, all models are plotted against their size,
 /// as points without lines.
-pub(super) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
-    let mut plots = Vec::new();
+pub(super) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> [Vec<Plot>; 2] {
+    let (mut times, mut ratios) = (Vec::new(), Vec::new());
     for against in Against::ALL {
         let mut models: Vec<(f64, &ModelRecord)> = Vec::new();
         models.extend(
@@ -112,12 +112,12 @@ pub(super) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> Vec<Plot> {
         }
         for (i, (family, models)) in lines.into_iter().enumerate() {
             let family = (i, family.as_str());
-            plots.extend(against_plots(
-                group, setting, against, family, &models, joined,
-            ));
+            let [time, ratio] = against_plots(group, setting, against, family, &models, joined);
+            times.extend(time);
+            ratios.extend(ratio);
         }
     }
-    plots
+    [times, ratios]
 }
 
 /// The series of models that differ in size alone, each in ascending order of size.
@@ -159,7 +159,7 @@ fn against_plots(
     (number, family): (usize, &str),
     models: &[(f64, &ModelRecord)],
     joined: bool,
-) -> Vec<Plot> {
+) -> [Option<Plot>; 2] {
     let series = |value: &dyn Fn(&str, &str) -> Option<Estimate>| -> Vec<Series> {
         let series = group.algorithms.iter().map(|name| {
             let points = models.iter().filter_map(|(at, model)| {
@@ -221,16 +221,15 @@ fn against_plots(
             series.fit = fit(series);
         }
     }
-    let mut plots = Vec::new();
-    plots.extend(plot("time", "Time", "Time (s)".to_owned(), None, times));
-    if let Some(base) = setting.base {
+    let ratio = setting.base.and_then(|base| {
         let ratios = series(&|model, algorithm| group.ratio(time(), model, algorithm, base));
-        if ratios.len() > 1 {
-            let label = format!("Time as a multiple of {base}");
-            plots.extend(plot("ratio", "Ratio", label, Some(1.0), ratios));
-        }
-    }
-    plots
+        let label = format!("Time as a multiple of {base}");
+        (ratios.len() > 1).then(|| plot("ratio", "Ratio", label, Some(1.0), ratios))?
+    });
+    [
+        plot("time", "Time", "Time (s)".to_owned(), None, times),
+        ratio,
+    ]
 }
 
 /// The power law fitted to a series.

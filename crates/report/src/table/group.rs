@@ -32,7 +32,7 @@ struct ModelCells<'r> {
 }
 
 /// A value with its uncertainty.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Estimate {
     pub(crate) value: f64,
     /// The ends of its 95 % interval.

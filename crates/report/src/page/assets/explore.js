@@ -46,10 +46,7 @@ function keepInAddress(hidden) {
 function explore() {
   document.body.append(tip.box, tip.voice);
   const tables = [...document.querySelectorAll("main table")].map(table => new LiveTable(table));
-  const charts = [];
-  for (const data of document.querySelectorAll('figure > script[type="application/json"]')) {
-    charts.push(new LiveChart(data.parentElement, JSON.parse(data.textContent)));
-  }
+  const charts = [...document.querySelectorAll("figure svg.chart")].map(svg => new LiveChart(svg));
   const names = kind => [...new Set(tables.filter(table => table.rowsAre === kind)
     .flatMap(table => table.bodies).flatMap(({ rows }) => rows).map(nameOf))];
   const models = names("model"), algorithms = names("algorithm").filter(name => name !== "All");
@@ -62,7 +59,7 @@ function explore() {
   const draw = () => {
     for (const headline of headlines) headline.draw(shown, models.every(shown.model));
     for (const table of tables) table.filter(shown, models);
-    for (const chart of charts) chart.draw(shown);
+    for (const chart of charts) chart.filter(shown, algorithms.every(shown.algorithm));
   };
   const menu = (label, kind, all) => new Menu(label, all, names => {
     hidden[kind] = names;

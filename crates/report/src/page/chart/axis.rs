@@ -1,13 +1,12 @@
-//! Axes: they map values to positions and choose ticks. `assets/charts.js` has the same algorithm.
+//! Axes: they map values to positions and choose ticks.
 
 use geobench_export::picture::nice;
-use serde::Serialize;
 
 /// Pixels between the extreme values and the ends of the axis.
 const MARGIN: f64 = 6.0;
 
 /// The quantity of an axis and its scale.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Axis {
     /// The quantity, with its unit.
     pub(crate) label: String,

@@ -1,16 +1,16 @@
 //! Stacked bars, such as the time of each algorithm by phase.
 
 use geobench_export::svg::{Svg, fitted, px, width_of};
-use serde::Serialize;
 
 use super::axis::{Axis, Scale};
-use super::{Datum, LINE, WIDTH, axis_below};
+use super::dots::significant;
+use super::{Datum, LINE, WIDEST_NAME, WIDTH, axis_below, open_group};
 
 /// The number of parts of a bar, each with its own pattern.
 pub(crate) const PARTS: usize = 3;
 
 /// A chart of stacked bars.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub(crate) struct Bars {
     pub(crate) axis: Axis,
     /// Names of the parts.
@@ -19,16 +19,18 @@ pub(crate) struct Bars {
 }
 
 /// Bars that belong together, such as the algorithms on one model.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub(crate) struct BarGroup {
     pub(crate) title: String,
     pub(crate) bars: Vec<Bar>,
 }
 
 /// A bar, or the reason why it is missing.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub(crate) struct Bar {
     pub(crate) label: String,
+    /// The algorithm, by which the page filters.
+    pub(crate) algorithm: String,
     /// Lengths of the parts, in the unit of the axis.
     pub(crate) parts: [f64; PARTS],
     /// The text after the bar: its total with unit, or the reason why the bar is missing.
@@ -43,7 +45,7 @@ impl Bars {
         patterns(svg, id);
         let bars = || self.groups.iter().flat_map(|group| &group.bars);
         let widest = bars().map(|bar| width_of(&bar.label)).fold(0.0, f64::max);
-        let left = widest.min(165.0) + 12.0;
+        let left = widest.min(WIDEST_NAME) + 12.0;
         let notes = bars()
             .filter(|bar| !bar.failed)
             .map(|bar| width_of(&bar.note))
@@ -54,7 +56,7 @@ impl Bars {
         for (k, name) in self.parts.iter().enumerate() {
             part(svg, id, k, [x, 5.0], [12.0, 9.0]);
             svg.text([x + 17.0, 13.5], "t", name);
-            x += width_of(name) + 36.0;
+            x += width_of(name) + 26.0;
         }
         let top = 24.0;
         let height = |group: &BarGroup| LINE + 7.0 + LINE * group.bars.len() as f64;
@@ -62,52 +64,58 @@ impl Bars {
         axis_below(svg, &scale, &self.axis.label, [top, bottom]);
         let mut y = top;
         for group in &self.groups {
+            open_group(svg, None, Some(&group.title));
             svg.text([4.0, y + 12.0], "b", &fitted(&group.title, WIDTH - 20.0));
             y += LINE + 2.0;
             for bar in &group.bars {
-                let end = self.draw_bar(svg, id, bar, &scale, y);
+                open_group(svg, Some(&bar.algorithm), None);
+                let end = self.draw_bar(svg, id, &group.title, bar, &scale, y);
                 let class = if bar.failed { "f" } else { "t" };
                 svg.text(
                     [end + 5.0, y + 11.3],
                     class,
                     &fitted(&bar.note, WIDTH - end - 5.0),
                 );
+                svg.close();
                 y += LINE;
             }
+            svg.close();
             y += 5.0;
         }
         bottom + 34.0
     }
 
     /// Draws a bar and returns the x-position of its end.
-    fn draw_bar(&self, svg: &mut Svg, id: &str, bar: &Bar, scale: &Scale, y: f64) -> f64 {
+    fn draw_bar(
+        &self,
+        svg: &mut Svg,
+        id: &str,
+        model: &str,
+        bar: &Bar,
+        scale: &Scale,
+        y: f64,
+    ) -> f64 {
         svg.text(
             [scale.start() - 8.0, y + 11.3],
             "e",
-            &fitted(&bar.label, 165.0),
-        );
-        svg.open("g", &[]);
-        let texts: Vec<String> = self
-            .parts
-            .iter()
-            .zip(bar.parts)
-            .map(|(name, length)| format!("{name} {length:.3}"))
-            .collect();
-        svg.holding(
-            "title",
-            &[],
-            &format!("{}: {}", bar.label, texts.join(", ")),
+            &fitted(&bar.label, WIDEST_NAME),
         );
         let (mut sum, mut from) = (0.0, scale.start());
+        let whole: f64 = bar.parts.iter().sum();
         for (k, length) in bar.parts.into_iter().enumerate() {
             sum += length;
             let to = scale.clamped(sum);
             if to > from {
+                svg.open("g", &[]);
+                let (label, name) = (&bar.label, &self.parts[k]);
+                let share = significant(100.0 * length / whole);
+                let text = format!("{model}, {label}: {name} {share} % of {}", bar.note);
+                svg.holding("title", &[], &text);
                 part(svg, id, k, [from, y + 2.5], [to - from, LINE - 5.0]);
+                svg.close();
             }
             from = to;
         }
-        svg.close();
         from
     }
 

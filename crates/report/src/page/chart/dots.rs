@@ -2,22 +2,19 @@
 //! lanes, the algorithms of a band share one.
 
 use geobench_export::svg::{Svg, fitted, px, width_of};
-use serde::Serialize;
 
 use super::axis::{Axis, Scale};
 use super::{
-    ChartPoint, Datum, LINE, WIDTH, axis_below, draw_marker, draw_whisker, legend, marker_class,
+    ChartPoint, Datum, LINE, WIDEST_NAME, WIDTH, axis_below, draw_marker, draw_whisker, legend,
+    marker_class, open_group,
 };
 use crate::table::group::distinct;
 
 /// The most lanes of a chart. With more, the algorithms of a band share one lane.
-pub(crate) const MOST_LANES: usize = 64;
-
-/// The greatest width of the names of lanes.
-const WIDEST_NAME: f64 = 165.0;
+pub(crate) const MOST_LANES: usize = 48;
 
 /// A dot plot.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub(crate) struct Dots {
     pub(crate) axis: Axis,
     /// A value marked by a line, such as 1 in a chart of ratios.
@@ -28,23 +25,36 @@ pub(crate) struct Dots {
 }
 
 /// A group of lanes, such as the algorithms on one model.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub(crate) struct Band {
     pub(crate) title: String,
     pub(crate) lanes: Vec<Lane>,
 }
 
 /// A row of points.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Lane {
     pub(crate) label: String,
     /// The algorithm, by which the page filters.
     pub(crate) algorithm: Option<String>,
+    /// The model, by which the page filters, unless it is that of the band.
+    pub(crate) model: Option<String>,
     pub(crate) points: Vec<ChartPoint>,
     /// Samples, drawn as a strip of small dots behind the points.
     pub(crate) samples: Vec<f64>,
     /// The text that explains missing points.
     pub(crate) absent: Option<String>,
+}
+
+impl Lane {
+    /// Its points, each with the algorithm of the lane.
+    fn points_of_its_own(&self) -> Vec<ChartPoint> {
+        let point = |point: &ChartPoint| ChartPoint {
+            algorithm: self.algorithm.clone(),
+            ..point.clone()
+        };
+        self.points.iter().map(point).collect()
+    }
 }
 
 impl Dots {
@@ -72,11 +82,9 @@ impl Dots {
         };
         let widest = names().map(width_of).fold(0.0, f64::max).min(WIDEST_NAME);
         let left = widest + 12.0;
-        let legends: Vec<(usize, bool, &str)> = self
-            .legend
-            .iter()
-            .map(|(style, hollow, name)| (*style, *hollow, name.as_str()))
-            .collect();
+        let legends = self.legend.iter();
+        let legends = legends.map(|(style, hollow, name)| (*style, *hollow, name.as_str(), None));
+        let legends: Vec<_> = legends.collect();
         let top = 4.0 + legend(svg, [4.0, 2.0], WIDTH - 8.0, &legends);
         let reference = self.reference;
         let values = self.points().flat_map(|p| {
@@ -106,14 +114,17 @@ impl Dots {
         }
         let mut y = top;
         for band in &self.bands {
-            if !band.title.is_empty() {
+            let title = Some(band.title.as_str()).filter(|title| !title.is_empty());
+            open_group(svg, None, title);
+            if title.is_some() {
                 svg.text([4.0, y + 12.0], "b", &fitted(&band.title, WIDTH - 20.0));
                 y += LINE + 2.0;
             }
             for lane in &band.lanes {
-                draw_lane(svg, lane, &scale, y + LINE / 2.0);
+                draw_lane(svg, lane, title, &scale, y + LINE / 2.0);
                 y += LINE;
             }
+            svg.close();
             y += 5.0;
         }
         bottom + 34.0
@@ -130,7 +141,12 @@ impl Dots {
                 .collect();
             Lane {
                 label: band.title.clone(),
-                points: band.lanes.iter().flat_map(|l| l.points.clone()).collect(),
+                points: band
+                    .lanes
+                    .iter()
+                    .flat_map(Lane::points_of_its_own)
+                    .collect(),
+                model: Some(band.title.clone()),
                 absent: (!absent.is_empty()).then(|| absent.join(", ")),
                 ..Lane::default()
             }
@@ -180,7 +196,8 @@ impl Dots {
     }
 }
 
-fn draw_lane(svg: &mut Svg, lane: &Lane, scale: &Scale, y: f64) {
+fn draw_lane(svg: &mut Svg, lane: &Lane, model: Option<&str>, scale: &Scale, y: f64) {
+    open_group(svg, lane.algorithm.as_deref(), lane.model.as_deref());
     let (left, right) = (scale.start(), scale.end());
     svg.text(
         [left - 8.0, y + 3.8],
@@ -195,8 +212,8 @@ fn draw_lane(svg: &mut Svg, lane: &Lane, scale: &Scale, y: f64) {
         let Some(place) = scale.place(point.value.value) else {
             continue;
         };
-        svg.open("g", &[]);
-        svg.holding("title", &[], &spoken(point));
+        open_group(svg, point.algorithm.as_deref(), point.model.as_deref());
+        svg.holding("title", &[], &spoken(point, model.unwrap_or(&lane.label)));
         if let Some(ends) = point.value.interval {
             let ends = ends.map(|end| [scale.clamped(end), y]);
             draw_whisker(svg, point.style, ends);
@@ -218,6 +235,7 @@ fn draw_lane(svg: &mut Svg, lane: &Lane, scale: &Scale, y: f64) {
         };
         svg.text([at, y + 3.8], "f", &fitted(absent, right - at));
     }
+    svg.close();
 }
 
 /// Draws a strip of small dots, shifted vertically so that equal values do not overlap.
@@ -236,9 +254,10 @@ fn draw_samples(svg: &mut Svg, samples: &[f64], style: usize, scale: &Scale, y: 
     }
 }
 
-/// The tooltip of a marker.
-fn spoken(point: &ChartPoint) -> String {
-    let text = format!("{}: {}", point.name, significant(point.value.value));
+/// The tooltip of a marker on the lane or in the band `of`.
+fn spoken(point: &ChartPoint, of: &str) -> String {
+    let name = format!("{of}, {}", point.name);
+    let text = format!("{name}: {}", significant(point.value.value));
     match point.value.interval {
         Some([low, high]) => format!("{text} ({} to {})", significant(low), significant(high)),
         None => text,
@@ -246,7 +265,7 @@ fn spoken(point: &ChartPoint) -> String {
 }
 
 /// A number with four significant digits.
-fn significant(value: f64) -> String {
+pub(super) fn significant(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || !size.is_finite() {
         return format!("{value}");

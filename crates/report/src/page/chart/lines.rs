@@ -1,22 +1,23 @@
 //! Line charts and scatter plots over two axes, such as times over the numbers of faces.
 
-use geobench_export::svg::{Svg, fitted, px, width_of};
-use serde::Serialize;
+use geobench_export::svg::{Svg, fitted, width_of};
 
 use super::axis::{Axis, Scale};
+use super::dots::significant;
 use super::{
     Datum, LINE, WIDTH, axis_below, draw_marker, draw_ticks, draw_whisker, legend, marker_class,
+    open_group, polyline,
 };
 use crate::table::group::{Estimate, by_key};
 
 /// Height of the plotting area.
-const HEIGHT: f64 = 230.0;
+const HEIGHT: f64 = 200.0;
 
 /// The most markers on a line.
 const MOST_MARKERS: usize = 25;
 
 /// A line chart.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub(crate) struct Lines {
     pub(crate) x: Axis,
     pub(crate) y: Axis,
@@ -28,7 +29,7 @@ pub(crate) struct Lines {
 }
 
 /// A line with markers, or markers alone.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub(crate) struct Series {
     pub(crate) style: usize,
     pub(crate) name: String,
@@ -45,7 +46,7 @@ pub(crate) struct Series {
 }
 
 /// A point over two axes.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub(crate) struct LinePoint {
     pub(crate) x: f64,
     pub(crate) value: Estimate,
@@ -67,7 +68,7 @@ impl LinePoint {
 }
 
 /// The power law `factor * x ^ exponent`, drawn between the two x-values `ends`.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Fit {
     pub(crate) exponent: f64,
     pub(crate) factor: f64,
@@ -95,11 +96,11 @@ impl Lines {
 
     /// Draws the chart and returns its height.
     pub(super) fn draw(&self, svg: &mut Svg) -> f64 {
-        let names: Vec<(usize, bool, &str)> = self
-            .series
-            .iter()
-            .map(|series| (series.style, series.hollow, series.name.as_str()))
-            .collect();
+        let names = self.series.iter().map(|series| {
+            let algorithm = Some(series.algorithm.as_str());
+            (series.style, series.hollow, series.name.as_str(), algorithm)
+        });
+        let names: Vec<_> = names.collect();
         let top = 24.0 + legend(svg, [4.0, 2.0], WIDTH - 8.0, &names);
         let bottom = top + HEIGHT;
         let points = || self.series.iter().flat_map(|s| &s.points);
@@ -135,14 +136,19 @@ impl Lines {
             };
             let ends = [[first[0], top], [x.end(), last[1]]];
             let all = [ends[0]].into_iter().chain(corners.iter().copied());
+            let is_one = fronts.len() == 1;
+            let class = ("class", "fronts".to_owned());
+            let of = (!is_one).then(|| ("data-model", (*model).to_owned()));
+            svg.open("g", &[class].into_iter().chain(of).collect::<Vec<_>>());
             polyline(svg, "front", all.chain([ends[1]]));
             if (2..=MOST_NAMED).contains(&fronts.len()) {
                 let name = fitted(model, WIDTH / 3.0);
                 svg.text(names.place(&name, [first[0], top]), "q", &name);
             }
+            svg.close();
         }
         for series in &self.series {
-            draw_series(svg, series, &x, &y);
+            self.draw_series(svg, series, &x, &y);
         }
         bottom + 34.0
     }
@@ -195,6 +201,71 @@ impl Lines {
         }
         data
     }
+
+    fn draw_series(&self, svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
+        let class = marker_class(series.style);
+        open_group(svg, Some(&series.algorithm), None);
+        let places = series
+            .points
+            .iter()
+            .filter_map(|point| Some(([x.place(point.x)?, y.place(point.value.value)?], point)));
+        let places: Vec<([f64; 2], &LinePoint)> = places.collect();
+        if let Some(fit) = series.fit {
+            let [from, to] = fit.ends.map(|at| [x.clamped(at), y.clamped(fit.at(at))]);
+            svg.line(&format!("fit {class}"), from, to);
+        }
+        if series.joined && places.len() > 1 {
+            let points = places.iter().map(|(at, _)| *at);
+            polyline(svg, &format!("curve {class}"), points);
+        }
+        // Markers on all points would hide a long line.
+        let every = if series.joined {
+            places.len().div_ceil(MOST_MARKERS).max(1)
+        } else {
+            1
+        };
+        for (i, (at, point)) in places.into_iter().enumerate() {
+            let has_marker = i % every == 0;
+            if !has_marker && point.value.interval.is_none() {
+                continue;
+            }
+            let model = Some(point.model.as_str()).filter(|model| !model.is_empty());
+            open_group(svg, None, model);
+            if has_marker {
+                svg.holding("title", &[], &self.spoken(series, point));
+            }
+            if let Some(deviation) = point.deviation.filter(|_| has_marker) {
+                let ends = [-deviation, deviation].map(|d| [x.clamped(point.x + d), at[1]]);
+                draw_whisker(svg, series.style, ends);
+            }
+            if let Some(ends) = point.value.interval {
+                let ends = ends.map(|end| [at[0], y.clamped(end)]);
+                draw_whisker(svg, series.style, ends);
+            }
+            if has_marker {
+                draw_marker(svg, series.style, series.hollow, at);
+            }
+            svg.close();
+        }
+        svg.close();
+    }
+
+    /// The tooltip of a point.
+    fn spoken(&self, series: &Series, point: &LinePoint) -> String {
+        let name = match point.model.as_str() {
+            "" => series.name.clone(),
+            model => format!("{model}, {}", series.name),
+        };
+        let mut text = format!("{name}: {}", significant(point.value.value));
+        if let Some([low, high]) = point.value.interval {
+            text += &format!(" ({} to {})", significant(low), significant(high));
+        }
+        text += &format!(" at {} {}", self.x.label, significant(point.x));
+        if let Some(fit) = series.fit {
+            text += &format!("; grows with the power {:.2}", fit.exponent);
+        }
+        text
+    }
 }
 
 /// The Pareto front of `points`, from left to right: the points that no other point dominates. A
@@ -243,55 +314,6 @@ impl Names {
         self.0.push([left, left + width, y]);
         [left, y]
     }
-}
-
-fn polyline(svg: &mut Svg, class: &str, points: impl Iterator<Item = [f64; 2]>) {
-    let points: Vec<String> = points
-        .map(|[x, y]| format!("{},{}", px(x), px(y)))
-        .collect();
-    svg.leaf(
-        "polyline",
-        &[("class", class.to_owned()), ("points", points.join(" "))],
-    );
-}
-
-fn draw_series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
-    let class = marker_class(series.style);
-    svg.open("g", &[]);
-    svg.holding("title", &[], &series.name);
-    let places: Vec<([f64; 2], &LinePoint)> = series
-        .points
-        .iter()
-        .filter_map(|point| Some(([x.place(point.x)?, y.place(point.value.value)?], point)))
-        .collect();
-    if let Some(fit) = series.fit {
-        let [from, to] = fit.ends.map(|at| [x.clamped(at), y.clamped(fit.at(at))]);
-        svg.line(&format!("fit {class}"), from, to);
-    }
-    if series.joined && places.len() > 1 {
-        let points = places.iter().map(|(at, _)| *at);
-        polyline(svg, &format!("curve {class}"), points);
-    }
-    // Markers on all points would hide a long line.
-    let every = if series.joined {
-        places.len().div_ceil(MOST_MARKERS).max(1)
-    } else {
-        1
-    };
-    for (i, (at, point)) in places.into_iter().enumerate() {
-        if let Some(deviation) = point.deviation.filter(|_| i % every == 0) {
-            let ends = [-deviation, deviation].map(|d| [x.clamped(point.x + d), at[1]]);
-            draw_whisker(svg, series.style, ends);
-        }
-        if let Some(ends) = point.value.interval {
-            let ends = ends.map(|end| [at[0], y.clamped(end)]);
-            draw_whisker(svg, series.style, ends);
-        }
-        if i % every == 0 {
-            draw_marker(svg, series.style, series.hollow, at);
-        }
-    }
-    svg.close();
 }
 
 #[cfg(test)]

@@ -4,8 +4,7 @@
 //! and dark pages. Colour is never the only distinction: every algorithm also has a marker, and
 //! every part of a bar a pattern.
 
-use geobench_export::svg::{self, Svg, px, width_of};
-use serde::Serialize;
+use geobench_export::svg::{self, Svg, fitted, px, width_of};
 
 use super::picture::ModelPicture;
 use crate::table::group::Estimate;
@@ -14,33 +13,36 @@ mod axis;
 mod bars;
 mod dots;
 mod lines;
+mod trend;
 
 pub(crate) use axis::Axis;
 use axis::Scale;
 pub(crate) use bars::{Bar, BarGroup, Bars, PARTS};
 pub(crate) use dots::{Band, Dots, Lane, MOST_LANES};
 pub(crate) use lines::{Fit, LinePoint, Lines, Series, front};
+pub(crate) use trend::{Mark, Trend};
 
-/// Width of all charts, in pixels at their natural size. It is readable on a phone in portrait
-/// mode.
-pub(crate) const WIDTH: f64 = 480.0;
+/// Width of all charts, in pixels at their natural size: that of a phone in portrait mode, so that
+/// text has 12 px there.
+pub(crate) const WIDTH: f64 = 336.0;
 
 /// Height of a line of text.
-pub(super) const LINE: f64 = 15.0;
+pub(super) const LINE: f64 = 16.0;
 
-/// A chart. `assets/charts.js` redraws it from its JSON form when the reader sets a filter.
-#[derive(Clone, Debug, Serialize)]
-#[serde(tag = "kind", rename_all = "lowercase")]
+/// The greatest width of the names of lanes and bars.
+pub(super) const WIDEST_NAME: f64 = 130.0;
+
+/// A chart. `assets/charts.js` hides the parts of hidden models and algorithms.
+#[derive(Clone, Debug)]
 pub(crate) enum Chart {
     Dots(Dots),
     Bars(Bars),
     Lines(Lines),
-    #[serde(skip)]
     Picture(Box<ModelPicture>),
 }
 
 /// A value that is drawn with the marker of an algorithm.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ChartPoint {
     /// The style of the algorithm.
     pub(crate) style: usize,
@@ -48,6 +50,8 @@ pub(crate) struct ChartPoint {
     pub(crate) name: String,
     /// The model, by which the page filters.
     pub(crate) model: Option<String>,
+    /// The algorithm, by which the page filters, unless it is that of the lane.
+    pub(crate) algorithm: Option<String>,
     pub(crate) value: Estimate,
     /// Whether only the outline of the marker is drawn.
     pub(crate) hollow: bool,
@@ -101,18 +105,32 @@ impl Chart {
     }
 }
 
+/// Starts a group of elements that the page hides together with an algorithm or a model.
+fn open_group(svg: &mut Svg, algorithm: Option<&str>, model: Option<&str>) {
+    let algorithm = algorithm.map(|name| ("data-algorithm", name.to_owned()));
+    let model = model.map(|name| ("data-model", name.to_owned()));
+    let attributes: Vec<_> = algorithm.into_iter().chain(model).collect();
+    svg.open("g", &attributes);
+}
+
+/// A marker with a name in a legend, and the algorithm with which the page hides it.
+type LegendEntry<'a> = (usize, bool, &'a str, Option<&'a str>);
+
 /// Draws a legend: markers with names, in lines of at most `width` with the top left corner at
 /// `at`. Returns its height.
-fn legend(svg: &mut Svg, at: [f64; 2], width: f64, names: &[(usize, bool, &str)]) -> f64 {
+fn legend(svg: &mut Svg, at: [f64; 2], width: f64, names: &[LegendEntry<'_>]) -> f64 {
     let [mut x, mut y] = at;
-    for (style, hollow, name) in names {
+    for (style, hollow, name, algorithm) in names {
+        let name = &fitted(name, width - 26.0);
         let wide = width_of(name) + 26.0;
         if x > at[0] && x + wide > at[0] + width {
             x = at[0];
             y += LINE;
         }
+        open_group(svg, *algorithm, None);
         draw_marker(svg, *style, *hollow, [x + 6.0, y + 7.5]);
         svg.text([x + 15.0, y + 11.5], "t", name);
+        svg.close();
         x += wide;
     }
     if names.is_empty() {
@@ -166,7 +184,25 @@ fn axis_below(svg: &mut Svg, scale: &Scale, label: &str, [top, bottom]: [f64; 2]
     draw_ticks(svg, scale, ends, "m", |x| [x, bottom + 13.0]);
     svg.line("axis", [scale.start(), bottom], [scale.end(), bottom]);
     let middle = f64::midpoint(scale.start(), scale.end());
-    svg.text([middle, bottom + 28.0], "m", label);
+    // A label that is longer than the axis stays in the chart.
+    let (label, most) = (&fitted(label, WIDTH - 8.0), WIDTH - 4.0);
+    let half = width_of(label) / 2.0;
+    svg.text(
+        [middle.clamp(4.0 + half, most - half), bottom + 28.0],
+        "m",
+        label,
+    );
+}
+
+/// Draws a line through points.
+fn polyline(svg: &mut Svg, class: &str, points: impl Iterator<Item = [f64; 2]>) {
+    let points: Vec<String> = points
+        .map(|[x, y]| format!("{},{}", px(x), px(y)))
+        .collect();
+    svg.leaf(
+        "polyline",
+        &[("class", class.to_owned()), ("points", points.join(" "))],
+    );
 }
 
 /// The number of colours that `chart.css` defines.

@@ -270,6 +270,7 @@ fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
         style,
         name: format!("paper, {}", known.model),
         model: None,
+        algorithm: None,
         value: Estimate {
             value: known.value,
             // The lower end must be above 0 on the logarithmic axis, also if the deviation exceeds
@@ -285,6 +286,7 @@ fn lane(pair: &Pair, setting: Setting<'_>) -> Lane {
         style,
         name: format!("here, {model}"),
         model: Some(model.clone()),
+        algorithm: None,
         value: ratio.value.into(),
         hollow: false,
     });

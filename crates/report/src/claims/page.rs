@@ -170,8 +170,11 @@ fn in_markdown(report: &ClaimsReport) -> String {
     let mut page = format!(
         "# The papers' claims, one by one\n\n{}\n{}\n\n{HOW_TO_READ}\n",
         digest(report),
-        markdown::table(&summary(report, |paper| format!("{}: {}", paper.paper, paper.title)))
-            .trim_end()
+        markdown::table(&summary(report, |paper| format!(
+            "{}: {}",
+            paper.paper, paper.title
+        )))
+        .trim_end()
     );
     page +=
         "Made by `geobench claims` from these results, whose suites are in `bench-configs`:\n\n";

@@ -10,13 +10,12 @@ pub(super) fn html(text: &str) -> String {
     let mut lines = text.lines().peekable();
     while let Some(line) = lines.next() {
         if line.starts_with("```") {
-            let code: Vec<&str> = lines
-                .by_ref()
-                .take_while(|l| !l.starts_with("```"))
-                .collect();
+            // Escaping makes one line of a text.
+            let code = lines.by_ref().take_while(|l| !l.starts_with("```"));
+            let code: Vec<String> = code.map(escape).collect();
             html += &format!(
                 "<pre tabindex=\"0\"><code>{}</code></pre>\n",
-                escape(&code.join("\n"))
+                code.join("\n")
             );
         } else if let Some(heading) = line.strip_prefix("### ") {
             html += &format!("<h3>{}</h3>\n", inline(heading));
@@ -85,12 +84,12 @@ mod tests {
 
     #[test]
     fn blocks_and_marks_become_html() {
-        let text = "One `a<b>`\nline, **strong** and [a *page*](method.html).\n\n- x\n  y\n- z\n\n```sh\ngeobench <x>\n```\n### Head";
+        let text = "One `a<b>`\nline, **strong** and [a *page*](method.html).\n\n- x\n  y\n- z\n\n```sh\ngeobench <x>\n  y\n```\n### Head";
         assert_eq!(
             html(text),
             "<p>One <code>a&lt;b&gt;</code> line, <b>strong</b> and <a href=\"method.html\">a *page*</a>.</p>\n\
              <ul class=\"prose\">\n<li>x y</li>\n<li>z</li>\n</ul>\n\
-             <pre tabindex=\"0\"><code>geobench &lt;x&gt;</code></pre>\n<h3>Head</h3>\n"
+             <pre tabindex=\"0\"><code>geobench &lt;x&gt;\n  y</code></pre>\n<h3>Head</h3>\n"
         );
     }
 

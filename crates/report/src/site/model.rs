@@ -122,7 +122,7 @@ pub(super) fn page(context: &Pages<'_>, model: &ModelRecord) -> Vec<Section> {
             let message = cell.message.as_deref().unwrap_or("differs");
             format!(
                 "- {}{error}: {message}\n",
-                one.label.replace(['[', '*', '`'], "")
+                context.title(one.program()).replace(['[', '*', '`'], "")
             )
         })
         .collect();

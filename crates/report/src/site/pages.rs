@@ -16,7 +16,7 @@ use super::measured::{Measurement, key};
 use super::records::{SiteRecord, SiteRecords};
 use crate::corpus::Corpus;
 use crate::page::document::{Section, SectionItem, slug};
-use crate::table::group::distinct;
+use crate::table::group::{by_key, distinct};
 use crate::table::{Column, Entry, Mark, Table};
 
 /// The most rows of a table. Pages stay below 500 KB.
@@ -204,6 +204,16 @@ impl<'r> Pages<'r> {
         of_model: bool,
     ) -> Vec<SectionItem> {
         let first = if of_model { "Program" } else { "Model" };
+        // Older ones of a machine are in the records.
+        let newest = by_key(measured, |one| {
+            let host = one.record.result.host_of(one.cells[0]);
+            (one.label, one.key(), self.records.machine(host))
+        });
+        let newest: Vec<&Measurement<'r>> = newest
+            .into_iter()
+            .filter_map(|(_, own)| own.into_iter().max_by_key(|one| &one.record.result.started))
+            .copied()
+            .collect();
         let row = |one: &&Measurement<'r>| {
             let dash = || "-".to_owned();
             let counters = one.cells.iter().map(|cell| &cell.counters);
@@ -249,13 +259,13 @@ impl<'r> Pages<'r> {
                 Entry::linked(one.record.date(), one.record.address()),
             ]
         };
-        let kept = &measured[..measured.len().min(MOST_ROWS)];
+        let kept = &newest[..newest.len().min(MOST_ROWS)];
         let table = Table {
             id: id.to_owned(),
             caption:
-                "Median times; ratios to vtp in the same run; errors against the reference of \
-                      the run; peak memory of the solver, of outside programs of the process. The \
-                      date leads to the record."
+                "Median times, the newest of each machine; ratios to vtp in the same run; errors \
+                 against the reference of the run; peak memory of the solver, of outside programs \
+                 of the process. The date leads to the record."
                     .to_owned(),
             ..Table::new(
                 [
@@ -269,7 +279,7 @@ impl<'r> Pages<'r> {
         };
         let mut items = vec![SectionItem::Table(table)];
         if kept.len() < measured.len() {
-            let rest = counted(measured.len() - kept.len(), "older measurement");
+            let rest = counted(measured.len() - kept.len(), "measurement");
             items.push(SectionItem::Text(format!("The records have {rest} more.")));
         }
         items

@@ -391,3 +391,10 @@ fn cuts_do_not_depend_on_other_defects() {
         assert!(file.surface(weld) == sheet, "{seed}: {:?}", file.faces);
     }
 }
+
+#[test]
+fn a_line_of_no_length_joins_nothing() {
+    let places = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3]];
+    let soup = io::polygons(places, [&[0, 1, 2][..], &[0, 3]]).unwrap();
+    assert_eq!(soup.copies, Vec::<[u32; 2]>::new());
+}

@@ -169,9 +169,11 @@ impl FaceList {
         self.corners.truncate(written);
     }
 
-    /// The sides of all polygons, each with the number of its face.
+    /// The sides of all polygons, each with the number of its face. Faces with fewer than three
+    /// corners are left out, so that they join nothing.
     fn sides(&self) -> impl Iterator<Item = ([u32; 2], u32)> {
         let faces = self.each().zip(0..);
+        let faces = faces.filter(|(outline, _)| outline.len() >= 3);
         faces.flat_map(|(outline, face)| {
             let next = outline.iter().cycle().skip(1);
             outline.iter().zip(next).map(move |(&a, &b)| ([a, b], face))

@@ -10,6 +10,7 @@ use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::io::{FileError, ReadOptions};
 use crate::junctions::Junctions;
 use crate::report::{InvalidMesh, Report};
+use crate::rows::Rows;
 use crate::soup::TriangleSoup;
 use crate::stand_ins::StandIns;
 
@@ -59,7 +60,7 @@ pub(crate) struct MeshData {
     pub(crate) tails: Vec<VertexId>,
     pub(crate) twins: Vec<u32>,
     pub(crate) lengths: Vec<f64>,
-    pub(crate) outgoing_starts: Vec<u32>,
+    pub(crate) outgoing_rows: Rows,
     pub(crate) outgoing: Vec<HalfEdgeId>,
     pub(crate) total_angles: Vec<f64>,
     pub(crate) flags: Vec<VertexFlags>,
@@ -400,9 +401,7 @@ impl Mesh {
     /// ends with the half-edge whose `prev` has no twin.
     #[inline]
     pub fn outgoing(&self, v: VertexId) -> &[HalfEdgeId] {
-        let i = v.index();
-        &self.data.outgoing
-            [self.data.outgoing_starts[i] as usize..self.data.outgoing_starts[i + 1] as usize]
+        &self.data.outgoing[self.data.outgoing_rows.range(v.index())]
     }
 
     /// The vertices joined to `v` by an edge, with the lengths of those edges; without repeats,

@@ -441,6 +441,7 @@ impl Refinement<'_> {
         let splice = Splice {
             vertex_count: mesh.vertex_count() + self.places.len(),
             face_count: mesh.face_count() + parents.len(),
+            undoes: false,
             faces: changed.into_iter().collect(),
             vertices,
             extremes,

@@ -32,15 +32,15 @@ impl Mesh {
         } else {
             vertices
         };
-        let out_ends = data.outgoing_starts.last().map_or(0, |&end| end as usize);
+        let rows = data.outgoing_rows.ranges();
+        let of_rows: usize = rows.map(|row| row.len()).sum();
         for (array, found, expected) in [
             ("positions", data.positions.len(), positions),
             ("tails", half_edges, 3 * self.face_count()),
             ("twins", data.twins.len(), half_edges),
             ("lengths", data.lengths.len(), half_edges),
-            ("outgoing_starts", data.outgoing_starts.len(), vertices + 1),
-            ("outgoing", data.outgoing.len(), half_edges),
-            ("outgoing of all vertices", out_ends, half_edges),
+            ("outgoing_rows", data.outgoing_rows.ranges().len(), vertices),
+            ("outgoing of all vertices", of_rows, half_edges),
             ("total_angles", data.total_angles.len(), vertices),
         ] {
             if found != expected {

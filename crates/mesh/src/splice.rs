@@ -16,6 +16,8 @@ use crate::mesh::{Extremes, Mesh, MeshData, NO_TWIN, VertexFlags};
 pub struct Splice {
     pub(crate) vertex_count: usize,
     pub(crate) face_count: usize,
+    /// Whether it undoes another one.
+    pub(crate) undoes: bool,
     pub(crate) faces: Vec<(FaceId, FaceData)>,
     pub(crate) vertices: Vec<(VertexId, VertexData)>,
     pub(crate) extremes: Extremes,
@@ -78,6 +80,12 @@ impl Splice {
         self.face_count
     }
 
+    /// Whether it undoes the last change of the mesh. Then [`Rows::put_back`](crate::Rows::put_back)
+    /// restores the rows of the vertices.
+    pub const fn undoes(&self) -> bool {
+        self.undoes
+    }
+
     /// The faces that change or are added, ascending. Neighbours of a split face are among them.
     pub fn faces(&self) -> impl ExactSizeIterator<Item = FaceId> + Clone {
         self.faces.iter().map(|entry| entry.0)
@@ -94,8 +102,8 @@ impl Mesh {
     /// Makes the change `splice`, which must have been made for this mesh. Returns the one that
     /// undoes it, bit for bit.
     ///
-    /// O(vertices + faces) at the rate of copying memory, and O(1) for each face of the change. The
-    /// data of a mesh of which there are clones are copied first.
+    /// Takes time in the size of the change. The data of a mesh of which there are clones are copied
+    /// first.
     ///
     /// ```
     /// use geobench_mesh::Mesh;
@@ -116,6 +124,7 @@ impl Mesh {
         let undo = Splice {
             vertex_count: vertices,
             face_count: faces,
+            undoes: !splice.undoes,
             faces: old_faces.map(|f| (f, FaceData::of(self, f))).collect(),
             vertices: old_vertices.map(|v| (v, VertexData::of(self, v))).collect(),
             extremes: self.data.extremes,
@@ -150,7 +159,6 @@ impl MeshData {
         }
         self.flags.resize(vertices, VertexFlags::default());
         self.total_angles.resize(vertices, 0.0);
-        let mut rows = Vec::with_capacity(splice.vertices.len());
         for (v, data) in &splice.vertices {
             let i = v.index();
             if let Some(position) = data.position {
@@ -158,92 +166,22 @@ impl MeshData {
             }
             self.flags[i] = data.flags;
             self.total_angles[i] = data.total_angle;
-            rows.push((i, data.outgoing.as_slice()));
         }
-        self.outgoing = with_rows(&self.outgoing_starts, &self.outgoing, vertices, &rows);
-        move_starts(
-            &mut self.outgoing_starts,
-            vertices,
-            rows.iter().map(|&(i, row)| (i, row.len())),
-        );
+        let old = splice.undoes.then(|| self.outgoing_rows.put_back(vertices));
+        if let Some(old) = old.flatten() {
+            self.outgoing.truncate(old);
+        } else {
+            let rows = splice.vertices.iter();
+            let lengths = rows.map(|(v, data)| (v.index(), data.outgoing.len()));
+            self.outgoing_rows
+                .replace(vertices, self.outgoing.len(), lengths);
+            for (_, data) in &splice.vertices {
+                self.outgoing.extend_from_slice(&data.outgoing);
+            }
+        }
         self.extremes = splice.extremes;
         if let Some(junctions) = &splice.junctions {
             self.junctions = junctions.clone();
         }
-    }
-}
-
-/// The values of `count` rows, where row i of `values` begins at `starts[i]`, with other content
-/// for `rows`, ascending. Rows that `values` lacks must be among them.
-pub fn with_rows<T: Copy>(
-    starts: &[u32],
-    values: &[T],
-    count: usize,
-    rows: &[(usize, &[T])],
-) -> Vec<T> {
-    let added: usize = rows.iter().map(|(_, row)| row.len()).sum();
-    let mut all = Vec::with_capacity(values.len() + added);
-    let start = |i: usize| starts.get(i).map_or(values.len(), |&start| start as usize);
-    let mut next = 0;
-    for &(i, row) in rows {
-        all.extend_from_slice(&values[start(next)..start(i)]);
-        all.extend_from_slice(row);
-        next = i + 1;
-    }
-    if next < count {
-        all.extend_from_slice(&values[start(next)..start(count)]);
-    }
-    all
-}
-
-/// Moves the starts of `count` rows to where they are once each row of `lengths`, ascending, has
-/// its new length. Rows that `starts` lacks must be among them.
-pub fn move_starts(
-    starts: &mut Vec<u32>,
-    count: usize,
-    lengths: impl Iterator<Item = (usize, usize)>,
-) {
-    let old = starts.len() - 1;
-    // Modulo 2^32: rows may also shrink.
-    let mut moved = 0_u32;
-    let mut next = 0;
-    let end = starts[old.min(count)];
-    starts.resize(count + 1, end);
-    let mut lengths = lengths.peekable();
-    while let Some((i, length)) = lengths.next() {
-        // The start of the row has been moved, its end has not.
-        let before = if i < old {
-            starts[i + 1].wrapping_sub(starts[i].wrapping_sub(moved))
-        } else {
-            0
-        };
-        let gap = lengths.peek().map_or(count + 1, |&(after, _)| after + 1);
-        if next == 0 {
-            next = i + 1;
-        }
-        moved = moved.wrapping_add(length as u32).wrapping_sub(before);
-        for start in &mut starts[next..gap] {
-            *start = start.wrapping_add(moved);
-        }
-        next = gap;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_grow_shrink_and_are_added_and_removed() {
-        let (mut starts, values) = (vec![0, 2, 3, 3, 5], vec![1, 2, 3, 4, 5]);
-        let rows: [(usize, &[i32]); 3] = [(1, &[6, 7, 8]), (3, &[9]), (4, &[10])];
-        let grown = with_rows(&starts, &values, 5, &rows);
-        assert_eq!(grown, [1, 2, 6, 7, 8, 9, 10]);
-        move_starts(&mut starts, 5, rows.iter().map(|(i, row)| (*i, row.len())));
-        assert_eq!(starts, [0, 2, 5, 5, 6, 7]);
-        let rows: [(usize, &[i32]); 2] = [(1, &[3]), (3, &[4, 5])];
-        assert_eq!(with_rows(&starts, &grown, 4, &rows), values);
-        move_starts(&mut starts, 4, rows.iter().map(|(i, row)| (*i, row.len())));
-        assert_eq!(starts, [0, 2, 3, 3, 5]);
     }
 }

@@ -4,9 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use geobench_mesh::{
-    FaceId, HalfEdgeId, Mesh, Numbering, Splice, VertexId, move_starts, threads, with_rows,
-};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, Rows, Splice, VertexId, threads};
 use geobench_window::Probe;
 use geobench_window::prefetch_line;
 use geobench_window::trimming::KeptWindows;
@@ -280,8 +278,8 @@ impl FacesAround {
 pub(crate) struct MeshLayout {
     pub(crate) faces: Vec<FaceLayout>,
     pub(crate) vertices: Vec<VertexFacts>,
-    /// Where the half-edges that start at each vertex begin in `rings`, counter-clockwise.
-    ring_starts: Vec<u32>,
+    /// Where the half-edges that start at each vertex stand in `rings`, counter-clockwise.
+    ring_rows: Rows,
     pub(crate) rings: Vec<u32>,
     /// The angle between each half-edge and the next one, in radians.
     pub(crate) angles: Vec<f32>,
@@ -360,7 +358,7 @@ impl MeshLayout {
         let mut layout = Self {
             faces,
             vertices,
-            ring_starts,
+            ring_rows: Rows::of_starts(&ring_starts),
             rings,
             angles,
             longest_edge: mesh.longest_edge(),
@@ -410,8 +408,8 @@ impl MeshLayout {
         FacesAround(faces.collect())
     }
 
-    /// Follows a change of the mesh, which is `mesh` now, between two runs. O(vertices + faces) at
-    /// the rate of copying memory.
+    /// Follows a change of the mesh, which is `mesh` now, between two runs. Takes time in the size of
+    /// the change.
     pub(crate) fn splice(
         &mut self,
         mesh: &Mesh,
@@ -435,26 +433,23 @@ impl MeshLayout {
             let ([layout], _) = FaceLayout::of(mesh, [face], vertex, number, &self.vertices);
             self.faces[number(face.half_edge(0)) as usize >> 2] = layout;
         }
-        let mut rows: Vec<(usize, Vec<u32>, Vec<f32>)> = splice
-            .vertices()
-            .map(|v| {
-                let outgoing = mesh.outgoing(v).iter();
-                let (ring, angles) = outgoing
-                    .map(|&h| {
-                        let angles = mesh.shapes([h.face()]).angles;
-                        (number(h), angles[h.corner() as usize][0] as f32)
-                    })
-                    .unzip();
-                (vertex(v) as usize, ring, angles)
-            })
-            .collect();
-        rows.sort_unstable_by_key(|row| row.0);
-        let rings: Vec<_> = rows.iter().map(|row| (row.0, row.1.as_slice())).collect();
-        let angles: Vec<_> = rows.iter().map(|row| (row.0, row.2.as_slice())).collect();
-        self.rings = with_rows(&self.ring_starts, &self.rings, vertex_count, &rings);
-        self.angles = with_rows(&self.ring_starts, &self.angles, vertex_count, &angles);
-        let lengths = rings.iter().map(|&(v, ring)| (v, ring.len()));
-        move_starts(&mut self.ring_starts, vertex_count, lengths);
+        let old = splice
+            .undoes()
+            .then(|| self.ring_rows.put_back(vertex_count));
+        if let Some(old) = old.flatten() {
+            self.rings.truncate(old);
+            self.angles.truncate(old);
+        } else {
+            let row = |v| (vertex(v) as usize, mesh.outgoing(v).len());
+            let lengths = splice.vertices().map(row);
+            self.ring_rows
+                .replace(vertex_count, self.rings.len(), lengths);
+            for &h in splice.vertices().flat_map(|v| mesh.outgoing(v)) {
+                let angles = mesh.shapes([h.face()]).angles;
+                self.rings.push(number(h));
+                self.angles.push(angles[h.corner() as usize][0] as f32);
+            }
+        }
         let half_edges = 4 * mesh.face_count();
         self.kept
             .splice(mesh, splice, half_edges, |h| number(h) as usize);
@@ -565,8 +560,7 @@ impl MeshLayout {
     /// The range of the half-edges that start at `v` in `rings` and `angles`.
     #[inline]
     pub(crate) fn ring_places(&self, v: u32) -> Range<usize> {
-        let v = v as usize;
-        self.ring_starts[v] as usize..self.ring_starts[v + 1] as usize
+        self.ring_rows.range(v as usize)
     }
 
     /// The half-edges that start at `v`, counter-clockwise.
@@ -600,7 +594,7 @@ mod tests {
                 let MeshLayout {
                     faces,
                     vertices,
-                    ring_starts,
+                    ring_rows,
                     rings,
                     angles,
                     by_distance,
@@ -608,7 +602,10 @@ mod tests {
                 } = layout;
                 let kept = (0..4 * faces.len()).map(|h| layout.kept.holds(h));
                 let kept: Vec<bool> = kept.collect();
-                let rest = format!("{ring_starts:?} {rings:?} {by_distance:?} {kept:?}");
+                let angles = ring_rows.ranges().map(|row| &angles[row]);
+                let angles: Vec<&[f32]> = angles.collect();
+                let rings: Vec<&[u32]> = ring_rows.ranges().map(|row| &rings[row]).collect();
+                let rest = format!("{rings:?} {by_distance:?} {kept:?}");
                 let faces = faces.iter().map(|f| format!("{f:.digits$?}"));
                 let faces: Vec<String> = faces.collect();
                 format!(

@@ -114,7 +114,8 @@
 //!   of every point after one solve, with paths, gradients and isolines.
 //! * [`VtpFast`], the fastest solver, and [`Pvtp`], the same on several threads.
 //! * [`solvers`]: all solvers, with the names of the papers.
-//! * [`Paths`]: the shortest paths to many vertices, from one run of a solver.
+//! * [`Paths`]: the shortest paths to many vertices, from one run of a solver. [`line`]: the
+//!   straightest geodesic in a given direction.
 //! * [`Diagram`]: geodesic Voronoi diagrams. [`remesh`]: new meshes; [`Quality`] and
 //!   [`SurfaceDeviation`] measure them. [`Certificate`]: proofs of distances.
 //! * [`Solver`]: the interface of all solvers. It also counts windows and samples phases.
@@ -165,7 +166,7 @@ pub use geobench_mesh::{
     InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined, SurfacePoint,
     TriangleSoup, VertexId, Weld, WeldError, generate, io,
 };
-pub use geobench_paths::{Path, PathError, PathPlace, Paths};
+pub use geobench_paths::{LineError, Path, PathError, PathPlace, Paths, line};
 pub use geobench_voronoi::{
     Diagram, Dual, FieldSolver, Quality, RemeshError, RemeshOptions, Remeshed, SurfaceDeviation,
     WindowVtp, remesh,

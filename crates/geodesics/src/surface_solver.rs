@@ -135,6 +135,38 @@ impl SurfaceSolver {
         })
     }
 
+    /// The shortest path from the first of `points` to the second, from there to the third, and so on;
+    /// if `closed` back to the first. `None` if no path leads from one to the next.
+    ///
+    /// ```
+    /// use geodesics::{Mesh, SurfaceSolver};
+    ///
+    /// let mesh = Mesh::generate("grid,n=4")?;
+    /// let mut solver = SurfaceSolver::new(&mesh);
+    /// let around = solver.path_through([0, 4, 24], true)?.expect("the grid is in one piece");
+    /// assert!((around.length - (8.0 + 32.0_f64.sqrt())).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`path`](Self::path). [`SolveError::NoSource`] for fewer than two points.
+    pub fn path_through(
+        &mut self,
+        points: impl Points,
+        closed: bool,
+    ) -> Result<Option<Path>, PathError> {
+        let mut points = points.into_points();
+        if points.len() < 2 {
+            return Err(SolveError::NoSource.into());
+        }
+        points.extend(closed.then(|| points[0]));
+        let pairs = points.windows(2);
+        let paths = pairs.map(|pair| self.path(pair[0], pair[1]));
+        let paths: Option<Vec<Path>> = paths.collect::<Result<_, PathError>>()?;
+        Ok(paths.map(Path::joined))
+    }
+
     fn insertion(&self, points: &[SurfacePoint]) -> Result<Insertion, SolveError> {
         self.mesh.insertion(points).map_err(not_on_the_mesh)
     }

@@ -34,11 +34,15 @@
 //! π on both sides, up to rounding; at an edge of several faces, on every way around the vertex
 //! from face to face. It crosses no face twice. If a vertex has several shortest paths, the path is
 //! the one that the solver found first.
+//!
+//! [`line`] follows a direction instead: the straightest geodesic from a point.
 
 mod lines;
 mod onto;
 mod path;
+mod straightest;
 mod trace;
 
 pub use path::{Path, PathPlace, Point};
+pub use straightest::{LineError, line};
 pub use trace::{PathError, Paths, TraceError};

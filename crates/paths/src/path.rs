@@ -1,6 +1,6 @@
 //! A path and its points.
 
-use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Place, SurfacePoint, VertexId};
 
 /// Where a point of a path lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +43,19 @@ impl Point {
             place: PathPlace::Vertex(v),
             face: corner.map(|h| h.face()),
             barycentric,
+        }
+    }
+
+    /// A point of the surface of `mesh`.
+    pub(crate) fn of(mesh: &Mesh, point: &SurfacePoint) -> Self {
+        match point.place() {
+            Place::Vertex(v) => Self::at_vertex(mesh, mesh.kept_vertex(v)),
+            Place::Edge(h, [_, t]) => Self::on_edge(h, [mesh.tail(h), mesh.head(h)], t),
+            Place::Face(face, barycentric) => Self {
+                place: PathPlace::Face,
+                face: Some(face),
+                barycentric,
+            },
         }
     }
 
@@ -92,7 +105,8 @@ impl Point {
     }
 }
 
-/// A shortest path.
+/// A path over the surface: a shortest path, several that follow each other, or a
+/// [`line`](crate::line).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
     /// Length, in the units of the mesh.
@@ -117,6 +131,34 @@ impl Path {
             PathPlace::Edge { ends, t } => Some((ends, t)),
             _ => None,
         })
+    }
+
+    /// The direction in which the path starts, a vector of length 1 in space; `None` if all points
+    /// are at one place, or `mesh` has no positions. From there [`line`](crate::line) follows a path
+    /// that passes no vertex.
+    pub fn start_direction(&self, mesh: &Mesh) -> Option<[f64; 3]> {
+        let mut points = self.points.iter();
+        let start = points.next()?.position(mesh)?;
+        points.find_map(|point| {
+            let end = point.position(mesh)?;
+            let way = [0, 1, 2].map(|k| end[k] - start[k]);
+            let length = way.iter().fold(0.0, |sum: f64, x| libm::hypot(sum, *x));
+            (length > 0.0).then(|| way.map(|x| x / length))
+        })
+    }
+
+    /// Paths that follow each other, each from the end of the one before, as one path.
+    pub fn joined(paths: impl IntoIterator<Item = Self>) -> Self {
+        let mut paths = paths.into_iter();
+        let mut all = paths.next().unwrap_or(Self {
+            length: 0.0,
+            points: Vec::new(),
+        });
+        for path in paths {
+            all.length += path.length;
+            all.points.extend(path.points.into_iter().skip(1));
+        }
+        all
     }
 
     /// The positions of the points, in order; empty if `mesh` has no positions.

@@ -1,4 +1,28 @@
-//! The `geobench` command: dispatch to commands, exit statuses, and errors as single lines.
+//! The command `geobench`: exact geodesic distances on triangle meshes, and benchmarks of the
+//! algorithms that find them.
+//!
+//! ```sh
+//! geobench distance gen:sphere,subdiv=4 --source 0 -o d.csv    # one distance field
+//! geobench run --algo mmp,vtp gen:torus,faces=5000             # times, counts, memory
+//! geobench verify bunny.ply                                    # do all algorithms agree?
+//! ```
+//!
+//! `docs/guide.md` describes every command. This crate is only the command line. The library is
+//! `geodesics`.
+//!
+//! | part | crate or module |
+//! |---|---|
+//! | options and output of each command | `commands`, a file for each |
+//! | sources, targets and pairs as users give them | `points` |
+//! | child processes, limits and outside programs | `isolation` |
+//! | progress, tables and warnings on the terminal | `progress`, `terminal` |
+//! | plans, runs, measurements and the result file | `geobench_harness` |
+//! | tables, documents, comparisons and histories | `geobench_report` |
+//! | files of distances, paths, isolines and diagrams | `geobench_export` |
+//!
+//! This file dispatches to the commands and turns what they return into exit statuses: 0 done and
+//! every check passed, 1 a check or a cell failed, 2 wrong usage or unreadable input, 130
+//! interrupted. An error is a single line on standard error.
 
 mod args;
 mod commands;

@@ -8,7 +8,37 @@
 //! distance. Only the queue and a record for each angle and vertex are stored, so memory is the
 //! peak of the queue.
 //!
-//! ICH takes O(n² log n) time for n faces in the worst case, and O(n²) space.
+//! # Example
+//!
+//! [`ich_fast`] finds the distances of all vertices; every function returns a solver that is set up
+//! once:
+//!
+//! ```
+//! use geobench_ich::ich_fast;
+//! use geobench_mesh::Mesh;
+//! use geobench_window::Solver;
+//!
+//! let mesh = Mesh::generate("sphere,subdiv=3")?;
+//! let mut solver = ich_fast(&mesh);
+//! let from_pole = solver.distances_from(0)?;
+//! let nearest_of_two = solver.distances_from([0, 100])?;
+//! assert!(nearest_of_two.iter().zip(&from_pole).all(|(both, one)| both <= one));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Which one
+//!
+//! | function | windows are taken | time and space in the worst case |
+//! |---|---|---|
+//! | [`ch`] | breadth first, none is filtered | O(n²), O(n) |
+//! | [`ich1`] | breadth first, filtered | O(n²), O(n) |
+//! | [`ich`] | by least distance, filtered | O(n² log n), O(n²) |
+//! | [`ich_fast`] | the same, eight at a time from a calendar queue | the same |
+//! | [`Pch`] | the same, many at a time on several threads | the same |
+//!
+//! n is the number of faces. [`Splitting`] is the policy of all but [`Pch`]: what happens to a
+//! window. The order is a [`Discipline`] of `geobench_window`, so that `geobench-fwp` makes FWP-CH
+//! and LC-CH of the same policy. All find the same distances, exact up to rounding.
 
 mod angle;
 mod parallel;

@@ -14,10 +14,10 @@ pub struct DistanceFile<'a> {
     pub model: &'a str,
     /// Name of the algorithm.
     pub algorithm: &'a str,
-    /// The sources. Distances are measured from the nearest one.
+    /// The sources. Distances are measured from the nearest one, but in pairs.
     pub sources: &'a [SourceLabel],
-    /// The targets; `None` for all vertices.
-    pub targets: Option<&'a [SourceLabel]>,
+    /// The targets.
+    pub targets: FieldTargets<'a>,
     /// Longer distances are infinite.
     pub radius: Option<f64>,
     /// The mesh.
@@ -25,6 +25,27 @@ pub struct DistanceFile<'a> {
     /// Distance of each vertex in the file's order, or of each target; infinite where no path
     /// leads, or none within the radius.
     pub distances: &'a [f64],
+}
+
+/// The points whose distances a file has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FieldTargets<'a> {
+    /// All vertices.
+    Vertices,
+    /// These.
+    Points(&'a [SourceLabel]),
+    /// One for each source, from which its distance is measured.
+    Pairs(&'a [SourceLabel]),
+}
+
+impl<'a> FieldTargets<'a> {
+    /// The targets; `None` for all vertices.
+    pub const fn labels(self) -> Option<&'a [SourceLabel]> {
+        match self {
+            Self::Vertices => None,
+            Self::Points(labels) | Self::Pairs(labels) => Some(labels),
+        }
+    }
 }
 
 /// A file format for matrices of distances.
@@ -85,8 +106,8 @@ pub(crate) fn csv_word(label: &SourceLabel) -> String {
 /// A file format for distance fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldFormat {
-    /// `vertex,distance`, one line for each vertex, or `target,distance`; `inf` where no path
-    /// leads.
+    /// `vertex,distance`, one line for each vertex, or `target,distance`, or
+    /// `source,target,distance`; `inf` where no path leads.
     Csv,
     /// The distances with their sources and the number of unreachable vertices, which are `null`.
     Json,
@@ -145,7 +166,7 @@ impl FieldFormat {
 /// parallel.
 fn csv(field: &DistanceFile<'_>) -> Vec<u8> {
     use std::fmt::Write;
-    let Some(targets) = field.targets else {
+    let Some(targets) = field.targets.labels() else {
         let lines = threads::each(threads::ranges(field.distances.len(), 1), |range| {
             const LINE: usize = 28; // Of at most seven digits and seventeen more.
             let mut text = String::with_capacity(LINE * (range.len() + 1));
@@ -167,8 +188,14 @@ fn csv(field: &DistanceFile<'_>) -> Vec<u8> {
             .reduce(|a, b| [a, b].concat())
             .unwrap_or_default();
     };
-    let mut text = "target,distance\n".to_owned();
-    for (target, distance) in targets.iter().zip(field.distances) {
+    let of_pairs = matches!(field.targets, FieldTargets::Pairs(_));
+    let mut text = if of_pairs { "source," } else { "" }.to_owned();
+    text += "target,distance\n";
+    for (i, (target, distance)) in targets.iter().zip(field.distances).enumerate() {
+        if let Some(source) = field.sources.get(i).filter(|_| of_pairs) {
+            text += &csv_word(source);
+            text.push(',');
+        }
         let _ = writeln!(text, "{},{distance}", csv_word(target));
     }
     text.into_bytes()
@@ -202,6 +229,9 @@ struct DistanceDocument<'a> {
     model: &'a str,
     algorithm: &'a str,
     sources: &'a [SourceLabel],
+    /// Whether each distance is that of a source and the target at the same place.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pairs: bool,
     /// Null for no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     radius: Option<f64>,
@@ -248,7 +278,8 @@ fn json(field: &DistanceFile<'_>) -> anyhow::Result<Vec<u8>> {
         sources: field.sources,
         radius: field.radius,
         vertices: field.mesh.vertex_count(),
-        targets: field.targets,
+        pairs: matches!(field.targets, FieldTargets::Pairs(_)),
+        targets: field.targets.labels(),
         unreachable: distances.iter().filter(|d| d.is_none()).count(),
         distances,
     };
@@ -355,7 +386,7 @@ fn vtk(field: &DistanceFile<'_>) -> Vec<u8> {
 /// Nine evenly spaced colours of a ramp from dark blue over green to yellow (after "viridis"). Its
 /// lightness increases steadily, so it is readable in greyscale and with most kinds of colour
 /// blindness.
-pub const RAMP: [[u8; 3]; 9] = [
+pub(crate) const RAMP: [[u8; 3]; 9] = [
     [68, 1, 84],
     [71, 44, 122],
     [59, 81, 139],
@@ -414,7 +445,7 @@ mod tests {
             model: "t",
             algorithm: "mmp",
             sources: &[SourceLabel::Vertex(0)],
-            targets: None,
+            targets: FieldTargets::Vertices,
             radius: None,
             mesh: &mesh,
             distances: &[0.0, 3.0, 4.0, f64::INFINITY],
@@ -481,7 +512,7 @@ mod tests {
         });
         with_field(|field| {
             let field = DistanceFile {
-                targets: Some(&targets),
+                targets: FieldTargets::Points(&targets),
                 radius: Some(3.5),
                 distances: &[2.5, f64::INFINITY],
                 ..*field
@@ -502,6 +533,20 @@ mod tests {
                 (&json["vertices"], &json["radius"]),
                 (&4.into(), &3.5.into())
             );
+
+            let sources = [7, 8].map(SourceLabel::Vertex);
+            let field = DistanceFile {
+                sources: &sources,
+                targets: FieldTargets::Pairs(&targets),
+                ..field
+            };
+            let csv = String::from_utf8(FieldFormat::Csv.render(&field).unwrap()).unwrap();
+            let lines = "7,\"face:0,0.5,0.25,0.25\",2.5\n8,1,inf\n";
+            assert_eq!(csv, format!("source,target,distance\n{lines}"));
+            let json = FieldFormat::Json.render(&field).unwrap();
+            let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
+            assert_eq!(json["pairs"], true);
+            assert_eq!(json["sources"], serde_json::json!([7, 8]));
         });
     }
 

@@ -1,21 +1,25 @@
 //! Locates the sources and targets of a command on a mesh.
 
-use anyhow::Context;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, anyhow};
 use clap::Args;
-use geobench_harness::exec::goal::GoalSpec;
 use geobench_harness::exec::model::{largest_component, surface_components};
+use geobench_harness::exec::point_files::{Pair, pairs_in};
 use geobench_harness::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
-use geobench_harness::plan::suite::options::{GoalOptions, SourceOption, WantedTarget};
+use geobench_harness::plan::suite::options::{GoalOptions, SourceOption, TargetOption, Wanted};
 use geobench_harness::schema::SourceLabel;
 use geobench_harness::usage::read_text;
 use geobench_mesh::{Mesh, Refined, SurfacePoint, VertexId};
-use geobench_window::Goal;
 
 use crate::terminal;
 
 /// Sources of a command on one model.
 #[derive(Args, Debug)]
-#[command(mut_arg("source", |source| source.required(true).help(SOURCES_HELP)))]
+#[command(mut_arg("source", |source| {
+    source.required_unless_present("sources").help(SOURCES_HELP)
+}))]
 pub(crate) struct SourcesOptions {
     #[command(flatten)]
     source: SourceOption,
@@ -29,10 +33,49 @@ const SOURCES_HELP: &str = "The source: first, largest (the first vertex of the 
     be repeated. Of several sources the nearest counts";
 
 impl SourcesOptions {
-    /// All sources, each once. A note names those given twice.
-    pub(crate) fn all(&self) -> SourceSpec {
-        self.far
-            .sources(distinct(self.source.source.iter().flatten()))
+    /// The sources of the options and of the sources file, where `-` is standard input. A note
+    /// names those given twice.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read, has no sources, or has a line that is not a source.
+    pub(crate) fn all(&self) -> anyhow::Result<Vec<Wanted<SourceSpec>>> {
+        let all = self.source.wanted(read_text)?;
+        distinct(all.iter().map(|(source, _)| source));
+        let all = all.into_iter();
+        let all = all.map(|(source, place)| (self.far.sources(source), place));
+        Ok(all.collect())
+    }
+
+    /// The sources file.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        self.source.file()
+    }
+}
+
+/// Pairs of points in place of sources and targets.
+#[derive(Args, Debug)]
+pub(crate) struct PairsOption {
+    /// The distances between pairs of points, from a file with a source and a target in each line,
+    /// as in 0,17 or 0,"face:3,0.2,0.3,0.5"
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["source", "sources", "target", "targets"])]
+    pub(crate) pairs: Option<PathBuf>,
+}
+
+impl PairsOption {
+    /// The pairs of the file, where `-` is standard input.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read, has no pairs, or has a line that is not a pair.
+    pub(crate) fn read(&self, far: FarOption) -> anyhow::Result<Option<Vec<Pair>>> {
+        let Some(path) = &self.pairs else {
+            return Ok(None);
+        };
+        let text = read_text(path).map_err(|error| anyhow!("{}: {error}", path.display()))?;
+        let pairs = pairs_in(path, &text)?.into_iter();
+        let pairs = pairs.map(|(points, place)| (points.map(|point| far.point(point)), place));
+        Ok(Some(pairs.collect()))
     }
 }
 
@@ -58,14 +101,21 @@ impl FarOption {
         if self.far { target.even_far() } else { target }
     }
 
-    /// The targets of `goal` and of its file, where `-` is standard input. `None` if there are
-    /// none, which means all vertices.
+    const fn point(self, point: PointSpec) -> PointSpec {
+        if self.far { point.even_far() } else { point }
+    }
+
+    /// The targets of the options and of their file, where `-` is standard input. `None` if there
+    /// are none, which means all vertices.
     ///
     /// # Errors
     ///
     /// If the file cannot be read, has no targets, or has a line that is not a target.
-    pub(crate) fn targets(self, goal: &GoalOptions) -> anyhow::Result<Option<Vec<WantedTarget>>> {
-        let all = goal.wanted(read_text)?.into_iter();
+    pub(crate) fn targets(
+        self,
+        options: &TargetOption,
+    ) -> anyhow::Result<Option<Vec<Wanted<TargetSpec>>>> {
+        let all = options.wanted(read_text)?.into_iter();
         let all = all.map(|(target, place)| (self.target(target), place));
         Ok(Some(all.collect()).filter(|all: &Vec<_>| !all.is_empty()))
     }
@@ -103,47 +153,77 @@ pub(crate) struct LocatedPoints {
 }
 
 impl LocatedPoints {
-    /// Locates the sources and the targets `wanted`, which are `None` for all vertices. `model` is
-    /// the name of the mesh in messages.
+    /// Locates the sources, each once, and the targets, which are `None` for all vertices. `model`
+    /// is the name of the mesh in messages.
     ///
     /// # Errors
     ///
     /// If a point does not exist.
     pub(crate) fn new(
         mesh: &Mesh,
-        sources: &SourceSpec,
-        wanted: Option<&[WantedTarget]>,
+        sources: &[Wanted<SourceSpec>],
+        targets: Option<&[Wanted<TargetSpec>]>,
         model: &str,
     ) -> anyhow::Result<Self> {
         let vertices = mesh.vertex_count();
+        let first = || largest_component(mesh).map_or(0, |largest| largest.first);
+        let mut from = Vec::new();
+        let mut seen = HashSet::new();
+        for (source, line) in sources {
+            let place = line.as_deref().unwrap_or(model);
+            let points = source.with_largest(first).points(vertices);
+            let mut points = points.with_context(|| place.to_owned())?;
+            if sources.len() > 1 {
+                points.retain(|point| seen.insert(point.to_string()));
+            }
+            from.extend(points.into_iter().map(|point| (point, place)));
+        }
+        let mut to = Vec::new();
+        for (target, line) in targets.into_iter().flatten() {
+            let place = line.as_deref().unwrap_or(model);
+            let points = target.points(vertices).with_context(|| place.to_owned())?;
+            to.extend(points.into_iter().map(|point| (point, place)));
+        }
+        let count = from.len();
+        let all = from.into_iter().chain(to);
+        Self::located(mesh, all, count, targets.is_some())
+    }
+
+    /// Locates the points of `pairs`: as many sources as targets.
+    ///
+    /// # Errors
+    ///
+    /// If a point does not exist.
+    pub(crate) fn of_pairs(mesh: &Mesh, pairs: &[Pair]) -> anyhow::Result<Self> {
+        let ends = |end: usize| pairs.iter().map(move |(pair, line)| (pair[end], &**line));
+        Self::located(mesh, ends(0).chain(ends(1)), pairs.len(), true)
+    }
+
+    /// Locates points, each with its place in messages: the `sources` first ones are sources, the
+    /// others targets, unless all vertices are.
+    fn located<'p>(
+        mesh: &Mesh,
+        points: impl Iterator<Item = (PointSpec, &'p str)>,
+        sources: usize,
+        has_targets: bool,
+    ) -> anyhow::Result<Self> {
         let mut locator = Locator::new(mesh);
         let mut notes = Vec::new();
         let mut places: Vec<SurfacePoint> = Vec::new();
-        let mut locate = |points: Vec<PointSpec>| -> anyhow::Result<Vec<SourceLabel>> {
-            for &point in &points {
-                let found = locator.locate(point)?;
-                notes.extend(found.note());
-                places.push(found.point);
-            }
-            Ok(points.iter().map(PointSpec::label).collect())
-        };
-        let first = || largest_component(mesh).map_or(0, |largest| largest.first);
-        let sources = sources.with_largest(first).points(vertices);
-        let sources = sources.map_err(anyhow::Error::new);
-        let sources = sources.and_then(&mut locate);
-        let sources = sources.with_context(|| model.to_owned())?;
         let mut labels = Vec::new();
-        for (target, place) in wanted.into_iter().flatten() {
-            let found = target.points(vertices).map_err(anyhow::Error::new);
-            let found = found.and_then(&mut locate);
-            let place = || place.clone().unwrap_or_else(|| model.to_owned());
-            labels.extend(found.with_context(place)?);
+        for (point, place) in points {
+            let found = locator.locate(point);
+            let found = found.with_context(|| place.to_owned())?;
+            notes.extend(found.note());
+            places.push(found.point);
+            labels.push(point.label());
         }
         let refined = mesh.with_points(&places)?;
-        let (from, to) = refined.vertices.split_at(sources.len());
+        let of_targets = labels.split_off(sources);
+        let (from, to) = refined.vertices.split_at(sources);
         Ok(Self {
-            sources: sources.into_iter().zip(from.iter().copied()).collect(),
-            targets: wanted.is_some().then(|| (labels, to.to_vec())),
+            sources: labels.into_iter().zip(from.iter().copied()).collect(),
+            targets: has_targets.then(|| (of_targets, to.to_vec())),
             notes,
             places,
             refined,
@@ -163,14 +243,9 @@ impl LocatedPoints {
             .collect()
     }
 
-    /// The goal of a solver: the distances of the targets, or of all vertices without targets, up
-    /// to `radius`.
-    pub(crate) fn goal(&self, radius: Option<f64>) -> Goal {
-        let goal = GoalSpec {
-            targets: None,
-            radius,
-        };
-        goal.of_solver(self.targets.as_ref().map(|(_, vertices)| &vertices[..]))
+    /// The vertices of the targets; `None` for all vertices.
+    pub(crate) fn target_vertices(&self) -> Option<&[VertexId]> {
+        self.targets.as_ref().map(|(_, vertices)| &vertices[..])
     }
 
     /// Says on standard error where points were found, and how much of the model is connected with

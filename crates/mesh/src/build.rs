@@ -9,7 +9,7 @@ use crate::ids::{HalfEdgeId, VertexId};
 use crate::junctions::Junctions;
 use crate::mesh::{Extremes, Mesh, MeshData, VertexFlags};
 use crate::precision::SLIVER_HEIGHT;
-use crate::rows::Rows;
+use crate::rows::RowTable;
 use crate::stand_ins::StandIns;
 
 /// Excess angle in radians that a vertex may have without being a saddle. Ignoring an excess of δ
@@ -38,7 +38,7 @@ pub(crate) fn build(
             .collect(),
         twins,
         lengths: lengths.into_flattened(),
-        outgoing_rows: Rows::default(),
+        outgoing_rows: RowTable::default(),
         outgoing: Vec::new(),
         total_angles: Vec::new(),
         flags: vec![VertexFlags::default(); vertex_count],
@@ -169,7 +169,7 @@ fn link_fans(mesh: &mut Mesh) {
         flags.pinched = count > 1;
     }
     let data = data_of(mesh);
-    data.outgoing_rows = Rows::of_starts(&starts);
+    data.outgoing_rows = RowTable::of_starts(&starts);
     data.outgoing = outgoing;
     data.total_angles = angles;
     data.flags = all_flags;

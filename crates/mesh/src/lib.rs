@@ -76,7 +76,7 @@ pub use point::{Place, PointError, SurfacePoint};
 pub use random::SplitMix64;
 pub use refine::{Insertion, Motion, Refined};
 pub use report::{DefectSummary, InvalidMesh, Report};
-pub use rows::Rows;
+pub use rows::RowTable;
 pub use soup::TriangleSoup;
 pub use splice::Splice;
 pub use suggestion::did_you_mean;

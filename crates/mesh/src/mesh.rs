@@ -10,7 +10,7 @@ use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::io::{FileError, ReadOptions};
 use crate::junctions::Junctions;
 use crate::report::{InvalidMesh, Report};
-use crate::rows::Rows;
+use crate::rows::RowTable;
 use crate::soup::TriangleSoup;
 use crate::stand_ins::StandIns;
 
@@ -60,7 +60,7 @@ pub(crate) struct MeshData {
     pub(crate) tails: Vec<VertexId>,
     pub(crate) twins: Vec<u32>,
     pub(crate) lengths: Vec<f64>,
-    pub(crate) outgoing_rows: Rows,
+    pub(crate) outgoing_rows: RowTable,
     pub(crate) outgoing: Vec<HalfEdgeId>,
     pub(crate) total_angles: Vec<f64>,
     pub(crate) flags: Vec<VertexFlags>,

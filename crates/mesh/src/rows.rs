@@ -6,7 +6,7 @@ use std::ops::Range;
 /// vertex. Rows can be replaced and put back in O(1) each: a new row is appended to the values, and
 /// the old one stays where it is.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Rows {
+pub struct RowTable {
     ranges: Vec<[u32; 2]>,
     /// What [`replace`](Self::replace) has replaced, and nothing has put back.
     replaced: Vec<Replaced>,
@@ -20,7 +20,7 @@ struct Replaced {
     ranges: Vec<(usize, [u32; 2])>,
 }
 
-impl Rows {
+impl RowTable {
     /// Rows that follow each other: row i is from `starts[i]` to `starts[i + 1]`.
     pub fn of_starts(starts: &[u32]) -> Self {
         let ranges = starts.windows(2).map(|pair| [pair[0], pair[1]]);
@@ -91,8 +91,8 @@ mod tests {
     #[test]
     fn rows_are_replaced_added_removed_and_put_back() {
         let mut values = vec![1, 2, 3, 4, 5];
-        let mut rows = Rows::of_starts(&[0, 2, 3, 3, 5]);
-        let content = |rows: &Rows, values: &[i32]| -> Vec<Vec<i32>> {
+        let mut rows = RowTable::of_starts(&[0, 2, 3, 3, 5]);
+        let content = |rows: &RowTable, values: &[i32]| -> Vec<Vec<i32>> {
             rows.ranges().map(|range| values[range].to_vec()).collect()
         };
         let first = content(&rows, &values);

@@ -25,7 +25,7 @@ use crate::inspection::component_sizes;
 use crate::junctions::Junctions;
 use crate::mesh::{Extremes, Mesh, MeshData, NO_TWIN, VertexFlags};
 use crate::precision::SLIVER_HEIGHT;
-use crate::rows::Rows;
+use crate::rows::RowTable;
 use crate::soup::TriangleSoup;
 use crate::stand_ins::StandIns;
 use crate::threads;
@@ -108,7 +108,7 @@ impl Sound {
             tails: tails.map(VertexId::new).collect(),
             twins: self.twins,
             lengths: self.lengths.into_flattened(),
-            outgoing_rows: Rows::of_starts(&self.outgoing_starts),
+            outgoing_rows: RowTable::of_starts(&self.outgoing_starts),
             outgoing: self.outgoing,
             total_angles: self.total_angles,
             flags: self.flags,

@@ -80,8 +80,8 @@ impl Splice {
         self.face_count
     }
 
-    /// Whether it undoes the last change of the mesh. Then [`Rows::put_back`](crate::Rows::put_back)
-    /// restores the rows of the vertices.
+    /// Whether it undoes the last change of the mesh. Then
+    /// [`RowTable::put_back`](crate::RowTable::put_back) restores the rows of the vertices.
     pub const fn undoes(&self) -> bool {
         self.undoes
     }

@@ -42,7 +42,7 @@ pub enum LineError {
 /// A ray in the plane of a face, in the frame of one of its half-edges: its tail is the origin, its
 /// head on the positive x-axis, and the face above it.
 #[derive(Clone, Copy, Debug)]
-struct Ray {
+struct Heading {
     h: HalfEdgeId,
     from: [f64; 2],
     /// Of length 1.
@@ -50,7 +50,7 @@ struct Ray {
 }
 
 /// Where a ray leaves its face.
-enum Leaving {
+enum LineExit {
     /// At the vertex from which this half-edge of the face starts.
     Vertex(HalfEdgeId),
     /// Through this half-edge of the face, at the fraction of the way from its tail.
@@ -138,11 +138,11 @@ pub fn line(
         }
         left -= way;
         let next = match leaving {
-            Leaving::Vertex(h) => {
+            LineExit::Vertex(h) => {
                 points.push(Point::at_vertex(mesh, mesh.tail(h)));
                 ray.around_vertex(mesh, h)
             }
-            Leaving::Edge(h, t) => {
+            LineExit::Edge(h, t) => {
                 points.push(Point::on_edge(h, [mesh.tail(h), mesh.head(h)], t));
                 ray.across(mesh, h, t)
             }
@@ -160,7 +160,7 @@ pub fn line(
 
 /// The ray from `start` whose direction is closest to `direction`; `None` if that is perpendicular to
 /// all faces there or away from them.
-fn towards(mesh: &Mesh, start: &SurfacePoint, direction: [f64; 3]) -> Option<Ray> {
+fn towards(mesh: &Mesh, start: &SurfacePoint, direction: [f64; 3]) -> Option<Heading> {
     // Half-edges in whose frames the start is, its place there, and the angle of the directions into
     // the face, from that of the half-edge on.
     let mut rooms: Vec<(HalfEdgeId, [f64; 2], Option<f64>)> = Vec::new();
@@ -201,7 +201,7 @@ fn towards(mesh: &Mesh, start: &SurfacePoint, direction: [f64; 3]) -> Option<Ray
             (Some(_), Some([_, b])) => b,
             _ => unit([x, y]),
         };
-        let ray = Ray { h, from, direction };
+        let ray = Heading { h, from, direction };
         let closeness = dot(direction, [x, y]);
         (closeness > SNAP).then_some((closeness, ray))
     });
@@ -242,9 +242,9 @@ fn next_around(mesh: &Mesh, h: HalfEdgeId) -> Option<HalfEdgeId> {
     mesh.twin(h.prev())
 }
 
-impl Ray {
+impl Heading {
     /// The length of the ray in its face, and where it leaves the face.
-    fn leave(&self, mesh: &Mesh) -> (f64, Leaving) {
+    fn leave(&self, mesh: &Mesh) -> (f64, LineExit) {
         let Self { h, from, direction } = *self;
         let sides = [h, h.next(), h.prev()];
         let corners = [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)];
@@ -255,20 +255,20 @@ impl Ray {
         let ahead = (0..3).filter(|&k| ways[k] > snap);
         let hit = ahead.clone().filter(|&k| offs[k].abs() <= snap);
         if let Some(k) = hit.min_by(|&a, &b| ways[a].total_cmp(&ways[b])) {
-            return (ways[k], Leaving::Vertex(sides[k]));
+            return (ways[k], LineExit::Vertex(sides[k]));
         }
         for k in 0..3 {
             let next = (k + 1) % 3;
             if offs[k] < 0.0 && offs[next] > 0.0 {
                 let t = offs[k] / (offs[k] - offs[next]);
                 let way = (1.0 - t) * ways[k] + t * ways[next];
-                return (way.max(0.0), Leaving::Edge(sides[k], t));
+                return (way.max(0.0), LineExit::Edge(sides[k], t));
             }
         }
         // By rounding the ray leaves no side: it passes beside a corner of a thin face.
         let nearest = ahead.min_by(|&a, &b| offs[a].abs().total_cmp(&offs[b].abs()));
         let k = nearest.unwrap_or(0);
-        (ways[k].max(0.0), Leaving::Vertex(sides[k]))
+        (ways[k].max(0.0), LineExit::Vertex(sides[k]))
     }
 
     /// The direction in the frame of another half-edge of the face.

@@ -319,7 +319,7 @@ impl Values {
     }
 
     /// The value of an integer parameter; `None` if it is a word.
-    pub fn integer_or_word(&self, parameter: &Parameter) -> Option<u64> {
+    pub(crate) fn integer_or_word(&self, parameter: &Parameter) -> Option<u64> {
         match self.get(parameter) {
             Value::Integer(n) => Some(n),
             Value::Real(_) | Value::Word(_) => None,
@@ -327,7 +327,7 @@ impl Values {
     }
 
     /// The value of a real parameter; `None` if it is a word.
-    pub fn real_or_word(&self, parameter: &Parameter) -> Option<f64> {
+    pub(crate) fn real_or_word(&self, parameter: &Parameter) -> Option<f64> {
         match self.get(parameter) {
             Value::Real(x) => Some(x),
             Value::Integer(_) | Value::Word(_) => None,

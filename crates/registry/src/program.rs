@@ -88,7 +88,7 @@ pub struct Call<'c> {
 
 impl Program {
     /// Whether its command has the placeholder of the number of threads.
-    pub fn takes_threads(&self) -> bool {
+    pub(crate) fn takes_threads(&self) -> bool {
         self.command.iter().any(|word| word.contains("{threads}"))
     }
 
@@ -160,7 +160,7 @@ impl Programs {
 
     /// The full names that `name` selects: itself, or, if its parameters have several values, the
     /// name of each combination, in the order of the file.
-    pub fn meant_by(&self, name: &str) -> Vec<String> {
+    pub(crate) fn meant_by(&self, name: &str) -> Vec<String> {
         if self.called(name).is_some() {
             return vec![name.to_owned()];
         }

@@ -108,7 +108,11 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     let run = run_options(&words)?;
     let all = possible_plans(&run)?;
     let files = run.input_files(&all);
-    let Plans { plans, notes, .. } = all;
+    let Plans {
+        plans,
+        notes,
+        point_files,
+    } = all;
     let open = plans.iter().any(|plan| plan.sources.has_all());
     let units: u128 = plans.iter().map(Plan::units).sum();
     if !open && units < u128::from(parts) {
@@ -120,7 +124,7 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     directory.create()?;
     let program = std::env::current_exe().context("cannot tell the path of this program")?;
     let here = std::env::current_dir().context("cannot tell the current directory")?;
-    let fixed = fixed(&run, &plans);
+    let fixed = fixed(&run, &plans, &point_files);
     let placement = ClusterFiles::find(directory, &program, &here, &files, fixed.as_deref())?;
     let mut resources = Resources::of(&plans, parts);
     // `Resources::of` assumes one cell at a time; `--jobs` cells run concurrently.
@@ -204,15 +208,16 @@ fn run_options(words: &[String]) -> anyhow::Result<RunOptions> {
 }
 
 /// What the parts need besides the files that they read, and no copy of these would find.
-fn fixed(run: &RunOptions, plans: &[Plan]) -> Option<String> {
+fn fixed(run: &RunOptions, plans: &[Plan], point_files: &[PathBuf]) -> Option<String> {
     let mut algorithms = plans.iter().flat_map(|plan| &plan.algorithms);
     if let Some(outside) = algorithms.find(|algorithm| algorithm.program().is_some()) {
         return Some(format!("the outside program {}", outside.label()));
     }
-    let goal = &run.settings.goal;
-    let from_options = goal.targets.is_some() || goal.target.target.is_some();
-    let has_targets = plans.iter().any(|plan| plan.goal.targets.is_some());
-    (has_targets && !from_options).then(|| "the targets of the suite".to_owned())
+    // The suite names its files relative to itself.
+    let settings = &run.settings;
+    let named = [settings.source.file(), settings.goal.target.file()];
+    let of_suite = point_files.iter().find(|file| !named.contains(&Some(file)));
+    of_suite.map(|file| format!("{}, a file of the suite", file.display()))
 }
 
 /// Describes the resources that each job requests.

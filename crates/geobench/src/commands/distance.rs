@@ -1,5 +1,6 @@
 //! `geobench distance`.
 
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -9,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use anyhow::{Context, bail};
 use clap::Args;
 use geobench_export::FileFormat;
-use geobench_export::distances::{DistanceFile, FieldFormat, MatrixFormat};
+use geobench_export::distances::{DistanceFile, FieldFormat, FieldTargets, MatrixFormat};
 use geobench_export::output::{OutputFile, check_files};
 use geobench_harness::exec::expected::file_word;
 use geobench_harness::plan::suite::options::{
@@ -24,7 +25,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelI
 
 use crate::args::{AlgorithmOption, MODELS_HELP, QuietOption};
 use crate::isolation::ReadingOptions;
-use crate::points::{LocatedPoints, SourcesOptions};
+use crate::points::{LocatedPoints, PairsOption, SourcesOptions};
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -32,6 +33,7 @@ use crate::verdict::Verdict;
 #[command(
     after_help = MODELS_HELP,
     mut_arg("algo", |algo| algo.help(ALGORITHM_HELP)),
+    mut_arg("source", |source| source.required_unless_present("pairs")),
     mut_arg("threads", |threads| threads.help(THREADS_HELP)),
     mut_arg("simd", |simd| simd.help(WIDEST_SIMD_HELP)),
 )]
@@ -47,11 +49,14 @@ pub(crate) struct DistanceOptions {
     goal: GoalOptions,
 
     #[command(flatten)]
+    pairs: PairsOption,
+
+    #[command(flatten)]
     algorithm: AlgorithmOption,
 
     /// One field for each source, in a file of its own, which is called FILE with the source before
     /// the ending, as in d.s17.csv
-    #[arg(long)]
+    #[arg(long, conflicts_with = "pairs")]
     each: bool,
 
     /// One matrix of all distances in FILE (.npy or .csv): a row for each source, a column for each
@@ -94,24 +99,21 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     }
     let output = OutputFile::prepare(&options.output)?;
     let model = options.reading.model(&options.model)?;
-    let read: Vec<&Path> = model
-        .source_file()
-        .into_iter()
-        .chain(
-            options
-                .goal
-                .targets
-                .as_ref()
-                .map(|file| file.get_ref().as_path()),
-        )
-        .collect();
+    let read = model.source_file().into_iter();
+    let read = read.chain(options.sources.file());
+    let read = read.chain(options.goal.target.file());
+    let read: Vec<&Path> = read.chain(options.pairs.pairs.as_deref()).collect();
     // With `--each` the output only names the files of the sources.
     if options.matrix || !options.each {
         check_files([&output], &read)?;
     }
-    let wanted = options.sources.far.targets(&options.goal)?;
-    if let (DistanceOutput::Field(format), Some(_)) = (&form, &wanted)
+    let far = options.sources.far;
+    let sources = options.sources.all()?;
+    let targets = far.targets(&options.goal.target)?;
+    let pairs = options.pairs.read(far)?;
+    if let DistanceOutput::Field(format) = &form
         && format.is_mesh()
+        && (targets.is_some() || pairs.is_some())
     {
         bail!(
             "{}: a mesh has distances of all vertices; for those of targets use .csv, .json or .npy",
@@ -120,12 +122,10 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     }
     let threads = Threads::start(options.threads.number())?;
     let mesh = threads.run(|| options.reading.mesh(&model, options.quiet.is_set))?;
-    let points = LocatedPoints::new(
-        &mesh,
-        &options.sources.all(),
-        wanted.as_deref(),
-        &model.path,
-    )?;
+    let points = match &pairs {
+        Some(pairs) => LocatedPoints::of_pairs(&mesh, pairs)?,
+        None => LocatedPoints::new(&mesh, &sources, targets.as_deref(), &model.path)?,
+    };
     if !options.quiet.is_set {
         points.tell(&mesh);
     }
@@ -141,6 +141,7 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         threads: &threads,
     };
     let summaries = match form {
+        DistanceOutput::Field(format) if pairs.is_some() => vec![request.pairs(format, &output)?],
         DistanceOutput::Matrix(format) => vec![request.matrix(format, &output)?],
         DistanceOutput::Field(format) => request.fields(format, output)?,
     };
@@ -234,21 +235,66 @@ impl DistanceCommand<'_> {
         let algorithm = workers.algorithm.clone();
         self.carry_out(&mut workers, &tasks, |solver, task| {
             let sources: Vec<VertexId> = task.sources.iter().map(|(_, vertex)| *vertex).collect();
-            let distances = self.solve(solver, &sources)?;
+            let distances = self.solve(solver, &sources, self.points.target_vertices())?;
             let labels: Vec<SourceLabel> = task.sources.iter().map(|(l, _)| l.clone()).collect();
+            let targets = self.points.labels();
             let field = DistanceFile {
                 model: self.model,
                 algorithm: algorithm.label(),
                 sources: &labels,
-                targets: self.points.labels(),
+                targets: targets.map_or(FieldTargets::Vertices, FieldTargets::Points),
                 radius: self.options.goal.spec().radius,
                 mesh: self.mesh,
                 distances: &distances,
             };
             let contents = self.threads.run(|| format.render(&field))?;
             task.output.write(&contents)?;
-            Ok(summary(&distances, self.points.labels(), &task.path))
+            let name = |place: usize| match targets {
+                Some(labels) => labels[place].in_words(),
+                None => format!("vertex {place}"),
+            };
+            let noun = if targets.is_some() {
+                "targets"
+            } else {
+                "vertices"
+            };
+            Ok(summary(&distances, noun, name, &task.path))
         })
+    }
+
+    /// Writes the distance of each pair, from one run for each different source. Returns a summary.
+    fn pairs(&self, format: FieldFormat, output: &OutputFile) -> anyhow::Result<String> {
+        let sources = &self.points.source_labels();
+        let (labels, targets) = self.points.targets.clone().unwrap_or_default();
+        let mut of_source: BTreeMap<VertexId, Vec<usize>> = BTreeMap::new();
+        for (i, (_, source)) in self.points.sources.iter().enumerate() {
+            of_source.entry(*source).or_default().push(i);
+        }
+        let tasks: Vec<(VertexId, Vec<usize>)> = of_source.into_iter().collect();
+        let mut workers = self.workers(tasks.len());
+        let algorithm = workers.algorithm.clone();
+        let found = self.carry_out(&mut workers, &tasks, |solver, (source, places)| {
+            let targets: Vec<VertexId> = places.iter().map(|&i| targets[i]).collect();
+            self.solve(solver, &[*source], Some(&targets))
+        })?;
+        let mut distances = vec![f64::INFINITY; labels.len()];
+        for ((_, places), found) in tasks.iter().zip(found) {
+            for (&i, distance) in places.iter().zip(found) {
+                distances[i] = distance;
+            }
+        }
+        let field = DistanceFile {
+            model: self.model,
+            algorithm: algorithm.label(),
+            sources,
+            targets: FieldTargets::Pairs(&labels),
+            radius: self.options.goal.spec().radius,
+            mesh: self.mesh,
+            distances: &distances,
+        };
+        output.write(&format.render(&field)?)?;
+        let name = |i: usize| format!("{} to {}", sources[i].in_words(), labels[i]);
+        Ok(summary(&distances, "pairs", name, &self.options.output))
     }
 
     /// Writes one matrix with a row for each source and a column for each target or vertex. Returns
@@ -271,7 +317,7 @@ impl DistanceCommand<'_> {
             file.write_all(&format.head(sources.len(), &columns))?;
             for some in sources.chunks(at_once) {
                 let row = |solver: &mut dyn Solver, (label, v): &(SourceLabel, VertexId)| {
-                    let row = self.solve(solver, &[*v])?;
+                    let row = self.solve(solver, &[*v], self.points.target_vertices())?;
                     let missing = row.iter().filter(|d| !d.is_finite()).count();
                     Ok((missing, format.row(label, &row)))
                 };
@@ -341,10 +387,15 @@ impl DistanceCommand<'_> {
         results.into_iter().map(|(_, result)| result).collect()
     }
 
-    /// The distances of the targets, or of all vertices of the model without targets. The refined
+    /// The distances of `targets`, or of all vertices of the model without targets. The refined
     /// mesh has further vertices, which are left out.
-    fn solve(&self, solver: &mut dyn Solver, sources: &[VertexId]) -> anyhow::Result<Vec<f64>> {
-        let goal = self.points.goal(self.options.goal.spec().radius);
+    fn solve(
+        &self,
+        solver: &mut dyn Solver,
+        sources: &[VertexId],
+        targets: Option<&[VertexId]>,
+    ) -> anyhow::Result<Vec<f64>> {
+        let goal = self.options.goal.limit().of_solver(targets);
         let solution = solver.solve_until(sources, &goal);
         let solution = solution.with_context(|| self.algorithm.label().to_owned())?;
         if solution.negative > 0 {
@@ -360,7 +411,7 @@ impl DistanceCommand<'_> {
             // Printed even with `--quiet`: a warning accompanies all distances that may be wrong.
             terminal::warning(&format!("{}: {doubt}", self.model));
         }
-        if let Some((_, targets)) = &self.points.targets {
+        if let Some(targets) = targets {
             return Ok(targets.iter().map(|v| distances[v.index()]).collect());
         }
         distances.truncate(self.mesh.vertex_count());
@@ -368,12 +419,9 @@ impl DistanceCommand<'_> {
     }
 }
 
-fn summary(distances: &[f64], targets: Option<&[SourceLabel]>, path: &Path) -> String {
+/// A line about the distances of several points, which are called `noun` and have these names.
+fn summary(distances: &[f64], noun: &str, name: impl Fn(usize) -> String, path: &Path) -> String {
     let reached = || distances.iter().enumerate().filter(|(_, d)| d.is_finite());
-    let name = |place: usize| match targets {
-        Some(labels) => labels[place].in_words(),
-        None => format!("vertex {place}"),
-    };
     // Of several the first.
     let farthest = reached()
         .rev()
@@ -382,14 +430,9 @@ fn summary(distances: &[f64], targets: Option<&[SourceLabel]>, path: &Path) -> S
             format!(", the farthest is {} at {d}", name(place))
         });
     format!(
-        "{}: {} {}, {} unreachable{farthest}\n",
+        "{}: {} {noun}, {} unreachable{farthest}\n",
         path.display(),
         distances.len(),
-        if targets.is_some() {
-            "targets"
-        } else {
-            "vertices"
-        },
         distances.len() - reached().count()
     )
 }

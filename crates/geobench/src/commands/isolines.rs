@@ -93,9 +93,10 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let (format, output) = prepare_one::<IsolineFormat>(&options.output)?;
     let view = options.view.of(format.is_picture())?;
     let model = options.reading.model(&options.model)?;
-    check_files([&output], model.source_file())?;
+    let read = model.source_file().into_iter();
+    check_files([&output], read.chain(options.sources.file()))?;
     let mesh = &options.reading.mesh(&model, options.quiet.is_set)?;
-    let points = LocatedPoints::new(mesh, &options.sources.all(), None, &model.path)?;
+    let points = LocatedPoints::new(mesh, &options.sources.all()?, None, &model.path)?;
     if !options.quiet.is_set {
         points.tell(mesh);
     }

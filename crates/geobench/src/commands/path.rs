@@ -1,7 +1,8 @@
 //! `geobench path`.
 
 use clap::Args;
-use geobench_harness::plan::suite::options::{TargetOption, WantedTarget};
+use geobench_harness::exec::source::PointSpec;
+use geobench_harness::plan::suite::options::{NotNegative, TargetOption};
 use geobench_registry as registry;
 use std::fmt::Write;
 use std::path::Path as FilePath;
@@ -14,8 +15,8 @@ use geobench_export::paths::{FoundPath, PathFormat, PathSet};
 use geobench_export::picture::Scene;
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::{Mesh, VertexId};
-use geobench_paths::{Path, PathPlace, Paths, Point};
-use geobench_window::precision;
+use geobench_paths::{Path, PathPlace, Paths, Point, line};
+use geobench_window::{Goal, Solver, precision};
 
 use crate::args::{AlgorithmOption, MODELS_HELP, QuietOption, ViewOption};
 use crate::isolation::ReadingOptions;
@@ -26,7 +27,7 @@ use crate::verdict::Verdict;
 #[derive(Args, Debug)]
 #[command(
     after_help = MODELS_HELP,
-    mut_arg("target", |target| target.required_unless_present("all_targets").help(
+    mut_arg("target", |target| target.required_unless_present_any(["targets", "all_targets", "direction"]).help(
         "The targets, in the same forms; the search ends when all are reached"
     )),
 )]
@@ -42,8 +43,29 @@ pub(crate) struct PathOptions {
     target: TargetOption,
 
     /// Paths to all vertices
-    #[arg(long, conflicts_with = "target")]
+    #[arg(long, conflicts_with_all = ["target", "targets"])]
     all_targets: bool,
+
+    /// In place of shortest paths the straightest line from each source in this direction, a vector
+    /// in space; at vertices it goes on with equal angles on both sides
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        allow_hyphen_values = true,
+        value_parser = vector,
+        requires = "length",
+        conflicts_with_all = ["target", "targets", "all_targets", "algo"],
+    )]
+    direction: Option<[f64; 3]>,
+
+    /// The length of lines, which end earlier at the border
+    #[arg(
+        long,
+        value_name = "L",
+        allow_negative_numbers = true,
+        requires = "direction"
+    )]
+    length: Option<NotNegative>,
 
     #[command(flatten)]
     algorithm: AlgorithmOption,
@@ -63,6 +85,18 @@ pub(crate) struct PathOptions {
     quiet: QuietOption,
 }
 
+/// Parses a vector.
+fn vector(text: &str) -> Result<[f64; 3], String> {
+    let numbers = text.split(',').map(|word| word.trim().parse::<f64>());
+    let numbers: Result<Vec<f64>, _> = numbers.collect();
+    let numbers = numbers
+        .ok()
+        .and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+    numbers
+        .filter(|vector| vector.iter().all(|x| x.is_finite()))
+        .ok_or_else(|| "give three numbers, as in 1,0,-0.5".to_owned())
+}
+
 /// Maximum number of paths for which the summary has a line each.
 const LINES: usize = 20;
 
@@ -72,16 +106,89 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     let is_picture = output.iter().any(|(format, _)| format.is_picture());
     let view = options.view.of(is_picture)?;
     let model = options.reading.model(&options.model)?;
-    check_files(output.iter().map(|(_, file)| file), model.source_file())?;
+    let read = model
+        .source_file()
+        .into_iter()
+        .chain(options.sources.file());
+    let read = read.chain(options.target.file());
+    check_files(output.iter().map(|(_, file)| file), read)?;
     let mesh = &options.reading.mesh(&model, options.quiet.is_set)?;
-    let targets = options.target.target.iter().flatten().cloned();
-    let targets = targets.map(|target| (options.sources.far.target(target), None));
-    let wanted: Option<Vec<WantedTarget>> = (!options.all_targets).then(|| targets.collect());
-    let points = LocatedPoints::new(mesh, &options.sources.all(), wanted.as_deref(), &model.path)?;
+    let targets = options.sources.far.targets(&options.target)?;
+    let sources = options.sources.all()?;
+    let points = LocatedPoints::new(mesh, &sources, targets.as_deref(), &model.path)?;
     if !options.quiet.is_set {
         points.tell(mesh);
     }
-    let sources = points.source_vertices();
+    let refined = &points.refined.mesh;
+    let algorithm = options.algorithm.algo.clone();
+    let algorithm = algorithm.unwrap_or_else(|| registry::usual(mesh));
+    let build = || algorithm.build(refined);
+    let mut solver: Option<Box<dyn Solver>> = None;
+    let (paths, method) = match options.direction.zip(options.length) {
+        Some((direction, length)) => {
+            let paths = straightest(mesh, &points, direction, length.0);
+            (paths.with_context(|| model.path.clone())?, "straightest")
+        }
+        None => {
+            let solver = &mut **solver.get_or_insert_with(build);
+            let keeps_all = output.is_some();
+            let paths = shortest(solver, mesh, &points, &model.name, keeps_all);
+            let paths = paths.with_context(|| algorithm.label().to_owned())?;
+            (paths, algorithm.label())
+        }
+    };
+    if let Some((format, output)) = output {
+        let set = PathSet {
+            model: &model.name,
+            algorithm: method,
+            mesh,
+            paths: &paths.found,
+        };
+        let contents = if format.is_picture() {
+            // The colours of the picture need the distances of all vertices.
+            let solver = solver.get_or_insert_with(build);
+            let distances = solver.solve(&points.source_vertices())?.distances;
+            let lines = paths.found.iter().filter_map(|found| found.path.as_ref());
+            let lines: Vec<_> = lines.map(|(_, path)| path.polyline(mesh)).collect();
+            let scene = Scene {
+                sources: &points.positions(mesh),
+                paths: &lines,
+                view,
+                ..Scene::new(mesh, &distances)
+            };
+            let title = if options.direction.is_some() {
+                "Straightest lines"
+            } else {
+                "Shortest paths"
+            };
+            scene.draw(format == PathFormat::Png, &model.name, title)?
+        } else {
+            format.render(&set)?
+        };
+        output.write(&contents)?;
+    }
+    if !options.quiet.is_set && options.output.as_deref() != Some(FilePath::new("-")) {
+        terminal::print(&paths.totals.summary(&paths.found))?;
+    }
+    Ok(paths.verdict)
+}
+
+/// The paths of a command.
+struct CommandPaths {
+    found: Vec<FoundPath>,
+    totals: Totals,
+    verdict: Verdict,
+}
+
+/// The shortest paths to all targets. Those that are neither written, which `keeps_all` says, nor
+/// listed are counted only: paths to all vertices may take gigabytes.
+fn shortest(
+    solver: &mut dyn Solver,
+    mesh: &Mesh,
+    points: &LocatedPoints,
+    model: &str,
+    keeps_all: bool,
+) -> anyhow::Result<CommandPaths> {
     let refined = &points.refined.mesh;
     let targets: Vec<(SourceLabel, VertexId)> = match &points.targets {
         None => {
@@ -93,65 +200,84 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
             labels.iter().cloned().zip(vertices).collect()
         }
     };
-    let algorithm = options.algorithm.algo.clone();
-    let algorithm = algorithm.unwrap_or_else(|| registry::usual(mesh));
-    let mut solver = algorithm.build(refined);
-    let paths = Paths::find(solver.as_mut(), refined, &sources, &points.goal(None))
-        .with_context(|| algorithm.label().to_owned())?;
+    let goal = match points.target_vertices() {
+        Some(targets) => Goal::targets(targets.iter().copied()),
+        None => Goal::everything(),
+    };
+    let paths = Paths::find(solver, refined, &points.source_vertices(), &goal)?;
     if let Some(doubt) = precision::doubt(refined, paths.distances()) {
-        terminal::warning(&format!("{}: {doubt}", model.name));
+        terminal::warning(&format!("{model}: {doubt}"));
     }
-    let mut verdict = Verdict::Passed;
-    let mut totals = Totals::default();
-    let mut found: Vec<FoundPath> = Vec::new();
-    // Paths to all vertices may take gigabytes. They are kept only if they are written or listed.
-    let keeps_all = output.is_some() || targets.len() <= LINES;
+    let mut all = CommandPaths {
+        found: Vec::new(),
+        totals: Totals::default(),
+        verdict: Verdict::Passed,
+    };
+    let keeps_all = keeps_all || targets.len() <= LINES;
     for (target, vertex) in targets {
         match paths.to(vertex) {
             Ok(path) => {
                 if path.is_none() {
-                    verdict = Verdict::Failed;
+                    all.verdict = Verdict::Failed;
                 }
                 let path = path.map(|path| points.told(mesh, path));
-                totals.add(&target, path.as_ref());
+                all.totals.add(&target, path.as_ref());
                 if keeps_all {
-                    found.push(FoundPath { target, path });
+                    all.found.push(FoundPath { target, path });
                 }
             }
             Err(lost) => {
-                terminal::warning(&format!("{}: {lost}", model.name));
-                verdict = Verdict::Failed;
+                terminal::warning(&format!("{model}: {lost}"));
+                all.verdict = Verdict::Failed;
             }
         }
     }
-    if let Some((format, output)) = output {
-        let set = PathSet {
-            model: &model.name,
-            algorithm: algorithm.label(),
-            mesh,
-            paths: &found,
-        };
-        let contents = if format.is_picture() {
-            // The colours of the picture need the distances of all vertices.
-            let distances = solver.solve(&sources)?.distances;
-            let lines = found.iter().filter_map(|found| found.path.as_ref());
-            let lines: Vec<_> = lines.map(|(_, path)| path.polyline(mesh)).collect();
-            let scene = Scene {
-                sources: &points.positions(mesh),
-                paths: &lines,
-                view,
-                ..Scene::new(mesh, &distances)
-            };
-            scene.draw(format == PathFormat::Png, &model.name, "Shortest paths")?
-        } else {
-            format.render(&set)?
-        };
-        output.write(&contents)?;
+    Ok(all)
+}
+
+/// The straightest line from each source. The target is its end.
+fn straightest(
+    mesh: &Mesh,
+    points: &LocatedPoints,
+    direction: [f64; 3],
+    length: f64,
+) -> anyhow::Result<CommandPaths> {
+    let mut all = CommandPaths {
+        found: Vec::new(),
+        totals: Totals::default(),
+        verdict: Verdict::Passed,
+    };
+    for ((source, _), start) in points.sources.iter().zip(&points.places) {
+        let path = line(mesh, start, direction, length);
+        let path = path.with_context(|| source.in_words())?;
+        if path.length < length {
+            terminal::notes(&[format!(
+                "the line from {} ends at the border after {}",
+                source.in_words(),
+                path.length
+            )]);
+        }
+        let target = path.points.last().map(|end| end_label(mesh, end));
+        let target = target.unwrap_or_else(|| source.clone());
+        let path = Some((source.clone(), path));
+        all.totals.add(&target, path.as_ref());
+        all.found.push(FoundPath { target, path });
     }
-    if !options.quiet.is_set && options.output.as_deref() != Some(FilePath::new("-")) {
-        terminal::print(&totals.summary(&found))?;
-    }
-    Ok(verdict)
+    Ok(all)
+}
+
+/// The end of a line, in the form of a source.
+fn end_label(mesh: &Mesh, end: &Point) -> SourceLabel {
+    let point = match (end.place, end.face) {
+        (PathPlace::Vertex(v), _) => PointSpec::Vertex(v.raw()),
+        (PathPlace::Edge { ends, t }, _) => PointSpec::Edge(ends.map(VertexId::raw), t),
+        (PathPlace::Face, Some(face)) => {
+            let (triangle, weights) = mesh.in_file(face, end.barycentric);
+            PointSpec::Face(triangle, weights)
+        }
+        (PathPlace::Face, None) => return SourceLabel::Other(String::new()),
+    };
+    point.label()
 }
 
 impl LocatedPoints {

@@ -125,10 +125,11 @@ impl RunOptions {
         self.jobs.0 as usize
     }
 
-    /// The settings of the options, with the targets of the targets file.
+    /// The settings of the options, with the points of the files of sources and targets.
     fn settings(&self) -> anyhow::Result<Settings> {
         let mut settings = self.settings.clone();
-        settings.goal.read_targets(read_text)?;
+        settings.source.read_sources(read_text)?;
+        settings.goal.target.read_targets(read_text)?;
         self.far.apply(&mut settings.source, &mut settings.goal);
         if let Some(check) = &mut settings.check {
             check.get_mut().resolve(Path::new("")).context("--check")?;
@@ -316,7 +317,7 @@ pub(crate) fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     let Plans {
         mut plans,
         mut notes,
-        targets_files,
+        point_files,
     } = plans(options)?;
     if plans.is_empty() {
         bail!("there is nothing to run: {}", notes.join("; "));
@@ -349,7 +350,7 @@ pub(crate) fn possible_plans(options: &RunOptions) -> anyhow::Result<Plans> {
     Ok(Plans {
         plans,
         notes,
-        targets_files,
+        point_files,
     })
 }
 

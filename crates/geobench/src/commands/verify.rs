@@ -124,9 +124,10 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
         .map(|algorithm| algorithm.with_simd(options.simd.simd.unwrap_or_default()))
         .collect();
     options.isolation.check(1, &options.limits)?;
-    let mut goal = options.goal.clone();
-    goal.read_targets(read_text)?;
-    options.far.apply(&mut options.source.clone(), &mut goal);
+    let (mut source, mut goal) = (options.source.clone(), options.goal.clone());
+    source.read_sources(read_text)?;
+    goal.target.read_targets(read_text)?;
+    options.far.apply(&mut source, &mut goal);
     let goal = goal.spec();
     let (algorithms, note) = plan::able_to_end_early(algorithms, &goal)?;
     if let Some(note) = note.filter(|_| !options.quiet.is_set) {
@@ -140,9 +141,7 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
     let backend = options.isolation.backend(limits, true)?;
     options.isolation.listen()?;
     let mut tally = VerifyTally::default();
-    let sources = options
-        .far
-        .sources(distinct(options.source.source.iter().flatten()));
+    let sources = distinct(source.source.iter().flatten());
     for model in &models {
         if interrupt::requested() {
             break;

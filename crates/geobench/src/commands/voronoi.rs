@@ -94,9 +94,10 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
         return Err(no_diagram(&algorithm));
     }
     let model = options.reading.model(&options.model)?;
-    check_files(outputs, model.source_file())?;
+    let read = model.source_file().into_iter();
+    check_files(outputs, read.chain(options.sources.file()))?;
     let mesh = &options.reading.mesh(&model, options.quiet.is_set)?;
-    let points = LocatedPoints::new(mesh, &options.sources.all(), Some(&[]), &model.path)?;
+    let points = LocatedPoints::new(mesh, &options.sources.all()?, Some(&[]), &model.path)?;
     if !options.quiet.is_set {
         points.tell(mesh);
     }

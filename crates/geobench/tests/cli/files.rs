@@ -19,7 +19,7 @@ struct Files {
 
 const MODEL: (&str, &str) = ("", "square.off");
 
-const COMMANDS: [Files; 12] = [
+const COMMANDS: [Files; 13] = [
     Files {
         call: "run --algo vtp,mmp --repeat 1 --quiet",
         read: &[
@@ -27,6 +27,7 @@ const COMMANDS: [Files; 12] = [
             ("--config", "suite.toml"),
             ("--ext", "programs.toml"),
             ("--check", "square.s0.csv"),
+            ("--sources", "sources.csv"),
             ("--targets", "targets.csv"),
             ("--resume", "night.jsonl"),
         ],
@@ -34,22 +35,35 @@ const COMMANDS: [Files; 12] = [
     },
     Files {
         call: "distance --source 0",
-        read: &[MODEL, ("--targets", "targets.csv")],
+        read: &[
+            MODEL,
+            ("--sources", "sources.csv"),
+            ("--targets", "targets.csv"),
+        ],
+        written: &[("--output", "csv")],
+    },
+    Files {
+        call: "distance square.off",
+        read: &[("--pairs", "pairs.csv")],
         written: &[("--output", "csv")],
     },
     Files {
         call: "path --source 0 --target 2",
-        read: &[MODEL],
+        read: &[
+            MODEL,
+            ("--sources", "sources.csv"),
+            ("--targets", "targets.csv"),
+        ],
         written: &[("--output", "json")],
     },
     Files {
         call: "isolines --source 0 --every 0.3",
-        read: &[MODEL],
+        read: &[MODEL, ("--sources", "sources.csv")],
         written: &[("--output", "json")],
     },
     Files {
         call: "voronoi --source 0 --source 2",
-        read: &[MODEL],
+        read: &[MODEL, ("--sources", "sources.csv")],
         written: &[
             ("--output", "json"),
             ("--dual", "off"),
@@ -115,7 +129,9 @@ fn sandbox() -> Sandbox {
     let run = "run square.off --algo vtp,mmp --repeat 1 --isolate none --quiet -o";
     sandbox.succeed(&format!("{run} result.json --resume night.jsonl"));
     sandbox.succeed(&format!("{run} other.json"));
+    sandbox.write("sources.csv", "2\n");
     sandbox.write("targets.csv", "2\n");
+    sandbox.write("pairs.csv", "2,0\n");
     sandbox.write("square.s0.csv", "0,0\n1,1\n2,1.4142135623730951\n3,1\n");
     sandbox.write(
         "suite.toml",
@@ -211,15 +227,17 @@ fn every_command_with_an_output_is_known() {
         .collect();
     assert!(commands.contains(&"run"), "{help}");
     for command in commands {
-        let known = COMMANDS.iter().find(|files| {
+        let known = COMMANDS.iter().filter(|files| {
             let name = files.call.split(' ').next();
             name == Some(command)
         });
-        let Some(known) = known else {
+        let known = known.flat_map(|known| known.read.iter().chain(known.written));
+        let known: Vec<&str> = known.map(|(name, _)| *name).collect();
+        if known.is_empty() {
             let others = OTHERS.contains(&command) || ["trend", "help", "init"].contains(&command);
             assert!(others, "{command}: which files does it read and write?");
             continue;
-        };
+        }
         let help = sandbox.succeed(&format!("{command} --help"));
         for option in help.lines().filter_map(|line| {
             let (option, value) = line.trim().split_once(" <")?;
@@ -228,9 +246,8 @@ fn every_command_with_an_output_is_known() {
             let option = option.rsplit(' ').next()?;
             (named && option.starts_with("--")).then(|| option.to_owned())
         }) {
-            let all = known.read.iter().chain(known.written);
             assert!(
-                all.map(|(name, _)| *name).any(|name| name == option),
+                known.contains(&&*option),
                 "{command} {option}: is it read or written?"
             );
         }
@@ -243,12 +260,12 @@ fn files_that_are_found_through_others_are_read_too() {
     let refused = |call: &str, option: &str, ending: &str, file: &str| {
         refuses(&sandbox, call, option, ending, file);
     };
-    // The models and targets of a suite, and distances stored beside a model.
+    // The models and points of a suite, and distances stored beside a model.
     sandbox.write(
         "whole.toml",
-        "algorithms = [\"vtp\"]\ntargets = \"targets.csv\"\n[[group]]\nname = \"a\"\nmodels = [\"square.off\"]\n",
+        "algorithms = [\"vtp\"]\nsources = \"sources.csv\"\ntargets = \"targets.csv\"\n[[group]]\nname = \"a\"\nmodels = [\"square.off\"]\n",
     );
-    for file in ["square.off", "targets.csv"] {
+    for file in ["square.off", "sources.csv", "targets.csv"] {
         refused("run --config whole.toml", "-o", "json", file);
     }
     refused(

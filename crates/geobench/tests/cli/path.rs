@@ -231,3 +231,52 @@ fn wrong_input_is_named() {
         );
     }
 }
+
+#[test]
+fn straightest_lines_go_on_at_vertices_and_end_at_the_border() {
+    let sandbox = Sandbox::with_square();
+    // From a corner of the square through the middle of the diagonal, and beyond the border.
+    let said = sandbox.succeed(
+        "path square.off --source face:0,0.2,0.6,0.2 --direction -1,0.5,3 --length 0.25 -o p.json",
+    );
+    let json = sandbox.json("p.json");
+    assert_eq!(json["algorithm"], "straightest");
+    let path = &json["paths"][0];
+    assert_eq!(path["length"], 0.25);
+    let points = path["points"].as_array().unwrap();
+    let at = |i: usize, k: usize| points[i]["position"][k].as_f64().unwrap();
+    let last = points.len() - 1;
+    let way = [0, 1].map(|k| at(last, k) - at(0, k));
+    assert!((way[0] + 0.25 * 0.8_f64.sqrt()).abs() < 1e-12, "{way:?}");
+    assert!((way[1] - 0.25 * 0.2_f64.sqrt()).abs() < 1e-12, "{way:?}");
+    assert!(said.contains("face:0,0.2,0.6,0.2 to "), "{said}");
+
+    let said = sandbox.call("path square.off --source 1 --direction=-1,1,0 --length 9");
+    assert_eq!(said.code, 0, "{said:?}");
+    assert!(
+        said.stderr
+            .contains("the line from vertex 1 ends at the border after 1.414"),
+        "{said:?}"
+    );
+    assert!(
+        said.stdout.starts_with("vertex 1 to 3: length 1.414"),
+        "{said:?}"
+    );
+
+    for (arguments, message) in [
+        ("--source 1 --direction 1,0,0", "--length"),
+        ("--source 1 --length 2", "--direction"),
+        ("--source 1 --direction 1,0 --length 2", "three numbers"),
+        (
+            "--source 1 --direction 0,0,1 --length 2",
+            "does not point along the surface",
+        ),
+        (
+            "--source 1 --direction 1,0,0 --length 2 --target 3",
+            "cannot be used with",
+        ),
+    ] {
+        let said = sandbox.call(&format!("path square.off {arguments}"));
+        assert!(said.code == 2 && said.stderr.contains(message), "{said:?}");
+    }
+}

@@ -163,6 +163,156 @@ fn targets_and_radius_limit_what_is_written() {
 }
 
 #[test]
+fn sources_come_from_files_in_every_command() {
+    let sandbox = Sandbox::with_square();
+    // As other systems write it, and as `distance` does.
+    sandbox.write("s.txt", "\u{feff}1\r\n\r\n\"edge:0-3,0.5\" # an edge\r\n");
+    sandbox.write("table.csv", "source,0,1\n1,1,0\n\"edge:0-3,0.5\",0.5,1.1\n");
+    sandbox.succeed("distance square.off --source 1 --source edge:0-3,0.5 -o named.csv");
+    for file in ["s.txt", "table.csv"] {
+        sandbox.succeed(&format!("distance square.off --sources {file} -o read.csv"));
+        assert_eq!(sandbox.read("read.csv"), sandbox.read("named.csv"));
+    }
+    let mut piped = sandbox.command("distance square.off --sources - -o read.csv");
+    piped.write_stdin("1\nedge:0-3,0.5\n").assert().success();
+    assert_eq!(sandbox.read("read.csv"), sandbox.read("named.csv"));
+
+    sandbox.succeed("distance square.off --source 2 --sources s.txt --each --matrix -o m.csv");
+    let rows: Vec<String> = (sandbox.read("m.csv").lines())
+        .map(|line| line.split(',').next().unwrap().to_owned())
+        .collect();
+    assert_eq!(rows, ["source", "2", "1", "\"edge:0-3"]);
+
+    sandbox.write("t.txt", "3\n0\n");
+    sandbox.succeed("path square.off --sources s.txt --targets t.txt --target 2 -o p.json");
+    let paths = sandbox.json("p.json")["paths"].clone();
+    let ends = paths.as_array().unwrap().iter();
+    let ends: Vec<_> = ends
+        .map(|path| (&path["source"], &path["target"]))
+        .collect();
+    let edge = json!("edge:0-3,0.5");
+    assert_eq!(
+        ends,
+        [
+            (&json!(1), &json!(2)),
+            (&edge, &json!(3)),
+            (&edge, &json!(0))
+        ]
+    );
+
+    for call in [
+        "isolines square.off --every 0.4",
+        "voronoi square.off",
+        "run square.off --algo mmp --repeat 1 --quiet",
+    ] {
+        sandbox.succeed(&format!("{call} --source 1,edge:0-3,0.5 -o named.json"));
+        sandbox.succeed(&format!("{call} --sources s.txt -o read.json"));
+        let [named, read] = ["named.json", "read.json"].map(|file| {
+            let json = sandbox.json(file);
+            let sources: Vec<_> = json["cells"].as_array().into_iter().flatten().collect();
+            let sources: Vec<_> = sources.iter().map(|cell| cell["source"].clone()).collect();
+            (sources, json["sources"].clone(), json["levels"].clone())
+        });
+        assert_eq!(named, read, "{call}");
+    }
+    sandbox.write(
+        "suite.toml",
+        "[[group]]\nname = \"a\"\nmodels = [\"square.off\"]\nalgorithms = [\"mmp\"]\nsources = \"s.txt\"\nrepeat = 1\n",
+    );
+    sandbox.succeed("run --config suite.toml --quiet -o read.json");
+    assert_eq!(sandbox.json("read.json")["cells"][1]["source"], edge);
+    for command in ["certify", "verify --algo mmp"] {
+        sandbox.succeed(&format!("{command} square.off --sources s.txt"));
+    }
+
+    sandbox.write("bad.txt", "0\nedge:1-3,0.5\n");
+    sandbox.write("worse.txt", "0\n\nx\n");
+    sandbox.write("none.txt", "# none\n");
+    for (file, message) in [
+        ("bad.txt", "bad.txt, line 2: edge:1-3,0.5: no edge joins"),
+        ("worse.txt", "worse.txt, line 3: `x` is not a source"),
+        (
+            "none.txt",
+            "none.txt: there is no source in it; write one in each line",
+        ),
+        ("gone.txt", "gone.txt: "),
+    ] {
+        let said = sandbox.call(&format!("distance square.off --sources {file} -o d.csv"));
+        assert!(said.code == 2 && said.stderr.contains(message), "{said:?}");
+    }
+}
+
+#[test]
+fn pairs_are_lines_of_a_file() {
+    let sandbox = Sandbox::with_square();
+    sandbox.write(
+        "p.txt",
+        "0 3\n1,3 # the other diagonal\n\n\"edge:0-3,0.5\",1\nface:1,0.5,0.25,0.25 1\n1,1\n",
+    );
+    let said = sandbox.succeed("distance square.off --pairs p.txt --threads 2 -o d.csv");
+    assert!(
+        said.starts_with("d.csv: 5 pairs, 0 unreachable, the farthest is vertex 1 to 3 at 1.414"),
+        "{said}"
+    );
+    let csv = sandbox.read("d.csv");
+    let lines: Vec<&str> = csv.lines().collect();
+    assert_eq!(lines[..2], ["source,target,distance", "0,3,1"]);
+    assert!(lines[2].starts_with("1,3,1.414"), "{csv}");
+    assert!(lines[3].starts_with("\"edge:0-3,0.5\",1,1.118"), "{csv}");
+    assert!(
+        lines[4].starts_with("\"face:1,0.5,0.25,0.25\",1,0.901"),
+        "{csv}"
+    );
+    assert_eq!(lines[5], "1,1,0");
+
+    // What it writes it reads.
+    sandbox.succeed("distance square.off --pairs d.csv --radius 1.2 -o again.json");
+    let json = sandbox.json("again.json");
+    assert_eq!(
+        (&json["pairs"], &json["unreachable"]),
+        (&json!(true), &json!(1))
+    );
+    assert_eq!(
+        json["sources"],
+        json!([0, 1, "edge:0-3,0.5", "face:1,0.5,0.25,0.25", 1])
+    );
+    assert_eq!(json["targets"], json!([3, 3, 1, 1, 1]));
+    assert_eq!(
+        (&json["distances"][0], &json["distances"][1]),
+        (&json!(1.0), &json!(null))
+    );
+    sandbox.succeed("distance square.off --pairs d.csv -o d.npy");
+    assert_eq!(
+        std::fs::read(sandbox.path("d.npy")).unwrap().len(),
+        128 + 5 * 8
+    );
+
+    sandbox.write("bad.txt", "0,1\n0,9\n");
+    sandbox.write("three.txt", "0,1,2\n");
+    for (arguments, message) in [
+        ("--pairs bad.txt -o x.csv", "bad.txt, line 2: "),
+        (
+            "--pairs three.txt -o x.csv",
+            "three.txt, line 1: a pair is two points",
+        ),
+        (
+            "--pairs p.txt -o x.ply",
+            "a mesh has distances of all vertices",
+        ),
+        ("--pairs p.txt --source 1 -o x.csv", "cannot be used with"),
+        (
+            "--pairs p.txt --targets p.txt -o x.csv",
+            "cannot be used with",
+        ),
+        ("--pairs p.txt --each -o x.csv", "cannot be used with"),
+        ("-o x.csv", "--source"),
+    ] {
+        let said = sandbox.call(&format!("distance square.off {arguments}"));
+        assert!(said.code == 2 && said.stderr.contains(message), "{said:?}");
+    }
+}
+
+#[test]
 fn targets_are_the_same_with_every_algorithm_and_thread() {
     let sandbox = Sandbox::new();
     let command = "distance gen:torus,faces=2000,bump=0.2,seed=3 --source face:7,0.2,0.3,0.5 \

@@ -90,7 +90,7 @@ pub fn stored_sources(model: &Path, weld: Option<f64>) -> Vec<u32> {
 }
 
 /// The files that hold distances of `model`, welded within `weld`.
-pub fn stored_files(model: &Path, weld: Option<f64>) -> Vec<PathBuf> {
+pub(crate) fn stored_files(model: &Path, weld: Option<f64>) -> Vec<PathBuf> {
     stored(model, weld).map(|(_, path)| path).collect()
 }
 

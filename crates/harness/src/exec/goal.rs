@@ -1,16 +1,13 @@
 //! Goals: the distances that a run computes, as specified by the user.
 
 use std::fmt;
-use std::path::Path;
 
-use anyhow::{anyhow, bail};
 use geobench_mesh::VertexId;
 use geobench_registry::UsageError;
 use geobench_window::Goal;
 use sha2::{Digest, Sha256};
 
 use crate::exec::source::{PointSpec, TargetSpec};
-use crate::usage::first_field;
 
 /// Maximum length of a list of targets in the name of a goal. A longer list is named by its
 /// number of targets and a hash.
@@ -93,46 +90,6 @@ impl fmt::Display for GoalSpec {
     }
 }
 
-/// Parses the targets in `text`, the content of the file `path`; returns each with its line. A line
-/// has one target, in quotes or not. Behind the header of a file of distances, `target` or `vertex`,
-/// it is the first field of each line. Empty lines and text from `#` to the end of the line are
-/// ignored.
-///
-/// # Errors
-///
-/// Names the first line that is not a target, or the file if it has no target.
-pub fn targets_in(path: &Path, text: &str) -> anyhow::Result<Vec<(TargetSpec, String)>> {
-    let shown = path.display();
-    let mut all = Vec::new();
-    let mut is_table = false;
-    for (number, line) in (1..).zip(text.lines()) {
-        let line = line.split('#').next().unwrap_or_default().trim();
-        if line.is_empty() {
-            continue;
-        }
-        let (field, rest) = first_field(line);
-        let is_name = |name: &&str| field.eq_ignore_ascii_case(name);
-        if all.is_empty() && !is_table && ["target", "vertex"].iter().any(is_name) {
-            is_table = true;
-            continue;
-        }
-        let target = if is_table || rest.is_none() {
-            &*field
-        } else {
-            line
-        };
-        let place = format!("{shown}, line {number}");
-        let target = target
-            .parse()
-            .map_err(|error| anyhow!("{place}: {error}"))?;
-        all.push((target, place));
-    }
-    if all.is_empty() {
-        bail!("{shown}: there is no target in it; write one in each line");
-    }
-    Ok(all)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -162,24 +119,5 @@ mod tests {
         assert!(GoalSpec::default().options().is_empty());
         let options = goal("17,3", Some(0.5)).options();
         assert_eq!(options, ["--target=17,3", "--radius=0.5"]);
-    }
-
-    #[test]
-    fn a_line_that_is_no_target_is_named() {
-        let read = |text: &str| targets_in(Path::new("t.txt"), text);
-        let all = read("# a comment\n\n 17 # another\nface:0,1,0,0\n").unwrap();
-        assert_eq!(all[1].1, "t.txt, line 4");
-        let all = read("target,distance\n\"face:0,0.5,0.5,0\",2.5\n1,inf\n").unwrap();
-        let all: Vec<String> = all.iter().map(|(target, _)| target.to_string()).collect();
-        assert_eq!(all, ["face:0,0.5,0.5,0", "1"]);
-        let all = read("\"17\"\n0,3\n").unwrap();
-        let all: Vec<String> = all.iter().map(|(target, _)| target.to_string()).collect();
-        assert_eq!(all, ["17", "0,3"]);
-        let error = read(&"9".repeat(1 << 20)).unwrap_err().to_string();
-        assert!(error.len() < 500, "{} bytes", error.len());
-        let error = read("1\nx\n").unwrap_err().to_string();
-        assert!(error.starts_with("t.txt, line 2: `x` is not a target"));
-        let error = read("# nothing\n").unwrap_err().to_string();
-        assert!(error.starts_with("t.txt: there is no target in it"));
     }
 }

@@ -16,6 +16,7 @@ pub mod limits;
 #[cfg(any(test, feature = "mock"))]
 pub mod mock;
 pub mod model;
+pub mod point_files;
 mod protocol;
 pub mod slurm;
 pub mod source;

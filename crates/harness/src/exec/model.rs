@@ -355,7 +355,7 @@ impl ModelRef {
 
     /// An upper bound of its number of faces, by its spec or the size of its file; `None` if
     /// unknown.
-    pub fn faces_at_most(&self) -> Option<f64> {
+    pub(crate) fn faces_at_most(&self) -> Option<f64> {
         /// Bytes of a face and half a vertex in a compact binary PLY.
         const BYTES: f64 = 19.0;
         /// Ratio by which gzip makes mesh files smaller.

@@ -190,6 +190,15 @@ impl PointSpec {
             other => SourceLabel::Other(other.to_string()),
         }
     }
+
+    /// The same point, which may be [far](Self::Far) from the surface.
+    #[must_use]
+    pub const fn even_far(self) -> Self {
+        match self {
+            Self::At(position) => Self::Far(position),
+            other => other,
+        }
+    }
 }
 
 impl fmt::Display for PointSpec {
@@ -237,21 +246,19 @@ fn distinct_by<T>(
     point: impl Fn(&T) -> Option<PointSpec>,
 ) -> (Vec<T>, Vec<String>) {
     let mut seen = HashSet::new();
+    let mut noted = HashSet::new();
     let mut notes = Vec::new();
     items.retain(|item| {
         let Some(point) = point(item) else {
             return true;
         };
         let is_new = seen.insert(point.to_string());
-        if !is_new {
+        if !is_new && noted.insert(point.to_string()) {
             let name = match point {
                 PointSpec::Vertex(v) => format!("vertex {v}"),
                 _ => point.to_string(),
             };
-            let note = format!("source {name} is named twice and counts once");
-            if !notes.contains(&note) {
-                notes.push(note);
-            }
+            notes.push(format!("source {name} is named twice and counts once"));
         }
         is_new
     });
@@ -302,11 +309,22 @@ impl SourceSpec {
     #[must_use]
     pub fn even_far(mut self) -> Self {
         for part in &mut self.0 {
-            if let SourcePart::Point(PointSpec::At(position)) = *part {
-                *part = SourcePart::Point(PointSpec::Far(position));
+            if let SourcePart::Point(point) = part {
+                *point = point.even_far();
             }
         }
         self
+    }
+
+    /// The points; `None` if one is drawn at random, all vertices are named, or one depends on the
+    /// model.
+    pub(crate) fn single_points(&self) -> Option<Vec<PointSpec>> {
+        let points = self.0.iter().map(|part| match *part {
+            SourcePart::First => Some(PointSpec::Vertex(0)),
+            SourcePart::Point(point) => Some(point),
+            SourcePart::Largest | SourcePart::Random { .. } | SourcePart::All => None,
+        });
+        points.collect()
     }
 
     /// Number of sources; every `all` counts as one.
@@ -335,15 +353,9 @@ impl SourceSpec {
     /// The names of all sources, as far as they are known without the model: `None` stands for
     /// all of them if some are drawn or counted in the model.
     pub fn labels(&self) -> Vec<Option<SourceLabel>> {
-        let known = |form: &SourcePart| match form {
-            SourcePart::First => Some(SourceLabel::Vertex(0)),
-            SourcePart::Point(point) => Some(point.label()),
-            SourcePart::Largest | SourcePart::Random { .. } | SourcePart::All => None,
-        };
-        let labels: Option<Vec<SourceLabel>> = self.0.iter().map(known).collect();
-        labels.map_or_else(
+        self.single_points().map_or_else(
             || vec![None],
-            |labels| labels.into_iter().map(Some).collect(),
+            |points| points.iter().map(|point| Some(point.label())).collect(),
         )
     }
 

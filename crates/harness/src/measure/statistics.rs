@@ -67,7 +67,7 @@ pub fn time(samples: Vec<f64>, setup: Option<f64>) -> Time {
 }
 
 /// Tolerated relative difference between the clocks of a program and of the harness.
-pub const CLOCKS: f64 = 0.01;
+pub(crate) const CLOCKS: f64 = 0.01;
 
 /// The record of the times of an external program with a protocol: for each run, the seconds that
 /// it `claimed`, those from `outside`, and under protocol 2 those to answer a `ping`, which are
@@ -127,7 +127,7 @@ fn are_unconfirmed(claimed: &[f64], ping: &[f64]) -> bool {
 }
 
 /// The note that explains why there is no interval; `None` if there are enough `samples` for one.
-pub fn too_few(samples: usize) -> Option<String> {
+pub(crate) fn too_few(samples: usize) -> Option<String> {
     (samples < FEWEST_FOR_INTERVAL)
         .then(|| format!("no confidence interval from fewer than {FEWEST_FOR_INTERVAL} samples"))
 }
@@ -161,7 +161,7 @@ fn median_in_place(values: &mut [f64]) -> Option<f64> {
 /// probability of d to n - d heads of n coins. Two neighbouring d have probabilities on either side
 /// of 95 %; Hettmansperger and Sheather (1986, "Confidence intervals based on interpolated order
 /// statistics", Statistics and Probability Letters 4, equation 1.2) interpolate between them.
-pub fn median_interval(samples: &[f64]) -> Option<[f64; 2]> {
+pub(crate) fn median_interval(samples: &[f64]) -> Option<[f64; 2]> {
     let n = samples.len();
     if n < FEWEST_FOR_INTERVAL {
         return None;
@@ -302,7 +302,7 @@ fn bootstrap_interval(variables: &[Variable<'_>], figure: impl Fn(&[f64]) -> f64
 ///
 /// The usual threshold of 3.5 is too low for five samples. Their MAD is often small by chance. On a
 /// quiet machine every fifth cell would have an outlier.
-pub const OUTLIER_SCORE: f64 = 10.0;
+pub(crate) const OUTLIER_SCORE: f64 = 10.0;
 
 /// Mean absolute deviation of the standard normal distribution, sqrt(2/π).
 const NORMAL_MEAN_DEVIATION: f64 = 0.797_884_560_802_865_4;

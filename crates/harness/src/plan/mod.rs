@@ -60,7 +60,7 @@ pub struct Plan {
 }
 
 /// The greatest number of faces on which the default reference runs.
-pub const MOST_FACES_UNASKED: u64 = 1_000_000;
+pub(crate) const MOST_FACES_UNASKED: u64 = 1_000_000;
 
 /// The answers with which others are compared.
 #[derive(Clone, Debug)]
@@ -278,7 +278,7 @@ impl Plan {
     }
 
     /// Whether this process runs the unit with these indices of model and source.
-    pub fn has_unit(&self, model: usize, source: usize) -> bool {
+    pub(crate) fn has_unit(&self, model: usize, source: usize) -> bool {
         self.shard_range.is_none_or(|shard_range| {
             let before = model as u128 * self.sources_of_model() as u128;
             shard_range
@@ -288,7 +288,7 @@ impl Plan {
     }
 
     /// Number of units of a model in this process.
-    pub fn units_of_model(&self, model: usize) -> u128 {
+    pub(crate) fn units_of_model(&self, model: usize) -> u128 {
         let sources = self.sources_of_model() as u128;
         let held = self.shard_range.map_or(sources, |shard_range| {
             let first = shard_range.first_unit + model as u128 * sources;
@@ -313,19 +313,19 @@ impl Plan {
     }
 
     /// Number of runs of all cells of one model, saturating.
-    pub fn runs_of_model(&self, model: usize) -> usize {
+    pub(crate) fn runs_of_model(&self, model: usize) -> usize {
         let units = usize::try_from(self.units_of_model(model)).unwrap_or(usize::MAX);
         units.saturating_mul(self.runs_of_unit())
     }
 
     /// Number of runs of all cells of one unit, saturating.
-    pub const fn runs_of_unit(&self) -> usize {
+    pub(crate) const fn runs_of_unit(&self) -> usize {
         self.algorithms.len().saturating_mul(self.runs_per_cell())
     }
 
     /// Minimum number of runs of a cell that succeeds: warm-ups, timed runs, one counting and one
     /// profiled run.
-    pub const fn runs_per_cell(&self) -> usize {
+    pub(crate) const fn runs_per_cell(&self) -> usize {
         let untimed = if self.counts { 2 } else { 0 };
         self.warmup + self.sampling.fewest() + untimed
     }

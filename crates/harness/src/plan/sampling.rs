@@ -94,7 +94,7 @@ impl Sampling {
     }
 
     /// Whether a cell with these samples, which took `spent` seconds in total, needs no more.
-    pub fn is_enough(&self, samples: &[f64], spent: f64) -> bool {
+    pub(crate) fn is_enough(&self, samples: &[f64], spent: f64) -> bool {
         let Self::UntilPrecise(precision) = self else {
             return samples.len() >= self.fewest();
         };

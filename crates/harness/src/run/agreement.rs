@@ -34,7 +34,7 @@ impl Clusters {
     }
 
     /// The first answers of the clusters, in their order.
-    pub fn into_first(self) -> Vec<Option<Vec<f64>>> {
+    pub(crate) fn into_first(self) -> Vec<Option<Vec<f64>>> {
         self.first
     }
 

@@ -75,7 +75,7 @@ impl fmt::Display for Disagreement {
 /// # Errors
 ///
 /// When there are not `expected` ones.
-pub fn check_length(found: &[f64], expected: usize) -> anyhow::Result<()> {
+pub(crate) fn check_length(found: &[f64], expected: usize) -> anyhow::Result<()> {
     let found = found.len();
     ensure!(
         found == expected,
@@ -89,7 +89,7 @@ pub fn check_length(found: &[f64], expected: usize) -> anyhow::Result<()> {
 /// # Panics
 ///
 /// If a vertex is not in `found`.
-pub fn compare_some(
+pub(crate) fn compare_some(
     found: &[f64],
     expected: impl IntoIterator<Item = (usize, f64)>,
     rule: &Tolerance,

@@ -105,7 +105,7 @@ impl Answer {
     }
 
     /// All distances of the answer in their order, with those of `other` where it has none.
-    pub fn completed_by(&self, other: &Self) -> Vec<f64> {
+    pub(crate) fn completed_by(&self, other: &Self) -> Vec<f64> {
         let mut found = vec![f64::INFINITY; self.vertices];
         for &(place, distance) in other.distances.iter().chain(&self.distances) {
             found[place] = distance;
@@ -151,7 +151,12 @@ impl ReferenceCheck {
 
     /// Whether `distances`, the answer of `algorithm`, differ from the reference; or, without an
     /// answer of the reference, from all others so far.
-    pub fn is_disputed(&self, distances: &[f64], algorithm: &Selection, tolerance: f64) -> bool {
+    pub(crate) fn is_disputed(
+        &self,
+        distances: &[f64],
+        algorithm: &Selection,
+        tolerance: f64,
+    ) -> bool {
         if self.answer.is_some() || self.unchecked.is_none() || algorithm.is_approximate() {
             return self.differs(distances, tolerance);
         }

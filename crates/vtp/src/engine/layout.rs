@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, Rows, Splice, VertexId, threads};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, RowTable, Splice, VertexId, threads};
 use geobench_window::Probe;
 use geobench_window::prefetch_line;
 use geobench_window::trimming::KeptWindows;
@@ -279,7 +279,7 @@ pub(crate) struct MeshLayout {
     pub(crate) faces: Vec<FaceLayout>,
     pub(crate) vertices: Vec<VertexFacts>,
     /// Where the half-edges that start at each vertex stand in `rings`, counter-clockwise.
-    ring_rows: Rows,
+    ring_rows: RowTable,
     pub(crate) rings: Vec<u32>,
     /// The angle between each half-edge and the next one, in radians.
     pub(crate) angles: Vec<f32>,
@@ -358,7 +358,7 @@ impl MeshLayout {
         let mut layout = Self {
             faces,
             vertices,
-            ring_rows: Rows::of_starts(&ring_starts),
+            ring_rows: RowTable::of_starts(&ring_starts),
             rings,
             angles,
             longest_edge: mesh.longest_edge(),

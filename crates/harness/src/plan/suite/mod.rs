@@ -36,7 +36,7 @@ pub use programs::read_programs;
 pub use settings::{Settings, WantedModel};
 
 /// Default seed of the order of the runs.
-pub const DEFAULT_SEED: u64 = 1;
+pub(crate) const DEFAULT_SEED: u64 = 1;
 
 /// The plans of a benchmark.
 #[derive(Clone, Debug)]
@@ -46,16 +46,16 @@ pub struct Plans {
     /// Warnings about models and algorithms that are left out and sources named twice, one line
     /// each.
     pub notes: Vec<String>,
-    /// Files of targets that settings of the suite name.
-    pub targets_files: Vec<PathBuf>,
+    /// Files of sources and targets that settings name.
+    pub point_files: Vec<PathBuf>,
 }
 
 impl Plans {
-    /// The files that the runs read: models, stored distances, and the suite's files of targets.
+    /// The files that the runs read: models, stored distances, files of sources and targets.
     pub fn input_files(&self) -> Vec<PathBuf> {
         let models = self.plans.iter().flat_map(|plan| &plan.models);
         let models = models.filter_map(|model| model.source_file().map(Path::to_owned));
-        let mut files: Vec<PathBuf> = models.chain(self.targets_files.iter().cloned()).collect();
+        let mut files: Vec<PathBuf> = models.chain(self.point_files.iter().cloned()).collect();
         for plan in &self.plans {
             match &plan.reference {
                 Reference::Files(Expected::File(path)) => files.push(path.clone()),
@@ -85,9 +85,9 @@ impl Plans {
                 self.notes.push(note);
             }
         }
-        if let Some(file) = &settings.goal.targets {
-            self.targets_files.push(file.get_ref().clone());
-        }
+        let files = [settings.source.file(), settings.goal.target.file()];
+        let files = files.into_iter().flatten().map(Path::to_owned);
+        self.point_files.extend(files);
         let reader = settings.reader.reader.unwrap_or_default();
         let models = models
             .into_iter()
@@ -123,7 +123,7 @@ pub fn plans(
     let mut done = Plans {
         plans: Vec::new(),
         notes: Vec::new(),
-        targets_files: Vec::new(),
+        point_files: Vec::new(),
     };
     let Some(suite) = suite else {
         let mut asked = asked.clone();
@@ -318,7 +318,7 @@ pub const MODELS: &[&str] = &[
 ];
 
 /// Default of `max-time` for the built-in suite: no timed run of a cell starts after it.
-pub const MODELS_MAX_TIME: Seconds = Seconds(1.0);
+pub(crate) const MODELS_MAX_TIME: Seconds = Seconds(1.0);
 
 /// Smaller surfaces of the same kinds, for comparing answers. The slowest algorithm takes seconds.
 pub const SMALL_MODELS: &[&str] = &[

@@ -14,8 +14,9 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 use toml::{Spanned, Value};
 
-use crate::exec::goal::{GoalSpec, targets_in};
+use crate::exec::goal::GoalSpec;
 use crate::exec::limits::{DecompressionLimit, Limits, MemoryLimit, Timeout};
+use crate::exec::point_files::points_in;
 use crate::exec::source::{SourceSpec, TargetSpec};
 use crate::usage::document::{DocumentError, TableParts, text_or_table};
 
@@ -94,6 +95,9 @@ options! {
         /// fraction T of the way to B), face:F,U,V,W (barycentric coordinates), at:X,Y,Z (the
         /// nearest point), or a list of these; may be repeated [default: largest]
         source: Vec<SourceSpec>, [long, value_name = "SRC", allow_negative_numbers = true], [deserialize_with = "points"];
+
+        /// Sources from a file with one SRC in a line, beside those of --source
+        sources: Spanned<PathBuf>, [long, value_name = "FILE", value_parser = path()], [];
     }
 
     /// Where runs may end.
@@ -101,13 +105,13 @@ options! {
         /// Only the distances of these points, in the forms of --source; may be repeated. Runs end
         /// as soon as they are final [default: all vertices]
         target: Vec<TargetSpec>, [long, value_name = "DST", allow_negative_numbers = true], [deserialize_with = "points"];
+
+        /// Targets from a file with one DST in a line, beside those of --target
+        targets: Spanned<PathBuf>, [long, value_name = "FILE", value_parser = path()], [];
     }
 
     /// What runs are to find.
     GoalOptions {
-        /// Targets from a file with one DST in a line, beside those of --target
-        targets: Spanned<PathBuf>, [long, value_name = "FILE", value_parser = path()], [];
-
         /// Only distances up to R, in the units of the model; others are infinite. Runs end there
         radius: NotNegative, [long, value_name = "R", allow_negative_numbers = true], [];
 
@@ -174,28 +178,75 @@ pub const WIDEST_SIMD_HELP: &str = "Instructions of every algorithm: auto (the w
     processor), scalar, avx2 or avx512; narrower ones where the processor lacks them. Distances and \
     counts do not depend on it [default: auto]";
 
-/// A target as specified by the user, and its file and line if it was read from a file.
-pub type WantedTarget = (TargetSpec, Option<String>);
+/// A source or target as specified by the user, and its file and line if it was read from a file.
+pub type Wanted<T> = (T, Option<String>);
 
-impl GoalOptions {
+/// Reads a file of the user.
+type ReadText = fn(&Path) -> io::Result<String>;
+
+/// The points `named` and those of `file`, which `read` reads.
+fn with_file<T: Clone + FromStr<Err: Display>>(
+    named: Option<&Vec<T>>,
+    file: Option<&Spanned<PathBuf>>,
+    noun: &str,
+    read: ReadText,
+) -> anyhow::Result<Vec<Wanted<T>>> {
+    let named = named.into_iter().flatten();
+    let mut all: Vec<Wanted<T>> = named.map(|point| (point.clone(), None)).collect();
+    if let Some(path) = file.map(Spanned::get_ref) {
+        let text = read(path).map_err(|error| anyhow!("{}: {error}", path.display()))?;
+        let read = points_in(path, &text, noun)?.into_iter();
+        all.extend(read.map(|(point, place)| (point, Some(place))));
+    }
+    Ok(all)
+}
+
+/// The points without their places; `None` if there are none.
+fn without_places<T>(all: Vec<Wanted<T>>) -> Option<Vec<T>> {
+    let all = all.into_iter().map(|(point, _)| point);
+    Some(all.collect()).filter(|all: &Vec<_>| !all.is_empty())
+}
+
+impl SourceOption {
+    /// The sources of the options and of the sources file, whose text `read` reads.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read, has no sources, or has a line that is not a source.
+    pub fn wanted(&self, read: ReadText) -> anyhow::Result<Vec<Wanted<SourceSpec>>> {
+        with_file(self.source.as_ref(), self.sources.as_ref(), "source", read)
+    }
+
+    /// The sources file.
+    pub fn file(&self) -> Option<&Path> {
+        self.sources.as_ref().map(|file| &**file.get_ref())
+    }
+
+    /// Adds the sources of the sources file to the others.
+    ///
+    /// # Errors
+    ///
+    /// As [`wanted`](Self::wanted).
+    pub fn read_sources(&mut self, read: ReadText) -> anyhow::Result<()> {
+        self.source = without_places(self.wanted(read)?);
+        Ok(())
+    }
+}
+
+impl TargetOption {
     /// The targets of the options and of the targets file, whose text `read` reads. Empty for all
     /// vertices.
     ///
     /// # Errors
     ///
     /// If the file cannot be read, has no targets, or has a line that is not a target.
-    pub fn wanted(
-        &self,
-        read: fn(&Path) -> io::Result<String>,
-    ) -> anyhow::Result<Vec<WantedTarget>> {
-        let named = self.target.target.iter().flatten();
-        let mut all: Vec<WantedTarget> = named.map(|target| (target.clone(), None)).collect();
-        if let Some(path) = self.targets.as_ref().map(Spanned::get_ref) {
-            let text = read(path).map_err(|error| anyhow!("{}: {error}", path.display()))?;
-            let read = targets_in(path, &text)?.into_iter();
-            all.extend(read.map(|(target, place)| (target, Some(place))));
-        }
-        Ok(all)
+    pub fn wanted(&self, read: ReadText) -> anyhow::Result<Vec<Wanted<TargetSpec>>> {
+        with_file(self.target.as_ref(), self.targets.as_ref(), "target", read)
+    }
+
+    /// The targets file.
+    pub fn file(&self) -> Option<&Path> {
+        self.targets.as_ref().map(|file| &**file.get_ref())
     }
 
     /// Adds the targets of the targets file to the others.
@@ -203,17 +254,26 @@ impl GoalOptions {
     /// # Errors
     ///
     /// As [`wanted`](Self::wanted).
-    pub fn read_targets(&mut self, read: fn(&Path) -> io::Result<String>) -> anyhow::Result<()> {
-        let wanted = self.wanted(read)?.into_iter().map(|(target, _)| target);
-        self.target.target = Some(wanted.collect()).filter(|all: &Vec<_>| !all.is_empty());
+    pub fn read_targets(&mut self, read: ReadText) -> anyhow::Result<()> {
+        self.target = without_places(self.wanted(read)?);
         Ok(())
     }
+}
 
-    /// The goal of runs, without the targets of a file that is not [read](Self::read_targets).
+impl GoalOptions {
+    /// The radius as a goal, without targets.
+    pub fn limit(&self) -> GoalSpec {
+        GoalSpec {
+            targets: None,
+            radius: self.radius.map(|radius| radius.0),
+        }
+    }
+
+    /// The goal of runs, without the targets of a file that is not [read](TargetOption::read_targets).
     pub fn spec(&self) -> GoalSpec {
         GoalSpec {
             targets: self.target.target.clone().map(TargetSpec::of_all),
-            radius: self.radius.map(|radius| radius.0),
+            ..self.limit()
         }
     }
 }

@@ -205,11 +205,15 @@ impl Settings {
                 model.path = path.display().to_string();
             }
         }
-        if let Some(file) = &mut self.goal.targets {
+        let (sources, targets) = (&mut self.source, &mut self.goal.target);
+        for file in sources.sources.iter_mut().chain(&mut targets.targets) {
             *file.get_mut() = document.directory().join(file.get_ref());
         }
-        let span = self.goal.targets.as_ref().map(Spanned::span);
-        let read = self.goal.read_targets(read_file);
+        let span = sources.sources.as_ref().map(Spanned::span);
+        let read = sources.read_sources(read_file);
+        read.map_err(|error| document.error_at("sources", span, &error.to_string()))?;
+        let span = targets.targets.as_ref().map(Spanned::span);
+        let read = targets.read_targets(read_file);
         read.map_err(|error| document.error_at("targets", span, &error.to_string()))?;
         if let Some(check) = &mut self.check {
             let span = Some(check.span());

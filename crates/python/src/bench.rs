@@ -21,11 +21,11 @@ use geodesics::Stop;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
+use crate::algorithm::check_threads;
 use crate::arrays;
 use crate::interrupt;
 use crate::mesh::PyMesh;
 use crate::points::warn_user;
-use crate::solver::check_threads;
 
 /// Ends a benchmark between two runs once the [`Stop`] is set.
 struct UntilStopped(Stop);

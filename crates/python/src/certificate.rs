@@ -8,11 +8,12 @@ use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 
+use crate::algorithm::{check_threads, named};
 use crate::arrays;
 use crate::errors::solve_error;
 use crate::interrupt;
 use crate::points::{ResolvedPoints, core, together};
-use crate::solver::{check_threads, mesh_of, named};
+use crate::solver::mesh_of;
 
 /// A proven bound on the errors of distances. It is true if the bound is within the tolerance.
 ///

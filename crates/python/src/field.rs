@@ -9,13 +9,13 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
+use crate::algorithm::warn;
 use crate::errors::solve_error;
 use crate::interrupt;
 use crate::isolines::{PyIsoline, lines};
 use crate::mesh::PyMesh;
 use crate::path::{PyPath, triples};
 use crate::points::{Finder, PyPoint, core, several, single, together};
-use crate::solver::warn;
 
 /// The exact distance from the nearest source to every point of a surface, with all windows of a
 /// run of MMP. `Mesh.field` and `Solver.field` make it.

@@ -8,6 +8,7 @@ use std::alloc::System;
 use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAlloc};
 use pyo3::prelude::*;
 
+mod algorithm;
 mod arrays;
 mod bench;
 mod certificate;
@@ -15,9 +16,11 @@ mod errors;
 mod field;
 mod interrupt;
 mod isolines;
+mod making;
 mod mesh;
 mod path;
 mod points;
+mod pool;
 mod solver;
 mod voronoi;
 
@@ -25,7 +28,9 @@ mod voronoi;
 #[global_allocator]
 static ALLOCATOR: &PeakMemAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-#[pymodule(name = "_core")]
+// Classes are frozen, and what they share is behind locks, so that free-threaded interpreters need no
+// lock of their own.
+#[pymodule(name = "_core", gil_used = false)]
 fn core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     // Load NumPy and its C interface now. A Ctrl-C while they are loaded on first use would cause a
@@ -50,8 +55,8 @@ fn core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<certificate::PyCertificate>()?;
     module.add_class::<isolines::PyIsoline>()?;
     module.add_class::<isolines::PyLine>()?;
-    module.add_function(wrap_pyfunction!(mesh::read, module)?)?;
-    module.add_function(wrap_pyfunction!(mesh::generated, module)?)?;
+    module.add_function(wrap_pyfunction!(making::read, module)?)?;
+    module.add_function(wrap_pyfunction!(making::generated, module)?)?;
     module.add_function(wrap_pyfunction!(points::vertex, module)?)?;
     module.add_function(wrap_pyfunction!(points::edge, module)?)?;
     module.add_function(wrap_pyfunction!(points::face, module)?)?;
@@ -60,7 +65,7 @@ fn core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(certificate::certify, module)?)?;
     module.add_function(wrap_pyfunction!(bench::run_to_json, module)?)?;
     // They make pickled objects anew.
-    module.add_function(wrap_pyfunction!(mesh::_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(making::_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(points::_point, module)?)?;
     module.add_function(wrap_pyfunction!(solver::_solver, module)?)?;
     module.add_function(wrap_pyfunction!(field::_field, module)?)?;

@@ -1,18 +1,17 @@
-//! The class `Mesh`, and the functions that read and generate meshes.
+//! The class `Mesh`.
 
 use std::path::PathBuf;
 
-use geobench_harness::exec::expected::stem;
-use geodesics::io::ReadOptions;
 use geodesics::mesh::{DefectKind, FaceId, MeshMeasures, Report, Severity, Tolerance};
 use geodesics::{
-    Mesh, PointError, RemeshOptions, Stop, SurfacePoint, TriangleSoup, VertexId, Weld, generate, io,
+    Mesh, PointError, RemeshOptions, Stop, SurfacePoint, TriangleSoup, VertexId, Weld, io, line,
 };
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
+use crate::algorithm::{MeshAlgorithm, named, one_path, selection};
 use crate::arrays;
 use crate::errors::{invalid, mesh_error, unreadable};
 use crate::field::PyField;
@@ -20,7 +19,6 @@ use crate::interrupt;
 use crate::isolines::{PyIsoline, check_levels};
 use crate::path::{PyPath, triples};
 use crate::points::{Finder, SharedMesh, core, several, single, warn_user};
-use crate::solver::{MeshAlgorithm, named, one_path, selection};
 use crate::voronoi::PyVoronoi;
 
 /// An immutable triangle mesh, validated when it is made. Vertices keep their numbers. Faces without
@@ -67,37 +65,7 @@ use crate::voronoi::PyVoronoi;
 pub(crate) struct PyMesh {
     pub(crate) surface: SharedMesh,
     pub(crate) name: String,
-    defects: Vec<String>,
-}
-
-/// A pickled mesh: the positions, the triangles of the file, the copies of welded vertices, the
-/// number of vertices and the lengths of a mesh without positions, the name and the defects.
-#[pyfunction]
-pub(crate) fn _mesh(
-    py: Python<'_>,
-    positions: &Bound<'_, PyAny>,
-    triangles: &Bound<'_, PyAny>,
-    copies: Vec<[u32; 2]>,
-    lengths: Option<(usize, Vec<[f64; 3]>)>,
-    name: String,
-    defects: Vec<String>,
-) -> PyResult<PyMesh> {
-    let triangles = arrays::triangles(triangles, "triangles")?;
-    let made = if let Some((n, lengths)) = lengths {
-        Mesh::from_lengths(n, &triangles, &lengths)
-    } else {
-        let soup = TriangleSoup {
-            copies,
-            ..TriangleSoup::new(arrays::positions(positions, "positions")?, triangles)
-        };
-        py.detach(|| Mesh::from_soup(soup))
-    };
-    let (mesh, _) = made.map_err(|error| invalid(py, &error, ""))?;
-    Ok(PyMesh {
-        surface: SharedMesh::new(mesh),
-        name,
-        defects,
-    })
+    pub(crate) defects: Vec<String>,
 }
 
 impl PyMesh {
@@ -512,7 +480,8 @@ impl PyMesh {
     /// ----------
     /// source : int, Point or sequence of these
     ///     One or several sources: vertices, or points of the surface (`vertex`, `edge`, `face`,
-    ///     `at`).
+    ///     `at`), also in arrays: vertex numbers, a mask of the vertices, positions of shape
+    ///     (k, 3), or a tuple of faces and barycentric coordinates, of shapes (k,) and (k, 3).
     /// radius : float, optional
     ///     The search ends at this distance, in units of the mesh. Greater distances are `inf`.
     /// targets : int, Point or sequence of these, optional
@@ -608,8 +577,7 @@ impl PyMesh {
     /// ----------
     /// points : sequence of int or Point, or array
     /// threads : int, optional
-    ///     The most threads that the call uses, for several sources at a time. Threads that are left
-    ///     serve a parallel algorithm.
+    ///     As for `distances`.
     ///
     /// Returns
     /// -------
@@ -639,8 +607,7 @@ impl PyMesh {
     /// sources, targets : sequence of int or Point, or array
     ///     As many of one as of the other.
     /// threads : int, optional
-    ///     The most threads that the call uses, for several sources at a time. Threads that are left
-    ///     serve a parallel algorithm.
+    ///     As for `distances`.
     ///
     /// Returns
     /// -------
@@ -688,12 +655,15 @@ impl PyMesh {
         PyField::new(slf.py(), slf, source)
     }
 
-    /// The shortest path from the nearest source to `target`.
+    /// The shortest path from the nearest source to `target`, or without a target from each point of
+    /// `source` to the next.
     ///
     /// Parameters
     /// ----------
     /// source : int, Point or sequence of these
-    /// target : int or Point
+    /// target : int or Point, optional
+    /// closed : bool
+    ///     Whether a path without a target returns to its first point.
     /// algorithm : str, optional
     ///     A name from `algorithms()`. The default is `"vtp-fast"`, or `"mmp-fast"` on a mesh with
     ///     edges of more than two faces or one that cannot be oriented.
@@ -701,22 +671,70 @@ impl PyMesh {
     /// Returns
     /// -------
     /// Path or None
-    ///     `None` if the target is unreachable.
+    ///     `None` if the target or a point is unreachable.
     ///
     /// Examples
     /// --------
     /// >>> import geodesics as gd
-    /// >>> gd.generate("grid,n=4").path(0, 4).length
+    /// >>> mesh = gd.generate("grid,n=4")
+    /// >>> mesh.path(0, 4).length
     /// 4.0
-    #[pyo3(signature = (source, target, *, algorithm = None))]
+    /// >>> mesh.path([0, 4, 24, 20], closed=True).length
+    /// 16.0
+    #[pyo3(signature = (source, target = None, *, closed = false, algorithm = None))]
     fn path(
         &self,
         py: Python<'_>,
         source: &Bound<'_, PyAny>,
-        target: &Bound<'_, PyAny>,
+        target: Option<&Bound<'_, PyAny>>,
+        closed: bool,
         algorithm: Option<&str>,
     ) -> PyResult<Option<PyPath>> {
-        one_path(&self.algorithm(algorithm)?, py, source, target)
+        one_path(&self.algorithm(algorithm)?, py, source, target, closed)
+    }
+
+    /// The straightest geodesic from a point, as defined by Polthier and Schmies (1998): straight in
+    /// faces and across edges; at a vertex it goes on with equal angles on both sides. It ends
+    /// earlier at the border and at an edge of more than two faces. It need not be a shortest path.
+    ///
+    /// Parameters
+    /// ----------
+    /// point : int or Point
+    /// direction : array_like, shape (3,)
+    ///     A vector in space, of any length. The line starts in the direction of the surface that is
+    ///     closest to it.
+    /// length : float
+    ///     In units of the mesh.
+    ///
+    /// Returns
+    /// -------
+    /// Path
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     The direction is perpendicular to the surface, or the length negative or not finite.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> cube = gd.generate("cube,n=1")
+    /// >>> around = cube.trace(gd.at(0.5, 0.3, 1), [1, 0, 0], 4)
+    /// >>> (around.points[-1] - around.points[0]).round(9) + 0.0
+    /// array([0., 0., 0.])
+    fn trace(
+        &self,
+        py: Python<'_>,
+        point: &Bound<'_, PyAny>,
+        direction: &Bound<'_, PyAny>,
+        length: f64,
+    ) -> PyResult<PyPath> {
+        let start = Finder::new(py, &self.surface).find(single(point, "point")?, "point")?;
+        let rows = arrays::positions(PyList::new(py, [direction])?.as_any(), "direction")?;
+        let direction = rows.first().copied().unwrap_or_default();
+        let path = py.detach(|| line(self.mesh(), &start, direction, length));
+        let path = path.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        PyPath::new(py, self.mesh(), &path)
     }
 
     /// The shortest paths from the nearest source to each target, from one search: a list with a
@@ -894,45 +912,8 @@ impl PyMesh {
 /// given.
 type Located = (i64, (f64, f64, f64), Option<(f64, f64, f64)>, f64);
 
-/// Reads a mesh from a file in OBJ, PLY, OFF, STL, VTK (`.vtk`, `.vtp`, `.vtu`), glTF, 3MF, COLLADA,
-/// GIFTI or FreeSurfer format, with or without gzip compression. `weld` is that of `Mesh`; STL files have no vertex numbers, so that their coincident
-/// vertices always are one.
-///
-/// Raises
-/// ------
-/// OSError
-///     The file cannot be read.
-/// MeshError
-///     The file holds no usable mesh. The message names the line or the elements.
-///
-/// Examples
-/// --------
-/// >>> import geodesics as gd
-/// >>> import tempfile, pathlib
-/// >>> with tempfile.TemporaryDirectory() as folder:
-/// ...     path = pathlib.Path(folder, "cube.obj")
-/// ...     gd.generate("cube,n=2").write(path)
-/// ...     gd.read(path)
-/// <geodesics.Mesh "cube": 26 vertices, 48 faces>
-#[pyfunction]
-#[pyo3(signature = (path, *, weld = None))]
-pub(crate) fn read(
-    py: Python<'_>,
-    path: PathBuf,
-    weld: Option<&Bound<'_, PyAny>>,
-) -> PyResult<PyMesh> {
-    let options = ReadOptions {
-        weld: weld_of(weld)?,
-        ..ReadOptions::default()
-    };
-    let soup = py
-        .detach(|| options.read(&path))
-        .map_err(|error| unreadable(py, &error))?;
-    PyMesh::new(py, soup, stem(&path), &path.display().to_string())
-}
-
 /// Reads the argument `weld`: none, a truth value or a tolerance.
-fn weld_of(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Weld>> {
+pub(crate) fn weld_of(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Weld>> {
     let Some(value) = value else {
         return Ok(None);
     };
@@ -957,54 +938,4 @@ fn seed_of(py: Python<'_>, rng: Option<&Bound<'_, PyAny>>) -> PyResult<u64> {
     generator
         .call_method1("integers", (1_u64 << 62,))?
         .extract()
-}
-
-/// Generates a mesh from a description: a family, and its keys with their values. The same
-/// description gives the same mesh on every machine.
-///
-/// ==================================== =====================================================
-/// family                               keys, with defaults
-/// ==================================== =====================================================
-/// grid                                 n, nx=40, ny=40, diagonal=one|alternating, jitter=0
-/// holes                                holes=4, width=6, height=3, wall=5, diagonal, jitter=0
-/// strip                                n=3000, aspect=100
-/// corridor                             levels=8, holes=0
-/// terrain                              n=50, roughness=0.6, height=0.3
-/// tetrahedron                          subdiv=5
-/// octahedron, icosahedron, sphere      subdiv=4
-/// cube                                 n=20, side=1
-/// box                                  a=3, b=2, c=1, n, nx=30, ny=20, nz=10
-/// uvsphere                             slices=64, stacks=32
-/// cylinder                             slices=64, stacks=24, height=2, ends=open|capped
-/// cone                                 angle=180, slices=48, stacks=32, ends
-/// torus                                faces=5000, r=0.4, bump=0
-/// knot                                 faces=6000, r=0.4
-/// anisotropic                          g=4, faces=5000
-/// file                                 path
-/// ==================================== =====================================================
-///
-/// All take `parts=K` (every edge in K parts), `subdivide=N` (each face in four, N times), `noise=X`
-/// (along the normals, in mean edge lengths), `scale=X` and `seed=N`.
-///
-/// Parameters
-/// ----------
-/// spec : str
-///
-/// Returns
-/// -------
-/// Mesh
-///
-/// Examples
-/// --------
-/// >>> import geodesics as gd
-/// >>> gd.generate("sphere,subdiv=2")
-/// <geodesics.Mesh "sphere,subdiv=2": 162 vertices, 320 faces>
-#[pyfunction]
-#[pyo3(name = "generate")]
-pub(crate) fn generated(py: Python<'_>, spec: &str) -> PyResult<PyMesh> {
-    let wrong = |error: generate::GenerateError| PyValueError::new_err(format!("spec: {error}"));
-    let parsed: generate::Spec = spec.parse().map_err(wrong)?;
-    let soup = py.detach(|| generate::generate(&parsed)).map_err(wrong)?;
-    let name = spec.strip_prefix("gen:").unwrap_or(spec);
-    PyMesh::new(py, soup, name.to_owned(), spec)
 }

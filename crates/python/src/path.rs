@@ -1,15 +1,15 @@
-//! Shortest paths.
+//! Paths.
 
 use geodesics::{Mesh, Path};
-use numpy::{PyArray1, PyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::points::core;
 
-/// A shortest path on a surface. Its points are, in order, the source, a point for each edge that
-/// the path crosses and each vertex that it passes, and the target. The path is straight between
-/// them. `numpy.asarray(path)` and iteration give the points.
+/// A path on a surface. Its points are, in order, the source, a point for each edge that the path
+/// crosses and each vertex that it passes, and the target. The path is straight between them.
+/// `numpy.asarray(path)` and iteration give the points.
 ///
 /// Examples
 /// --------
@@ -88,7 +88,6 @@ pub(crate) fn triples<T: numpy::Element + Copy>(
     py: Python<'_>,
     rows: &[[T; 3]],
 ) -> PyResult<Py<PyArray2<T>>> {
-    use numpy::PyArrayMethods;
     let flat = PyArray1::from_slice(py, rows.as_flattened());
     let array = flat.reshape([rows.len(), 3]);
     Ok(array
@@ -98,6 +97,27 @@ pub(crate) fn triples<T: numpy::Element + Copy>(
 
 #[pymethods]
 impl PyPath {
+    /// (3,) float64 or None: the direction in which it starts, a vector of length 1; `None` if it
+    /// leads nowhere. `Mesh.trace` from there follows a path that passes no vertex.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> gd.generate("grid,n=4").path(0, 4).start_direction
+    /// array([1., 0., 0.])
+    #[getter]
+    fn start_direction<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+        let points = self.points.bind(py).to_vec()?;
+        let mut points = points.chunks_exact(3);
+        let start = points.next().unwrap_or_default();
+        let direction = points.find_map(|end| {
+            let way: Vec<f64> = end.iter().zip(start).map(|(a, b)| a - b).collect();
+            let length = way.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
+            (length > 0.0).then(|| way.iter().map(|x| x / length).collect::<Vec<f64>>())
+        });
+        Ok(direction.map(|direction| PyArray1::from_vec(py, direction)))
+    }
+
     fn __len__(&self) -> usize {
         self.count
     }

@@ -4,9 +4,9 @@ import numpy as np
 import potpourri3d as pp3d
 import pygeodesic.geodesic
 import pytest
-from conftest import model
 
 import geodesics as gd
+from conftest import model
 
 GENERATED = [
     "torus,faces=3000,bump=0.1,seed=7",

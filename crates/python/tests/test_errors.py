@@ -1,5 +1,7 @@
 """Error messages name the argument, the vertex or the face."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -57,6 +59,7 @@ def test_defects_are_listed():
         gd.Mesh(nan_at(1), [[0, 1, 2], [0, 2, 9]])
     assert any("face 1 names vertex 9" in defect for defect in caught.value.defects)
     assert any("vertex 1" in defect for defect in caught.value.defects)
+    assert pickle.loads(pickle.dumps(caught.value)).defects == caught.value.defects
     assert isinstance(caught.value, ValueError)
     assert "turned" in gd.Mesh(V, [[0, 1, 2], [0, 3, 2]]).defects[0]
     assert "face 0: vertex 1" in gd.Mesh(V, [[0, 1, 1], [0, 2, 3]]).defects[0]

@@ -1,14 +1,15 @@
 """The package: its stubs, docstrings and version, and the code of its documentation page."""
 
+import json
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from conftest import REPOSITORY, shared
 
 import geodesics as gd
+from conftest import REPOSITORY, shared
 
 PAGE = REPOSITORY / "docs" / "python.md"
 
@@ -112,3 +113,16 @@ def test_doctests():
     import doctest
 
     assert doctest.testmod(gd).failed == 0
+
+
+def test_the_project_follows_scientific_python():
+    pytest.importorskip("repo_review")
+    done = subprocess.run(
+        [sys.executable, "-m", "repo_review", str(REPOSITORY / "crates/python"), "--format", "json"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    checks = json.loads(done.stdout)["checks"]
+    failed = [name for name, check in checks.items() if check["result"] is False]
+    assert checks["PP002"]["result"] and not failed, failed

@@ -140,3 +140,66 @@ def test_a_dual_that_is_none_says_where(torus):
 
 def test_labels_of_what_no_source_reaches(square):
     assert square.voronoi([0, 2]).labels.tolist()[4] == -1
+
+
+def test_a_path_through_way_points(torus):
+    ways = [5, gd.face(900, 0.2, 0.3, 0.5), 17]
+    solver = gd.Solver(torus)
+    pieces = [torus.path(a, b) for a, b in zip(ways, ways[1:] + ways[:1])]
+    for closed, count in [(False, 2), (True, 3)]:
+        path = torus.path(ways, closed=closed)
+        assert path.length == pytest.approx(sum(p.length for p in pieces[:count]), rel=1e-14)
+        points = np.concatenate([pieces[0].points] + [p.points[1:] for p in pieces[1:count]])
+        np.testing.assert_allclose(path.points, points, atol=1e-12)
+        assert solver.path(ways, closed=closed).length == path.length
+    assert torus.path([3, 3]).length == 0
+    for arguments, error in [((5,), "two or more points"), (([5, 6], 7, True), "closed")]:
+        with pytest.raises(ValueError, match=error):
+            solver.path(*arguments[:2], closed=len(arguments) > 2)
+
+
+def test_a_way_point_out_of_reach(square):
+    assert square.path([0, 2, 4]) is None
+
+
+def test_lines_follow_shortest_paths(torus):
+    followed = 0
+    for target in range(1, torus.n_vertices, 101):
+        path = torus.path(gd.face(3, 0.2, 0.3, 0.5), target)
+        if (path.vertices[:-1] < 0).all():
+            line = torus.trace(gd.face(3, 0.2, 0.3, 0.5), path.start_direction, path.length)
+            np.testing.assert_allclose(line.points[-1], path.points[-1], atol=1e-9)
+            followed += 1
+    assert followed > 3
+    assert torus.path(3, 3).start_direction is None
+
+
+def test_lines_on_a_plane_and_a_cube():
+    grid = gd.generate("grid,n=8,jitter=0.2,seed=1")
+    line = grid.trace(gd.at(1.3, 2.2, 0), np.array([2, 1, 7]), 3)
+    np.testing.assert_allclose(line.points[-1] - line.points[0], 3 * np.array([2, 1, 0]) / 5**0.5)
+    border = grid.trace(gd.at(1.3, 2.2, 0), [-1, 0, 0], 99)
+    assert border.length == pytest.approx(1.3) and border.points[-1][0] == pytest.approx(0)
+    cube = gd.generate("cube,n=3,side=3")
+    around = cube.trace(gd.at(1.2, 0.4, 3), [0, 1, 0], 12)
+    np.testing.assert_allclose(around.points[-1], around.points[0], atol=1e-12)
+    # A corner of the cube has three right angles. From the diagonal of one of its faces the line goes
+    # on along the opposite edge.
+    through = cube.trace(gd.at(2, 2, 3), [1, 1, 0], 2 * 2**0.5)
+    passed = [cube.nearest_vertex(3, 3, z) for z in (3, 2)]
+    assert through.vertices[1:-1].tolist() == passed
+    np.testing.assert_allclose(through.points[-1], [3, 3, 3 - 2**0.5], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("direction", "length", "message"),
+    [
+        ([0, 0, 1], 1, "along the surface"),
+        ([1, 0], 1, "direction"),
+        ([1, 0, 0], -1, "no length"),
+        ([1, 0, 0], float("nan"), "no length"),
+    ],
+)
+def test_what_is_no_line_is_an_error(direction, length, message):
+    with pytest.raises(ValueError, match=message):
+        gd.generate("grid,n=2").trace(gd.face(0, 0.2, 0.3, 0.5), direction, length)

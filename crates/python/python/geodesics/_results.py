@@ -79,7 +79,8 @@ def _frame(rows: list[Row]) -> pandas.DataFrame:
         import pandas
     except ImportError as error:
         raise ImportError("pandas is needed for frames: pip install pandas") from error
-    return pandas.DataFrame(rows)
+    frame: pandas.DataFrame = pandas.DataFrame(rows)
+    return frame
 
 
 class Table(Sequence[Row]):

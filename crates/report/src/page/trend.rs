@@ -288,7 +288,7 @@ fn chart(series: &TrendSeries, commits: &[&Record], most: usize, id: &str) -> St
     };
     let label = |place: Option<usize>| place.map_or("", |place| day(commits[place])).to_owned();
     let last = commits.len().saturating_sub(1);
-    let middle = Some(last / 2).filter(|_| last > 1 && last % 2 == 0);
+    let middle = Some(last / 2).filter(|_| last > 1 && last.is_multiple_of(2));
     let title = match unit {
         "" => name(series.figure),
         unit => format!("{} ({unit})", name(series.figure)),

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use geobench_isolines::{Isoline, Line};
 use geobench_mesh::{Mesh, vector};
-use geobench_window::{Front, WaitingWindow};
+use geobench_window::{FrontWindow, WavefrontMoment};
 use serde::Serialize;
 
 use crate::polylines::Polylines;
@@ -25,21 +25,21 @@ pub struct IsolineSet<'a> {
     /// The largest distance of chords from their arcs, in formats that cannot hold arcs.
     pub tolerance: f64,
     /// The wavefront of a run at the distances of the isolines.
-    pub wavefront: Option<Wavefront<'a>>,
+    pub wavefront: Option<RunWavefront<'a>>,
 }
 
 /// The wavefront of a run of an algorithm.
 #[derive(Clone, Copy, Debug)]
-pub struct Wavefront<'a> {
+pub struct RunWavefront<'a> {
     /// The algorithm.
     pub algorithm: &'a str,
     /// The mesh on which it ran.
     pub mesh: &'a Mesh,
     /// The wavefront at each distance that it came to.
-    pub fronts: &'a [Front],
+    pub fronts: &'a [WavefrontMoment],
 }
 
-impl Wavefront<'_> {
+impl RunWavefront<'_> {
     /// The intervals of all windows in space, as lines.
     pub fn lines(&self) -> Vec<Vec<[f64; 3]>> {
         let windows = self.windows();
@@ -47,12 +47,12 @@ impl Wavefront<'_> {
     }
 
     fn document(&self) -> WavefrontDocument<'_> {
-        let window = |window: &WaitingWindow| {
+        let window = |window: &FrontWindow| {
             let [from, to] = self.interval(window);
             let distance = window.distance;
             WindowRecord { from, to, distance }
         };
-        let front = |front: &Front| FrontRecord {
+        let front = |front: &WavefrontMoment| FrontRecord {
             at: front.at,
             parents: front.record.parents,
             mean: front.record.distance,
@@ -65,12 +65,12 @@ impl Wavefront<'_> {
         }
     }
 
-    fn windows(&self) -> impl Iterator<Item = &WaitingWindow> {
+    fn windows(&self) -> impl Iterator<Item = &FrontWindow> {
         self.fronts.iter().flat_map(|front| &front.windows)
     }
 
     /// The ends of the interval of `window` in space.
-    fn interval(&self, window: &WaitingWindow) -> [[f64; 3]; 2] {
+    fn interval(&self, window: &FrontWindow) -> [[f64; 3]; 2] {
         let [tail, head] = window.ends.map(|v| self.mesh.positions()[v.index()]);
         let length = vector::norm(vector::sub(head, tail));
         window
@@ -84,7 +84,7 @@ impl Wavefront<'_> {
 pub enum IsolineFormat {
     /// Arcs of circles, in the planes of their faces.
     Json,
-    /// Wavefront OBJ: polylines.
+    /// RunWavefront OBJ: polylines.
     Obj,
     /// PLY (text): vertices and edges.
     Ply,
@@ -258,7 +258,7 @@ fn json(set: &IsolineSet<'_>) -> anyhow::Result<Vec<u8>> {
         model: set.model,
         sources: set.sources,
         levels: set.isolines.iter().map(level).collect(),
-        wavefront: set.wavefront.as_ref().map(Wavefront::document),
+        wavefront: set.wavefront.as_ref().map(RunWavefront::document),
     };
     json_line(&document)
 }

@@ -61,5 +61,5 @@ pub use solver::{
 };
 pub use spawn::spawn_window;
 pub use tie::{TiePoints, tie_points};
-pub use wavefront::{Front, Fronts, WaitingWindow, WavefrontRecord};
+pub use wavefront::{FrontWindow, Fronts, WavefrontMoment, WavefrontRecord};
 pub use window::Window;

@@ -28,7 +28,7 @@ pub struct WavefrontRecord {
 
 /// A window that waits to be propagated.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WaitingWindow {
+pub struct FrontWindow {
     /// The ends of its half-edge: tail and head.
     pub ends: [VertexId; 2],
     /// Where its interval begins and ends: distances from the tail, in the units of the mesh.
@@ -39,13 +39,13 @@ pub struct WaitingWindow {
 
 /// The windows of the wavefront at one moment of a run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Front {
+pub struct WavefrontMoment {
     /// The distance that was asked for.
     pub at: f64,
     /// Their number, mean distance and deviation.
     pub record: WavefrontRecord,
     /// The windows, in no particular order.
-    pub windows: Vec<WaitingWindow>,
+    pub windows: Vec<FrontWindow>,
 }
 
 /// The wavefronts of a run at chosen distances, for pictures like those of the papers (transfer
@@ -72,7 +72,7 @@ pub struct Front {
 pub struct Fronts {
     /// The distances that are still to come, the next one last.
     wanted: Vec<f64>,
-    found: Vec<Front>,
+    found: Vec<WavefrontMoment>,
 }
 
 impl Fronts {
@@ -86,7 +86,7 @@ impl Fronts {
 
     /// Those that the run has come to, in the order of their distances. Algorithms without windows
     /// have none, nor do those that propagate on several threads.
-    pub fn found(&self) -> &[Front] {
+    pub fn found(&self) -> &[WavefrontMoment] {
         &self.found
     }
 }
@@ -178,8 +178,8 @@ impl WavefrontSampler {
 
     /// Takes the windows of the last sample, with the ends of their half-edges.
     pub(crate) fn take_windows(&mut self, waiting: impl Iterator<Item = ([VertexId; 2], Window)>) {
-        let windows: Vec<WaitingWindow> = waiting
-            .map(|(ends, window)| WaitingWindow {
+        let windows: Vec<FrontWindow> = waiting
+            .map(|(ends, window)| FrontWindow {
                 ends,
                 interval: [window.b0, window.b1],
                 distance: window.min_distance(),
@@ -190,7 +190,7 @@ impl WavefrontSampler {
             && let Some(&record) = self.samples.last()
         {
             let windows = windows.clone();
-            self.fronts.found.push(Front {
+            self.fronts.found.push(WavefrontMoment {
                 at,
                 record,
                 windows,

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 use geobench_export::FileFormat;
-use geobench_export::isolines::{IsolineFormat, IsolineSet, Wavefront};
+use geobench_export::isolines::{IsolineFormat, IsolineSet, RunWavefront};
 use geobench_export::output::{check_files, prepare_one};
 use geobench_export::picture::Scene;
 use geobench_harness::measure::number::counted;
 use geobench_isolines::{DistanceField, Isoline};
 use geobench_registry::Selection;
-use geobench_window::{Front, Fronts, Goal, Observer, precision};
+use geobench_window::{Fronts, Goal, Observer, WavefrontMoment, precision};
 
 use crate::args::{MODELS_HELP, QuietOption, ViewOption, select_inside};
 use crate::isolation::ReadingOptions;
@@ -124,7 +124,7 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
         Some(algorithm) => fronts_of(algorithm, &points, &levels)?,
         None => Vec::new(),
     };
-    let wavefront = options.wavefront.as_ref().map(|algorithm| Wavefront {
+    let wavefront = options.wavefront.as_ref().map(|algorithm| RunWavefront {
         algorithm: algorithm.label(),
         mesh: &points.refined.mesh,
         fronts: &fronts,
@@ -172,7 +172,7 @@ fn fronts_of(
     algorithm: &Selection,
     points: &LocatedPoints,
     levels: &[f64],
-) -> anyhow::Result<Vec<Front>> {
+) -> anyhow::Result<Vec<WavefrontMoment>> {
     let mut fronts = Fronts::at(levels.iter().copied());
     let mut solver = algorithm.build(&points.refined.mesh);
     let (sources, goal) = (points.source_vertices(), Goal::everything());
@@ -190,10 +190,10 @@ fn fronts_of(
 }
 
 /// A line for each front, if there are few, and one for the distances that no front comes to.
-fn summary_of_fronts(wavefront: &Wavefront<'_>, levels: &[f64]) -> String {
+fn summary_of_fronts(wavefront: &RunWavefront<'_>, levels: &[f64]) -> String {
     let mut text = String::new();
     if levels.len() <= LINES {
-        for Front { at, record, .. } in wavefront.fronts {
+        for WavefrontMoment { at, record, .. } in wavefront.fronts {
             let _ = writeln!(
                 text,
                 "wavefront of {} at {at}: {} at {} on average (standard deviation {:.3e}), after {} \

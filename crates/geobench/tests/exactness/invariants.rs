@@ -4,7 +4,7 @@ use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_oracle::nasty::Kind;
 use geobench_oracle::{Model, edge_graph_distances, euclidean_distances, steiner_distances, zoo};
-use geobench_window::{Counter, Fronts, Goal, Observer, PhaseSampler, WaitingWindow};
+use geobench_window::{Counter, FrontWindow, Fronts, Goal, Observer, PhaseSampler};
 
 use crate::support::{Failures, ROUNDING, caught, exact_runs, mesh_of};
 
@@ -129,9 +129,7 @@ fn wavefronts_lie_on_edges_at_true_distances() {
                 format!("{}: other bits when observed", run.at(&source))
             });
             for front in fronts.found() {
-                let (count, sum) = (front.windows.len(), |sum, w: &WaitingWindow| {
-                    sum + w.distance
-                });
+                let (count, sum) = (front.windows.len(), |sum, w: &FrontWindow| sum + w.distance);
                 let mean = front.windows.iter().fold(0.0, sum) / count as f64;
                 let is_whole = front.record.windows == count as u64
                     && (mean - front.record.distance).abs() <= slack

@@ -1,6 +1,7 @@
 //! Upper bounds of the difference of two distance functions on a line.
 
 use crate::ball::{Ball, BallVector, norm};
+use crate::field::SidePiece;
 use crate::interval::{Interval, greater, lesser};
 
 /// A distance function on a line, the abscissa axis: `sigma` plus the distance to `image`.
@@ -76,8 +77,47 @@ impl RoundedDistance {
         let [x, length] = self.relative(t);
         [
             self.sigma + length,
-            if length > 0.0 { x / length } else { 0.0 },
+            if length > LEAST_LENGTH {
+                x / length
+            } else {
+                0.0
+            },
         ]
+    }
+
+    /// An upper bound, up to rounding, of the difference of a convex function to this one over
+    /// `from <= t <= to`; the convex function has the values `at_ends`.
+    ///
+    /// The one function is nowhere above its chord, the other nowhere below a tangent. So no sign of
+    /// a slope has to be known.
+    pub(crate) fn below_chord(&self, [from, to]: [f64; 2], [first, last]: [f64; 2]) -> f64 {
+        let width = to - from;
+        let [value, slope] = self.tangent(from);
+        let by_first = greater(first - value, last - (value + slope * width));
+        let [value, slope] = self.tangent(to);
+        let by_last = greater(last - value, first - (value - slope * width));
+        lesser(by_first, by_last)
+    }
+
+    /// An upper bound, up to rounding, of how much `other` is above this distance; any greater number
+    /// if the bound exceeds `limit`.
+    pub(crate) fn below(&self, other: &SidePiece, limit: f64) -> f64 {
+        let (from, to) = (other.from, other.to);
+        let [first, last] = other.at_ends();
+        let above_first = first - self.at(from);
+        if above_first > limit {
+            return f64::INFINITY;
+        }
+        let above_last = last - self.at(to);
+        if above_last > limit {
+            return f64::INFINITY;
+        }
+        let bound = self.below_chord([from, to], [first, last]);
+        if bound > limit {
+            other.distance.peak(self)
+        } else {
+            bound
+        }
     }
 
     /// An upper bound of the difference to `other` on the whole line, by the triangle inequality:
@@ -118,6 +158,9 @@ impl RoundedDistance {
         greater(lesser(self.peak(other), roughly), at_ends)
     }
 }
+
+/// Squares of shorter lengths underflow. Distances to an image change by no more on this length.
+const LEAST_LENGTH: f64 = 1e-150;
 
 /// An upper bound of a distance function on an interval of the line: the linear function with the
 /// values `at_ends` at its ends.

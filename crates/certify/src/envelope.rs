@@ -147,18 +147,20 @@ impl EnvelopeBuilder {
             let middle = f64::midpoint(from, to);
             let pad = if to - from < gap { gap } else { 0.0 };
             let (begins_by, ends_by) = (middle + pad, middle - pad);
-            let mut least = f64::INFINITY;
+            // Both functions are 1-Lipschitz. One that is above the least by more than both can
+            // change on the interval is nowhere the least.
+            let change = (to - from) * (1.0 + 1e-12);
+            let mut most = f64::INFINITY;
             self.here.clear();
             for piece in pieces {
                 if piece.from <= begins_by && piece.to >= ends_by {
                     let value = piece.at(middle);
-                    least = lesser(value, least);
-                    self.here.push((*piece, value));
+                    if value <= most {
+                        most = lesser(value + change, most);
+                        self.here.push((*piece, value));
+                    }
                 }
             }
-            // Both functions are 1-Lipschitz. One that is above the least by more than both can
-            // change on the interval is nowhere the least.
-            let most = least + (to - from) * (1.0 + 1e-12);
             self.here.retain(|(_, value)| *value <= most);
             if let [(only, _)] = &self.here[..] {
                 append(only, from, to);

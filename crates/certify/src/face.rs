@@ -6,14 +6,15 @@
 //! the path is *bent*: it turns at an end of the piece.
 //!
 //! Pairs of pieces that clearly satisfy the condition are accepted in rounded arithmetic, with a
-//! margin of about 90 times its error bound. All others are compared in interval arithmetic.
+//! margin of about 90 times its error bound. All others are compared again, in the [`Precision`] of
+//! the proof.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh};
 
 use crate::ball::Ball;
-use crate::difference::{CLOSE, Distance, RoundedDistance, peak};
+use crate::difference::{CLOSE, Chord, Distance, RoundedDistance, peak};
 use crate::envelope::{EnvelopePiece, WindowData, piece};
 use crate::field::{EdgeField, ExactPiece, FaceSide, PieceBlock, SidePiece, canonical};
 use crate::interval::{greater, lesser};
@@ -73,6 +74,15 @@ fn radii(mesh: &Mesh) -> Vec<f64> {
     radii
 }
 
+/// How pairs of pieces are compared of which one is nearly the continuation of the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Precision {
+    /// In rounded arithmetic. Its error is a violation. In two doubles if more is found.
+    Double,
+    /// In numbers of two doubles.
+    TwoDoubles,
+}
+
 /// What the checkers of all faces share.
 pub(crate) struct FaceChecks<'a> {
     field: &'a EdgeField<'a>,
@@ -80,17 +90,19 @@ pub(crate) struct FaceChecks<'a> {
     radii: Vec<f64>,
     /// Links with a detour above this are left out.
     clear: f64,
+    precision: Precision,
     /// The number of links that all checkers have found.
     found: AtomicUsize,
 }
 
 impl<'a> FaceChecks<'a> {
     /// Checks of the pieces of `field`, which leave out links with a detour above `clear`.
-    pub(crate) fn new(field: &'a EdgeField<'a>, clear: f64) -> Self {
+    pub(crate) fn new(field: &'a EdgeField<'a>, clear: f64, precision: Precision) -> Self {
         Self {
             field,
             radii: radii(field.mesh),
             clear,
+            precision,
             found: AtomicUsize::new(0),
         }
     }
@@ -107,6 +119,7 @@ pub(crate) struct Checker<'a> {
     /// The links of the faces that were checked; none if there are too many.
     pub(crate) links: Vec<ChainLink>,
     sides: [FaceSide; 3],
+    parts: Parts,
 }
 
 impl<'a> Checker<'a> {
@@ -115,6 +128,7 @@ impl<'a> Checker<'a> {
             shared,
             links: Vec::new(),
             sides: std::array::from_fn(|_| FaceSide::default()),
+            parts: Parts::default(),
         }
     }
 
@@ -149,13 +163,20 @@ impl<'a> Checker<'a> {
         lengths: [f64; 3],
         sides: &[FaceSide; 3],
     ) -> (f64, HalfEdgeId) {
-        let size = size(sides, lengths);
+        let size = Size::of(sides, lengths);
         let nothing = (f64::INFINITY, face.half_edge(0));
-        if !SIZES.contains(&size) {
+        if !SIZES.contains(&size.all) {
             return nothing;
         }
-        let margin = MARGIN * size;
-        let corners = self.shared.field.mesh.face_vertices(face);
+        let margin = MARGIN * size.all;
+        let mesh = self.shared.field.mesh;
+        let off = |k: usize| (mesh.length(face.half_edge(k as u32)) - lengths[k]).abs();
+        let error = size.error(off(0) + off(1) + off(2));
+        let accepted = match self.shared.precision {
+            Precision::Double => 2.0 * error,
+            Precision::TwoDoubles => 0.0,
+        };
+        let corners = mesh.face_vertices(face);
         let ball = |corner: usize| {
             let v = corners[corner % 3];
             (v.index(), self.shared.radii[v.index()])
@@ -181,9 +202,12 @@ impl<'a> Checker<'a> {
                     near,
                     balls: [[ball(k), ball(k + 1)], [ball(there), ball(there + 1)]],
                     margin,
+                    error,
+                    accepted,
                     clear: self.shared.clear,
                     excess: from_side.0,
                     skips_bends: false,
+                    parts: &mut self.parts,
                 };
                 across.compare_all(&mut self.links);
                 skips_bends |= across.skips_bends;
@@ -240,7 +264,7 @@ pub(crate) fn shorter_windows(
     for (k, side) in (0..).zip(&mut *sides) {
         side.set(field, face.half_edge(k), lengths[k as usize]);
     }
-    let size = size(sides, lengths);
+    let size = Size::of(sides, lengths).all;
     if !SIZES.contains(&size) {
         return;
     }
@@ -302,13 +326,43 @@ pub(crate) fn shorter_windows(
     }
 }
 
-/// The greatest distance on the sides of a face plus their lengths.
-fn size(sides: &[FaceSide; 3], lengths: [f64; 3]) -> f64 {
-    let at_ends = sides.iter().flat_map(|side| &side.pieces);
-    let top = at_ends.fold(0.0, |top, p| {
-        greater(top, greater(p.at_ends()[0], p.at_ends()[1]))
-    });
-    top + lengths.iter().sum::<f64>()
+/// What rounding errors in a face are relative to.
+struct Size {
+    /// The greatest distance on the sides plus their lengths.
+    all: f64,
+    /// The greatest distance of a point of a side from its image, plus the lengths of the sides.
+    reach: f64,
+}
+
+impl Size {
+    fn of(sides: &[FaceSide; 3], lengths: [f64; 3]) -> Self {
+        let (mut all, mut reach) = (0.0, 0.0);
+        for piece in sides.iter().flat_map(|side| &side.pieces) {
+            let most = greater(piece.at_ends()[0], piece.at_ends()[1]);
+            all = greater(most, all);
+            reach = greater(most - piece.distance.sigma, reach);
+        }
+        let lengths = lengths.iter().sum::<f64>();
+        Self {
+            all: all + lengths,
+            reach: reach + lengths,
+        }
+    }
+
+    /// More than the error of a difference of two distances in rounded arithmetic, one of them by
+    /// paths across the face. `off` is how much the lengths of the sides differ in the mesh from the
+    /// exact ones: the last piece of a side ends by the one, and the side by the other.
+    ///
+    /// Let u be 2^-53 and R the reach. The ends and the image of a piece are exact in one direction
+    /// of the edge; in the other, they result from a subtraction of the rounded length: 2uR. A
+    /// length, a cosine and a sine have an error of u each. So the image in the frame of another
+    /// side, at most R from each of its points, has an error of 12uR, and the end of a piece, with a
+    /// distance of its own, one of 16uR. A distance to an image has an error of 4uR. That of a point
+    /// changes by no more than the point. A tangent adds 5uR. In all this is at most 60uR. Four sums
+    /// contain a sigma, and have an error of u times the size.
+    fn error(&self, off: f64) -> f64 {
+        f64::EPSILON * (32.0 * self.reach + 4.0 * self.all) + 4.0 * off
+    }
 }
 
 /// Whether the slope of the distance decreases where `left` ends and `right` begins. Then no
@@ -342,12 +396,17 @@ struct SidePair<'a> {
     /// The nodes and radii of the neighbourhoods of the ends of both sides.
     balls: [[(usize, f64); 2]; 2],
     margin: f64,
+    /// See [`Size::error`].
+    error: f64,
+    /// Violations up to this need not be known better.
+    accepted: f64,
     clear: f64,
     /// An upper bound of the violations on the second side. It is not tightened where that could
     /// not change the result.
     excess: f64,
     /// Whether paths that bend at a concave kink were left out.
     skips_bends: bool,
+    parts: &'a mut Parts,
 }
 
 /// The paths that leave one piece. Each field is computed when it is first needed.
@@ -360,12 +419,17 @@ struct FromPiece<'a> {
     exact_piece: Option<ExactPiece>,
     /// At the end of the piece and at its beginning.
     borders: [Option<Border>; 2],
-    parts: Option<Parts>,
+    /// Whether its parts are known.
+    is_split: bool,
 }
 
-/// The parts of a piece in the neighbourhoods of the ends of the side and between them, each with
-/// the paths that leave it.
-type Parts = [Option<(SidePiece, Option<LeastDistance>)>; 3];
+/// The parts of two pieces in the neighbourhoods of the ends of their sides and between them.
+#[derive(Default)]
+struct Parts {
+    /// Each with the paths that leave it.
+    from: Vec<(SidePiece, Option<LeastDistance>)>,
+    to: Vec<SidePiece>,
+}
 
 impl<'a> FromPiece<'a> {
     fn new(index: usize, piece: &'a SidePiece, straight: RoundedDistance) -> Self {
@@ -377,7 +441,7 @@ impl<'a> FromPiece<'a> {
             exact_straight: None,
             exact_piece: None,
             borders: [None; 2],
-            parts: None,
+            is_split: false,
         }
     }
 }
@@ -423,6 +487,17 @@ impl SidePair<'_> {
     /// Raises `excess` to the violations of `other` by paths from one piece, and adds the links
     /// between them.
     fn compare(&mut self, from: &mut FromPiece<'_>, other: &SidePiece, links: &mut Vec<ChainLink>) {
+        // The straight distance is a lower bound of all paths from the piece.
+        let limit = greater(self.accepted, self.excess) - self.error;
+        let bound = from.straight.below(other, limit);
+        if bound <= limit {
+            let upper = bound + self.error;
+            if upper > -self.clear {
+                self.excess = greater(upper, self.excess);
+                self.connect(from, other, upper, links);
+            }
+            return;
+        }
         let near = self.near;
         let reaches = from
             .reaches
@@ -436,7 +511,16 @@ impl SidePair<'_> {
             return;
         }
         if upper > -self.margin {
-            let excess = self.exact_excess(from, other, found);
+            let rounded = if limit >= 0.0 {
+                reaches.below(other, self.error)
+            } else {
+                f64::INFINITY
+            };
+            let excess = if rounded <= limit {
+                rounded + self.error
+            } else {
+                self.exact_excess(from, other, found)
+            };
             self.excess = if excess.is_nan() {
                 f64::INFINITY
             } else {
@@ -560,7 +644,7 @@ impl SidePair<'_> {
 
     /// Adds the links between the nodes of two pieces.
     fn connect(
-        &self,
+        &mut self,
         from: &mut FromPiece<'_>,
         other: &SidePiece,
         upper: f64,
@@ -583,18 +667,29 @@ impl SidePair<'_> {
             }
             return;
         }
-        let parts = from.parts.get_or_insert_with(|| {
-            let parts = self.split(0, from.piece);
-            parts.map(|part| part.map(|part| (part, None)))
+        let clear = self.clear + self.margin;
+        let Parts {
+            from: parts,
+            to: others,
+        } = &mut *self.parts;
+        if !std::mem::replace(&mut from.is_split, true) {
+            parts.clear();
+            let range = (self.balls[0], self.lengths[0]);
+            split(from.piece, range, |part| parts.push((part, None)));
+        }
+        others.clear();
+        split(other, (self.balls[1], self.lengths[1]), |part| {
+            if !part.chord.is_below(&from.straight, clear) {
+                others.push(part);
+            }
         });
-        let others = self.split(1, other);
-        for (part, reaches) in parts.iter_mut().flatten() {
-            for other in others.iter().flatten() {
-                if other.node == part.node || self.is_far(part, other) {
+        for (part, reaches) in parts {
+            for other in &*others {
+                if other.node == part.node || is_far(&self.near, part, other, clear) {
                     continue;
                 }
                 let reaches = reaches.get_or_insert_with(|| self.near.reaches(part, from.straight));
-                if reaches.is_above(&other.chord, self.clear + self.margin) {
+                if reaches.is_above(&other.chord, clear) {
                     continue;
                 }
                 let found = reaches.differences(other);
@@ -604,52 +699,67 @@ impl SidePair<'_> {
         }
     }
 
-    /// Whether all segments between two parts have a detour above `clear`, judged by the segment
-    /// between their beginnings. The change from there is bounded by the widths of the parts.
-    fn is_far(&self, part: &SidePiece, other: &SidePiece) -> bool {
-        let length = self.near.distance(part.from, other.from);
-        let widths = (part.to - part.from) + (other.to - other.from);
-        let excess = other.at_ends()[0] - part.at_ends()[0] - length;
-        excess + 2.0 * widths + self.margin <= -self.clear
-    }
-
     /// Whether a piece lies outside the neighbourhoods of both ends of the side.
     fn is_between(&self, side: usize, piece: &SidePiece) -> bool {
         let [(_, near_tail), (_, near_head)] = self.balls[side];
         piece.from >= near_tail && piece.to <= self.lengths[side] - near_head
     }
+}
 
-    /// The parts of a piece in the neighbourhoods of the ends of the side, and between them.
-    fn split(&self, side: usize, piece: &SidePiece) -> [Option<SidePiece>; 3] {
-        if self.is_between(side, piece) {
-            return [Some(*piece), None, None];
+/// Whether all segments between two parts have a detour above `clear`, judged by the segment between
+/// their beginnings. The change from there is bounded by the widths of the parts.
+fn is_far(near: &RoundedTransform, part: &SidePiece, other: &SidePiece, clear: f64) -> bool {
+    let length = near.distance(part.from, other.from);
+    let widths = (part.to - part.from) + (other.to - other.from);
+    let excess = other.at_ends()[0] - part.at_ends()[0] - length;
+    excess + 2.0 * widths <= -clear
+}
+
+/// The parts of a piece in the neighbourhoods of the ends of the side, and between them.
+fn split(
+    piece: &SidePiece,
+    (balls, length): ([(usize, f64); 2], f64),
+    mut part: impl FnMut(SidePiece),
+) {
+    let [(tail, near_tail), (head, near_head)] = balls;
+    let (mut from, [mut first, last]) = (piece.from, piece.at_ends());
+    let nodes = [
+        (near_tail, tail),
+        (length - near_head, piece.node),
+        (f64::INFINITY, head),
+    ];
+    for (end, node) in nodes {
+        if from >= end {
+            continue;
         }
-        let [(tail, near_tail), (head, near_head)] = self.balls[side];
-        let near_head = self.lengths[side] - near_head;
-        let bounds = [
-            (f64::NEG_INFINITY, near_tail, tail),
-            (near_tail, near_head, piece.node),
-            (near_head, f64::INFINITY, head),
-        ];
-        let parts = bounds.map(|(from, to, node)| {
-            (piece.from < to && piece.to > from).then(|| {
-                let (from, to) = (greater(piece.from, from), lesser(piece.to, to));
-                SidePiece::new(piece.distance, from, to, node)
-            })
+        let is_last = piece.to <= end;
+        let (to, at_end) = if is_last {
+            (piece.to, last)
+        } else {
+            (end, piece.distance.at(end))
+        };
+        part(SidePiece {
+            distance: piece.distance,
+            from,
+            to,
+            chord: Chord::new([from, to], [first, at_end]),
+            node,
         });
-        if parts.iter().all(Option::is_none) {
-            // A piece of length 0.
-            return [Some(*piece), None, None];
+        if is_last {
+            return;
         }
-        parts
+        (from, first) = (to, at_end);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use geobench_mesh::Mesh;
+    use geobench_mesh::{Mesh, SplitMix64, VertexId};
+    use geobench_mmp::{mmp, windows_of};
+    use geobench_window::Solver;
 
     use super::*;
+    use crate::Claim;
     use crate::envelope::EnvelopePiece;
 
     /// Face 11996 of the scan igea, source vertex 0, and two of its pieces. The paths that bend at
@@ -697,15 +807,123 @@ mod tests {
             pieces: vec![far, near],
             jumps: vec![0.0; 9],
         };
-        let found = Checker::new(&FaceChecks::new(&field, 1e-9))
-            .violation(FaceId::new(2))
-            .0;
-        assert!(found < 1e-12, "{found:e}");
+        let violation = |field: &EdgeField<'_>, precision| {
+            Checker::new(&FaceChecks::new(field, 1e-9, precision)).violation(FaceId::new(2))
+        };
+        for precision in [Precision::Double, Precision::TwoDoubles] {
+            let (found, _) = violation(&field, precision);
+            assert!(found < 1e-12, "{found:e}");
+        }
         // The pair is compared: making the second piece longer is a violation.
         let mut field = field;
         field.pieces[1].sigma += 1e-10;
-        let (found, side) = Checker::new(&FaceChecks::new(&field, 1e-9)).violation(FaceId::new(2));
-        assert_eq!(side, FaceId::new(2).half_edge(2));
-        assert!(found > 0.9e-10 && found < 1.1e-10, "{found:e}");
+        for precision in [Precision::Double, Precision::TwoDoubles] {
+            let (found, side) = violation(&field, precision);
+            assert_eq!(side, FaceId::new(2).half_edge(2));
+            assert!(found > 0.9e-10 && found < 1.1e-10, "{found:e}");
+        }
+    }
+
+    /// The greatest violation of a face that samples show: at the ends of pieces and between them,
+    /// and where straight lines to them begin.
+    fn sampled(field: &EdgeField<'_>, face: FaceId) -> f64 {
+        let shape = FaceShape::of(field.mesh, face);
+        let sides = [0, 1, 2].map(|k| {
+            let (h, length) = (face.half_edge(k), shape.lengths[k as usize]);
+            let mut side = FaceSide::default();
+            side.set(field, h, length.middle());
+            let pieces = side.pieces.iter().map(|p| field.exact(h, length, p.node));
+            pieces.collect::<Vec<_>>()
+        });
+        let mut most = f64::NEG_INFINITY;
+        for (k, step) in (0..3).flat_map(|k| [(k, 1), (k, 2)]) {
+            let there = (k + step) % 3;
+            let [onto, back] = [(k, step), (there, 3 - step)].map(|(k, step)| {
+                let transform = shape.transform(k, step);
+                move |t: Ball| {
+                    let point = Distance {
+                        image: [t, Ball::ZERO],
+                        sigma: Ball::ZERO,
+                    };
+                    transform.straight(&point)
+                }
+            });
+            for (from, other) in sides[k]
+                .iter()
+                .flat_map(|p| sides[there].iter().map(move |q| (p, q)))
+            {
+                let between = |p: &ExactPiece, at: f64| p.from + (p.to - p.from) * Ball::exact(at);
+                for at in [0.0, 0.3, 0.5, 0.9, 1.0] {
+                    let y = between(other, at);
+                    let [image, point] =
+                        [&from.distance, &back(y)].map(|d| d.image.map(Ball::middle));
+                    let part = image[1].abs() / (image[1].abs() + point[1].abs());
+                    let crossing = image[0] + (point[0] - image[0]) * part;
+                    let [first, last] = [from.from, from.to];
+                    let crossing = Ball::exact(crossing);
+                    let mut starts = vec![first, last, between(from, 0.4)];
+                    if crossing.middle() > first.upper() && crossing.middle() < last.lower() {
+                        starts.push(crossing);
+                    }
+                    for x in starts {
+                        let by = other.distance.at(y) - from.distance.at(x) - onto(x).at(y);
+                        most = greater(by.lower(), most);
+                    }
+                }
+            }
+        }
+        most
+    }
+
+    /// Fields of a solver, and the same with errors of all sizes.
+    #[test]
+    fn no_sample_exceeds_a_violation() {
+        let mut random = SplitMix64::new(7);
+        for (spec, stretch) in [
+            ("torus,faces=60,bump=0.2,seed=3", 1.0),
+            ("terrain,n=4,seed=2", 1.0),
+            ("terrain,n=4,seed=2", 1e4),
+        ] {
+            let mut mesh = Mesh::generate(spec).unwrap();
+            let faces = mesh
+                .faces()
+                .map(|f| mesh.face_vertices(f).map(VertexId::raw));
+            let positions = mesh
+                .positions()
+                .iter()
+                .map(|&[x, y, z]| [stretch * x, y, z]);
+            mesh = Mesh::new(positions.collect(), faces.collect()).unwrap();
+            let source = [VertexId::new(0)];
+            let mut solver = mmp(&mesh);
+            let distances = solver.distances_from(0).unwrap();
+            let claim = Claim::new(&mesh, &source, &distances).unwrap();
+            for by in [0.0, 1e-16, 1e-15, 1e-14, 1e-12, 1e-6] {
+                let windows: Vec<Vec<WindowData>> = mesh
+                    .half_edges()
+                    .map(|h| {
+                        let mut moved = |x: f64| x * (1.0 + by * (random.unit() - 0.5));
+                        let all = windows_of(&solver, h);
+                        let of = all.map(|w| WindowData {
+                            interval: [w.b0, w.b1],
+                            image: [moved(w.px), moved(w.py)],
+                            sigma: moved(w.sigma),
+                        });
+                        of.collect()
+                    })
+                    .collect();
+                let field = claim.edge_field(|h| windows[h.index()].iter().copied());
+                for face in mesh.faces() {
+                    let least = sampled(&field, face);
+                    let found = [Precision::Double, Precision::TwoDoubles].map(|precision| {
+                        let checks = FaceChecks::new(&field, 1e-9, precision);
+                        Checker::new(&checks).violation(face).0
+                    });
+                    let of = format!("{spec}, {stretch}, {by:e}, {face}: {found:?} {least:e}");
+                    assert!(found.iter().all(|&bound| bound >= least), "{of}");
+                    let rounding = 1e-13 * claim.scale(face);
+                    assert!(found[0] <= found[1] + rounding, "{of}");
+                }
+            }
+        }
     }
 }

@@ -30,6 +30,11 @@
 //! Beyond that, no violation matters: the proof of such vertices is repeated with the pieces cut
 //! where d exceeds this level (`level`).
 //!
+//! The proof is attempted in plain doubles first. Their rounding counts as a violation in each face,
+//! with a bound that holds for all operations of a comparison. Where it is not enough, comparisons
+//! are made again in numbers of two doubles with their own bounds (`ball`): at once if a violation
+//! is more than rounding, and everywhere if the sums for some vertex are.
+//!
 //! Nothing of this depends on how many faces an edge has or how they are oriented: a path is a chain
 //! of segments inside faces on any surface of triangles.
 //!
@@ -75,7 +80,7 @@ use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Tolerance, VertexId, threads};
 use boundary::windows_from_inside;
 use chains::greatest_sums;
 use envelope::{EnvelopeBuilder, EnvelopePiece, GAP, piece};
-use face::{ChainLink, Checker, FaceChecks, REPAIR};
+use face::{ChainLink, Checker, FaceChecks, Precision, REPAIR};
 use field::{EdgeField, Envelopes};
 use interval::lesser;
 use jump::sum_of_jumps;
@@ -237,6 +242,10 @@ const CLEAR: f64 = 1e-8;
 const MOST_LEVELS: usize = 20;
 const LEVEL_RATIO: f64 = 4.0;
 
+/// A proof in plain doubles is enough if it bounds all errors by this fraction of the distances, a
+/// tenth of what the [rule](Tolerance) of right distances allows.
+const ENOUGH: f64 = 1e-10;
+
 /// Parts of the work for each thread.
 const PARTS: usize = 16;
 
@@ -297,21 +306,34 @@ impl<'a> Claim<'a> {
         W: IntoIterator<Item = WindowData>,
     {
         let mut field = self.edge_field(windows);
+        let bound = self.prove(&mut field, Precision::Double);
+        if bound.relative <= ENOUGH {
+            return bound;
+        }
+        self.prove(&mut field, Precision::TwoDoubles)
+    }
+
+    /// The proof with comparisons in this precision. Repairs `field`.
+    fn prove(&self, field: &mut EdgeField<'_>, precision: Precision) -> Bound {
         let finite = self.distances.iter().copied().filter(|d| d.is_finite());
         let farthest = finite.fold(0.0, f64::max);
         let clear = CLEAR * farthest;
         let all: Vec<FaceId> = self.mesh.faces().collect();
-        let mut found = self.violations(&field, &all, clear);
+        let mut found = self.violations(field, &all, clear, precision);
         let leak = |f: &FaceId| found.in_face[f.index()] / self.scale(*f);
-        let is_leaky = |f: &FaceId| leak(f) > REPAIR;
+        let most = match precision {
+            Precision::Double => 4.0 * REPAIR,
+            Precision::TwoDoubles => REPAIR,
+        };
+        let is_leaky = |f: &FaceId| leak(f) > most;
         let mut leaky: Vec<FaceId> = all.iter().copied().filter(is_leaky).collect();
         leaky.sort_by(|a, b| leak(b).total_cmp(&leak(a)));
-        let changed = repair(&mut field, &leaky);
+        let changed = repair(field, &leaky);
         if !changed.is_empty() {
-            found.replace(&changed, self.violations(&field, &changed, clear));
+            found.replace(&changed, self.violations(field, &changed, clear, precision));
         }
         let mut failures = Vec::new();
-        let own = self.disagreements(&field);
+        let own = self.disagreements(field);
         for (v, (&violation, &d)) in self.mesh.vertices().zip(own.iter().zip(self.distances)) {
             if violation > ROUNDING * d.max(self.longest_edge(v)) {
                 failures.push(ProofFailure {
@@ -321,7 +343,7 @@ impl<'a> Claim<'a> {
                 });
             }
         }
-        let sums = self.sums(&field, found, &own, clear);
+        let sums = self.sums(field, found, &own, clear, precision);
         for face in self.mesh.faces() {
             let violation = sums.in_face[face.index()];
             if violation > ROUNDING * self.scale(face) {
@@ -340,8 +362,8 @@ impl<'a> Claim<'a> {
                 *error = 0.0;
             }
         }
-        if sums.absolute.is_finite() {
-            self.prove_by_level(&field, &own, sums.absolute, &mut errors);
+        if sums.absolute.is_finite() && precision == Precision::TwoDoubles {
+            self.prove_by_level(field, &own, sums.absolute, &mut errors);
         }
         Bound {
             absolute: sums.absolute,
@@ -360,6 +382,7 @@ impl<'a> Claim<'a> {
         mut found: Violations,
         own: &[f64],
         mut clear: f64,
+        precision: Precision,
     ) -> Sums {
         // `clear` must be at least the total of all violations. Few claims need a second round.
         let total = loop {
@@ -371,7 +394,7 @@ impl<'a> Claim<'a> {
             }
             clear = 2.0 * total;
             let all: Vec<FaceId> = self.mesh.faces().collect();
-            found = self.violations(field, &all, clear);
+            found = self.violations(field, &all, clear, precision);
         };
         let Violations {
             in_face,
@@ -433,7 +456,9 @@ impl<'a> Claim<'a> {
             let is_below = |(&own, &d): (&f64, &f64)| if d - own <= cut { own } else { 0.0 };
             let own: Vec<f64> = own.iter().zip(self.distances).map(is_below).collect();
             let clear = CLEAR * cut;
-            let sums = self.sums(&part, self.violations(&part, &all, clear), &own, clear);
+            let precision = Precision::TwoDoubles;
+            let found = self.violations(&part, &all, clear, precision);
+            let sums = self.sums(&part, found, &own, clear, precision);
             for (v, error) in errors.iter_mut().enumerate() {
                 if self.distances[v] <= level {
                     *error = error.min(sums.errors[v]);
@@ -464,8 +489,14 @@ impl<'a> Claim<'a> {
     }
 
     /// The violations of these faces. Leaves out links with a detour above `clear`.
-    fn violations(&self, field: &EdgeField<'_>, faces: &[FaceId], clear: f64) -> Violations {
-        let checks = FaceChecks::new(field, clear);
+    fn violations(
+        &self,
+        field: &EdgeField<'_>,
+        faces: &[FaceId],
+        clear: f64,
+        precision: Precision,
+    ) -> Violations {
+        let checks = FaceChecks::new(field, clear, precision);
         let ranges = threads::ranges(faces.len(), PARTS);
         let parts = threads::each(ranges, |range| {
             let mut checker = Checker::new(&checks);

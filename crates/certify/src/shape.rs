@@ -276,6 +276,77 @@ impl LeastDistance {
         chord.is_shorter_than_distance(distance) && chord.is_below(distance, clear)
     }
 
+    /// An upper bound, up to `error`, of how much `other` is above the least of the three. In doubt
+    /// where a part begins, both parts are compared: beyond its ends, a straight distance is less
+    /// than the least, and a bent one is not.
+    pub(crate) fn below(&self, other: &SidePiece, error: f64) -> f64 {
+        let [.., first, last, _] = self.bounds;
+        let doubts = [0, 2].map(|k| self.doubt(k, error));
+        let last_bend = if last > first {
+            last - doubts[1]
+        } else {
+            f64::NEG_INFINITY
+        };
+        let ranges = [
+            [f64::NEG_INFINITY, first + doubts[0]],
+            [first - doubts[0], last + doubts[1]],
+            [last_bend, f64::INFINITY],
+        ];
+        let parts = self
+            .distances
+            .iter()
+            .zip(ranges)
+            .map(|(distance, [from, to])| {
+                let (from, to) = (greater(from, other.from), lesser(to, other.to));
+                if from > to {
+                    return f64::NEG_INFINITY;
+                }
+                let at_ends = [(from, other.from, 0), (to, other.to, 1)].map(|(t, end, i)| {
+                    if t == end {
+                        other.at_ends()[i]
+                    } else {
+                        other.distance.at(t)
+                    }
+                });
+                let bound = distance.below_chord([from, to], at_ends);
+                if bound > error {
+                    lesser(bound, other.distance.peak(distance))
+                } else {
+                    bound
+                }
+            });
+        parts.fold(f64::NEG_INFINITY, greater)
+    }
+
+    /// More than the error of the end of the straight part that lies beside part `k`, if the
+    /// coordinates of images are known up to a quarter of `error`.
+    ///
+    /// Let the line through the image I and the end P of the piece meet the side at an angle with
+    /// sine s and cosine c, and let e be the error of both points. Moving one of them turns the line
+    /// about the other. So it moves the end by at most `e (|y_I| + |y_P|) / (|y_P - y_I| s)`, and a
+    /// little more if e is no more than a hundredth of the difference. Rounding of the products
+    /// adds at most `e/s`. Where the line is too flat, the end is known only if all of the side lies
+    /// clearly on one side of it.
+    fn doubt(&self, k: usize, error: f64) -> f64 {
+        let (image, through) = (self.distances[1].image, self.distances[k].image);
+        let ray = [through[0] - image[0], through[1] - image[1]];
+        let [run, rise] = ray.map(f64::abs);
+        let is_towards = ray[1] < 0.0;
+        if is_towards && rise > 25.0 * error {
+            let slant = (run + rise) / rise;
+            return slant * error * ((image[1].abs() + through[1].abs()) / rise + 1.0);
+        }
+        let left = |t: f64| ray[0] * -image[1] - ray[1] * (t - image[0]);
+        let (start, end) = (left(0.0), left(self.bounds[3]));
+        let reach = run + rise + image[0].abs() + image[1].abs() + self.bounds[3];
+        let clear = 4.0 * error * reach;
+        if start > clear && end > clear || start < -clear && end < -clear {
+            0.0
+        } else {
+            f64::INFINITY
+        }
+    }
+
     /// How much `other` is above each of the three, up to rounding; minus infinity where it lies
     /// outside the part.
     pub(crate) fn differences(&self, other: &SidePiece) -> [f64; 3] {

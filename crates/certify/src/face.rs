@@ -270,10 +270,15 @@ pub(crate) fn shorter_windows(
     }
     let least = REPAIR * size;
     let mut compare = |k: usize, distance: &RoundedDistance, bounds: [f64; 2]| {
-        let above = sides[k]
-            .pieces
-            .iter()
-            .filter(|p| !p.chord.is_below(distance, -least))
+        let is_clear = |chord: &Chord| chord.is_below(distance, -least);
+        let overlaps = |from: f64, to: f64| from < bounds[1] && to > bounds[0];
+        let blocks = sides[k].blocks().iter().filter(|block| {
+            let [first, last] = [block.first, block.end - 1].map(|i| &sides[k].pieces[i]);
+            overlaps(first.from, last.to) && !is_clear(&block.chord)
+        });
+        let pieces = blocks.flat_map(|block| &sides[k].pieces[block.first..block.end]);
+        let above = pieces
+            .filter(|p| overlaps(p.from, p.to) && !is_clear(&p.chord))
             .map(|p| p.height_above(distance, bounds));
         let by = above.fold(f64::NEG_INFINITY, greater);
         if by > least {
@@ -409,12 +414,12 @@ struct SidePair<'a> {
     parts: &'a mut Parts,
 }
 
-/// The paths that leave one piece. Each field is computed when it is first needed.
+/// The paths that leave one piece. Options are computed when they are first needed.
 struct FromPiece<'a> {
     index: usize,
     piece: &'a SidePiece,
     straight: RoundedDistance,
-    reaches: Option<LeastDistance>,
+    reaches: LeastDistance,
     exact_straight: Option<Distance>,
     exact_piece: Option<ExactPiece>,
     /// At the end of the piece and at its beginning.
@@ -432,12 +437,17 @@ struct Parts {
 }
 
 impl<'a> FromPiece<'a> {
-    fn new(index: usize, piece: &'a SidePiece, straight: RoundedDistance) -> Self {
+    fn new(
+        index: usize,
+        piece: &'a SidePiece,
+        straight: RoundedDistance,
+        near: RoundedTransform,
+    ) -> Self {
         Self {
             index,
             piece,
             straight,
-            reaches: None,
+            reaches: near.reaches(piece, straight),
             exact_straight: None,
             exact_piece: None,
             borders: [None; 2],
@@ -463,21 +473,17 @@ impl SidePair<'_> {
             if whole.chord.is_below(&straight, clear) {
                 continue;
             }
-            let mut from = None;
-            let blocks = if there.blocks.is_empty() {
-                std::slice::from_ref(whole)
-            } else {
-                &there.blocks
+            let mut from = FromPiece::new(index, piece, straight, self.near);
+            let is_clear = |reaches: &LeastDistance, chord: &Chord| {
+                chord.is_below(&straight, clear) || reaches.is_above(chord, clear)
             };
-            for block in blocks {
-                if blocks.len() > 1 && block.chord.is_below(&straight, clear) {
+            for block in there.blocks() {
+                if is_clear(&from.reaches, &block.chord) {
                     continue;
                 }
                 for other in &there.pieces[block.first..block.end] {
-                    if !other.chord.is_below(&straight, clear) {
-                        let from =
-                            from.get_or_insert_with(|| FromPiece::new(index, piece, straight));
-                        self.compare(from, other, links);
+                    if !is_clear(&from.reaches, &other.chord) {
+                        self.compare(&mut from, other, links);
                     }
                 }
             }
@@ -498,21 +504,14 @@ impl SidePair<'_> {
             }
             return;
         }
-        let near = self.near;
-        let reaches = from
-            .reaches
-            .get_or_insert_with(|| near.reaches(from.piece, from.straight));
-        if reaches.is_above(&other.chord, self.clear + self.margin) {
-            return;
-        }
-        let found = reaches.differences(other);
+        let found = from.reaches.differences(other);
         let upper = greater(greater(found[0], found[1]), found[2]) + self.margin;
         if upper <= -self.clear {
             return;
         }
         if upper > -self.margin {
             let rounded = if limit >= 0.0 {
-                reaches.below(other, self.error)
+                from.reaches.below(other, self.error)
             } else {
                 f64::INFINITY
             };
@@ -575,9 +574,7 @@ impl SidePair<'_> {
             return greater(simple, 0.0);
         }
         let pieces = &self.sides[0].pieces;
-        let begin = from
-            .reaches
-            .map_or([f64::NEG_INFINITY, f64::INFINITY], |r| r.bounds(1));
+        let begin = from.reaches.bounds(1);
         let mut most = 0.0_f64;
         let mut range = [f64::NEG_INFINITY, f64::INFINITY];
         let mut raise = |found: f64| {

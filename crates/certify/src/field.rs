@@ -244,12 +244,21 @@ impl PieceBlock {
 pub(crate) struct FaceSide {
     pub(crate) pieces: Vec<SidePiece>,
     /// Empty if a single block would hold all pieces.
-    pub(crate) blocks: Vec<PieceBlock>,
+    blocks: Vec<PieceBlock>,
     /// All pieces.
     pub(crate) whole: Option<PieceBlock>,
 }
 
 impl FaceSide {
+    /// Blocks of all pieces.
+    pub(crate) fn blocks(&self) -> &[PieceBlock] {
+        if self.blocks.is_empty() {
+            self.whole.as_slice()
+        } else {
+            &self.blocks
+        }
+    }
+
     /// Sets it to the pieces of the edge of `h` in the direction of `h`.
     pub(crate) fn set(&mut self, field: &EdgeField<'_>, h: HalfEdgeId, length: f64) {
         field.orient(h, length, &mut self.pieces);

@@ -75,7 +75,7 @@ mod shape;
 use std::collections::HashSet;
 use std::ops::Range;
 
-use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Tolerance, VertexId, threads};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Tolerance, VertexId, threads, tolerance};
 
 use boundary::windows_from_inside;
 use chains::greatest_sums;
@@ -97,6 +97,8 @@ pub struct Claim<'a> {
     mesh: &'a Mesh,
     sources: &'a [VertexId],
     distances: &'a [f64],
+    /// See [`Claim::with_tolerance`].
+    tolerance: f64,
 }
 
 /// Why a claim cannot be checked.
@@ -242,15 +244,18 @@ const CLEAR: f64 = 1e-8;
 const MOST_LEVELS: usize = 20;
 const LEVEL_RATIO: f64 = 4.0;
 
-/// A proof in plain doubles is enough if it bounds all errors by this fraction of the distances, a
-/// tenth of what the [rule](Tolerance) of right distances allows.
-const ENOUGH: f64 = 1e-10;
+/// A proof in plain doubles is enough if it bounds all errors by this fraction of the tolerance.
+const ENOUGH: f64 = 0.25;
 
 /// Parts of the work for each thread.
 const PARTS: usize = 16;
 
 /// A violation above this fraction of the local distances and lengths is a failure, not rounding.
 const ROUNDING: f64 = 1e-13;
+
+/// The same in a proof in plain doubles, which also repairs no smaller ones. It is far above their
+/// error, and hundreds of them on a path are within a tenth of 1e-9.
+const ROUGHLY: f64 = 1e-12;
 
 impl<'a> Claim<'a> {
     /// Claims that `distances` are the geodesic distances from the nearest of `sources`: one for
@@ -291,7 +296,16 @@ impl<'a> Claim<'a> {
             mesh,
             sources,
             distances,
+            tolerance: tolerance::RELATIVE,
         })
+    }
+
+    /// Sets the error that is to be excluded, as a fraction of each distance; 1e-9 by default. A proof
+    /// in plain doubles is enough if it excludes a quarter of that; else the proof is repeated in
+    /// numbers of two doubles.
+    #[must_use]
+    pub fn with_tolerance(self, tolerance: f64) -> Self {
+        Self { tolerance, ..self }
     }
 
     /// Upper bound of the amount by which the distances are too long.
@@ -307,7 +321,7 @@ impl<'a> Claim<'a> {
     {
         let mut field = self.edge_field(windows);
         let bound = self.prove(&mut field, Precision::Double);
-        if bound.relative <= ENOUGH {
+        if bound.relative <= ENOUGH * self.tolerance {
             return bound;
         }
         self.prove(&mut field, Precision::TwoDoubles)
@@ -321,9 +335,9 @@ impl<'a> Claim<'a> {
         let all: Vec<FaceId> = self.mesh.faces().collect();
         let mut found = self.violations(field, &all, clear, precision);
         let leak = |f: &FaceId| found.in_face[f.index()] / self.scale(*f);
-        let most = match precision {
-            Precision::Double => 4.0 * REPAIR,
-            Precision::TwoDoubles => REPAIR,
+        let [most, rounding] = match precision {
+            Precision::Double => [ROUGHLY; 2],
+            Precision::TwoDoubles => [REPAIR, ROUNDING],
         };
         let is_leaky = |f: &FaceId| leak(f) > most;
         let mut leaky: Vec<FaceId> = all.iter().copied().filter(is_leaky).collect();
@@ -335,7 +349,7 @@ impl<'a> Claim<'a> {
         let mut failures = Vec::new();
         let own = self.disagreements(field);
         for (v, (&violation, &d)) in self.mesh.vertices().zip(own.iter().zip(self.distances)) {
-            if violation > ROUNDING * d.max(self.longest_edge(v)) {
+            if violation > rounding * d.max(self.longest_edge(v)) {
                 failures.push(ProofFailure {
                     place: FailurePlace::Vertex(v),
                     edge: None,
@@ -346,7 +360,7 @@ impl<'a> Claim<'a> {
         let sums = self.sums(field, found, &own, clear, precision);
         for face in self.mesh.faces() {
             let violation = sums.in_face[face.index()];
-            if violation > ROUNDING * self.scale(face) {
+            if violation > rounding * self.scale(face) {
                 failures.push(ProofFailure {
                     place: FailurePlace::Face(face),
                     edge: sums.sides[face.index()],

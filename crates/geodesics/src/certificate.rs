@@ -60,6 +60,20 @@ impl Certificate {
     ///
     /// If there is no source, or one that is not on the mesh.
     pub fn of(mesh: &Mesh, sources: impl Sources) -> Result<Self, CertificateError> {
+        Self::within(mesh, sources, RELATIVE)
+    }
+
+    /// As [`of`](Self::of), for another [tolerance](Claim::with_tolerance) than 1e-9. The bounds for a
+    /// small one are closer and take longer.
+    ///
+    /// # Errors
+    ///
+    /// As `of`.
+    pub fn within(
+        mesh: &Mesh,
+        sources: impl Sources,
+        tolerance: f64,
+    ) -> Result<Self, CertificateError> {
         let sources = sources.into_vertices().into_iter();
         let sources: Vec<VertexId> = sources.map(|v| mesh.kept_vertex(v)).collect();
         let mut solver = mmp_from(mesh, Carrier::HalfEdge, CalendarQueue::new(mesh));
@@ -69,7 +83,7 @@ impl Certificate {
             // It is in no face. The proof of the vertex that stands for it is its own.
             distances[copy.index()] = f64::INFINITY;
         }
-        let claim = Claim::new(mesh, &sources, &distances)?;
+        let claim = Claim::new(mesh, &sources, &distances)?.with_tolerance(tolerance);
         let mut too_long = claim.not_too_long(|h| window_data(&solver, h));
         drop(solver);
         let last = |v| paths.last_line(v).map(points);

@@ -168,7 +168,7 @@ pub(crate) fn certify(
     let (surface, faces) = (refined.mesh.clone(), mesh.face_count());
     let threads = Threads::start(check_threads(threads)?)
         .map_err(|error| PyOSError::new_err(error.to_string()))?;
-    let work = move || threads.run(|| Certificate::of(&surface, &sources));
+    let work = move || threads.run(|| Certificate::within(&surface, &sources, tolerance));
     // A proof takes far longer than a run, so it counts as a run on ten times the faces.
     let found = interrupt::call(py, faces.saturating_mul(10), &Stop::default(), work)?;
     let mut proof = found.map_err(|error| match error {

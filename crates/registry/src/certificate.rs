@@ -93,7 +93,8 @@ impl Solver for Certified {
             let mut mmp = mmp_from(&self.mesh, Carrier::HalfEdge, queue);
             mmp.run(sources, &Goal::everything(), observer)?;
         }
-        let proof = Certificate::of(&self.mesh, sources).map_err(|error| match error {
+        let proof = Certificate::within(&self.mesh, sources, self.tolerance);
+        let proof = proof.map_err(|error| match error {
             CertificateError::Solve(error) => error,
             _ => SolveError::not_certified(f64::INFINITY),
         })?;

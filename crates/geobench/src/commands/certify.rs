@@ -80,7 +80,9 @@ pub(crate) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     });
     let given = given.transpose()?;
     let sources = points.source_vertices();
-    let proof = threads.run(|| Certificate::of(&points.refined.mesh, &sources))?;
+    let refined = &points.refined.mesh;
+    let tolerance = options.tolerance.number();
+    let proof = threads.run(|| Certificate::within(refined, &sources, tolerance))?;
     let given = given.map_or_else(
         || {
             proof

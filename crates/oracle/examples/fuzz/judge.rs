@@ -139,8 +139,7 @@ pub(crate) fn judge(
     expected: &Expected,
     work: Option<u64>,
 ) -> Verdict {
-    let refuses = mesh.has_junctions() && !selection.crosses_junctions();
-    if refuses || !variants::can_finish(selection, case) {
+    if refuses(selection, mesh) || !variants::can_finish(selection, case) {
         return Verdict::LeftOut;
     }
     let work = work.filter(|_| variants::is_limited(selection, case.limited));
@@ -186,6 +185,11 @@ pub(crate) fn judge(
         Ok(Err(failure)) => Verdict::Failed(failure),
         Err(panic) => failed(FailureKind::Panic, message(panic.as_ref())),
     }
+}
+
+/// Whether the algorithm solves no mesh with such junctions.
+fn refuses(selection: &Selection, mesh: &Mesh) -> bool {
+    mesh.has_junctions() && !selection.crosses_junctions()
 }
 
 fn failed(kind: FailureKind, text: String) -> Verdict {
@@ -266,6 +270,11 @@ fn transformed(
         Err(refused) if changed.is_exact() => return Err(failed(refused.to_string())),
         Err(_) => return Ok(()),
     };
+    // Two faces with the same corners become four at the edge from a point that is inserted on one
+    // of their edges to the opposite corner.
+    if refuses(selection, &changed_mesh) {
+        return Ok(());
+    }
     let sources: Vec<VertexId> = changed
         .sources(&kept_sources(case, mesh))
         .into_iter()

@@ -172,7 +172,7 @@ fn towards(mesh: &Mesh, start: &SurfacePoint, direction: [f64; 3]) -> Option<Hea
             rooms.push((h, at, None));
         }
         Place::Edge(h, weights) => {
-            let sides = mesh.along_edge(h).into_iter();
+            let sides = mesh.along_edge(h);
             rooms.extend(sides.map(|side| {
                 let weight = weights[usize::from(mesh.tail(side) == mesh.tail(h))];
                 (

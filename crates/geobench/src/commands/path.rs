@@ -124,18 +124,15 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     let algorithm = algorithm.unwrap_or_else(|| registry::usual(mesh));
     let build = || algorithm.build(refined);
     let mut solver: Option<Box<dyn Solver>> = None;
-    let (paths, method) = match options.direction.zip(options.length) {
-        Some((direction, length)) => {
-            let paths = straightest(mesh, &points, direction, length.0);
-            (paths.with_context(|| model.path.clone())?, "straightest")
-        }
-        None => {
-            let solver = &mut **solver.get_or_insert_with(build);
-            let keeps_all = output.is_some();
-            let paths = shortest(solver, mesh, &points, &model.name, keeps_all);
-            let paths = paths.with_context(|| algorithm.label().to_owned())?;
-            (paths, algorithm.label())
-        }
+    let line = options.direction.zip(options.length);
+    let (paths, method) = if let Some((direction, length)) = line {
+        let paths = straightest(mesh, &points, direction, length.0);
+        (paths.with_context(|| model.path.clone())?, "straightest")
+    } else {
+        let solver = &mut **solver.get_or_insert_with(build);
+        let paths = shortest(solver, mesh, &points, &model.name, output.is_some());
+        let paths = paths.with_context(|| algorithm.label().to_owned())?;
+        (paths, algorithm.label())
     };
     if let Some((format, output)) = output {
         let set = PathSet {

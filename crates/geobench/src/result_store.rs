@@ -10,7 +10,7 @@ use geobench_export::output::{self, OutputFile};
 use geobench_harness::measure::host;
 use geobench_harness::plan::Plan;
 use geobench_harness::run::{self, Earlier};
-use geobench_harness::schema::unfinished::Unfinished;
+use geobench_harness::schema::unfinished::{self, Unfinished};
 use geobench_harness::schema::{Cell, ModelRecord, ResultFile, SessionRecord, result_file};
 use geobench_report::history::join::{self, Joined};
 use geobench_report::table::ResultFormat;
@@ -52,11 +52,8 @@ impl ResultStore {
     ) -> anyhow::Result<Vec<anyhow::Error>> {
         self.note_time();
         self.result.cells.extend_from_slice(cells);
-        if self.unfinished.is_none()
-            // Other processes extend the file of `--add-to` as well.
-            && self.add_to.is_none()
-            && let Some(path) = stored_file(&self.outputs)
-        {
+        let path = stored_file(&self.outputs).filter(|_| self.unfinished.is_none());
+        if let (Some(path), None) = (path, &self.add_to) {
             self.unfinished = Unfinished::create(path, &self.result).ok();
         }
         let store = self.unfinished.as_mut();
@@ -73,6 +70,11 @@ impl ResultStore {
         let mut failed = Vec::new();
         for (format, file) in self.outputs.iter().filter(|(_, file)| file.is_replaced()) {
             failed.extend(file.write(format.render(&whole)?.as_bytes()).err());
+        }
+        // The file of `--add-to` then has what a killed run has left in a store. Without a store, as
+        // when another process that adds to the file has it, each model is written.
+        if let (Some(path), None, []) = (&self.add_to, &self.unfinished, &failed[..]) {
+            self.unfinished = Unfinished::create(path, &whole).ok();
         }
         self.write_due.done(self.result.cells.len(), start);
         Ok(failed)
@@ -100,8 +102,10 @@ impl ResultStore {
         if !failed.is_empty() {
             bail!("{}; {}", failed.join("; "), rescue(&joined.file)?);
         }
-        if let Some(store) = self.unfinished.take() {
-            store.remove();
+        match (self.unfinished.take(), &self.add_to) {
+            (Some(store), _) => store.remove(),
+            (None, Some(path)) => unfinished::remove_abandoned(path),
+            (None, None) => {}
         }
         Ok(joined)
     }

@@ -174,7 +174,8 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
         .input_files(&all)
         .into_iter()
         .chain(options.resume.clone());
-    let store = result_store::stored_file(&outputs).filter(|_| options.add_to.is_none());
+    let add_to = options.add_to.as_deref();
+    let store = add_to.or_else(|| result_store::stored_file(&outputs));
     let store = store.map(Unfinished::prepare).transpose()?;
     check_files(outputs.iter().map(|(_, file)| file).chain(&store), read)?;
     let Plans { plans, notes, .. } = all;
@@ -200,7 +201,6 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
         journal = Some(opened);
     }
     let runs = plans.iter().map(Plan::runs).fold(0, usize::saturating_add);
-    let add_to = options.add_to.as_deref();
     let earlier = add_to
         .map(|path| result_store::earlier(path, &plans))
         .transpose()?;

@@ -434,6 +434,36 @@ fn a_killed_run_loses_no_model_that_has_ended() {
     assert!(!sandbox.path("r.json.unfinished").exists());
 }
 
+/// A run that adds to a file has a store, too, which the next one empties.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_killed_run_that_adds_loses_no_model_that_has_ended() {
+    let sandbox = Sandbox::new();
+    sandbox.succeed("run gen:tetrahedron,subdiv=1 --algo mmp --repeat 1 -o r.json");
+    let models: Vec<String> = (1..=11).map(|n| format!("\"gen:cube,n={n}\"")).collect();
+    sandbox.write(
+        "suite.toml",
+        &format!(
+            "repeat = 1\nwarmup = 0\n\
+             [[group]]\nname = \"first\"\nalgorithms = [\"mmp\"]\nmodels = [{}]\n\
+             [[group]]\nname = \"last\"\nalgorithms = [\"test-loop\"]\nmodels = [\"gen:cube\"]\n",
+            models.join(", ")
+        ),
+    );
+    let mut looping = Looping::start(&sandbox, "run --config suite.toml --add-to r.json");
+    looping.cell();
+    let cells = |file: &str| sandbox.json(file)["cells"].as_array().unwrap().len();
+    // While the run goes on, others add to the file and leave its store alone.
+    sandbox.succeed("run gen:tetrahedron,subdiv=1 --algo vtp --repeat 1 --add-to r.json");
+    assert!(sandbox.path("r.json.unfinished").exists());
+    looping.kill();
+    sandbox.succeed("merge r.json -o all.json");
+    assert_eq!(cells("all.json"), 1 + 11 + 1);
+    sandbox.succeed("run gen:tetrahedron,subdiv=1 --algo ich --repeat 1 --add-to r.json");
+    assert_eq!(cells("r.json"), 1 + 11 + 2);
+    assert!(!sandbox.path("r.json.unfinished").exists());
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_log_says_when_a_model_begins_and_ends_and_what_a_signal_does() {

@@ -23,14 +23,11 @@ pub fn read(path: &Path) -> anyhow::Result<ResultFile> {
         labels::renew(&mut file);
         return Ok(file);
     }
-    let file = parse(path, &text)?;
-    Ok(match unfinished::newer(path, &file) {
-        Some(mut newer) => {
-            labels::renew(&mut newer);
-            newer
-        }
-        None => file,
-    })
+    let mut file = parse(path, &text)?;
+    if unfinished::complete(path, &mut file) {
+        labels::renew(&mut file);
+    }
+    Ok(file)
 }
 
 /// Reads several files; returns each with its path as text.

@@ -6,7 +6,11 @@
 //! was killed, [`read`](super::result_file::read) takes what the output lacks from the store.
 //!
 //! The first line is the result file without cells. An incomplete last line is ignored.
+//!
+//! A run that adds to a file has a store, too, whose first line is that of the joined file. It holds
+//! a lock on it, so that another run which adds to the file meanwhile does not replace it.
 
+use std::collections::HashMap;
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, BufRead, Write};
@@ -16,7 +20,7 @@ use anyhow::bail;
 use geobench_export::output::{OutputFile, temporary_file};
 use serde::{Deserialize, Serialize};
 
-use super::{Cell, GroupRecord, ModelRecord, ResultFile};
+use super::{Cell, GroupRecord, ModelRecord, ResultFile, SessionRecord};
 
 /// The ending of its name.
 const ENDING: &str = "unfinished";
@@ -69,13 +73,15 @@ impl Unfinished {
     ///
     /// # Errors
     ///
-    /// If it cannot be written, or there is something else in its place.
+    /// If it cannot be written, or there is something else in its place, or the store of a run that
+    /// goes on.
     pub fn create(output: &Path, head: &ResultFile) -> io::Result<Self> {
         let path = path_of(output);
         // A run that is killed at any moment leaves no part of a first line: the next run would not
         // take that for a store.
         let directory = path.parent().filter(|parent| *parent != Path::new(""));
         let mut new = temporary_file(directory.unwrap_or(Path::new(".")), "")?;
+        new.as_file().try_lock()?;
         write_line(
             new.as_file_mut(),
             &ResultFile {
@@ -87,6 +93,7 @@ impl Unfinished {
         )?;
         let replaced = fs::symlink_metadata(&path).is_ok_and(|found| is_store(&path, &found));
         let file = if replaced {
+            File::open(&path)?.try_lock()?;
             new.persist(&path)?
         } else {
             new.persist_noclobber(&path)?
@@ -118,6 +125,17 @@ impl Unfinished {
     pub fn remove(self) {
         // What stays is harmless.
         let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// Removes the store of `output` that a killed run has left: the output has its results.
+pub fn remove_abandoned(output: &Path) {
+    let path = path_of(output);
+    let is_abandoned = fs::symlink_metadata(&path).is_ok_and(|found| is_store(&path, &found))
+        && File::open(&path).is_ok_and(|store| store.try_lock().is_ok());
+    if is_abandoned {
+        // What stays is harmless.
+        let _ = fs::remove_file(&path);
     }
 }
 
@@ -157,9 +175,48 @@ pub(super) fn parse(text: &str) -> Option<ResultFile> {
     Some(file)
 }
 
-/// The result in the store of `output`, if it is of the same run as `file` and has more cells.
-pub(super) fn newer(output: &Path, file: &ResultFile) -> Option<ResultFile> {
-    let store = parse(&fs::read_to_string(path_of(output)).ok()?)?;
-    let is_same = (&store.started, &store.command) == (&file.started, &file.command);
-    (is_same && store.cells.len() > file.cells.len()).then_some(store)
+/// `file`, which is in `output`, with what the store beside it has of its run, or of one that adds to
+/// it. Returns whether there is anything.
+pub(super) fn complete(output: &Path, file: &mut ResultFile) -> bool {
+    let text = fs::read_to_string(path_of(output));
+    let store = text.ok().as_deref().and_then(parse);
+    let is_same =
+        |store: &ResultFile| (&store.started, &store.command) == (&file.started, &file.command);
+    let Some(store) = store.filter(is_same) else {
+        return false;
+    };
+    let is_known = |one: &SessionRecord| {
+        let mut known = file.sessions.iter();
+        known.any(|known| (&known.started, &known.command) == (&one.started, &one.command))
+    };
+    let sessions: Vec<_> = store
+        .sessions
+        .into_iter()
+        .filter(|one| !is_known(one))
+        .collect();
+    file.sessions.extend(sessions);
+    for group in store.groups {
+        if file.groups.iter().all(|known| known.name != group.name) {
+            file.groups.push(group);
+        }
+    }
+    let models = file.models.iter().enumerate();
+    let models: HashMap<String, usize> = models.map(|(at, m)| (m.name.clone(), at)).collect();
+    for model in store.models {
+        match models.get(&model.name).map(|&at| &mut file.models[at]) {
+            // A model without a hash was refused.
+            Some(known) if known.sha256.is_none() => *known = model,
+            Some(_) => {}
+            None => file.models.push(model),
+        }
+    }
+    let cells = file.cells.iter().enumerate();
+    let cells: HashMap<_, _> = cells.map(|(at, cell)| (cell.id(), at)).collect();
+    for cell in store.cells {
+        match cells.get(&cell.id()) {
+            Some(&at) => file.cells[at] = cell,
+            None => file.cells.push(cell),
+        }
+    }
+    true
 }

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 use geobench_export::output::{OutputFile, check_files};
+use geobench_harness::exec::model::ModelRef;
 use geobench_harness::schema::result_file;
+use geobench_mesh::generate::Spec;
 use geobench_report::history::join;
 use geobench_report::page::{
     self as report, Form, Input, JoinedFrom, Options, PictureChoice, Tables,
@@ -75,6 +77,7 @@ pub(crate) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
         .transpose()?;
     check_files(&page, &options.results)?;
     let mut inputs = Vec::new();
+    let mut read = options.results.clone();
     for path in &options.results {
         let result = result_file::read(path)?;
         if result.cells.is_empty() {
@@ -83,8 +86,12 @@ pub(crate) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
                 path.display()
             );
         }
+        // Pictures are of models.
+        let models = result.models.iter();
+        read.extend(models.filter_map(|model| source_file(&model.path)));
         inputs.push(Input::new(path.clone(), result));
     }
+    check_files(&page, &read)?;
     // Several files become one table if their models and goals agree.
     if let [first, _, ..] = &inputs[..] {
         let name = |input: &Input| input.path.display().to_string();
@@ -122,7 +129,7 @@ pub(crate) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
         written.push(path.display().to_string());
     }
     for (form, directory) in files {
-        let paths = report::write_files(&report, form, directory, &options.results)?;
+        let paths = report::write_files(&report, form, directory, &read)?;
         written.push(match paths.len() {
             1 => paths[0].display().to_string(),
             n => format!("{n} files in {}", directory.display()),
@@ -132,4 +139,13 @@ pub(crate) fn report(options: &ReportOptions) -> anyhow::Result<Verdict> {
         terminal::print(&format!("{}\n", written.join("\n")))?;
     }
     Ok(Verdict::Passed)
+}
+
+/// The file behind a model of a result.
+fn source_file(model: &str) -> Option<PathBuf> {
+    if Spec::is_spec(model) {
+        let model = ModelRef::generated(model).ok()?;
+        return model.source_file().map(Path::to_owned);
+    }
+    Some(model).filter(|path| *path != "-").map(PathBuf::from)
 }

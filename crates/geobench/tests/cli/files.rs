@@ -298,6 +298,12 @@ fn files_that_are_found_through_others_are_read_too() {
     let message = sandbox.refuse("report result.json --format csv tables --quiet");
     assert!(message.contains("a file that is read"), "{message}");
     assert_eq!(sandbox.bytes("result.json"), before);
+    // A page draws models that the result names.
+    std::os::unix::fs::symlink(sandbox.path("square.off"), sandbox.path("page.html")).unwrap();
+    let before = sandbox.bytes("square.off");
+    let message = sandbox.refuse("report result.json -o page.html --quiet");
+    assert!(message.contains("a file that is read"), "{message}");
+    assert_eq!(sandbox.bytes("square.off"), before);
 }
 
 #[test]

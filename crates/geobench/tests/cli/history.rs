@@ -4,7 +4,7 @@ use std::process::Command;
 
 use serde_json::{Value, json};
 
-use crate::support::Sandbox;
+use crate::support::{SQUARE, Sandbox};
 
 /// A result file for commit `i`, made from a real one by changing its times and counts.
 fn result_of(base: &Value, i: usize, commit: &str) -> Value {
@@ -306,4 +306,19 @@ fn a_result_is_of_the_repository_in_which_it_was_run() {
     let message = sandbox.refuse("record r.json --into history");
     assert!(message.contains("--dirty"), "{message}");
     sandbox.succeed("record r.json --into history --dirty --quiet");
+}
+
+/// github-action-benchmark posts names as code in a table, without escapes.
+#[test]
+fn exports_have_names_that_leave_no_table() {
+    let sandbox = Sandbox::new();
+    sandbox.write("a`|b\u{202e}.off", SQUARE);
+    sandbox
+        .succeed("run a`|b\u{202e}.off --algo mmp --repeat 1 --quiet -o r.bmf.json -o r.gab.json");
+    let bencher = sandbox.json("r.bmf.json");
+    let name = bencher.as_object().unwrap().keys().next().unwrap();
+    assert!(name.starts_with("a`|b\\u{202e}"), "{name}");
+    let list = sandbox.json("r.gab.json");
+    let name = list[0]["name"].as_str().unwrap();
+    assert!(name.starts_with("a'/b\\u{202e}"), "{name}");
 }

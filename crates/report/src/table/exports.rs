@@ -1,5 +1,6 @@
 //! Exports of results for services that track benchmarks over commits.
 
+use geobench_export::escape::printable;
 use geobench_harness::schema::{Cell, ResultFile, Status};
 use serde_json::{Map, Value, json};
 
@@ -15,12 +16,16 @@ const FIGURES: [(&str, &str, &str); 3] = [
 /// Nanoseconds per second.
 const NANOSECONDS: f64 = 1e9;
 
-/// The cells, each with its name.
+/// The cells, each with its name, which has no characters that control a terminal or turn text
+/// around.
 fn cells(result: &ResultFile) -> impl Iterator<Item = (String, &Cell)> {
     let keys = CellKeys::of(result);
     let cells = result.cells.iter();
-    cells.map(move |cell| (keys.key(cell).to_string(), cell))
+    cells.map(move |cell| (printable(&keys.key(cell).to_string()).into_owned(), cell))
 }
+
+/// The most characters of a name in Bencher.
+const LONGEST_NAME: usize = 1024;
 
 /// The measure of a cell that failed, whose value is 1. Others do not have it.
 const FAILED: &str = "failed";
@@ -36,7 +41,13 @@ fn figures(cell: &Cell) -> impl Iterator<Item = (&'static str, &'static str, f64
 /// Bencher Metric Format: benchmarks by name, with their measures. `latency` is in nanoseconds.
 pub(super) fn bencher(result: &ResultFile) -> Value {
     let mut all = Map::new();
-    for (name, cell) in cells(result) {
+    for (mut name, cell) in cells(result) {
+        // The end names the algorithm and the source.
+        let characters = name.chars().count();
+        if characters > LONGEST_NAME {
+            let rest = name.chars().skip(characters - LONGEST_NAME + 3);
+            name = "...".chars().chain(rest).collect();
+        }
         let mut measures = Map::new();
         if cell.status != Status::Ok {
             measures.insert(FAILED.to_owned(), json!({"value": 1}));
@@ -59,10 +70,12 @@ pub(super) fn bencher(result: &ResultFile) -> Value {
     Value::Object(all)
 }
 
-/// The list that github-action-benchmark reads with `tool: customSmallerIsBetter`.
+/// The list that github-action-benchmark reads with `tool: customSmallerIsBetter`. It posts names
+/// as code in a table in Markdown, without escapes, so that they have neither backticks nor bars.
 pub(super) fn github_action(result: &ResultFile) -> Value {
     let mut all = Vec::new();
     for (name, cell) in cells(result) {
+        let name = name.replace('`', "'").replace('|', "/");
         if cell.status != Status::Ok {
             let message = cell.message.as_deref().unwrap_or_default();
             let why = format!("{}: {message}", cell.status.in_words());

@@ -2,10 +2,11 @@
 //! their own and each reads the model.
 
 use std::fs::File;
-use std::io;
+use std::io::{self, Read, Write};
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock};
 
+use bytesize::ByteSize;
 use geobench_export::temporary;
 use geobench_mesh::io as mesh_io;
 use tempfile::TempDir;
@@ -14,6 +15,9 @@ use crate::lock::lock;
 
 /// The form of standard input, named like an ending. Set once, from the command line.
 static FORM: OnceLock<String> = OnceLock::new();
+
+/// The most bytes of it that are kept, as many as a compressed file may decompress to by default.
+const MOST: u64 = 8 << 30;
 
 /// The folder of the temporary file, once standard input is read.
 static FOLDER: Mutex<Option<TempDir>> = Mutex::new(None);
@@ -43,7 +47,7 @@ pub(super) fn file() -> Result<PathBuf, String> {
         let folder = tempfile::Builder::new().prefix("geobench-").tempdir()?;
         temporary::register(folder.path());
         let path = folder.path().join(name);
-        io::copy(&mut io::stdin().lock(), &mut File::create(&path)?)?;
+        keep_at_most(MOST, &mut io::stdin().lock(), &mut File::create(&path)?)?;
         Ok((folder, path))
     };
     let (kept, path) = keep().map_err(|error: io::Error| {
@@ -53,7 +57,38 @@ pub(super) fn file() -> Result<PathBuf, String> {
     Ok(path)
 }
 
+/// Copies all of `input`, or fails if it is longer than `most` bytes.
+fn keep_at_most(most: u64, input: &mut impl Read, kept: &mut impl Write) -> io::Result<()> {
+    if io::copy(&mut input.take(most + 1), kept)? > most {
+        let size = ByteSize(most).display().iec();
+        return Err(io::Error::new(
+            io::ErrorKind::FileTooLarge,
+            format!("larger than {size}, the most that is read; name a file instead"),
+        ));
+    }
+    Ok(())
+}
+
 /// Removes the temporary file.
 pub fn remove() {
     drop(lock(&FOLDER).take());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn input_without_an_end_is_refused() {
+        let mut kept = Vec::new();
+        keep_at_most(5, &mut &b"solid"[..], &mut kept).unwrap();
+        assert_eq!(kept, b"solid");
+        let error = keep_at_most(1 << 10, &mut io::repeat(0), &mut kept).unwrap_err();
+        let error = error.to_string();
+        assert!(
+            error.starts_with("larger than 1.0 KiB, the most"),
+            "{error}"
+        );
+        assert_eq!(kept.len(), 5 + (1 << 10) + 1);
+    }
 }

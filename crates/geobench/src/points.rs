@@ -249,13 +249,13 @@ impl LocatedPoints {
     }
 
     /// Says on standard error where points were found, and how much of the model is connected with
-    /// the sources, if not all is.
-    pub(crate) fn tell(&self, mesh: &Mesh) {
+    /// the sources, if not all is. Distances are from the nearest source, or `apart`, from each.
+    pub(crate) fn tell(&self, mesh: &Mesh, apart: bool) {
         terminal::notes(&self.notes);
-        self.tell_components(mesh);
+        self.tell_components(mesh, apart && self.sources.len() > 1);
     }
 
-    fn tell_components(&self, mesh: &Mesh) {
+    fn tell_components(&self, mesh: &Mesh, apart: bool) {
         let of_vertices = self.refined.mesh.components();
         let components = surface_components(mesh, &of_vertices);
         let mut reached: Vec<u32> = (self.sources.iter())
@@ -264,22 +264,39 @@ impl LocatedPoints {
         reached.sort_unstable();
         reached.dedup();
         let (all, vertices) = (components.len(), mesh.vertex_count());
-        if all <= 1 || reached.len() >= all {
+        if all <= 1 || !apart && reached.len() >= all {
             return;
         }
         // A vertex in no face is a component of its own.
         let connected = reached.iter().map(|part| components.get(part));
-        let connected: usize = connected
+        let sizes: Vec<usize> = connected
             .map(|part| part.map_or(1, |part| part.vertices))
-            .sum();
+            .collect();
+        let connected: usize = sizes.iter().sum();
         terminal::notes(&[match &self.sources[..] {
+            _ if apart => {
+                let [least, most] = [sizes.iter().min(), sizes.iter().max()];
+                let [least, most] = [least, most].map(|size| size.copied().unwrap_or(0));
+                let size = if least < most {
+                    format!("{least} to {most}")
+                } else {
+                    most.to_string()
+                };
+                format!(
+                    "each source is in a component of {size} of {vertices} vertices; {all} \
+                     components"
+                )
+            }
             [(label, _)] => format!(
                 "source {label} is in a component of {connected} of {vertices} vertices; {all} \
                  components"
             ),
             _ => format!(
                 "the sources are in {} of {all} components, with {connected} of {vertices} vertices",
-                reached.len()
+                reached
+                    .iter()
+                    .filter(|part| components.contains_key(part))
+                    .count()
             ),
         }]);
     }

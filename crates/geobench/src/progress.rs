@@ -1,4 +1,4 @@
-//! Progress of a benchmark, on standard error if that is a terminal.
+//! Progress of a benchmark and of commands that take long, on standard error if that is a terminal.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -34,32 +34,14 @@ impl Progress {
     /// Progress over `runs` runs. Nothing is shown unless `shown`. If standard error is no terminal
     /// that can redraw lines, as in the log of a job, it gets a line when a model begins and ends.
     pub(crate) fn new(runs: usize, shown: bool) -> Self {
-        let draws = shown && terminal::standard_error_can_move();
-        let target = if draws {
-            ProgressDrawTarget::stderr()
-        } else {
-            ProgressDrawTarget::hidden()
-        };
-        let mut progress = Self::on(target, runs);
-        progress.has_lines = shown && !draws;
+        let mut progress = Self::on(target(shown), runs);
+        progress.has_lines = shown && progress.bar.is_hidden();
         progress
     }
 
     fn on(target: ProgressDrawTarget, runs: usize) -> Self {
-        let style = "{wide_msg}\n{elapsed_precise} [{wide_bar}] {pos}/{len}{left}";
-        let style = ProgressStyle::with_template(style);
-        let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
-        // indicatif reports 0 while the remaining time is unknown; nothing is shown then.
-        let left = |state: &ProgressState, out: &mut dyn Write| {
-            let left = state.eta();
-            if left.as_secs() > 0 {
-                let _ = write!(out, ", {:#} left", HumanDuration(left));
-            }
-        };
-        let bar = ProgressBar::with_draw_target(Some(runs as u64), target);
-        bar.set_style(style.progress_chars("=> ").with_key("left", left));
         Self {
-            bar,
+            bar: bar(target, runs),
             started: 0,
             place: String::new(),
             results: Vec::new(),
@@ -174,6 +156,68 @@ impl Progress {
     }
 }
 
+/// Where a bar is drawn: nowhere unless `shown` and on a terminal.
+fn target(shown: bool) -> ProgressDrawTarget {
+    if shown && terminal::standard_error_can_move() {
+        ProgressDrawTarget::stderr()
+    } else {
+        ProgressDrawTarget::hidden()
+    }
+}
+
+/// A bar over `length` steps, below a row with its message.
+fn bar(target: ProgressDrawTarget, length: usize) -> ProgressBar {
+    let style = "{wide_msg}\n{elapsed_precise} [{wide_bar}] {pos}/{len}{left}";
+    let style = ProgressStyle::with_template(style);
+    let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+    // indicatif reports 0 while the remaining time is unknown; nothing is shown then.
+    let left = |state: &ProgressState, out: &mut dyn Write| {
+        let left = state.eta();
+        if left.as_secs() > 0 {
+            let _ = write!(out, ", {:#} left", HumanDuration(left));
+        }
+    };
+    let bar = ProgressBar::with_draw_target(Some(length as u64), target);
+    bar.set_style(style.progress_chars("=> ").with_key("left", left));
+    bar
+}
+
+/// A bar over the tasks of a command that times nothing. A thread draws it, so that the elapsed
+/// time goes on during a long task.
+#[derive(Debug)]
+pub(crate) struct TaskBar(ProgressBar);
+
+impl TaskBar {
+    /// A bar over `tasks` tasks, below `row`. Nothing is shown unless `shown` and on a terminal.
+    pub(crate) fn new(row: &str, tasks: usize, shown: bool) -> Self {
+        let bar = Self::on(target(shown), row, tasks);
+        bar.0.enable_steady_tick(Duration::from_millis(200));
+        bar
+    }
+
+    fn on(target: ProgressDrawTarget, row: &str, tasks: usize) -> Self {
+        let bar = bar(target, tasks);
+        bar.set_message(printable(row).into_owned());
+        Self(bar)
+    }
+
+    /// Counts a task that is done.
+    pub(crate) fn done(&self) {
+        self.0.inc(1);
+    }
+
+    /// Clears row and bar while `work` writes to the terminal.
+    pub(crate) fn suspend<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.0.suspend(work)
+    }
+}
+
+impl Drop for TaskBar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
 impl Drop for Progress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
@@ -281,6 +325,22 @@ mod tests {
         );
         drop(progress);
         assert_eq!(terminal.contents(), "printed 0\nprinted 1");
+    }
+
+    #[test]
+    fn tasks_of_other_commands_are_counted() {
+        let terminal = InMemoryTerm::new(8, 60);
+        let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
+        let bar = TaskBar::on(target, "horse: distances by vtp-fast", 3);
+        bar.done();
+        bar.0.force_draw();
+        insta::assert_snapshot!(shown(&terminal), @r"
+        horse: distances by vtp-fast
+        00:00:00 [==============>                               ] 1/3
+        ");
+        bar.suspend(|| terminal.write_line("printed")).unwrap();
+        drop(bar);
+        assert_eq!(terminal.contents(), "printed");
     }
 
     #[test]

@@ -72,7 +72,7 @@ pub(crate) fn certify(options: &CertifyOptions) -> anyhow::Result<Verdict> {
     let model = options.reading.model(&options.model)?;
     let mesh = &threads.run(|| options.reading.mesh(&model, false))?;
     let points = LocatedPoints::new(mesh, &options.sources.all()?, None, &model.path)?;
-    points.tell(mesh);
+    points.tell(mesh, false);
     // The file is read before the long computation, so that an unreadable file is reported at once.
     let given = options.distances.as_ref().map(|path| {
         let label = &points.sources[0].0;

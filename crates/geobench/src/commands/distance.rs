@@ -26,6 +26,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelI
 use crate::args::{AlgorithmOption, MODELS_HELP, QuietOption};
 use crate::isolation::ReadingOptions;
 use crate::points::{LocatedPoints, PairsOption, SourcesOptions};
+use crate::progress::TaskBar;
 use crate::terminal;
 use crate::verdict::Verdict;
 
@@ -127,14 +128,20 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         None => LocatedPoints::new(&mesh, &sources, targets.as_deref(), &model.path)?,
     };
     if !options.quiet.is_set {
-        points.tell(&mesh);
+        points.tell(&mesh, options.each || options.matrix);
     }
     let is_quiet = options.quiet.is_set || options.output == Path::new("-");
     let algorithm = options.algorithm.algo.clone();
+    let algorithm = algorithm.unwrap_or_else(|| registry::usual(&mesh));
+    let is_apart = options.each || options.matrix;
+    let tasks = if is_apart { points.sources.len() } else { 1 };
+    let row = format!("{}: distances by {}", model.name, algorithm.label());
+    let bar = TaskBar::new(&row, tasks, !is_quiet);
     let request = DistanceCommand {
         options,
         read: &read,
-        algorithm: algorithm.unwrap_or_else(|| registry::usual(&mesh)),
+        bar: &bar,
+        algorithm,
         model: &model.name,
         mesh: &mesh,
         points: &points,
@@ -145,6 +152,7 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         DistanceOutput::Matrix(format) => vec![request.matrix(format, &output)?],
         DistanceOutput::Field(format) => request.fields(format, output)?,
     };
+    drop(bar);
     for summary in summaries {
         if !is_quiet {
             terminal::print(&summary)?;
@@ -208,6 +216,7 @@ struct DistanceCommand<'a> {
     options: &'a DistanceOptions,
     /// The files that the command reads.
     read: &'a [&'a Path],
+    bar: &'a TaskBar,
     algorithm: Selection,
     model: &'a str,
     /// The mesh of the model.
@@ -361,7 +370,8 @@ impl DistanceCommand<'_> {
         let build = || algorithm.build(&self.points.refined.mesh);
         if let [solver] = &mut solvers[..] {
             let solver = solver.get_or_insert_with(|| self.threads.run(build));
-            return tasks.iter().map(|task| work(&mut **solver, task)).collect();
+            let mut work = |task| work(&mut **solver, task).inspect(|_| self.bar.done());
+            return tasks.iter().map(&mut work).collect();
         }
         let next = AtomicUsize::new(0);
         let take_tasks = |solver: &mut Option<Box<dyn Solver>>| {
@@ -372,6 +382,7 @@ impl DistanceCommand<'_> {
                     return results;
                 };
                 let result = work(&mut **solver.get_or_insert_with(build), task);
+                self.bar.done();
                 if result.is_err() {
                     // The tasks before this one are taken already.
                     next.store(tasks.len(), Relaxed);
@@ -387,6 +398,12 @@ impl DistanceCommand<'_> {
         results.into_iter().map(|(_, result)| result).collect()
     }
 
+    /// Warns of distances of the model.
+    fn warn(&self, warning: &str) {
+        let warning = format!("{}: {warning}", self.model);
+        self.bar.suspend(|| terminal::warning(&warning));
+    }
+
     /// The distances of `targets`, or of all vertices of the model without targets. The refined
     /// mesh has further vertices, which are left out.
     fn solve(
@@ -399,9 +416,8 @@ impl DistanceCommand<'_> {
         let solution = solver.solve_until(sources, &goal);
         let solution = solution.with_context(|| self.algorithm.label().to_owned())?;
         if solution.negative > 0 {
-            terminal::warning(&format!(
-                "{}: {} found {} negative distances, which are written as 0",
-                self.model,
+            self.warn(&format!(
+                "{} found {} negative distances, which are written as 0",
                 self.algorithm.label(),
                 solution.negative
             ));
@@ -409,7 +425,7 @@ impl DistanceCommand<'_> {
         let mut distances = solution.distances;
         if let Some(doubt) = precision::doubt(&self.points.refined.mesh, &distances) {
             // Printed even with `--quiet`: a warning accompanies all distances that may be wrong.
-            terminal::warning(&format!("{}: {doubt}", self.model));
+            self.warn(&doubt.to_string());
         }
         if let Some(targets) = targets {
             return Ok(targets.iter().map(|v| distances[v.index()]).collect());

@@ -9,6 +9,7 @@ use geobench_export::{STANDARD, ending_of};
 use geobench_harness::exec::model::ModelRef;
 use geobench_mesh::io as mesh_io;
 
+use crate::progress::TaskBar;
 use crate::verdict::Verdict;
 use geobench_harness::plan::suite::options::DecompressionOption;
 
@@ -37,7 +38,10 @@ pub(crate) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
     let output = OutputFile::prepare(&options.output)?;
     let model = ModelRef::generated(&options.spec)?;
     check_files([&output], model.source_file())?;
+    let is_shown = options.output != Path::new(STANDARD);
+    let bar = TaskBar::new(&format!("{}: vertices and faces", model.path), 2, is_shown);
     let soup = model.read(options.decompression.limit())?;
+    bar.done();
     output.write_with(ending, |path| Ok(mesh_io::write(path, &soup)?))?;
     Ok(Verdict::Passed)
 }

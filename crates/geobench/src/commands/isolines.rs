@@ -98,7 +98,7 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let mesh = &options.reading.mesh(&model, options.quiet.is_set)?;
     let points = LocatedPoints::new(mesh, &options.sources.all()?, None, &model.path)?;
     if !options.quiet.is_set {
-        points.tell(mesh);
+        points.tell(mesh, false);
     }
     let is_quiet = options.quiet.is_set || options.output == Path::new("-");
     let field = DistanceField::new(mesh, &points.places).with_context(|| model.path.clone())?;

@@ -117,7 +117,7 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     let sources = options.sources.all()?;
     let points = LocatedPoints::new(mesh, &sources, targets.as_deref(), &model.path)?;
     if !options.quiet.is_set {
-        points.tell(mesh);
+        points.tell(mesh, false);
     }
     let refined = &points.refined.mesh;
     let algorithm = options.algorithm.algo.clone();

@@ -99,7 +99,7 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let mesh = &options.reading.mesh(&model, options.quiet.is_set)?;
     let points = LocatedPoints::new(mesh, &options.sources.all()?, Some(&[]), &model.path)?;
     if !options.quiet.is_set {
-        points.tell(mesh);
+        points.tell(mesh, false);
     }
     let refined = &points.refined.mesh;
     let sources = points.source_vertices();

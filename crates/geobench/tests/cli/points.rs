@@ -700,6 +700,39 @@ fn runs_start_in_the_largest_component() {
         said.contains("8 of 8 vertices compared, 100.000 %; 4 unreachable"),
         "{said}"
     );
+    // Several sources, in one component, in all, or each for itself.
+    for (arguments, note) in [
+        (
+            "0,2",
+            "the sources are in 1 of 2 components, with 3 of 8 vertices",
+        ),
+        (
+            "0,3",
+            "the sources are in 1 of 2 components, with 4 of 8 vertices",
+        ),
+        (
+            "face:0,0.25,0.25,0.5,0",
+            "the sources are in 1 of 2 components, with 3 of 8 vertices",
+        ),
+        (
+            "0,4,5 --each",
+            "each source is in a component of 3 to 4 of 8 vertices; 2 components",
+        ),
+        (
+            "0,1 --each",
+            "each source is in a component of 3 of 8 vertices; 2 components",
+        ),
+    ] {
+        let said = sandbox.call(&format!("distance parts.off --source {arguments} -o d.csv"));
+        assert!(said.stderr.contains(note), "{arguments}: {said:?}");
+    }
+    let said = sandbox.call("distance parts.off --source 0,4 -o d.csv");
+    assert!(!said.stderr.contains("source"), "{said:?}");
+    let said = sandbox.succeed("run parts.off --source 0,4 --algo mmp --repeat 1");
+    assert!(
+        said.contains("unreachable vertices: 4 to 5, by source"),
+        "{said}"
+    );
     let said = sandbox.refuse("distance parts.off --source 0 --target largest -o d.csv");
     assert!(said.contains("`largest` is not a target"), "{said}");
 }

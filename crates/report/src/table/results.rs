@@ -302,15 +302,21 @@ fn note_on_largest(cells: &[&Cell], model: &ModelRecord) -> Option<Note> {
 
 /// A note on the number of infinite distances and their reason.
 fn note_on_unreachable(cells: &[&Cell]) -> Option<String> {
-    let count = cells.iter().filter_map(|c| c.check.unreachable).max();
-    let count = count.filter(|&count| count > 0)?;
+    let counts = || cells.iter().filter_map(|c| c.check.unreachable);
+    let most = counts().max().filter(|&count| count > 0)?;
+    let least = counts().min().filter(|&least| least < most);
+    let count = match least {
+        // Sources may be in different components.
+        Some(least) => format!("{} to {}, by source", grouped(least), grouped(most)),
+        None => grouped(most),
+    };
     let goal = cells.iter().find_map(|c| c.goal.as_deref());
     let places = match goal {
         Some(goal) if goal.contains("within ") => "beyond the radius or unreachable",
         Some(_) => "unreachable targets",
         None => "unreachable vertices",
     };
-    Some(format!("{places}: {}", grouped(count)))
+    Some(format!("{places}: {count}"))
 }
 
 /// Notes on the uncertainty of the median times, on doubted times and on outliers.

@@ -6,7 +6,7 @@
 //! the path is *bent*: it turns at an end of the piece.
 //!
 //! Pairs of pieces that clearly satisfy the condition are accepted in rounded arithmetic, with a
-//! margin of about 90 times its error bound. All others are compared again, in the [`Precision`] of
+//! margin of about 90 times its error bound. All others are compared again, in the [`Arithmetic`] of
 //! the proof.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -76,7 +76,7 @@ fn radii(mesh: &Mesh) -> Vec<f64> {
 
 /// How pairs of pieces are compared of which one is nearly the continuation of the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Precision {
+pub(crate) enum Arithmetic {
     /// In rounded arithmetic. Its error is a violation. In two doubles if more is found.
     Double,
     /// In numbers of two doubles.
@@ -90,14 +90,14 @@ pub(crate) struct FaceChecks<'a> {
     radii: Vec<f64>,
     /// Links with a detour above this are left out.
     clear: f64,
-    precision: Precision,
+    precision: Arithmetic,
     /// The number of links that all checkers have found.
     found: AtomicUsize,
 }
 
 impl<'a> FaceChecks<'a> {
     /// Checks of the pieces of `field`, which leave out links with a detour above `clear`.
-    pub(crate) fn new(field: &'a EdgeField<'a>, clear: f64, precision: Precision) -> Self {
+    pub(crate) fn new(field: &'a EdgeField<'a>, clear: f64, precision: Arithmetic) -> Self {
         Self {
             field,
             radii: radii(field.mesh),
@@ -163,7 +163,7 @@ impl<'a> Checker<'a> {
         lengths: [f64; 3],
         sides: &[FaceSide; 3],
     ) -> (f64, HalfEdgeId) {
-        let size = Size::of(sides, lengths);
+        let size = FaceSize::of(sides, lengths);
         let nothing = (f64::INFINITY, face.half_edge(0));
         if !SIZES.contains(&size.all) {
             return nothing;
@@ -173,8 +173,8 @@ impl<'a> Checker<'a> {
         let off = |k: usize| (mesh.length(face.half_edge(k as u32)) - lengths[k]).abs();
         let error = size.error(off(0) + off(1) + off(2));
         let accepted = match self.shared.precision {
-            Precision::Double => 2.0 * error,
-            Precision::TwoDoubles => 0.0,
+            Arithmetic::Double => 2.0 * error,
+            Arithmetic::TwoDoubles => 0.0,
         };
         let corners = mesh.face_vertices(face);
         let ball = |corner: usize| {
@@ -264,7 +264,7 @@ pub(crate) fn shorter_windows(
     for (k, side) in (0..).zip(&mut *sides) {
         side.set(field, face.half_edge(k), lengths[k as usize]);
     }
-    let size = Size::of(sides, lengths).all;
+    let size = FaceSize::of(sides, lengths).all;
     if !SIZES.contains(&size) {
         return;
     }
@@ -332,14 +332,14 @@ pub(crate) fn shorter_windows(
 }
 
 /// What rounding errors in a face are relative to.
-struct Size {
+struct FaceSize {
     /// The greatest distance on the sides plus their lengths.
     all: f64,
     /// The greatest distance of a point of a side from its image, plus the lengths of the sides.
     reach: f64,
 }
 
-impl Size {
+impl FaceSize {
     fn of(sides: &[FaceSide; 3], lengths: [f64; 3]) -> Self {
         let (mut all, mut reach) = (0.0, 0.0);
         for piece in sides.iter().flat_map(|side| &side.pieces) {
@@ -401,7 +401,7 @@ struct SidePair<'a> {
     /// The nodes and radii of the neighbourhoods of the ends of both sides.
     balls: [[(usize, f64); 2]; 2],
     margin: f64,
-    /// See [`Size::error`].
+    /// See [`FaceSize::error`].
     error: f64,
     /// Violations up to this need not be known better.
     accepted: f64,
@@ -807,14 +807,14 @@ mod tests {
         let violation = |field: &EdgeField<'_>, precision| {
             Checker::new(&FaceChecks::new(field, 1e-9, precision)).violation(FaceId::new(2))
         };
-        for precision in [Precision::Double, Precision::TwoDoubles] {
+        for precision in [Arithmetic::Double, Arithmetic::TwoDoubles] {
             let (found, _) = violation(&field, precision);
             assert!(found < 1e-12, "{found:e}");
         }
         // The pair is compared: making the second piece longer is a violation.
         let mut field = field;
         field.pieces[1].sigma += 1e-10;
-        for precision in [Precision::Double, Precision::TwoDoubles] {
+        for precision in [Arithmetic::Double, Arithmetic::TwoDoubles] {
             let (found, side) = violation(&field, precision);
             assert_eq!(side, FaceId::new(2).half_edge(2));
             assert!(found > 0.9e-10 && found < 1.1e-10, "{found:e}");
@@ -911,7 +911,7 @@ mod tests {
                 let field = claim.edge_field(|h| windows[h.index()].iter().copied());
                 for face in mesh.faces() {
                     let least = sampled(&field, face);
-                    let found = [Precision::Double, Precision::TwoDoubles].map(|precision| {
+                    let found = [Arithmetic::Double, Arithmetic::TwoDoubles].map(|precision| {
                         let checks = FaceChecks::new(&field, 1e-9, precision);
                         Checker::new(&checks).violation(face).0
                     });

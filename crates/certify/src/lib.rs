@@ -80,7 +80,7 @@ use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Tolerance, VertexId, threads, tole
 use boundary::windows_from_inside;
 use chains::greatest_sums;
 use envelope::{EnvelopeBuilder, EnvelopePiece, GAP, piece};
-use face::{ChainLink, Checker, FaceChecks, Precision, REPAIR};
+use face::{Arithmetic, ChainLink, Checker, FaceChecks, REPAIR};
 use field::{EdgeField, Envelopes};
 use interval::lesser;
 use jump::sum_of_jumps;
@@ -320,15 +320,15 @@ impl<'a> Claim<'a> {
         W: IntoIterator<Item = WindowData>,
     {
         let mut field = self.edge_field(windows);
-        let bound = self.prove(&mut field, Precision::Double);
+        let bound = self.prove(&mut field, Arithmetic::Double);
         if bound.relative <= ENOUGH * self.tolerance {
             return bound;
         }
-        self.prove(&mut field, Precision::TwoDoubles)
+        self.prove(&mut field, Arithmetic::TwoDoubles)
     }
 
     /// The proof with comparisons in this precision. Repairs `field`.
-    fn prove(&self, field: &mut EdgeField<'_>, precision: Precision) -> Bound {
+    fn prove(&self, field: &mut EdgeField<'_>, precision: Arithmetic) -> Bound {
         let finite = self.distances.iter().copied().filter(|d| d.is_finite());
         let farthest = finite.fold(0.0, f64::max);
         let clear = CLEAR * farthest;
@@ -336,8 +336,8 @@ impl<'a> Claim<'a> {
         let mut found = self.violations(field, &all, clear, precision);
         let leak = |f: &FaceId| found.in_face[f.index()] / self.scale(*f);
         let [most, rounding] = match precision {
-            Precision::Double => [ROUGHLY; 2],
-            Precision::TwoDoubles => [REPAIR, ROUNDING],
+            Arithmetic::Double => [ROUGHLY; 2],
+            Arithmetic::TwoDoubles => [REPAIR, ROUNDING],
         };
         let is_leaky = |f: &FaceId| leak(f) > most;
         let mut leaky: Vec<FaceId> = all.iter().copied().filter(is_leaky).collect();
@@ -376,7 +376,7 @@ impl<'a> Claim<'a> {
                 *error = 0.0;
             }
         }
-        if sums.absolute.is_finite() && precision == Precision::TwoDoubles {
+        if sums.absolute.is_finite() && precision == Arithmetic::TwoDoubles {
             self.prove_by_level(field, &own, sums.absolute, &mut errors);
         }
         Bound {
@@ -396,7 +396,7 @@ impl<'a> Claim<'a> {
         mut found: Violations,
         own: &[f64],
         mut clear: f64,
-        precision: Precision,
+        precision: Arithmetic,
     ) -> Sums {
         // `clear` must be at least the total of all violations. Few claims need a second round.
         let total = loop {
@@ -470,7 +470,7 @@ impl<'a> Claim<'a> {
             let is_below = |(&own, &d): (&f64, &f64)| if d - own <= cut { own } else { 0.0 };
             let own: Vec<f64> = own.iter().zip(self.distances).map(is_below).collect();
             let clear = CLEAR * cut;
-            let precision = Precision::TwoDoubles;
+            let precision = Arithmetic::TwoDoubles;
             let found = self.violations(&part, &all, clear, precision);
             let sums = self.sums(&part, found, &own, clear, precision);
             for (v, error) in errors.iter_mut().enumerate() {
@@ -508,7 +508,7 @@ impl<'a> Claim<'a> {
         field: &EdgeField<'_>,
         faces: &[FaceId],
         clear: f64,
-        precision: Precision,
+        precision: Arithmetic,
     ) -> Violations {
         let checks = FaceChecks::new(field, clear, precision);
         let ranges = threads::ranges(faces.len(), PARTS);

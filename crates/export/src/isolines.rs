@@ -84,7 +84,7 @@ impl RunWavefront<'_> {
 pub enum IsolineFormat {
     /// Arcs of circles, in the planes of their faces.
     Json,
-    /// RunWavefront OBJ: polylines.
+    /// Wavefront OBJ: polylines.
     Obj,
     /// PLY (text): vertices and edges.
     Ply,

@@ -264,10 +264,12 @@ impl LocatedPoints {
         reached.sort_unstable();
         reached.dedup();
         let (all, vertices) = (components.len(), mesh.vertex_count());
-        if all <= 1 || !apart && reached.len() >= all {
+        // A vertex in no face is a component of its own, which is not counted.
+        let on_surface = reached.iter().filter(|part| components.contains_key(part));
+        let on_surface = on_surface.count();
+        if all <= 1 || !apart && on_surface >= all {
             return;
         }
-        // A vertex in no face is a component of its own.
         let connected = reached.iter().map(|part| components.get(part));
         let sizes: Vec<usize> = connected
             .map(|part| part.map_or(1, |part| part.vertices))
@@ -292,11 +294,8 @@ impl LocatedPoints {
                  components"
             ),
             _ => format!(
-                "the sources are in {} of {all} components, with {connected} of {vertices} vertices",
-                reached
-                    .iter()
-                    .filter(|part| components.contains_key(part))
-                    .count()
+                "the sources are in {on_surface} of {all} components, with {connected} of {vertices} \
+                 vertices"
             ),
         }]);
     }

@@ -381,7 +381,7 @@ fn cuts_do_not_depend_on_other_defects() {
         let mut random = SplitMix64::new(seed);
         let mut file = Polygons::sheet();
         let mut weld = None;
-        for _ in 0..1 + random.below(6) {
+        for _ in 0..=random.below(6) {
             let kind = random.below(6);
             file.damage(kind, &mut random);
             if kind == 0 {

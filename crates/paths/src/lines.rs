@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use geobench_mesh::vector::{Point as Vector, cross_2d, dot, sub};
+use geobench_mesh::vector::{Point as Vector, cross_2d, dot, norm, sub};
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 use geobench_window::queue::MinHeap;
 use geobench_window::{Crossing, FaceView, Side, Window, is_beaten_from_ends};
@@ -400,6 +400,8 @@ impl LineSearch<'_> {
         let at_from = LineDirection::new(h.prev(), sub([0.0; 2], from), sub(window.source(), from));
         let mut at_end = at_from;
         let mut crossings = Vec::new();
+        // The distance from `from` of the point before.
+        let mut reached = 0.0;
         let mut next = Some(last);
         while let Some(i) = next {
             let LineBeam {
@@ -422,14 +424,14 @@ impl LineSearch<'_> {
             // The line meets the edge between the feet of its ends. Beside a face without height,
             // rounding may put an end on the wrong side of the edge: it counts as on the edge.
             let (above, below) = (y.max(0.0), (-py).max(0.0));
-            let part = below / (above + below);
-            // NaN: both are on the line of the edge.
-            let at = if part.is_nan() {
-                px
+            let at = if above + below > f64::EPSILON * (x - px).abs() {
+                px + below / (above + below) * (x - px)
             } else {
-                px + part * (x - px)
+                // The edge lies along the line. The next point is no nearer to `from`.
+                x + reached * (px - x).signum()
             };
             let at = at.clamp(window.b0, window.b1);
+            reached = norm([at - x, y]);
             let ends = [mesh.tail(out), mesh.head(out)];
             crossings.push(Point::on_edge(out, ends, (l - at) / l));
             next = parent;

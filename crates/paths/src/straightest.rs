@@ -365,7 +365,7 @@ mod tests {
 
     #[test]
     fn lines_of_the_plane_are_straight_and_end_at_its_border() {
-        let grid = Mesh::generate("grid,n=10,jitter=0.3,seed=4").unwrap();
+        let grid = Mesh::generate("grid,n=10,jitter=0.2,seed=4").unwrap();
         let [low, high] = grid.bounding_box().unwrap();
         for i in 0..40 {
             let angle = 0.16 * f64::from(i);

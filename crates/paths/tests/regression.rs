@@ -14,8 +14,8 @@ use geobench_window::{Goal, Solver};
 
 use crate::judged::{judge, surface};
 
-/// Checks the path from `source` to `target` by several solvers, and returns the path of the last
-/// one.
+/// Checks the path from `source` to `target` by several solvers, those that cross junctions if there
+/// are any, and returns the path of the last one.
 fn check(positions: &[[f64; 3]], faces: &[[u32; 3]], [source, target]: [u32; 2]) -> Path {
     let soup = TriangleSoup::new(positions.to_vec(), faces.to_vec());
     let (mesh, _) = Mesh::from_soup(soup).unwrap();
@@ -27,18 +27,21 @@ fn check(positions: &[[f64; 3]], faces: &[[u32; 3]], [source, target]: [u32; 2])
     ];
     let target = VertexId::new(target);
     let surface = surface(&mesh);
-    let paths = solvers.map(|(name, mut solver)| {
-        let paths = Paths::find(solver.as_mut(), &mesh, source, &Goal::everything()).unwrap();
-        let path = paths
-            .to(target)
-            .unwrap_or_else(|lost| panic!("{name}: {lost}"));
-        let path = path.unwrap();
-        let d = paths.distances()[target.index()];
-        judge(&surface, &path, &[source], target, d).unwrap_or_else(|w| panic!("{name}: {w}"));
-        path
-    });
-    let [.., last] = paths;
-    last
+    let crosses = |(name, _): &(&str, _)| *name == "mmp" || !mesh.has_junctions();
+    let paths = solvers
+        .into_iter()
+        .filter(crosses)
+        .map(|(name, mut solver)| {
+            let paths = Paths::find(solver.as_mut(), &mesh, source, &Goal::everything()).unwrap();
+            let path = paths
+                .to(target)
+                .unwrap_or_else(|lost| panic!("{name}: {lost}"));
+            let path = path.unwrap();
+            let d = paths.distances()[target.index()];
+            judge(&surface, &path, &[source], target, d).unwrap_or_else(|w| panic!("{name}: {w}"));
+            path
+        });
+    paths.last().unwrap()
 }
 
 /// The direction of an exit was the difference of two long edges, and a vertex was accepted that
@@ -170,4 +173,18 @@ fn a_bend_behind_two_flat_faces_was_lost() {
         [22, 26, 25], [22, 23, 26], [23, 27, 26], [24, 25, 28], [25, 29, 28], [25, 26, 29],
     ];
     check(&positions, &faces, [24, 5]);
+}
+
+/// The path to vertex 2 runs along edges of faces without area. Points on two of them, which the
+/// line does not tell apart, were out of order: 0.56 too long. This is a part of `sewn` 45530 of the
+/// fuzzer.
+#[test]
+#[rustfmt::skip]
+fn a_path_along_faces_without_area_went_to_and_fro() {
+    let positions = [
+        [0.0, 0.0, 0.0], [0.0, 0.0, -1.28125], [0.0, 0.0, -1.4], [0.03125, 0.0, -0.3125],
+        [0.0, 0.0, -1.0], [0.0, 0.0, -0.06], [0.0, 0.0, -2.0], [0.0, 0.0, 0.0],
+    ];
+    let faces = [[6, 4, 7], [3, 1, 6], [6, 1, 4], [0, 5, 3], [7, 2, 6], [3, 5, 1]];
+    check(&positions, &faces, [0, 2]);
 }

@@ -7,7 +7,7 @@ use geobench_harness::figures::capitalised;
 use geobench_harness::measure::number::{counted, with_unit};
 use geobench_harness::measure::statistics::range_of;
 
-use super::chart::{Axis, Mark, Trend};
+use super::chart::{Axis, PlottedCommit, Trend};
 use super::html::{STYLE, head};
 use crate::history::compare::{exact, percent};
 use crate::history::order::OrderedHistory;
@@ -271,7 +271,7 @@ fn chart(series: &TrendSeries, commits: &[&Record], most: usize, id: &str) -> St
     let mark = |i: usize| {
         let point = &points[i];
         let value = figure(series.figure, point.value);
-        Mark {
+        PlottedCommit {
             place: point.place,
             value: point.value / size,
             interval: point

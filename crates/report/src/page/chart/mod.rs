@@ -20,7 +20,7 @@ use axis::Scale;
 pub(crate) use bars::{Bar, BarGroup, Bars, PARTS};
 pub(crate) use dots::{Band, Dots, Lane, MOST_LANES};
 pub(crate) use lines::{Fit, LinePoint, Lines, Series, front};
-pub(crate) use trend::{Mark, Trend};
+pub(crate) use trend::{PlottedCommit, Trend};
 
 /// Width of all charts, in pixels at their natural size: that of a phone in portrait mode, so that
 /// text has 12 px there.

@@ -20,14 +20,14 @@ pub(crate) struct Trend {
     /// The labels of the first, the middle and the last commit.
     pub(crate) labels: [String; 3],
     /// From left to right.
-    pub(crate) points: Vec<Mark>,
+    pub(crate) points: Vec<PlottedCommit>,
     /// Places between two commits where the level changes, with labels.
     pub(crate) changes: Vec<(f64, String)>,
 }
 
 /// A value at a commit.
 #[derive(Clone, Debug)]
-pub(crate) struct Mark {
+pub(crate) struct PlottedCommit {
     /// The number of the commit.
     pub(crate) place: usize,
     pub(crate) value: f64,
@@ -76,7 +76,7 @@ impl Trend {
             }
         }
         let class = marker_class(0);
-        let at = |point: &Mark| [x(point.place as f64), y.clamped(point.value)];
+        let at = |point: &PlottedCommit| [x(point.place as f64), y.clamped(point.value)];
         polyline(svg, &format!("curve {class}"), self.points.iter().map(at));
         for point in &self.points {
             let [x, place] = at(point);

@@ -336,7 +336,7 @@ mod tests {
         bar.0.force_draw();
         insta::assert_snapshot!(shown(&terminal), @r"
         horse: distances by vtp-fast
-        00:00:00 [==============>                               ] 1/3
+        00:00:00 [===============>                             ] 1/3
         ");
         bar.suspend(|| terminal.write_line("printed")).unwrap();
         drop(bar);

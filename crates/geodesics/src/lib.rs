@@ -114,7 +114,7 @@
 //!   of every point after one solve, with paths, gradients and isolines.
 //! * [`VtpFast`], the fastest solver, and [`Pvtp`], the same on several threads.
 //! * [`solvers`]: all solvers, with the names of the papers.
-//! * [`Paths`]: the shortest paths to many vertices, from one run of a solver. [`line`]: the
+//! * [`Paths`]: the shortest paths to many vertices, from one run of a solver. [`line()`]: the
 //!   straightest geodesic in a given direction.
 //! * [`Diagram`]: geodesic Voronoi diagrams. [`remesh`]: new meshes; [`Quality`] and
 //!   [`SurfaceDeviation`] measure them. [`Certificate`]: proofs of distances.

@@ -35,7 +35,7 @@
 //! from face to face. It crosses no face twice. If a vertex has several shortest paths, the path is
 //! the one that the solver found first.
 //!
-//! [`line`] follows a direction instead: the straightest geodesic from a point.
+//! [`line()`] follows a direction instead: the straightest geodesic from a point.
 
 mod lines;
 mod onto;

@@ -29,7 +29,7 @@ pub struct Summary {
     pub min: f64,
     /// Median absolute deviation from the median, unscaled.
     pub mad: f64,
-    /// [`median_interval`] of the samples.
+    /// 95 % interval of the median of the samples, by order statistics.
     pub ci95: Option<[f64; 2]>,
     /// Number of [`outliers()`]. All other figures include them. `None` for fewer than
     /// [`FEWEST_FOR_INTERVAL`] samples.
@@ -311,7 +311,7 @@ const NORMAL_MEAN_DEVIATION: f64 = 0.797_884_560_802_865_4;
 const NORMAL_MEDIAN_DEVIATION: f64 = 0.674_489_750_196_081_7;
 
 /// The indices of the samples whose modified z-score (Iglewicz and Hoaglin 1993), 0.6745 |x -
-/// median| / MAD, is above [`OUTLIER_SCORE`]. If more than half of the samples are equal, the MAD
+/// median| / MAD, is above 10. If more than half of the samples are equal, the MAD
 /// is 0, and the mean absolute deviation replaces it.
 pub fn outliers(samples: &[f64]) -> Vec<usize> {
     let Some(median) = median(samples) else {
@@ -338,8 +338,8 @@ pub struct Ratio {
 }
 
 /// The median of `over[i] / under[i]`, where the two samples with index i were taken next to each
-/// other. Slow changes of the machine affect both and cancel out. The interval is
-/// [`median_interval`] of the ratios.
+/// other. Slow changes of the machine affect both and cancel out. The interval is that of the median
+/// of the ratios.
 ///
 /// `None` if the lengths differ, there are no samples, or a sample is not finite and positive.
 pub fn paired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {
@@ -712,7 +712,7 @@ mod tests {
         assert!(outliers(&samples[..9]).is_empty());
     }
 
-    /// Verifies the claim in the documentation of [`OUTLIER_SCORE`].
+    /// Verifies the claim in the documentation of `OUTLIER_SCORE`.
     #[test]
     fn a_quiet_machine_has_few_outliers() {
         let mut random = geobench_mesh::SplitMix64::new(3);

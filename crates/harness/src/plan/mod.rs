@@ -70,7 +70,7 @@ pub enum Reference {
     /// The answers of an algorithm, which need not be one that is measured.
     Algorithm(Selection),
     /// The answers of an algorithm that checks the only measured one, without being asked for. It
-    /// has no row, does not run above [`MOST_FACES_UNASKED`] faces, and its failure fails nothing.
+    /// has no row, does not run above a million faces, and its failure fails nothing.
     Unasked(Selection),
     /// Stored distances.
     Files(Expected),

@@ -88,8 +88,8 @@ impl RoundedDistance {
     /// An upper bound, up to rounding, of the difference of a convex function to this one over
     /// `from <= t <= to`; the convex function has the values `at_ends`.
     ///
-    /// The one function is nowhere above its chord, the other nowhere below a tangent. So no sign of
-    /// a slope has to be known.
+    /// The one function is nowhere above its chord, the other nowhere below a tangent. So no sign
+    /// of a slope has to be known.
     pub(crate) fn below_chord(&self, [from, to]: [f64; 2], [first, last]: [f64; 2]) -> f64 {
         let width = to - from;
         let [value, slope] = self.tangent(from);
@@ -99,8 +99,8 @@ impl RoundedDistance {
         lesser(by_first, by_last)
     }
 
-    /// An upper bound, up to rounding, of how much `other` is above this distance; any greater number
-    /// if the bound exceeds `limit`.
+    /// An upper bound, up to rounding, of how much `other` is above this distance; any greater
+    /// number if the bound exceeds `limit`.
     pub(crate) fn below(&self, other: &SidePiece, limit: f64) -> f64 {
         let (from, to) = (other.from, other.to);
         let [first, last] = other.at_ends();

@@ -120,9 +120,9 @@ pub(crate) struct EnvelopeBuilder {
 
 impl EnvelopeBuilder {
     /// Appends the lower envelope of `pieces` on an edge of this length. Together they must cover
-    /// the edge. A piece also covers gaps next to it up to `gap` times the edge length plus distance.
-    /// The appended pieces are sorted and cover the edge without gaps,
-    /// from 0 to `length`.
+    /// the edge. A piece also covers gaps next to it up to `gap` times the edge length plus
+    /// distance. The appended pieces are sorted and cover the edge without gaps, from 0 to
+    /// `length`.
     ///
     /// Rounding may misplace a boundary between two pieces by a few units in the last place. The
     /// proof allows for it: it measures the jump at the boundary.
@@ -333,8 +333,8 @@ mod tests {
         }
     }
 
-    /// A pseudo-source 1e-9 beside the edge is as near as the end of the edge, up to rounding, on half
-    /// of the edge, and 1e-9 farther next to it. The proof had a jump there.
+    /// A pseudo-source 1e-9 beside the edge is as near as the end of the edge, up to rounding, on
+    /// half of the edge, and 1e-9 farther next to it. The proof had a jump there.
     #[test]
     fn functions_that_are_equal_up_to_rounding_are_compared_at_the_ends() {
         let along = EnvelopePiece {

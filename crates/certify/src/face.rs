@@ -6,8 +6,8 @@
 //! the path is *bent*: it turns at an end of the piece.
 //!
 //! Pairs of pieces that clearly satisfy the condition are accepted in rounded arithmetic, with a
-//! margin of about 90 times its error bound. All others are compared again, in the [`Arithmetic`] of
-//! the proof.
+//! margin of about 90 times its error bound. All others are compared again, in the [`Arithmetic`]
+//! of the proof.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -355,16 +355,16 @@ impl FaceSize {
     }
 
     /// More than the error of a difference of two distances in rounded arithmetic, one of them by
-    /// paths across the face. `off` is how much the lengths of the sides differ in the mesh from the
-    /// exact ones: the last piece of a side ends by the one, and the side by the other.
+    /// paths across the face. `off` is how much the lengths of the sides differ in the mesh from
+    /// the exact ones: the last piece of a side ends by the one, and the side by the other.
     ///
     /// Let u be 2^-53 and R the reach. The ends and the image of a piece are exact in one direction
     /// of the edge; in the other, they result from a subtraction of the rounded length: 2uR. A
     /// length, a cosine and a sine have an error of u each. So the image in the frame of another
-    /// side, at most R from each of its points, has an error of 12uR, and the end of a piece, with a
-    /// distance of its own, one of 16uR. A distance to an image has an error of 4uR. That of a point
-    /// changes by no more than the point. A tangent adds 5uR. In all this is at most 60uR. Four sums
-    /// contain a sigma, and have an error of u times the size.
+    /// side, at most R from each of its points, has an error of 12uR, and the end of a piece, with
+    /// a distance of its own, one of 16uR. A distance to an image has an error of 4uR. That of a
+    /// point changes by no more than the point. A tangent adds 5uR. In all this is at most 60uR.
+    /// Four sums contain a sigma, and have an error of u times the size.
     fn error(&self, off: f64) -> f64 {
         f64::EPSILON * (32.0 * self.reach + 4.0 * self.all) + 4.0 * off
     }
@@ -703,8 +703,8 @@ impl SidePair<'_> {
     }
 }
 
-/// Whether all segments between two parts have a detour above `clear`, judged by the segment between
-/// their beginnings. The change from there is bounded by the widths of the parts.
+/// Whether all segments between two parts have a detour above `clear`, judged by the segment
+/// between their beginnings. The change from there is bounded by the widths of the parts.
 fn is_far(near: &RoundedTransform, part: &SidePiece, other: &SidePiece, clear: f64) -> bool {
     let length = near.distance(part.from, other.from);
     let widths = (part.to - part.from) + (other.to - other.from);

@@ -164,10 +164,10 @@ impl EdgeField<'_> {
 
     /// The piece `node` of the edge of `h`, of this length, in the direction of `h`.
     ///
-    /// The length in the mesh is rounded. So the last piece ends where the edge does, and a piece of
-    /// which a part lies beyond that end is cut there. Straight lines through points beyond a corner
-    /// would reach points of the face that they do not. An end that is in doubt becomes the corner:
-    /// the proof then covers more points.
+    /// The length in the mesh is rounded. So the last piece ends where the edge does, and a piece
+    /// of which a part lies beyond that end is cut there. Straight lines through points beyond a
+    /// corner would reach points of the face that they do not. An end that is in doubt becomes the
+    /// corner: the proof then covers more points.
     pub(crate) fn exact(&self, h: HalfEdgeId, length: Ball, node: usize) -> ExactPiece {
         let piece = &self.pieces[node - self.mesh.vertex_count()];
         let [mut x, y] = piece.image.map(Ball::exact);
@@ -189,7 +189,8 @@ impl EdgeField<'_> {
         }
     }
 
-    /// The distances at the ends of canonical half-edge `h`; `None` where the edge has no distances.
+    /// The distances at the ends of canonical half-edge `h`; `None` where the edge has no
+    /// distances.
     pub(crate) fn at_ends(&self, h: HalfEdgeId) -> Option<[Interval; 2]> {
         let pieces = self.pieces(h);
         let ends = [self.mesh.tail(h), self.mesh.head(h)];

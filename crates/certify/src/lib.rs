@@ -12,8 +12,8 @@
 //! points x and y. Every path is a chain of segments inside faces, so d nowhere exceeds the
 //! geodesic distance. [`Claim::not_too_long`] takes for d the lower envelope, on each edge, of the
 //! solver's windows and of the distances along the edge from its ends. It checks all pairs of
-//! envelope pieces of a face in closed form. It assumes nothing about the windows. Where they leave a
-//! gap, it fills the gap (`repair`). Where they are too short, the proof fails.
+//! envelope pieces of a face in closed form. It assumes nothing about the windows. Where they leave
+//! a gap, it fills the gap (`repair`). Where they are too short, the proof fails.
 //!
 //! If the condition holds only up to a violation `e(f)` in face f, d is too long by at most the sum
 //! of `e(f)` over the faces that a shortest path crosses. A shortest path crosses a face at most
@@ -30,13 +30,13 @@
 //! Beyond that, no violation matters: the proof of such vertices is repeated with the pieces cut
 //! where d exceeds this level (`level`).
 //!
-//! The proof is attempted in plain doubles first. Their rounding counts as a violation in each face,
-//! with a bound that holds for all operations of a comparison. Where it is not enough, comparisons
-//! are made again in numbers of two doubles with their own bounds (`ball`): at once if a violation
-//! is more than rounding, and everywhere if the sums for some vertex are.
+//! The proof is attempted in plain doubles first. Their rounding counts as a violation in each
+//! face, with a bound that holds for all operations of a comparison. Where it is not enough,
+//! comparisons are made again in numbers of two doubles with their own bounds (`ball`): at once if
+//! a violation is more than rounding, and everywhere if the sums for some vertex are.
 //!
-//! Nothing of this depends on how many faces an edge has or how they are oriented: a path is a chain
-//! of segments inside faces on any surface of triangles.
+//! Nothing of this depends on how many faces an edge has or how they are oriented: a path is a
+//! chain of segments inside faces on any surface of triangles.
 //!
 //! ```
 //! use geobench_certify::{Claim, PathPoint};
@@ -300,9 +300,9 @@ impl<'a> Claim<'a> {
         })
     }
 
-    /// Sets the error that is to be excluded, as a fraction of each distance; 1e-9 by default. A proof
-    /// in plain doubles is enough if it excludes a quarter of that; else the proof is repeated in
-    /// numbers of two doubles.
+    /// Sets the error that is to be excluded, as a fraction of each distance; 1e-9 by default. A
+    /// proof in plain doubles is enough if it excludes a quarter of that; else the proof is
+    /// repeated in numbers of two doubles.
     #[must_use]
     pub fn with_tolerance(self, tolerance: f64) -> Self {
         Self { tolerance, ..self }
@@ -371,7 +371,8 @@ impl<'a> Claim<'a> {
         failures.sort_by(|a, b| b.violation.total_cmp(&a.violation));
         let mut errors = sums.errors;
         for (error, &d) in errors.iter_mut().zip(self.distances) {
-            // A source is at 0. A vertex at infinity whose faces do not fail has no path to a source.
+            // A source is at 0. A vertex at infinity whose faces do not fail has no path to a
+            // source.
             if d == 0.0 || d.is_infinite() && sums.total.is_finite() {
                 *error = 0.0;
             }
@@ -546,8 +547,8 @@ impl<'a> Claim<'a> {
 
     /// Upper bound of the amount by which the distances are too short.
     ///
-    /// `path` returns a path from a source to a vertex, or from a vertex with a smaller distance. It
-    /// is called for each vertex with a finite distance that is not a source. Without a path the
+    /// `path` returns a path from a source to a vertex, or from a vertex with a smaller distance.
+    /// It is called for each vertex with a finite distance that is not a source. Without a path the
     /// bound is infinite.
     ///
     /// Takes O(n) time for n points of all paths together. In a pool of `rayon`, all its threads
@@ -557,8 +558,8 @@ impl<'a> Claim<'a> {
     }
 
     /// As [`not_too_short`](Self::not_too_short), with the last straight line of each path, which
-    /// begins at a vertex where the path bends. The path to that vertex is not traced again, so long
-    /// paths with many bends take no more time than their last lines.
+    /// begins at a vertex where the path bends. The path to that vertex is not traced again, so
+    /// long paths with many bends take no more time than their last lines.
     ///
     /// `path` is called where the lines prove less than rounding allows. It returns a path as in
     /// `not_too_short`.
@@ -785,8 +786,8 @@ impl<'a> Claim<'a> {
         (greatest, bounds.take(self.distances.len()).collect())
     }
 
-    /// Upper bounds of how much the distance of each vertex is too long. Adds up all violations that
-    /// are not farther from the source than the vertex. It needs no links.
+    /// Upper bounds of how much the distance of each vertex is too long. Adds up all violations
+    /// that are not farther from the source than the vertex. It needs no links.
     fn add_up_by_distance(&self, own: &[f64], in_face: &[f64], total: f64) -> Vec<f64> {
         // Distances are known up to `total`. Inside a face they fall below the least corner
         // distance by at most the longest edge.

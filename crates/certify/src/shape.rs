@@ -322,11 +322,11 @@ impl LeastDistance {
     /// coordinates of images are known up to a quarter of `error`.
     ///
     /// Let the line through the image I and the end P of the piece meet the side at an angle with
-    /// sine s and cosine c, and let e be the error of both points. Moving one of them turns the line
-    /// about the other. So it moves the end by at most `e (|y_I| + |y_P|) / (|y_P - y_I| s)`, and a
-    /// little more if e is no more than a hundredth of the difference. Rounding of the products
-    /// adds at most `e/s`. Where the line is too flat, the end is known only if all of the side lies
-    /// clearly on one side of it.
+    /// sine s and cosine c, and let e be the error of both points. Moving one of them turns the
+    /// line about the other. So it moves the end by at most `e (|y_I| + |y_P|) / (|y_P - y_I| s)`,
+    /// and a little more if e is no more than a hundredth of the difference. Rounding of the
+    /// products adds at most `e/s`. Where the line is too flat, the end is known only if all of the
+    /// side lies clearly on one side of it.
     fn doubt(&self, k: usize, error: f64) -> f64 {
         let (image, through) = (self.distances[1].image, self.distances[k].image);
         let ray = [through[0] - image[0], through[1] - image[1]];

@@ -81,8 +81,8 @@ pub trait Probe {
         false
     }
 
-    /// Takes all windows of the wavefront, each with the ends of its half-edge: tail and head, in the
-    /// numbers of the solver.
+    /// Takes all windows of the wavefront, each with the ends of its half-edge: tail and head, in
+    /// the numbers of the solver.
     fn take_windows(&mut self, waiting: impl Iterator<Item = ([VertexId; 2], Window)>) {
         let _ = waiting;
     }

@@ -86,9 +86,9 @@ impl Against {
     }
 }
 
-/// Plots of the time, and those of its ratio to the base, against each property. There is a plot for each
-/// family with enough models. If no family has enough, all models are plotted against their size,
-/// as points without lines.
+/// Plots of the time, and those of its ratio to the base, against each property. There is a plot
+/// for each family with enough models. If no family has enough, all models are plotted against
+/// their size, as points without lines.
 pub(super) fn plots(group: &GroupCells<'_>, setting: Setting<'_>) -> [Vec<Plot>; 2] {
     let (mut times, mut ratios) = (Vec::new(), Vec::new());
     for against in Against::ALL {

@@ -408,8 +408,8 @@ impl MeshLayout {
         FacesAround(faces.collect())
     }
 
-    /// Follows a change of the mesh, which is `mesh` now, between two runs. Takes time in the size of
-    /// the change.
+    /// Follows a change of the mesh, which is `mesh` now, between two runs. Takes time in the size
+    /// of the change.
     pub(crate) fn splice(
         &mut self,
         mesh: &Mesh,

@@ -146,7 +146,8 @@ pub trait Policy: Send {
         self.reset();
     }
 
-    /// Window `id` in the frame of `h`, which has an event in the queue; `None` if it no longer waits.
+    /// Window `id` in the frame of `h`, which has an event in the queue; `None` if it no longer
+    /// waits.
     fn waiting(&self, h: HalfEdgeId, id: u32, surface: &Surface) -> Option<Window> {
         let _ = (h, surface);
         self.foresee(id).copied()

@@ -68,8 +68,8 @@ impl FileComparison {
         self.regressions > 0 || !self.overall.is_empty()
     }
 
-    /// The rule on times and the cells in which nothing is judged by it: all, or all of an algorithm.
-    /// A comparison that can never fail is no comparison.
+    /// The rule on times and the cells in which nothing is judged by it: all, or all of an
+    /// algorithm. A comparison that can never fail is no comparison.
     pub fn unjudged_rule(&self, rules: &Rules) -> Option<String> {
         let rule = rules.on(Subject::Time(TimeKind::Time))?;
         let mut judged = BTreeMap::<&str, bool>::new();

@@ -1,16 +1,15 @@
 //! `geobench cluster`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, Command, FromArgMatches};
 use geobench_export::escape::shell;
-use geobench_harness::measure::host;
 use geobench_harness::plan::Plan;
 use geobench_harness::plan::suite::Plans;
 use geobench_harness::run::cluster::{
-    ClusterDirectory, ClusterFiles, ClusterRecord, EXCLUSIVE, PartState, Resources, parts_in_words,
+    ClusterDirectory, ClusterJobs, EXCLUSIVE, PartState, Resources, parts_in_words,
 };
 use geobench_report::table::terminal::listing;
 use geobench_report::table::{Column, Entry, Look, Table};
@@ -64,7 +63,7 @@ pub(crate) struct ClusterOptions {
     pub(crate) status: bool,
 
     /// Submit the parts that have failed again; --time, --partition, --exclusive and --sbatch
-    /// replace those of before
+    /// are added, and take precedence over those of before
     #[arg(long, conflicts_with_all = ["config", "shards", "run"])]
     pub(crate) resume: bool,
 
@@ -125,44 +124,49 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     let program = std::env::current_exe().context("cannot tell the path of this program")?;
     let here = std::env::current_dir().context("cannot tell the current directory")?;
     let fixed = fixed(&run, &plans, &point_files);
-    let placement = ClusterFiles::find(directory, &program, &here, &files, fixed.as_deref())?;
-    let mut resources = Resources::of(&plans, parts);
-    // `Resources::of` assumes one cell at a time; `--jobs` cells run concurrently.
-    resources.cores *= run.jobs();
-    resources.memory_bytes = resources
-        .memory_bytes
-        .map(|bytes| bytes.saturating_mul(run.jobs.0));
+    let (program, here, placed) = directory.place(&program, &here, &files, fixed.as_deref())?;
+    let mut resources = Resources::of(&plans, parts, run.jobs());
     if let Some(time) = options.time {
         resources.seconds = Some(Duration::from(time).as_secs());
     }
-    let mut record = ClusterRecord::new(parts, &placement, words, resources, of_sbatch(options));
-    directory.write(&record)?;
-    let mut lines = placement.notes;
-    lines.push(asked(&record.resources));
-    let all: Vec<u32> = (1..=parts).collect();
-    let path = |name: &str| options.output.join(name).display().to_string();
+    directory.write(&ClusterJobs {
+        parts,
+        program,
+        directory: here,
+        run: words,
+        resources,
+        options: of_sbatch(options),
+    })?;
+    let mut lines = placed.to_vec();
+    lines.push(asked(&resources));
+    let quoted = |path: &Path| shell(&path.to_string_lossy());
     if options.no_submit {
-        let [array, merge] = directory.commands(&record, &all);
-        let [array, merge] = [in_shell(&array), in_shell(&merge)];
+        let merge = quoted(&directory.merge_script());
         lines.extend([
             "to submit:".to_owned(),
-            format!("  sbatch {array} {}", path("part.sh")),
-            format!(
-                "  sbatch --dependency=afterany:ARRAY {merge} {}",
-                path("merge.sh")
-            ),
+            format!("  sbatch {}", quoted(&directory.part_script())),
+            format!("  sbatch --dependency=afterany:ARRAY {merge}"),
         ]);
     } else {
-        directory.submit(&mut record, &all, &host::now())?;
-        lines.extend(submitted(&record));
+        let all: Vec<u32> = (1..=parts).collect();
+        lines.extend(submit(directory, &all, parts)?);
         lines.push(format!(
             "`geobench cluster --status -o {}` shows the parts; the result will be {}",
-            options.output.display(),
-            path("result.json")
+            quoted(&options.output),
+            directory.result().display()
         ));
     }
     terminal::print(&(lines.join("\n") + "\n"))?;
     Ok(Verdict::Passed)
+}
+
+/// Submits parts, and describes the jobs, one per line.
+fn submit(directory: &ClusterDirectory, parts: &[u32], of: u32) -> anyhow::Result<Vec<String>> {
+    let (array, merge) = directory.submit(parts)?;
+    let parts = parts_in_words(parts);
+    let array = array.map(|job| format!("job {job}: parts {parts} (of {of})"));
+    let merge = format!("job {merge}: joins the parts");
+    Ok(array.into_iter().chain([merge]).collect())
 }
 
 /// The options of `sbatch` that the user gives.
@@ -172,12 +176,6 @@ fn of_sbatch(options: &ClusterOptions) -> Vec<String> {
     let exclusive = options.exclusive.then(|| EXCLUSIVE.to_owned());
     let others = options.sbatch.iter().cloned();
     partition.chain(exclusive).chain(others).collect()
-}
-
-/// Options quoted for the shell.
-fn in_shell(options: &[String]) -> String {
-    let words: Vec<String> = options.iter().map(|word| shell(word)).collect();
-    words.join(" ")
 }
 
 /// Parses the arguments of the `run` command of the parts. Rejects options that are set for each
@@ -240,32 +238,13 @@ fn asked(resources: &Resources) -> String {
     format!("each part asks for {cores}, {memory} and {time}")
 }
 
-/// Describes the jobs of the last submission, one per line.
-fn submitted(record: &ClusterRecord) -> Vec<String> {
-    let Some(last) = record.submissions.last() else {
-        return Vec::new();
-    };
-    let (parts, count) = (parts_in_words(&last.parts), record.parts);
-    let array = last.array.iter();
-    array
-        .map(|job| format!("job {job}: parts {parts} (of {count})"))
-        .chain([format!("job {}: joins the parts", last.merge)])
-        .collect()
-}
-
 /// Submits the parts that are neither done nor queued, and the merge job. If all parts are done and
-/// only the merged file is missing, submits the merge job alone. Limits and options of `sbatch`
-/// that are given replace those of the record.
+/// only the merged file is missing, submits the merge job alone. Options of `sbatch` that are given
+/// are added to the scripts.
 fn resume(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Result<Verdict> {
-    let mut record = directory.record()?;
-    if let Some(time) = options.time {
-        record.resources.seconds = Some(Duration::from(time).as_secs());
-    }
-    let replaced = of_sbatch(options);
-    if !replaced.is_empty() {
-        record.options = replaced;
-    }
-    let states = directory.states(&record)?;
+    let seconds = options.time.map(|time| Duration::from(time).as_secs());
+    directory.add_options(&of_sbatch(options), seconds)?;
+    let states = directory.states()?;
     let missing: Vec<u32> = (1..)
         .zip(&states)
         .filter(|(_, state)| matches!(state, PartState::Failed(_) | PartState::New))
@@ -277,8 +256,7 @@ fn resume(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Res
     } else if missing.is_empty() && !done {
         "no part has failed; the others wait or run\n".to_owned()
     } else {
-        directory.submit(&mut record, &missing, &host::now())?;
-        submitted(&record).join("\n") + "\n"
+        submit(directory, &missing, directory.parts()?)?.join("\n") + "\n"
     };
     terminal::print(&text)?;
     Ok(Verdict::Passed)
@@ -286,16 +264,15 @@ fn resume(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Res
 
 /// Prints the number of parts in each state, and a table of the parts that are not done.
 fn status(directory: &ClusterDirectory, look: Look) -> anyhow::Result<Verdict> {
-    let record = directory.record()?;
-    let states = directory.states(&record)?;
+    let states = directory.states()?;
     let count = |is: fn(&PartState) -> bool| states.iter().filter(|state| is(state)).count();
     let done = count(|state| *state == PartState::Done);
-    let queued = count(|state| matches!(state, PartState::Queued(_)));
+    let queued = count(|state| matches!(state, PartState::Queued { .. }));
     let failed = count(|state| matches!(state, PartState::Failed(_)));
     let rows = (1..).zip(&states).filter_map(|(part, state)| {
         let (state, place) = match state {
             PartState::Done => return None,
-            PartState::Queued(part) => (part.state.to_lowercase(), part.place.clone()),
+            PartState::Queued { state, place } => (state.to_lowercase(), place.clone()),
             PartState::Failed(log) => ("failed".to_owned(), log.clone()),
             PartState::New => ("not submitted".to_owned(), String::new()),
         };
@@ -305,7 +282,7 @@ fn status(directory: &ClusterDirectory, look: Look) -> anyhow::Result<Verdict> {
     let table = Table::new(columns, rows.collect());
     let head = format!(
         "{done} of {} parts done, {queued} waiting or running, {failed} failed\n",
-        record.parts
+        states.len()
     );
     let rest = if done < states.len() {
         listing(&table, look)

@@ -22,11 +22,13 @@ fn start(sandbox: &Sandbox, script: &str, part: u32) {
 #[test]
 fn scripts_of_all_parts_make_the_whole_result() {
     let sandbox = Sandbox::new();
-    let text = sandbox.succeed(&format!("{START} --exclusive -- {RUN} --timeout 90s"));
-    assert!(text.contains("--array=1-3 "), "{text}");
-    assert!(text.contains("--partition=fast --exclusive"), "{text}");
+    sandbox.succeed(&format!("{START} --exclusive -- {RUN} --timeout 90s"));
+    let script = sandbox.read("runs/part.sh");
     // The time follows from the sizes of the models, not from the limit of a run.
-    assert!(text.contains("--time=16 "), "{text}");
+    for option in ["array=1-3", "partition=fast", "exclusive", "time=16"] {
+        let line = format!("#SBATCH --{option}\n");
+        assert!(script.contains(&line), "{line}: {script}");
+    }
     for part in 1..=3 {
         start(&sandbox, "runs/part.sh", part);
     }
@@ -80,7 +82,7 @@ fn wrong_use_is_told() {
         ),
         (
             "cluster -o runs --status".to_owned(),
-            "cluster.json: cannot be read",
+            "part.sh: cannot be read",
         ),
     ] {
         let outcome = sandbox.call(&arguments);

@@ -18,7 +18,6 @@ pub mod mock;
 pub mod model;
 pub mod point_files;
 mod protocol;
-pub mod slurm;
 pub mod source;
 
 use geobench_registry::Selection;

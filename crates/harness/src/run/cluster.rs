@@ -1,55 +1,52 @@
 //! A benchmark as a Slurm job array: each shard of the plan is a job, and one more job merges the
 //! files of the shards. Messages and types call a shard a *part*.
 //!
-//! Slurm schedules the jobs; this module writes their scripts. A directory visible to all nodes
-//! holds the scripts, the journals, the files of the parts and a record of the submissions. A part
-//! is done when its file has its final name and holds the results of a completed run. The state of
-//! each part therefore follows from the directory and the queue; it is not stored.
+//! Slurm schedules the jobs; this module writes their scripts, which hold the options of `sbatch`. A
+//! directory visible to all nodes has the scripts, the journals, the logs and the files of the
+//! parts. A part is done when its file has its final name and holds the results of a completed run.
+//! The state of each part follows from the directory and from the queue, in which the jobs have the
+//! name of the directory; it is not stored.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::fs;
+use std::io::ErrorKind;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Component, Path, PathBuf};
+use std::process::{Command, Output};
 
 use anyhow::{Context, bail};
 use geobench_export::escape::shell;
-use geobench_export::json_lines;
 use geobench_export::output::OutputFile;
 use geobench_registry::Selection;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use crate::exec::model::ModelRef;
-use crate::exec::slurm::{self, QueuedPart};
 use crate::measure::number::ranges;
 use crate::plan::Plan;
 use crate::schema::Shard;
-use crate::usage::check_schema;
-
-/// Schema of `cluster.json`.
-const SCHEMA: &str = "geobench-cluster/1";
 
 /// Memory in bytes that a job needs in addition to its children, for the process that starts them.
 const OWN_MEMORY: u64 = 256 << 20;
 
 /// Resources that each job of the array requests.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Resources {
-    /// Number of cores: the largest number of threads of a cell.
+    /// Number of cores: the largest number of threads of a cell, for each cell at the same time.
     pub cores: usize,
-    /// Main memory in bytes: twice the largest memory limit of a cell, for the cell that runs and
-    /// for those that wait, plus the memory of the program itself. Null if some cells have no limit;
-    /// then Slurm's default applies.
+    /// Main memory in bytes: for each cell at the same time twice the largest memory limit, for the
+    /// cell that runs and for those that wait, plus the memory of the program itself. `None` if some
+    /// cells have no limit; then Slurm's default applies.
     pub memory_bytes: Option<u64>,
-    /// Time in seconds for the largest part, by the sizes of its models. Null if the number of its
-    /// runs is not known, or neither the size of a model nor a time limit; then Slurm's default
+    /// Time in seconds for the largest part, by the sizes of its models. `None` if the number of
+    /// its runs is not known, or neither the size of a model nor a time limit; then Slurm's default
     /// applies.
     pub seconds: Option<u64>,
 }
 
 impl Resources {
-    /// The resources that each of `parts` parts of `plans` needs at most, with one cell at a time.
-    pub fn of(plans: &[Plan], parts: u32) -> Self {
+    /// The resources that each of `parts` parts of `plans` needs at most, with `jobs` cells at a
+    /// time.
+    pub fn of(plans: &[Plan], parts: u32, jobs: usize) -> Self {
         let algorithms = plans.iter().flat_map(|plan| &plan.algorithms);
         let seconds_of = |index| {
             let mut parted = plans.to_vec();
@@ -70,8 +67,11 @@ impl Resources {
             .iter()
             .try_fold(0, |most: u64, plan| Some(most.max(plan.limits.memory.0?)));
         Self {
-            cores: algorithms.map(Selection::threads).max().unwrap_or(1),
-            memory_bytes: memory.map(|bytes| bytes.saturating_mul(2).saturating_add(OWN_MEMORY)),
+            cores: jobs * algorithms.map(Selection::threads).max().unwrap_or(1),
+            memory_bytes: memory.map(|bytes| {
+                let cell = bytes.saturating_mul(2).saturating_add(OWN_MEMORY);
+                cell.saturating_mul(jobs as u64)
+            }),
             seconds: (1..=parts)
                 .map(seconds_of)
                 .try_fold(0.0, |most: f64, seconds| Some(most.max(seconds?)))
@@ -85,9 +85,7 @@ impl Resources {
         if let Some(bytes) = self.memory_bytes {
             options.push(format!("--mem={}M", bytes.div_ceil(1 << 20)));
         }
-        if let Some(seconds) = self.seconds {
-            options.push(format!("--time={}", seconds.div_ceil(60)));
-        }
+        options.extend(self.seconds.map(time_option));
         options
     }
 }
@@ -132,24 +130,9 @@ fn seconds_of_unit(plan: &Plan, model: &ModelRef) -> Option<f64> {
         .try_fold(0.0, |sum, algorithm| Some(sum + cell(algorithm)?))
 }
 
-/// A submission: the parts, their job array and the merge job.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Submission {
-    /// Time of the submission, RFC 3339 in UTC.
-    pub submitted: String,
-    /// Indices of the submitted parts, from 1.
-    pub parts: Vec<u32>,
-    /// Slurm's ID of the job array; null if only the merge job was submitted.
-    pub array: Option<String>,
-    /// Slurm's ID of the job that merges the files of all parts; empty if Slurm refused it.
-    pub merge: String,
-}
-
-/// The record of a benchmark on a cluster, `cluster.json` in its directory.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ClusterRecord {
-    /// Always `geobench-cluster/1`.
-    pub schema: String,
+/// A benchmark whose parts are to be submitted.
+#[derive(Clone, Debug)]
+pub struct ClusterJobs {
     /// Number of parts.
     pub parts: u32,
     /// The program that the nodes start.
@@ -162,8 +145,6 @@ pub struct ClusterRecord {
     pub resources: Resources,
     /// Further options of `sbatch`, for all jobs.
     pub options: Vec<String>,
-    /// The submissions, in order.
-    pub submissions: Vec<Submission>,
 }
 
 /// State of a part.
@@ -172,10 +153,15 @@ pub enum PartState {
     /// The file of the part is complete.
     Done,
     /// The job of the part waits or runs.
-    Queued(QueuedPart),
+    Queued {
+        /// The state in Slurm's words, such as `RUNNING`.
+        state: String,
+        /// The node, or why the part waits.
+        place: String,
+    },
     /// The job ended without a complete file. Holds the last line of its log.
     Failed(String),
-    /// The part has never been submitted.
+    /// The part has never been submitted: it has no log.
     New,
 }
 
@@ -202,8 +188,14 @@ impl ClusterDirectory {
         &self.path
     }
 
-    fn record_path(&self) -> PathBuf {
-        self.path.join("cluster.json")
+    /// The script of the parts.
+    pub fn part_script(&self) -> PathBuf {
+        self.path.join("part.sh")
+    }
+
+    /// The script of the merge job.
+    pub fn merge_script(&self) -> PathBuf {
+        self.path.join("merge.sh")
     }
 
     /// Path of the merged result file.
@@ -219,13 +211,18 @@ impl ClusterDirectory {
         self.path.join("logs").join(format!("{name}.log"))
     }
 
+    /// The name of the job array. `squeue` separates names by commas.
+    fn job_name(&self) -> String {
+        format!("geobench:{}", self.path.display()).replace(',', "_")
+    }
+
     /// Creates the directory and its subdirectories.
     ///
     /// # Errors
     ///
     /// If the directory has a benchmark already, or cannot be created.
     pub fn create(&self) -> anyhow::Result<()> {
-        if self.record_path().exists() {
+        if self.part_script().exists() {
             bail!(
                 "{}: has a benchmark already; go on with it by --resume, or name another directory",
                 self.path.display()
@@ -239,85 +236,179 @@ impl ClusterDirectory {
         Ok(())
     }
 
-    /// The record of the benchmark in the directory.
+    /// Decides whether the nodes use `program` and `files` in place, and returns the program, the
+    /// working directory of the jobs, to which paths of files are relative, and two messages about
+    /// both. The program is copied to this directory if it is on another file system, and all files
+    /// are if one of them, or `here`, to which their paths are relative, is on another one.
     ///
     /// # Errors
     ///
-    /// If there is no record, it cannot be parsed, or it has another schema.
-    pub fn record(&self) -> anyhow::Result<ClusterRecord> {
-        let path = self.record_path();
-        let text = fs::read_to_string(&path).with_context(|| {
+    /// If a file to copy has an absolute path or is outside `here`, or if a file cannot be read or
+    /// copied, or if files must be copied while the benchmark needs `fixed`, which cannot.
+    pub fn place(
+        &self,
+        program: &Path,
+        here: &Path,
+        files: &[PathBuf],
+        fixed: Option<&str>,
+    ) -> anyhow::Result<(PathBuf, PathBuf, [String; 2])> {
+        let place = self.path.display();
+        let is_seen = |path: &Path| anyhow::Ok(device(path)? == device(&self.path)?);
+        let (program, how) = if is_seen(program)? {
+            (program.to_owned(), "in place")
+        } else {
+            let copy = self.path.join("geobench");
+            copy_file(program, &copy)?;
+            (copy, "a copy of this program")
+        };
+        let sees_here = is_seen(here)?;
+        let mut in_place = true;
+        for file in files {
+            in_place &= (sees_here || file.is_absolute()) && is_seen(&here.join(file))?;
+        }
+        let directory = match (in_place, sees_here) {
+            (true, true) => here.to_owned(),
+            (true, false) => self.path.clone(),
+            (false, _) => self.path.join("files"),
+        };
+        if let (false, Some(fixed)) = (in_place, fixed) {
+            bail!(
+                "not all files are on the file system of {place}, and {fixed} cannot be copied \
+                 there; start in a directory on that file system"
+            );
+        }
+        for file in files.iter().filter(|_| !in_place) {
+            let inside = inside(file).with_context(|| {
+                format!(
+                    "{}: not on the file system of {place}, so the nodes may not see it; copy it \
+                     there, or start in a directory that holds it",
+                    file.display()
+                )
+            })?;
+            copy_file(&here.join(file), &directory.join(inside))?;
+        }
+        let files = if in_place { "in place" } else { "copies" };
+        let notes = [
+            format!("the nodes use {}, {how}", program.display()),
             format!(
-                "{}: cannot be read; `geobench cluster --config SUITE --shards N -o DIR` makes it",
-                path.display()
-            )
-        })?;
-        let record: ClusterRecord = serde_json::from_str(&text)
-            .with_context(|| format!("{}: not a record of a cluster", path.display()))?;
-        check_schema(&path, &record.schema, SCHEMA)?;
-        Ok(record)
+                "they read suite and models from {}, {files}",
+                directory.display()
+            ),
+        ];
+        Ok((program, directory, notes))
     }
 
-    /// Writes the record and the scripts.
+    /// Writes the scripts of `jobs`.
     ///
     /// # Errors
     ///
     /// If one of them cannot be written, or if a path in the scripts is not UTF-8.
-    pub fn write(&self, record: &ClusterRecord) -> anyhow::Result<()> {
-        let files = [
-            (self.path.join("part.sh"), self.part_script(record)?),
-            (self.path.join("merge.sh"), self.merge_script(record)?),
-            (self.record_path(), json_lines(record)?),
-        ];
-        for (path, text) in files {
-            OutputFile::prepare(&path)?.write(text.as_bytes())?;
+    pub fn write(&self, jobs: &ClusterJobs) -> anyhow::Result<()> {
+        write(&self.part_script(), &self.text_of_part(jobs)?)?;
+        write(&self.merge_script(), &self.text_of_merge(jobs)?)
+    }
+
+    /// Adds options of `sbatch` to the scripts, and a time in seconds to that of the parts. Of two
+    /// equal options Slurm takes the last.
+    ///
+    /// # Errors
+    ///
+    /// If a script cannot be read or written.
+    pub fn add_options(&self, options: &[String], seconds: Option<u64>) -> anyhow::Result<()> {
+        let mut of_parts = options.to_vec();
+        of_parts.extend(seconds.map(time_option));
+        for (path, options) in [
+            (self.part_script(), of_parts),
+            (self.merge_script(), without_exclusive(options)),
+        ] {
+            let text = read(&path)?;
+            if !options.is_empty() {
+                let end = format!("\n{}\n\n", directives(&options));
+                write(&path, &text.replacen("\n\n", &end, 1))?;
+            }
         }
         Ok(())
+    }
+
+    /// Number of parts, from the script.
+    ///
+    /// # Errors
+    ///
+    /// If there is no script with that number.
+    pub fn parts(&self) -> anyhow::Result<u32> {
+        let path = self.part_script();
+        let text = read(&path)?;
+        let mut lines = text.lines();
+        let parts = lines.find_map(|line| line.strip_prefix(ARRAY)?.parse().ok());
+        parts.with_context(|| format!("{}: lacks the line `{ARRAY}N`", path.display()))
     }
 
     /// The script of a part.
     ///
     /// A part that Slurm restarts resumes from its journal. The name of the journal includes that
     /// of the node. On another node the part starts anew, so all its times are from one node.
-    fn part_script(&self, record: &ClusterRecord) -> anyhow::Result<String> {
+    fn text_of_part(&self, jobs: &ClusterJobs) -> anyhow::Result<String> {
         let [dir, program, start] =
-            [&self.path, &record.program, &record.directory].map(|p| in_shell(p));
+            [&self.path, &jobs.program, &jobs.directory].map(|path| in_shell(path));
         let (dir, program, start) = (dir?, program?, start?);
-        let mut words = String::new();
-        for word in &record.run {
-            write!(words, " {}", shell(word))?;
-        }
-        let count = record.parts;
+        let words: Vec<String> = jobs.run.iter().map(|word| shell(word)).collect();
+        let (words, count) = (words.join(" "), jobs.parts);
+        let mut options = vec![
+            "--nodes=1".to_owned(),
+            "--ntasks=1".to_owned(),
+            format!("--job-name={}", self.job_name()),
+            // Slurm restarts a part whose node fails, on another node.
+            "--requeue".to_owned(),
+            "--open-mode=append".to_owned(),
+            format!("--output={}", self.log("%a").display()),
+        ];
+        options.extend(jobs.resources.options());
+        options.extend(jobs.options.iter().cloned());
         Ok(format!(
             "#!/bin/bash\n\
              # One part of a benchmark, made by `geobench cluster`. Slurm numbers the parts.\n\
+             {ARRAY}{count}\n\
+             {}\n\
+             \n\
              part=$SLURM_ARRAY_TASK_ID\n\
              node=${{SLURMD_NODENAME:-$(hostname)}}\n\
+             result={dir}/parts/\"$part.$node\".unfinished.json\n\
              cd {start} || exit 2\n\
              # A killed job may have left a file.\n\
-             rm -f {dir}/parts/\"$part.$node\".unfinished.json\n\
-             {program}{words} --shard \"$part/{count}\" \\\n    \
+             rm -f \"$result\"\n\
+             {program} {words} --shard \"$part/{count}\" \\\n    \
                  --resume {dir}/journals/\"$part.$node\".jsonl \\\n    \
-                 -o {dir}/parts/\"$part.$node\".unfinished.json --format csv >/dev/null\n\
+                 -o \"$result\" --format csv >/dev/null\n\
              status=$?\n\
              # 1: some cells failed; 2: some models were refused. Both are results, if there is a file.\n\
-             [ \"$status\" -le 2 ] && [ -e {dir}/parts/\"$part.$node\".unfinished.json ] || exit \"$status\"\n\
-             mv {dir}/parts/\"$part.$node\".unfinished.json {dir}/parts/\"$part\".json\n"
+             [ \"$status\" -le 2 ] && [ -e \"$result\" ] || exit \"$status\"\n\
+             mv \"$result\" {dir}/parts/\"$part\".json\n",
+            directives(&options)
         ))
     }
 
     /// The script that merges the files of the parts that are done.
-    fn merge_script(&self, record: &ClusterRecord) -> anyhow::Result<String> {
-        let (dir, program) = (in_shell(&self.path)?, in_shell(&record.program)?);
-        let count = record.parts;
+    fn text_of_merge(&self, jobs: &ClusterJobs) -> anyhow::Result<String> {
+        let (dir, program) = (in_shell(&self.path)?, in_shell(&jobs.program)?);
+        let mut options = vec![
+            "--nodes=1".to_owned(),
+            "--ntasks=1".to_owned(),
+            "--job-name=geobench-merge".to_owned(),
+            format!("--output={}", self.log("merge").display()),
+        ];
+        options.extend(without_exclusive(&jobs.options));
         Ok(format!(
             "#!/bin/bash\n\
              # Joins the parts of a benchmark, made by `geobench cluster`.\n\
+             {}\n\
+             \n\
              cd {dir} || exit 2\n\
              shopt -s nullglob extglob\n\
              files=(parts/+([0-9]).json)\n\
-             echo \"${{#files[@]}} of {count} parts are done\"\n\
-             exec {program} merge \"${{files[@]}}\" -o result.json -o result.csv\n"
+             echo \"${{#files[@]}} of {} parts are done\"\n\
+             exec {program} merge \"${{files[@]}}\" -o result.json -o result.csv\n",
+            directives(&options),
+            jobs.parts
         ))
     }
 
@@ -325,37 +416,30 @@ impl ClusterDirectory {
     ///
     /// # Errors
     ///
-    /// If Slurm's queue cannot be read. It is not queried if all parts are done.
-    pub fn states(&self, record: &ClusterRecord) -> anyhow::Result<Vec<PartState>> {
-        let done: Vec<bool> = (1..=record.parts)
-            .map(|index| is_complete(&self.part(index)))
-            .collect();
-        let jobs: Vec<&str> = record
-            .submissions
-            .iter()
-            .filter_map(|submission| submission.array.as_deref())
-            .collect();
-        let queue = if done.iter().all(|done| *done) {
-            BTreeMap::new()
-        } else {
-            slurm::queued(&jobs)?
-        };
-        let submitted =
-            |index| (record.submissions.iter()).any(|submission| submission.parts.contains(&index));
-        Ok((1..)
-            .zip(done)
-            .map(|(index, done)| {
-                if done {
-                    PartState::Done
-                } else if let Some(part) = queue.get(&index) {
-                    PartState::Queued(part.clone())
-                } else if submitted(index) {
-                    PartState::Failed(self.log_tail(&index.to_string()))
-                } else {
-                    PartState::New
-                }
-            })
-            .collect())
+    /// If the number of parts or Slurm's queue cannot be read. The queue is not read if all parts
+    /// are done or none has been submitted.
+    pub fn states(&self) -> anyhow::Result<Vec<PartState>> {
+        let parts = 1..=self.parts()?;
+        let is_submitted = |index: u32| self.log(&index.to_string()).exists();
+        let is_done: Vec<bool> = parts.clone().map(|i| is_complete(&self.part(i))).collect();
+        let mut queue = BTreeMap::new();
+        if is_done.contains(&false) && parts.clone().any(is_submitted) {
+            let name = format!("--name={}", self.job_name());
+            let format = ["--noheader", "--array", "--states=all", "--format=%K|%T|%R"];
+            queue = parse_queue(&output(Command::new("squeue").args(format).arg(name))?);
+        }
+        let states = parts.zip(is_done).map(|(index, is_done)| {
+            if is_done {
+                PartState::Done
+            } else if let Some(state) = queue.remove(&index) {
+                state
+            } else if is_submitted(index) {
+                PartState::Failed(self.log_tail(&index.to_string()))
+            } else {
+                PartState::New
+            }
+        });
+        Ok(states.collect())
     }
 
     /// The last line of the log `name` that is not blank; empty if there is none.
@@ -366,172 +450,93 @@ impl ClusterDirectory {
         lines.next_back().unwrap_or_default().to_owned()
     }
 
-    /// The options of the two `sbatch` commands that submit `parts` and the merge job. The script
-    /// and the dependency of the merge job are not included.
-    pub fn commands(&self, record: &ClusterRecord, parts: &[u32]) -> [Vec<String>; 2] {
-        let log = |name: &str| format!("--output={}", self.log(name).display());
-        let mut array = vec![
-            "--job-name=geobench".to_owned(),
-            format!("--array={}", parts_in_words(parts)),
-            "--nodes=1".to_owned(),
-            "--ntasks=1".to_owned(),
-            // Slurm restarts a part whose node fails, on another node.
-            "--requeue".to_owned(),
-            "--open-mode=append".to_owned(),
-            log("%a"),
-        ];
-        array.extend(record.resources.options());
-        array.extend(record.options.iter().cloned());
-        let mut merge = vec![
-            "--job-name=geobench-merge".to_owned(),
-            "--nodes=1".to_owned(),
-            "--ntasks=1".to_owned(),
-            log("merge"),
-        ];
-        let shared = |option: &&String| *option != EXCLUSIVE;
-        merge.extend(record.options.iter().filter(shared).cloned());
-        [array, merge]
-    }
-
-    /// Submits `parts` as a job array, and a merge job that waits for them. Without parts, submits
-    /// only the merge job. Adds the submission, with the time `now`, to the record and writes that.
+    /// Submits `parts` as a job array, and a merge job that waits for them; without parts, only
+    /// the merge job. Returns the number of each job.
     ///
     /// # Errors
     ///
-    /// If Slurm refuses a job, or if the record cannot be written. If Slurm refuses the merge job,
-    /// the record still has the job array.
-    pub fn submit(
-        &self,
-        record: &mut ClusterRecord,
-        parts: &[u32],
-        now: &str,
-    ) -> anyhow::Result<()> {
-        let [array, mut merge] = self.commands(record, parts);
-        let array = match parts {
-            [] => None,
-            _ => Some(slurm::submit(&self.path.join("part.sh"), &array)?),
-        };
-        if let Some(job) = &array {
-            // `afterany`: the merge job runs after failures, too, and its log names the missing
-            // parts.
-            merge.push(format!("--dependency=afterany:{job}"));
+    /// If Slurm refuses a job.
+    pub fn submit(&self, parts: &[u32]) -> anyhow::Result<(Option<String>, String)> {
+        if parts.is_empty() {
+            return Ok((None, submit(&self.merge_script(), &[])?));
         }
-        let joining = slurm::submit(&self.path.join("merge.sh"), &merge);
-        record.submissions.push(Submission {
-            submitted: now.to_owned(),
-            parts: parts.to_vec(),
-            array,
-            merge: joining.as_deref().unwrap_or_default().to_owned(),
-        });
-        self.write(record)?;
-        joining.map(drop)
+        let array = format!("--array={}", parts_in_words(parts));
+        let array = submit(&self.part_script(), &[array])?;
+        for part in parts {
+            // `states` takes a part with a log as submitted.
+            let log = self.log(&part.to_string());
+            fs::File::options().create(true).append(true).open(log)?;
+        }
+        // `afterany`: the merge job runs after failures, too, and its log names the missing parts.
+        let after = format!("--dependency=afterany:{array}");
+        Ok((Some(array), submit(&self.merge_script(), &[after])?))
     }
 }
+
+/// The line of the script of a part that has the number of parts.
+const ARRAY: &str = "#SBATCH --array=1-";
 
 /// The `sbatch` option that keeps other jobs off a node. The merge job does not use it.
 pub const EXCLUSIVE: &str = "--exclusive";
 
-/// Where the nodes find the program and the models.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ClusterFiles {
-    /// The executable.
-    pub program: PathBuf,
-    /// The working directory of the jobs, to which paths of models are relative.
-    pub directory: PathBuf,
-    /// Messages to the user on what was copied and what is used in place.
-    pub notes: Vec<String>,
+fn without_exclusive(options: &[String]) -> Vec<String> {
+    let shared = |option: &&String| *option != EXCLUSIVE;
+    options.iter().filter(shared).cloned().collect()
 }
 
-impl ClusterFiles {
-    /// Decides whether the nodes use `program` and `files` in place. The program is copied to `to`
-    /// if it is on another file system. All files are copied to `to` if one of them, or `here`, to
-    /// which paths of files are relative, is on another file system.
-    ///
-    /// # Errors
-    ///
-    /// If a file to copy has an absolute path or is outside `here`, or if a file cannot be read or
-    /// copied, or if files must be copied while the benchmark needs `fixed`, which cannot.
-    pub fn find(
-        to: &ClusterDirectory,
-        program: &Path,
-        here: &Path,
-        files: &[PathBuf],
-        fixed: Option<&str>,
-    ) -> anyhow::Result<Self> {
-        let shared = device(&to.path)?;
-        let mut notes = Vec::new();
-        let program = if device(program)? == shared {
-            notes.push(format!(
-                "the nodes use {} in place: it is on the file system of {}",
-                program.display(),
-                to.path.display()
-            ));
-            program.to_owned()
-        } else {
-            let copy = to.path.join("geobench");
-            fs::copy(program, &copy)
-                .with_context(|| format!("{}: cannot be copied", program.display()))?;
-            notes.push(format!(
-                "the nodes use {}, a copy of this program",
-                copy.display()
-            ));
-            copy
-        };
-        let sees_here = device(here)? == shared;
-        let mut in_place = true;
-        for file in files {
-            let is_found = sees_here || file.is_absolute();
-            in_place &= is_found && device(&here.join(file))? == shared;
+fn time_option(seconds: u64) -> String {
+    format!("--time={}", seconds.div_ceil(60))
+}
+
+/// Options of `sbatch` as lines of a script.
+fn directives(options: &[String]) -> String {
+    let line = |option: &String| format!("#SBATCH {}", shell(option));
+    options.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// The text of a script.
+fn read(script: &Path) -> anyhow::Result<String> {
+    fs::read_to_string(script).with_context(|| {
+        format!(
+            "{}: cannot be read; `geobench cluster --config SUITE --shards N -o DIR` makes it",
+            script.display()
+        )
+    })
+}
+
+fn write(script: &Path, text: &str) -> anyhow::Result<()> {
+    OutputFile::prepare(script)?.write(text.as_bytes())
+}
+
+/// ID of the device, and thus of the file system, of the file at `path`.
+fn device(path: &Path) -> anyhow::Result<u64> {
+    let metadata =
+        fs::metadata(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    Ok(metadata.dev())
+}
+
+/// Copies a file, and makes the folder of the copy.
+fn copy_file(file: &Path, copy: &Path) -> anyhow::Result<()> {
+    let folder = copy.parent().map_or(Ok(()), fs::create_dir_all);
+    folder
+        .and_then(|()| fs::copy(file, copy))
+        .with_context(|| format!("{}: cannot be copied", file.display()))?;
+    Ok(())
+}
+
+/// `path` without `.` and `..`. `None` if it is absolute or leaves the directory that it starts
+/// from.
+fn inside(path: &Path) -> Option<PathBuf> {
+    let mut inside = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::Normal(name) => inside.push(name),
+            Component::CurDir => {}
+            Component::ParentDir if inside.pop() => {}
+            _ => return None,
         }
-        if in_place {
-            let directory = if sees_here { here } else { &to.path };
-            if !files.is_empty() {
-                notes.push(format!(
-                    "the nodes read suite and models in place, from {}",
-                    directory.display()
-                ));
-            }
-            return Ok(Self {
-                program,
-                directory: directory.to_owned(),
-                notes,
-            });
-        }
-        if let Some(fixed) = fixed {
-            bail!(
-                "not all files are on the file system of {}, and {fixed} cannot be copied there; start in a \
-                 directory on that file system",
-                to.path.display()
-            );
-        }
-        let directory = to.path.join("files");
-        for file in files {
-            let inside = inside(file).with_context(|| {
-                format!(
-                    "{}: not on the file system of {}, so the nodes may not see it; copy it there, or \
-                     start in a directory that holds it",
-                    file.display(),
-                    to.path.display()
-                )
-            })?;
-            let copy = directory.join(&inside);
-            if let Some(parent) = copy.parent() {
-                fs::create_dir_all(parent)
-                    .with_context(|| format!("{}: cannot be made", parent.display()))?;
-            }
-            fs::copy(here.join(file), &copy)
-                .with_context(|| format!("{}: cannot be copied", file.display()))?;
-        }
-        notes.push(format!(
-            "the nodes read copies of suite and models, in {}",
-            directory.display()
-        ));
-        Ok(Self {
-            program,
-            directory,
-            notes,
-        })
     }
+    Some(inside)
 }
 
 /// Whether the result file at `path` is of a completed run. Only a completed run records the
@@ -550,28 +555,6 @@ pub fn parts_in_words(parts: &[u32]) -> String {
     ranges(&parts.iter().map(|&part| part as usize).collect::<Vec<_>>())
 }
 
-/// ID of the device, and thus of the file system, of the file at `path`.
-fn device(path: &Path) -> anyhow::Result<u64> {
-    let metadata =
-        fs::metadata(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-    Ok(metadata.dev())
-}
-
-/// `path` without `.` and `..`. `None` if it is absolute or leaves the directory that it starts
-/// from.
-fn inside(path: &Path) -> Option<PathBuf> {
-    let mut inside = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::Normal(name) => inside.push(name),
-            Component::CurDir => {}
-            Component::ParentDir if inside.pop() => {}
-            _ => return None,
-        }
-    }
-    Some(inside)
-}
-
 fn in_shell(path: &Path) -> anyhow::Result<String> {
     match path.to_str() {
         Some(path) => Ok(shell(path)),
@@ -582,106 +565,162 @@ fn in_shell(path: &Path) -> anyhow::Result<String> {
     }
 }
 
-impl ClusterRecord {
-    /// The record of a benchmark before its first submission.
-    pub fn new(
-        parts: u32,
-        placement: &ClusterFiles,
-        run: Vec<String>,
-        resources: Resources,
-        options: Vec<String>,
-    ) -> Self {
-        Self {
-            schema: SCHEMA.to_owned(),
-            parts,
-            program: placement.program.clone(),
-            directory: placement.directory.clone(),
-            run,
-            resources,
-            options,
-            submissions: Vec::new(),
-        }
+/// Submits `script` with `options` and returns the number of its job.
+fn submit(script: &Path, options: &[String]) -> anyhow::Result<String> {
+    let mut command = Command::new("sbatch");
+    let text = output(command.arg("--parsable").args(options).arg(script))?;
+    // With several clusters: `job;cluster`.
+    let job = text.trim().split(';').next().unwrap_or_default();
+    if job.is_empty() || !job.bytes().all(|b| b.is_ascii_digit()) {
+        bail!(
+            "sbatch answers `{}`, which is no number of a job",
+            text.trim()
+        );
     }
+    Ok(job.to_owned())
+}
+
+/// Whether a part in this state will still run or be ended by Slurm.
+fn is_alive(state: &str) -> bool {
+    [
+        "PENDING",
+        "RUNNING",
+        "CONFIGURING",
+        "COMPLETING",
+        "REQUEUED",
+        "REQUEUE_HOLD",
+        "REQUEUE_FED",
+        "SUSPENDED",
+        "STOPPED",
+        "SIGNALING",
+        "STAGE_OUT",
+        "RESIZING",
+    ]
+    .contains(&state)
+}
+
+/// The parts that wait or run, in lines of `part|state|(reason) or node`.
+fn parse_queue(text: &str) -> BTreeMap<u32, PartState> {
+    let lines = text.lines().filter_map(|line| {
+        let mut fields = line.trim().splitn(3, '|');
+        let part = fields.next()?.parse().ok()?;
+        let state = fields.next()?.to_owned();
+        let place = fields.next()?.to_owned();
+        is_alive(&state).then_some((part, PartState::Queued { state, place }))
+    });
+    lines.collect()
+}
+
+/// What one of Slurm's commands writes.
+///
+/// # Errors
+///
+/// If the command is missing or fails, with what it says.
+fn output(command: &mut Command) -> anyhow::Result<String> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = command.output().map_err(|error| match error.kind() {
+        ErrorKind::NotFound => anyhow::anyhow!(
+            "{name}: not found; use a machine that submits to Slurm, or --no-submit for the scripts \
+             alone"
+        ),
+        _ => anyhow::Error::new(error).context(format!("cannot run {name}")),
+    })?;
+    if !status.success() {
+        let text = String::from_utf8_lossy(&stderr);
+        let lines: Vec<&str> = text.lines().map(str::trim).collect();
+        bail!("{name} fails: {}", lines.join("; "));
+    }
+    Ok(String::from_utf8_lossy(&stdout).into_owned())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn record() -> ClusterRecord {
-        let placement = ClusterFiles {
+    fn jobs() -> ClusterJobs {
+        let words = ["run", "--config", "it's.toml", "--algo", "vtp{a=1,b=2}"];
+        ClusterJobs {
+            parts: 20,
             program: "/apps/geo bench".into(),
             directory: "/home/ann".into(),
-            notes: Vec::new(),
-        };
-        let resources = Resources {
-            cores: 2,
-            memory_bytes: Some(1 << 30),
-            seconds: Some(61),
-        };
-        let words = ["run", "--config", "it's.toml", "--algo", "vtp{a=1,b=2}"];
-        let run = words.map(str::to_owned).to_vec();
-        let options = vec!["--partition=fast".to_owned(), EXCLUSIVE.to_owned()];
-        ClusterRecord::new(20, &placement, run, resources, options)
-    }
-
-    #[test]
-    fn words_are_quoted_for_the_shell() {
-        let script = ClusterDirectory::new(Path::new("/data/x"))
-            .unwrap()
-            .part_script(&record())
-            .unwrap();
-        assert!(
-            script.contains(r#"'/apps/geo bench' run --config 'it'\''s.toml' --algo 'vtp{a=1,b=2}' --shard "$part/20""#),
-            "{script}"
-        );
-    }
-
-    #[test]
-    fn jobs_ask_for_what_the_plan_needs() {
-        let directory = ClusterDirectory::new(Path::new("/data/x")).unwrap();
-        let [array, merge] = directory.commands(&record(), &[1, 2, 3]);
-        for option in [
-            "--array=1-3",
-            "--cpus-per-task=2",
-            "--mem=1024M",
-            "--time=2",
-            "--partition=fast",
-            "--exclusive",
-            "--output=/data/x/logs/%a.log",
-        ] {
-            assert!(array.contains(&option.to_owned()), "{option}: {array:?}");
+            run: words.map(str::to_owned).to_vec(),
+            resources: Resources {
+                cores: 2,
+                memory_bytes: Some(1 << 30),
+                seconds: Some(61),
+            },
+            options: vec!["--partition=fast".to_owned(), EXCLUSIVE.to_owned()],
         }
-        assert!(merge.contains(&"--partition=fast".to_owned()));
-        assert!(!merge.contains(&"--exclusive".to_owned()));
+    }
+
+    #[test]
+    fn scripts_ask_for_what_the_plan_needs() {
+        let directory = ClusterDirectory::new(Path::new("/data/x y")).unwrap();
+        let script = directory.text_of_part(&jobs()).unwrap();
+        for line in [
+            r#"'/apps/geo bench' run --config 'it'\''s.toml' --algo 'vtp{a=1,b=2}' --shard "$part/20" \"#,
+            "#SBATCH --array=1-20",
+            "#SBATCH --cpus-per-task=2",
+            "#SBATCH --mem=1024M",
+            "#SBATCH --time=2",
+            "#SBATCH --partition=fast",
+            "#SBATCH --exclusive",
+            "#SBATCH '--output=/data/x y/logs/%a.log'",
+        ] {
+            assert!(
+                script.lines().any(|found| found == line),
+                "{line}: {script}"
+            );
+        }
+        let merge = directory.text_of_merge(&jobs()).unwrap();
+        assert!(merge.contains("--partition=fast"));
+        assert!(!merge.contains("--exclusive"));
     }
 
     #[test]
     fn a_directory_holds_one_benchmark() {
         let place = tempfile::tempdir().unwrap();
         let directory = ClusterDirectory::new(&place.path().join("runs")).unwrap();
-        let missing = format!("{:#}", directory.record().unwrap_err());
-        assert!(
-            missing.contains("cluster.json: cannot be read"),
-            "{missing}"
-        );
+        let missing = format!("{:#}", directory.parts().unwrap_err());
+        assert!(missing.contains("part.sh: cannot be read"), "{missing}");
         directory.create().unwrap();
-        directory.write(&record()).unwrap();
-        assert_eq!(directory.record().unwrap(), record());
+        directory.write(&jobs()).unwrap();
+        assert_eq!(directory.parts().unwrap(), 20);
         let twice = directory.create().unwrap_err().to_string();
         assert!(twice.contains("has a benchmark already"), "{twice}");
-        let states = directory.states(&record()).unwrap();
-        assert_eq!(states, vec![PartState::New; 20]);
+        assert_eq!(directory.states().unwrap(), vec![PartState::New; 20]);
         for part in 1..=20 {
             fs::write(directory.part(part), r#"{"conditions": {}}"#).unwrap();
         }
         fs::write(directory.part(3), r#"{"conditions": null}"#).unwrap();
-        assert_eq!(directory.states(&record()).unwrap()[2], PartState::New);
+        assert_eq!(directory.states().unwrap()[2], PartState::New);
         fs::write(directory.part(3), r#"{"conditions": {}}"#).unwrap();
-        assert_eq!(
-            directory.states(&record()).unwrap(),
-            vec![PartState::Done; 20]
-        );
+        assert_eq!(directory.states().unwrap(), vec![PartState::Done; 20]);
+    }
+
+    #[test]
+    fn added_options_follow_those_of_the_scripts() {
+        let place = tempfile::tempdir().unwrap();
+        let directory = ClusterDirectory::new(place.path()).unwrap();
+        directory.write(&jobs()).unwrap();
+        let options = ["--partition=slow".to_owned(), EXCLUSIVE.to_owned()];
+        directory.add_options(&options, Some(3600)).unwrap();
+        let directives = |script: &Path| {
+            let text = fs::read_to_string(script).unwrap();
+            let (head, _) = text.split_once("\n\n").unwrap();
+            head.to_owned()
+        };
+        let of_parts = directives(&directory.part_script());
+        let added =
+            "#SBATCH --exclusive\n#SBATCH --partition=slow\n#SBATCH --exclusive\n#SBATCH --time=60";
+        assert!(of_parts.ends_with(added), "{of_parts}");
+        let of_merge = directives(&directory.merge_script());
+        let added = "#SBATCH --partition=fast\n#SBATCH --partition=slow";
+        assert!(of_merge.ends_with(added), "{of_merge}");
     }
 
     #[test]
@@ -691,13 +730,11 @@ mod tests {
         for file in ["geobench", "a.obj"] {
             fs::write(here.join(file), "").unwrap();
         }
-        let directory = ClusterDirectory::new(&here.join("runs")).unwrap();
-        directory.create().unwrap();
-        let files = ["a.obj".into()];
-        let placement =
-            ClusterFiles::find(&directory, &here.join("geobench"), here, &files, None).unwrap();
-        assert_eq!(placement.program, here.join("geobench"));
-        assert_eq!(placement.directory, here);
+        let runs = ClusterDirectory::new(&here.join("runs")).unwrap();
+        runs.create().unwrap();
+        let program = here.join("geobench");
+        let (found, directory, _) = runs.place(&program, here, &["a.obj".into()], None).unwrap();
+        assert_eq!((found, directory), (program, here.to_owned()));
     }
 
     #[test]
@@ -705,5 +742,15 @@ mod tests {
         assert_eq!(inside(Path::new("a/../b/./c.obj")), Some("b/c.obj".into()));
         assert_eq!(inside(Path::new("../c.obj")), None);
         assert_eq!(inside(Path::new("/c.obj")), None);
+    }
+
+    #[test]
+    fn parts_that_wait_or_run_are_read() {
+        let text = "3|RUNNING|n1\n4|PENDING|(Resources)\n5|COMPLETED|n2\n6|NODE_FAIL|n2\n\
+                    N/A|PENDING|(Dependency)\n";
+        let parts = parse_queue(text);
+        assert_eq!(parts.keys().copied().collect::<Vec<_>>(), [3, 4]);
+        let (state, place) = ("PENDING".to_owned(), "(Resources)".to_owned());
+        assert_eq!(parts[&4], PartState::Queued { state, place });
     }
 }

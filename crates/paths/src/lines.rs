@@ -143,6 +143,8 @@ struct LineSearch<'a> {
     queue: MinHeap<usize>,
     /// Lengths of paths from `end` to the vertices met.
     met: HashMap<VertexId, f64>,
+    /// The windows kept on half-edges of junctions.
+    kept: HashMap<HalfEdgeId, Vec<Window>>,
     lines: Vec<FoundLine>,
 }
 
@@ -166,7 +168,15 @@ struct FoundLine {
 ///
 /// * that a path through a vertex beats on all rays, as the filter of ICH does; and
 /// * that meet a face again, or one at `end`: the straight line within the face is shorter. This
-///   ends windows that wind around the tip of a needle, where lengths do not differ.
+///   ends windows that wind around the tip of a needle, where lengths do not differ; and
+/// * those whose lines are no shorter, up to rounding, than others that have arrived at the same
+///   half-edge of a junction.
+///
+/// The last rule ends the copies that come over the sheets of a junction: over m lenses, of k equal
+/// sheets each, there are k^m. It is that of MMP. A path that follows the longer line to the edge
+/// and goes on from there can follow the shorter one instead, and is no longer. If that one meets a
+/// face again beyond the edge, neither is shortest. The path is longer by at most the rounding of a
+/// length at each junction on the line.
 ///
 /// No window is lost for being narrow, so one of the lines ends at the last bend of a shortest
 /// path, or at a vertex beside the line through which the path is as long up to rounding.
@@ -182,21 +192,7 @@ pub(crate) fn lines_to(
     let distance = distances[end.index()];
     let mut slack = slack;
     loop {
-        let mut search = LineSearch {
-            mesh,
-            distances,
-            end,
-            distance,
-            slack,
-            beams: Vec::new(),
-            queue: MinHeap::default(),
-            met: HashMap::new(),
-            lines: Vec::new(),
-        };
-        search.start();
-        while let Some((_, i)) = search.queue.pop() {
-            search.propagate(i);
-        }
+        let search = LineSearch::run(mesh, distances, end, slack);
         if !search.lines.is_empty() || slack > distance {
             return search.sorted();
         }
@@ -204,7 +200,27 @@ pub(crate) fn lines_to(
     }
 }
 
-impl LineSearch<'_> {
+impl<'a> LineSearch<'a> {
+    fn run(mesh: &'a Mesh, distances: &'a [f64], end: VertexId, slack: f64) -> Self {
+        let mut search = Self {
+            mesh,
+            distances,
+            end,
+            distance: distances[end.index()],
+            slack,
+            beams: Vec::new(),
+            queue: MinHeap::default(),
+            met: HashMap::new(),
+            kept: HashMap::new(),
+            lines: Vec::new(),
+        };
+        search.start();
+        while let Some((_, i)) = search.queue.pop() {
+            search.propagate(i);
+        }
+        search
+    }
+
     fn start(&mut self) {
         for (v, length) in self.mesh.neighbours(self.end) {
             self.meet(v, length);
@@ -298,6 +314,15 @@ impl LineSearch<'_> {
         let is_too_long = length + rest.max(0.0) > self.distance + self.slack + PLACE * longest;
         if is_too_long || self.is_beaten(h, &window) || self.has_met(h.face(), parent) {
             return;
+        }
+        let mut window = window;
+        if self.mesh.twin(h).is_none() {
+            let kept = self.kept.entry(h).or_default();
+            let Some(rest) = uncovered(kept, &window, PLACE * longest) else {
+                return;
+            };
+            window = rest;
+            kept.push(window);
         }
         let met = parent.map_or_else(Met::default, |i| self.beams[i].met);
         self.queue.push(length, self.beams.len());
@@ -458,5 +483,139 @@ impl LineSearch<'_> {
             directions: [at_end, at_from],
             crossings,
         })
+    }
+}
+
+/// The least range of `window` with all parts on which it is shorter than each of `kept`, windows of
+/// the same half-edge; `None` if there are none. `rounding` is that of a position on the edge.
+///
+/// A part no wider than `rounding` does not count. It lies between the ends of kept windows, which
+/// are rays through one vertex, or beside a tie, on both sides of which the kept windows go on.
+fn uncovered(kept: &[Window], window: &Window, rounding: f64) -> Option<Window> {
+    let covered = kept.iter().filter_map(|old| covered(old, window, rounding));
+    let mut covered: Vec<[f64; 2]> = covered.collect();
+    let (mut b0, mut b1) = (window.b0, window.b1);
+    covered.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    for [start, end] in &covered {
+        if *start <= b0 + rounding {
+            b0 = b0.max(*end);
+        }
+    }
+    covered.sort_by(|a, b| b[1].total_cmp(&a[1]));
+    for [start, end] in &covered {
+        if *end >= b1 - rounding {
+            b1 = b1.min(*start);
+        }
+    }
+    let is_whole = (b0, b1) == (window.b0, window.b1);
+    (is_whole || b1 - b0 > rounding).then(|| window.cut(b0, b1))
+}
+
+/// The range of `new` on which `old` is as short, up to `rounding` and that of a length.
+///
+/// The squares of both distances differ by a linear function of the position. So on a range without
+/// a tie one window is shorter everywhere. Where neither is by more than rounding, the
+/// comparison at the foot of the new image and at the ends of its sides holds between them, too, up
+/// to a factor of √2: the linear function is below the chord of the convex distance.
+fn covered(old: &Window, new: &Window, rounding: f64) -> Option<[f64; 2]> {
+    let (lo, hi) = (old.b0.max(new.b0), old.b1.min(new.b1));
+    if lo > hi {
+        return None;
+    }
+    let gain = |x| old.distance(x) - new.distance(x);
+    let is_as_short = |x| gain(x) <= rounding + PLACE * new.distance(x);
+    if [lo, new.px.clamp(lo, hi), hi].into_iter().all(is_as_short) {
+        return Some([lo, hi]);
+    }
+    let across = new.px - old.px;
+    let tie = 0.5 * (old.px + new.px + (new.py - old.py) * (new.py + old.py) / across);
+    let tie = tie.clamp(lo, hi);
+    if gain(lo) <= 0.0 {
+        Some([lo, tie])
+    } else if gain(hi) <= 0.0 {
+        Some([tie, hi])
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use geobench_mesh::TriangleSoup;
+    use geobench_mmp::mmp;
+    use geobench_window::Solver;
+
+    use super::*;
+
+    /// Pairs of sheets in a row, equal but for a reflection, sewn along the edges between lenses.
+    fn lenses(count: u32) -> Mesh {
+        let pair = |x: u32, z: f64| [0.0, 1.0].map(|y| [f64::from(x), y, z]);
+        let mut positions: Vec<_> = (0..=count).flat_map(|i| pair(2 * i, 0.0)).collect();
+        let mut faces = Vec::new();
+        for i in 0..count {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| 2 * i + k);
+            for z in [1.0, -1.0] {
+                let low = positions.len() as u32;
+                let high = low + 1;
+                positions.extend(pair(2 * i + 1, z));
+                faces.extend([[a, low, high], [a, high, b], [low, c, d], [low, d, high]]);
+            }
+        }
+        Mesh::from_soup(TriangleSoup::new(positions, faces))
+            .unwrap()
+            .0
+    }
+
+    /// The copies of a window that come over the sheets of each lens were all followed, 2^m over m
+    /// lenses.
+    #[test]
+    fn a_search_over_lenses_follows_one_of_equal_windows() {
+        for count in [20, 40] {
+            let mesh = lenses(count);
+            let distances = mmp(&mesh).solve(&[0.into()]).unwrap().distances;
+            for end in mesh.vertices().skip(1) {
+                let slack = 1e-12 * distances[end.index()];
+                let search = LineSearch::run(&mesh, &distances, end, slack);
+                let (beams, most) = (search.beams.len(), 40 * count as usize);
+                assert!(beams <= most, "{count} lenses, to {end}: {beams} beams");
+                assert!(!search.lines.is_empty());
+            }
+        }
+    }
+
+    const WINDOW: Window = Window {
+        b0: 0.0,
+        b1: 1.0,
+        px: 0.5,
+        py: -1.0,
+        sigma: 0.0,
+    };
+
+    #[test]
+    fn a_window_goes_on_where_no_other_is_as_short() {
+        let rest =
+            |kept: &[Window], new: &Window| uncovered(kept, new, 1e-15).map(|w| (w.b0, w.b1));
+        let left = WINDOW.cut(0.0, 0.5);
+        assert_eq!(rest(&[], &WINDOW), Some((0.0, 1.0)));
+        assert_eq!(rest(&[WINDOW], &left), None);
+        assert_eq!(rest(&[left], &WINDOW), Some((0.5, 1.0)));
+        assert_eq!(rest(&[left, WINDOW.cut(0.5, 1.0)], &WINDOW), None);
+        assert_eq!(rest(&[WINDOW.cut(0.2, 0.5)], &WINDOW), Some((0.0, 1.0)));
+        // An image beside that one, by rounding and by more.
+        let beside = |by| Window {
+            px: 0.5 + by,
+            ..WINDOW
+        };
+        assert_eq!(rest(&[WINDOW], &beside(1e-16)), None);
+        assert_eq!(rest(&[WINDOW], &beside(0.25)), Some((0.625, 1.0)));
+        let shorter = Window { py: -0.9, ..WINDOW };
+        assert_eq!(rest(&[shorter], &WINDOW), None);
+        assert_eq!(rest(&[WINDOW], &shorter), Some((0.0, 1.0)));
+        // A narrow one that nothing covers.
+        let narrow = WINDOW.cut(0.5, 0.5 + 1e-16);
+        assert_eq!(
+            rest(&[WINDOW.cut(0.6, 1.0)], &narrow),
+            Some((0.5, narrow.b1))
+        );
     }
 }

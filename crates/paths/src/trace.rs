@@ -33,8 +33,14 @@ const MORE: [f64; 4] = [1.0, 1e3, 1e6, f64::INFINITY];
 /// checked for faces that it crosses twice.
 const WANDERING: f64 = 1e-10;
 
-/// Greatest number of straight pieces that a search tries for each factor but the last.
-const MOST_TRIES: usize = 2_000;
+/// Greatest number of straight pieces that a search tries for each factor but the last. Each is
+/// followed once, but tried behind each piece that ends where it begins: beside the tip of a graded
+/// cone, with four or five pieces to each of some hundred vertices, 2,200 times.
+const MOST_TRIES: usize = 20_000;
+
+/// Greatest number of vertices whose straight pieces are found for these tries. It takes most of the
+/// time.
+const MOST_SEARCHED: usize = 2_000;
 
 /// Least height of a face over an edge, in units of the length of the edge, that the fast path
 /// [`glide`](Paths::glide) accepts; the greatest is its inverse. Unfolding a thinner face moves
@@ -390,7 +396,7 @@ impl Paths {
             let excess = excess + line.excess;
             if bend.is_finite() {
                 tries += 1;
-                if tries > MOST_TRIES {
+                if tries > MOST_TRIES || known.len() > MOST_SEARCHED {
                     return None;
                 }
                 let before = last.checked_sub(1).map(|i| passed[i]);

@@ -50,6 +50,7 @@ fn meshes_with_junctions() {
 /// * `book`, `touching`, `tee`: a path along an edge of several faces turned by less than π in one
 ///   of them.
 /// * `rolled`: the ends of a line were on one side of a face without height.
+/// * `graded`: a search gave up before it had tried the second line to the target.
 #[test]
 fn seeds_that_failed() {
     let mut failures = Vec::new();
@@ -61,6 +62,7 @@ fn seeds_that_failed() {
         (Kind::Touching, 19244),
         (Kind::Tee, 18292),
         (Kind::Rolled, 9114),
+        (Kind::Graded, 17719),
     ] {
         let model = kind.mesh(seed).model;
         let mesh = mesh_of(&model).unwrap();

@@ -26,6 +26,8 @@
 
 mod args;
 mod commands;
+#[cfg(test)]
+mod docs;
 mod examples;
 mod git;
 mod isolation;

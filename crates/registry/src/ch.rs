@@ -9,7 +9,7 @@ const BUCKET: Parameter = Parameter::real(
     "bucket",
     Pch::BUCKET,
     0.001..=1e6,
-    "takes windows together whose least distances are within so many mean edge lengths",
+    "width of a bucket in mean edge lengths; 1e6 takes all waiting windows, level by level",
 );
 
 pub(crate) const FAMILY: &[Algorithm] = &[
@@ -22,7 +22,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         departs: "keeps and trims windows beside thin faces; drops no narrow ones",
         complexity: "time O(n^2), space O(n)",
         keeps: "one level of the tree and one record for each angle",
-        choose: "to see where the others come from, on models of up to some 10,000 faces",
+        choose: "to study the origin of the other CH kinds, on models of up to about 10,000 faces",
         comfortable_faces: Some(10_000),
         build: |mesh, values| single(ch(mesh), mesh, values),
         ..Algorithm::EXACT
@@ -36,7 +36,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         departs: "as ich",
         complexity: "time O(n^2), space O(n)",
         keeps: "the windows in the queue and one record for each angle",
-        choose: "to see what the filter does without a priority queue",
+        choose: "to see the effect of the filter without a priority queue",
         build: |mesh, values| single(ich1(mesh), mesh, values),
         ..Algorithm::EXACT
     },
@@ -48,7 +48,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         departs: "the margin of the filter is relative, so that rounding never deletes one of two equal paths; keeps and trims windows beside thin faces; drops no narrow windows",
         complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "the windows in the queue and one record for each angle",
-        choose: "to compare with published figures of ICH; when memory is short and simplicity counts",
+        choose: "to compare with published figures of ICH; ich-fast takes the same windows in half the time",
         parameters: &[QUEUE, THRESHOLD],
         build: |mesh, values| {
             with_queue!(&QUEUE, mesh, values, |queue| {
@@ -64,9 +64,9 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         paper: "Ying, Xin, He 2014; Xu et al. 2015, section 7.3",
         summary: "ich in rounds of windows that cross at once, on several threads",
         departs: "runs on the threads of the processor; takes all windows of a bucket where the paper selects the k nearest; as ich",
-        complexity: "time and space without a proven bound",
+        complexity: "time without a proven bound: none is known on the windows of a round; space proportional to the waiting windows",
         keeps: "the windows of the wavefront and one record for each angle",
-        choose: "to compare pvtp with the papers' parallel algorithm",
+        choose: "to compare pvtp with the parallel algorithm of the papers",
         parameters: &[THREADS, BUCKET],
         build: |mesh, values| {
             let bucket = values.real(&BUCKET);
@@ -87,7 +87,7 @@ pub(crate) const FAST: &[Algorithm] = &[Algorithm {
     queue: "calendar",
     crossing: "joint",
     keeps: "the windows in the queue and one record for each angle",
-    choose: "measures what queue and vector code save without any change of the windows",
+    choose: "to measure what queue and vector code save without any change of the windows",
     parameters: &[SIMD, THRESHOLD],
     build: |mesh, values| single(ich_fast(mesh), mesh, values),
     ..Algorithm::EXACT

@@ -14,14 +14,14 @@ const BUCKET: Parameter = Parameter::real(
     "bucket",
     1.0,
     1e-3..=1e6,
-    "width of a bucket as a multiple of h/sqrt(n), for h the mean edge length and n the vertices",
+    "width of a bucket as a multiple of h/sqrt(n), for mean edge length h and n vertices",
 );
 
 const K: Parameter = Parameter::integer(
     "k",
     1,
     1..=1_000_000_000,
-    "least number of windows for each round; `adaptive` lets it follow the wavefront",
+    "least number of windows per round; `adaptive` follows the wavefront",
 )
 .or_words(&["adaptive"])
 .with_default(Value::Word("adaptive"));
@@ -30,7 +30,7 @@ const K_MAX: Parameter = Parameter::integer(
     "kmax",
     20_000,
     1..=1_000_000_000,
-    "the most that an adaptive k grows to",
+    "the largest value of an adaptive k",
 );
 
 const BETA: Parameter = Parameter::real(
@@ -77,8 +77,8 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         summary: "mmp in buckets, some thousands of windows a round",
         departs: "as mmp; K counts the children of one round (algorithm 1 never resets the counts)",
         complexity: "time O(n^2 log n), space O(n^2)",
-        keeps: "as mmp; of the queue the windows that wait and the buckets they span",
-        choose: "to see what buckets gain over the queue of mmp, with nearly the same windows",
+        keeps: "as mmp; in the queue 24 bytes per waiting window or list and 12 per bucket that the wavefront spans",
+        choose: "to compare buckets with the priority queue of mmp, on nearly the same windows",
         memory_counter: Counter::StoredWindows,
         parameters: BUCKET_AND_LIST_PARAMETERS,
         crosses_junctions: true,
@@ -112,7 +112,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         summary: "mmp in a label correcting queue",
         departs: "as mmp; the papers print neither beta nor how the threshold follows the distances, so that both are ours; large label last rotates at most once",
         complexity: "time without a useful bound, space O(n^2)",
-        keeps: "as mmp",
+        keeps: "as mmp; in the queue 16 bytes per waiting window or list",
         choose: "to compare with fwp-mmp",
         memory_counter: Counter::StoredWindows,
         parameters: &[BETA, TURN, FILTER, LISTS, THRESHOLD],
@@ -133,7 +133,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         paper: "Bertsekas 1993; Xu et al. 2015, section 7.4; Xin, Wang 2009, section 3.2",
         summary: "ich in a label correcting queue",
         departs: "as ich; beta, threshold and rotation as in lc-mmp",
-        complexity: "time and space without a useful bound",
+        complexity: "time and space without a useful bound; in practice the waiting windows",
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with fwp-ch",
         parameters: &[BETA, THRESHOLD],
@@ -148,7 +148,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         summary: "ich in the order of vtp",
         departs: "as ich",
         keeps: "the windows of the wavefront and one record for each angle",
-        choose: "separates the effect of VTP's order from that of its rules",
+        choose: "to separate the effect of VTP's order from that of its rules",
         build: |mesh, values| single(vtp_ch(mesh), mesh, values),
         ..Algorithm::EXACT
     },

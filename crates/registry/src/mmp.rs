@@ -23,7 +23,7 @@ const SLACK: Parameter = Parameter::real(
     "slack",
     NearestLists::SLACK,
     0.0..=1e6,
-    "how much further than the nearest window of its half-edge a window may be to be taken with it, in mean edge lengths",
+    "windows at most so many mean edge lengths farther than the nearest one of their half-edge are taken with it",
 )
 .only_with(TURN.name, &["list"]);
 
@@ -46,7 +46,7 @@ pub(crate) const LISTS: Parameter = Parameter::word(
 const QUEUE: Parameter = Parameter::word(
     "queue",
     &["heap", "heap4", "calendar", "fifo"],
-    "`heap` takes the nearest window first, from a binary heap as in the paper, `heap4` from one of four children a node, `calendar` from buckets that are sorted when due; `fifo` takes windows first in, first out",
+    "`heap` takes the nearest window first, from a binary heap as in the paper; `heap4` from a heap of four children a node; `calendar` from buckets by distance, each sorted when it is due; the order and all counts are the same in all three; `fifo` takes windows first in, first out; lists wait in a calendar queue",
 )
 .formerly("priority", "calendar")
 .only_with(TURN.name, &["window"]);
@@ -104,8 +104,8 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         paper: "Mitchell, Mount, Papadimitriou 1987; Surazhsky et al. 2005, section 3",
         summary: "windows stored on half-edges, trimmed at tie points, nearest first",
         departs: "drops no narrow windows (threshold); filters windows beside thin faces",
-        complexity: "time O(n^2 log n), space O(n^2)",
-        keeps: "every window until the end, about n^1.5 of them",
+        complexity: "time O(n^2 log n), space O(n^2); about n^1.5 windows in practice",
+        keeps: "every window until the end",
         choose: "to compare with published figures of MMP; mmp-fast is faster and needs less memory",
         memory_counter: Counter::StoredWindows,
         parameters: &[TURN, QUEUE, SLACK, FILTER, LISTS_BY_DISTANCE, THRESHOLD],
@@ -133,7 +133,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         departs: "as mmp",
         complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "as mmp, a tenth to a half fewer windows",
-        choose: "instead of mmp where few windows matter more than time",
+        choose: "instead of mmp, if few windows matter more than time",
         memory_counter: Counter::StoredWindows,
         parameters: &[parameter::QUEUE, LISTS, THRESHOLD],
         crosses_junctions: true,
@@ -157,7 +157,7 @@ pub(crate) const FAST: &[Algorithm] = &[Algorithm {
     departs: "mmp{turn=list,filter=vertices,lists=evict}: takes lists with a slack, filters windows and evicts those behind the wavefront",
     complexity: "time without a proven bound, space O(n^2)",
     keeps: "the windows around the wavefront",
-    choose: "as the reference of checks: an algorithm other than vtp-fast, nearly as fast as vtp",
+    choose: "as the reference of checks: it is fast and shares no pruning rule with vtp-fast",
     parameters: &[THRESHOLD],
     crosses_junctions: true,
     build: |mesh, values| Box::new(mmp_fast(mesh).with_threshold(threshold_width(mesh, values))),
@@ -172,8 +172,8 @@ pub(crate) const VERTEX_ORDER: Algorithm = Algorithm {
     summary: "mmp in the order of vtp",
     departs: "as mmp",
     complexity: "time O(n^2 log n), space O(n^2)",
-    keeps: "as mmp; of the queue the vertices of the wavefront",
-    choose: "separates the effect of VTP's order from that of its rules",
+    keeps: "as mmp; in the queue the vertices of the wavefront",
+    choose: "to separate the effect of VTP's order from that of its rules",
     memory_counter: Counter::StoredWindows,
     parameters: &[TURN, FILTER, LISTS, THRESHOLD],
     crosses_junctions: true,

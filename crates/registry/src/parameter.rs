@@ -17,7 +17,7 @@ pub(crate) const THREADS: Parameter = Parameter::integer(
     "threads",
     1,
     1..=MOST_THREADS as u64,
-    "how many threads it runs on, as --threads says by default",
+    "number of threads; by default that of --threads",
 )
 .or_words(&["default"])
 .with_default(Value::Word("default"));
@@ -378,7 +378,7 @@ impl fmt::Display for Values {
 pub(crate) const QUEUE: Parameter = Parameter::word(
     "queue",
     &["heap", "heap4", "calendar"],
-    "the priority queue: `heap` is a binary heap, as in the paper, `heap4` one of four children a node, `calendar` sorts windows in buckets when they are due; all take windows in one order",
+    "the priority queue: `heap`: a binary heap, as in the paper; `heap4`: a heap of four children a node; `calendar`: buckets by distance, each sorted when it is due; the order and all counts are the same in all",
 )
 .formerly("priority", "calendar");
 
@@ -409,7 +409,7 @@ pub(crate) const THRESHOLD: Parameter = Parameter::real(
     "threshold",
     1e-6,
     0.0..=1.0,
-    "drops windows narrower than this share of the model's longest side, and exactness with them; \
+    "drops windows narrower than this share of the model's longest side; distances are then no longer exact; \
      the papers use 1e-6",
 )
 .or_words(&["none"])
@@ -431,7 +431,7 @@ pub(crate) fn threshold_width(mesh: &Mesh, values: &Values) -> f64 {
 pub(crate) const SIMD: Parameter = Parameter::word(
     "simd",
     &["auto", "avx512", "avx2", "scalar"],
-    "instructions to use, the widest that there are by default; narrower ones where these are missing",
+    "widest vector instructions to use; narrower ones where the processor lacks them",
 );
 
 /// The vector instructions of a run, the value of `--simd`.

@@ -11,7 +11,7 @@ use super::{Algorithm, Parameter, Values};
 const REMOVAL: Parameter = Parameter::word(
     "rwr",
     &["on", "off"],
-    "`on` gives up redundant windows, those around which all comes from one source, as soon as the wave has passed; `off` keeps all",
+    "`on` deletes redundant windows, those around which all comes from one source, once the wave has passed; `off` keeps all",
 );
 
 const FILTER: Parameter = Parameter::word(
@@ -23,14 +23,14 @@ const FILTER: Parameter = Parameter::word(
 const QUEUE: Parameter = Parameter::word(
     "queue",
     &["heap", "heap4", "calendar", "buckets"],
-    "`heap` takes the nearest window, from a binary heap as in the paper, `heap4` from one of four children a node, `calendar` from buckets that are sorted when due; `buckets` takes those of a round of fwp-mmp",
+    "`heap`, `heap4` and `calendar` take the nearest window, as in mmp; `buckets` takes those of a round of fwp-mmp",
 );
 
 const PERIOD: Parameter = Parameter::real(
     "c",
     1.0,
     1e-3..=1e6,
-    "looks for redundant windows after this many propagations for each face of the mesh",
+    "propagations between two searches for redundant windows, per face of the mesh",
 );
 
 fn filter(values: &Values) -> VertexFilter {
@@ -84,7 +84,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         name: "window-vtp",
         crossing: "list",
         paper: "Qin, Yu, Zhang 2017, sections 3 and 4",
-        summary: "vtp's order, windows stored on edges and trimmed, redundant ones given up",
+        summary: "vtp's order, windows stored on edges and trimmed, redundant ones deleted",
         departs: "gives an edge up only if both its faces are beyond the wave, counts their vertices, and closes it: the printed procedure loses windows of cell borders; filters windows beside thin faces and takes them nearest first",
         keeps: "the windows around the wavefront and at the borders of cells",
         choose: "for Voronoi diagrams (geobench voronoi)",
@@ -111,9 +111,9 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         name: "xls14",
         crossing: "list",
         paper: "Xu et al. 2014, with the propagation of Qin, Yu, Zhang 2017, section 6.2",
-        summary: "window-vtp that looks for redundant windows at times, among all faces",
+        summary: "window-vtp with a periodic search of all faces for redundant windows",
         departs: "as window-vtp",
-        keeps: "as window-vtp, and what has become redundant since the last look",
+        keeps: "as window-vtp, and the windows that have become redundant since the last search",
         choose: "to compare with window-vtp",
         memory_counter: Counter::PeakWindows,
         parameters: &[PERIOD, FILTER],

@@ -29,6 +29,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         paper: "Qin et al. 2016, section 5.1",
         summary: "whole lists cross one face at a time; rules 1, 2 and 3",
         departs: "as vtp",
+        complexity: "time O(n^2), apart from the queue of faces; space O(n^2)",
         choose: "to compare schedules: as many windows as vtp, in some more time",
         build: list_propagation!(Ftp),
         ..Algorithm::EXACT
@@ -40,7 +41,8 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         paper: "Qin et al. 2016, section 5.1",
         summary: "ftp with late windows merged in order",
         departs: "as vtp; the place of a late window is found by a linear scan, not by binary search",
-        choose: "to repeat the paper's comparison with ftp",
+        complexity: "as ftp, and O(k) to put a window into a list of k",
+        choose: "to repeat the paper's comparison; ftp is faster",
         build: list_propagation!(Opftp),
         ..Algorithm::EXACT
     },
@@ -52,6 +54,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         summary: "whole lists cross around the nearest vertex; rules 1, 2 and 3",
         departs: "rule 1 has a safe form, because the printed one loses distances; case 12 has two of its three tests; rules are applied when a list crosses, so that lists of interior edges merge while they wait, and to all neighbours at once; lists beside thin faces cross nearest first",
         keeps: "the windows of the wavefront, in one list for each half-edge on it",
+        complexity: "time O(n^2), apart from the queue of vertices; space O(n^2)",
         choose: "to compare with the papers; for distances at vertices, vtp-fast is faster",
         build: list_propagation!(Vtp),
         ..Algorithm::EXACT
@@ -63,7 +66,8 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         paper: "Qin et al. 2016, sections 5.1 and 5.2",
         summary: "vtp with late windows merged in order",
         departs: "as opftp",
-        choose: "to repeat the paper's comparison with vtp",
+        complexity: "as vtp, and O(k) to put a window into a list of k",
+        choose: "to repeat the paper's comparison; vtp is faster",
         build: list_propagation!(Opvtp),
         ..Algorithm::EXACT
     },
@@ -74,9 +78,9 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         paper: "Qin et al. 2016, sections 3 and 6.2",
         summary: "vtp with every pair of windows of a face checked",
         departs: "as vtp; cases 8 and 10 have the safe form of rule 1",
-        complexity: "time O(n^3), space O(n^2)",
+        complexity: "time O(k^2) for a list of k windows, O(n^3) in all; space O(n^2)",
         keeps: "the windows of the wavefront and one length for each half-edge",
-        choose: "measures full pairwise pruning: 2 to 7 % fewer windows, 2 to 5 times the time",
+        choose: "to measure full pairwise pruning: 2 to 7 % fewer windows, 2 to 5 times the time",
         build: list_propagation!(VtpExhaustive),
         ..Algorithm::EXACT
     },
@@ -87,7 +91,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         paper: "Qin et al. 2016, section 6.2",
         summary: "vtp with neighbours cut at their tie points",
         departs: "as vtp",
-        choose: "to weigh trimming against pruning: some windows fewer, half as much time again",
+        choose: "to compare trimming with pruning: some windows fewer, half as much time again",
         build: list_propagation!(VtpTrimming),
         ..Algorithm::EXACT
     },
@@ -98,7 +102,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         paper: "Qin et al. 2016, section 6.2",
         summary: "vtp with every window tried on both exits",
         departs: "as vtp",
-        choose: "to see what rule 1 does",
+        choose: "to measure the effect of rule 1",
         build: list_propagation!(VtpNoRule1),
         ..Algorithm::EXACT
     },
@@ -109,8 +113,8 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         paper: "Qin et al. 2016, section 6.2",
         summary: "vtp without comparing windows with each other",
         departs: "as vtp",
-        keeps: "the windows of the wavefront, half as many again as vtp",
-        choose: "to see what rules 2 and 3 do",
+        keeps: "the windows of the wavefront, at the peak 1.5 times as many as vtp",
+        choose: "to measure the effect of rules 2 and 3",
         build: list_propagation!(VtpNoRules23),
         ..Algorithm::EXACT
     },
@@ -122,6 +126,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         summary: "the earlier form of vtp",
         departs: "strategy II has the safe form of rule 1 of vtp; windows are filtered by vertices, without which they need not end",
         keeps: "the windows of the wavefront and one length for each half-edge",
+        complexity: "time O(n^2), the report's O(n log n) rests on a measured factor; space O(n^2)",
         choose: "to repeat the report's comparison",
         build: list_propagation!(EdgeBased),
         ..Algorithm::EXACT
@@ -170,8 +175,8 @@ pub(crate) const FAST: &[Algorithm] = &[
         paper: "Qin et al. 2016, with improvements of our own",
         summary: "vtp with every improvement that keeps it exact",
         departs: "vertices come in buckets, both sides of a face share a list and fewer pairs are compared, so that counts are not those of the paper",
-        keeps: "the windows of the wavefront, in one list for each half-edge on it",
-        choose: "for distances at vertices, always: it is the fastest, with little memory",
+        keeps: "the windows of the wavefront, 40 bytes each, and 160 bytes for each face",
+        choose: "for distances at vertices: it is the fastest, with little memory",
         parameters: &[SIMD, PAIRS, BUCKET, SPAWN_WEDGE, MERGE_SPLIT, RENUMBER],
         build: |mesh, values| Box::new(VtpFast::with_options(mesh, options(values))),
         ..Algorithm::EXACT
@@ -185,7 +190,7 @@ pub(crate) const FAST: &[Algorithm] = &[
         paper: "Qin et al. 2016, made parallel by us",
         summary: "vtp-fast on several threads",
         departs: "as vtp-fast; the paper has one thread",
-        keeps: "the windows of the wavefront, in one list for each half-edge on it",
+        keeps: "as vtp-fast; in addition 16 bytes per face and 37 bytes per vertex for each thread, and 12 bytes per vertex for positions",
         choose: "for large models on a machine with idle processors (--threads)",
         ends_early: false,
         parameters: &[

@@ -90,7 +90,7 @@ counters! {
     /// al. 2016.
     ComparedWindows = "compared_windows",
     /// Pairs of windows of one list that are compared, each as often as it is. With trimming, a
-    /// pair at the border of two registers may be compared once more.
+    /// pair at the border of two vector registers may be compared once more.
     PairChecks = "pair_checks",
     /// Exits that rule 1 closed to windows before a child was tried.
     Rule1 = "rule_1",

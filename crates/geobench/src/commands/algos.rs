@@ -97,13 +97,13 @@ fn chosen(options: &AlgosOptions) -> Vec<&Algorithm> {
 
 /// A counter in JSON.
 #[derive(Serialize)]
-struct CounterEntry {
-    name: &'static str,
-    definition: &'static str,
+pub(crate) struct CounterEntry {
+    pub(crate) name: &'static str,
+    pub(crate) definition: &'static str,
 }
 
 /// Every counter of result files, including the one that is sampled.
-fn counters() -> Vec<CounterEntry> {
+pub(crate) fn counters() -> Vec<CounterEntry> {
     let counted = Counter::ALL.iter().map(|c| (c.key(), c.definition()));
     let sampled = (
         Counters::WAVEFRONT_DEVIATION,

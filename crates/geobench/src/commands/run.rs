@@ -73,7 +73,8 @@ pub(crate) struct RunOptions {
     #[command(flatten, next_help_heading = "Output")]
     pub(crate) format: FormatOption<ResultFormat>,
 
-    /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
+    /// Result file, by its ending: .json, .csv, .md, .tex, .bmf.json (Bencher) or .gab.json
+    /// (github-action-benchmark); may be repeated
     #[arg(help_heading = "Output", short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
 

@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use crate::exec::{Observation, Pass};
 use crate::measure::memory::Peaks;
-use crate::schema::{ModelRecord, PhaseSeconds, SourceLabel, WavefrontSample};
+use crate::schema::{ModelRecord, SourceLabel};
 
 /// Request to an outside program with `protocol = "session"`. Its command names the model and the
 /// source.
@@ -88,14 +88,8 @@ pub(crate) struct Reply {
     pub(crate) crashed: Option<String>,
     /// Seconds that the solve took.
     pub(crate) seconds: Option<f64>,
-    /// Number of solves whose mean that is; from this program only.
-    pub(crate) solves: Option<usize>,
     /// Seconds of set-up that depends on the mesh alone, if part of this run.
     pub(crate) setup_seconds: Option<f64>,
-    /// Seconds that the Voronoi diagram took; from this program only.
-    pub(crate) extraction_seconds: Option<f64>,
-    /// The nearest source of each vertex; from this program only.
-    pub(crate) labels: Option<Vec<u32>>,
     /// Counters, by the names of result files.
     #[serde(with = "counters")]
     pub(crate) counters: Option<Counters>,
@@ -103,15 +97,11 @@ pub(crate) struct Reply {
     pub(crate) rss_peak_bytes: Option<u64>,
     /// Most bytes on its heap during the solve, without the mesh.
     pub(crate) heap_peak_bytes: Option<u64>,
-    /// Seconds in each phase; from this program only.
-    pub(crate) phases: Option<PhaseSeconds>,
-    /// The wavefront at even intervals of the run; from this program only.
-    pub(crate) wavefront: Vec<WavefrontSample>,
-    /// Most by which the distances of the ends of an edge differ beyond its length; from this
-    /// program only.
-    pub(crate) edge_excess: Option<f64>,
-    /// Where the source is, if that is not as it was asked for; from this program only.
-    pub(crate) note: Option<String>,
+    /// The result of a run, as journals hold it; from this program only, in place of the figures
+    /// above.
+    pub(crate) observation: Option<Box<Observation>>,
+    /// The nearest source of each vertex; from this program only.
+    pub(crate) labels: Option<Vec<u32>>,
     /// The distances, unless they equal the last ones sent; from this program only.
     #[serde(with = "distances")]
     pub(crate) distances: Option<Vec<f64>>,
@@ -156,13 +146,8 @@ impl Reply {
     pub(crate) fn own_key(&self) -> Option<&'static str> {
         let keys = [
             ("model", self.model.is_some()),
-            ("solves", self.solves.is_some()),
-            ("extraction_seconds", self.extraction_seconds.is_some()),
+            ("observation", self.observation.is_some()),
             ("labels", self.labels.is_some()),
-            ("phases", self.phases.is_some()),
-            ("wavefront", !self.wavefront.is_empty()),
-            ("edge_excess", self.edge_excess.is_some()),
-            ("note", self.note.is_some()),
             ("distances", self.distances.is_some()),
         ];
         keys.into_iter().find_map(|(key, set)| set.then_some(key))
@@ -178,24 +163,20 @@ impl Reply {
 
     /// The result of a run with these distances.
     pub(crate) fn observation(self, distances: Vec<f64>) -> Observation {
-        Observation {
-            distances,
+        let of_outside = || Observation {
             seconds: self.seconds,
-            solves: self.solves,
-            outside_seconds: None,
-            ping_seconds: None,
             setup_seconds: self.setup_seconds,
-            extraction_seconds: self.extraction_seconds,
-            labels: self.labels,
             counters: self.counters,
-            wavefront: self.wavefront,
             peaks: Peaks {
                 heap: self.heap_peak_bytes,
                 rss: self.rss_peak_bytes,
             },
-            phases: self.phases,
-            edge_excess: self.edge_excess,
-            note: self.note,
+            ..Observation::default()
+        };
+        Observation {
+            distances,
+            labels: self.labels,
+            ..self.observation.map_or_else(of_outside, |own| *own)
         }
     }
 }
@@ -225,21 +206,11 @@ pub(crate) fn no_such_key(name: &str) -> String {
 }
 
 impl From<Observation> for Reply {
-    fn from(observation: Observation) -> Self {
+    fn from(mut observation: Observation) -> Self {
         Self {
-            seconds: observation.seconds,
-            solves: observation.solves,
-            setup_seconds: observation.setup_seconds,
-            extraction_seconds: observation.extraction_seconds,
-            labels: observation.labels,
-            counters: observation.counters,
-            rss_peak_bytes: observation.peaks.rss,
-            heap_peak_bytes: observation.peaks.heap,
-            phases: observation.phases,
-            wavefront: observation.wavefront,
-            edge_excess: observation.edge_excess,
-            note: observation.note,
-            distances: Some(observation.distances),
+            distances: Some(std::mem::take(&mut observation.distances)),
+            labels: observation.labels.take(),
+            observation: Some(Box::new(observation)),
             ..Self::default()
         }
     }
@@ -314,6 +285,7 @@ mod tests {
     use geobench_window::Counter;
 
     use super::*;
+    use crate::schema::{PhaseSeconds, WavefrontSample};
 
     #[test]
     fn an_observation_comes_back_to_the_last_bit() {

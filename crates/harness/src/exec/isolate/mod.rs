@@ -650,7 +650,6 @@ impl ModelChild {
             None => (outside_seconds, None),
         };
         reply.rss_peak_bytes = measured.or(reply.rss_peak_bytes);
-        reply.note.clone_from(&outside.note);
         let mesh = &outside.mesh;
         let start = Instant::now();
         let mut distances =
@@ -660,6 +659,7 @@ impl ModelChild {
         Ok(Observation {
             outside_seconds: Some(outside_seconds),
             ping_seconds,
+            note: outside.note.clone(),
             ..reply.observation(distances)
         })
     }

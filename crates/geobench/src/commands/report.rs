@@ -29,7 +29,8 @@ pub(crate) struct ReportOptions {
     output: Option<PathBuf>,
 
     /// Files to write into a directory: html (the page), svg (every plot), csv (every table and the
-    /// numbers behind every plot) or tex (every table and plot for LaTeX); may be repeated
+    /// numbers behind every plot) or tex (every table for LaTeX, every plot as a drawing that LaTeX
+    /// includes); may be repeated
     #[arg(long, num_args = 2, value_names = ["FORMAT", "DIR"])]
     format: Vec<String>,
 

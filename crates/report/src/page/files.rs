@@ -4,12 +4,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use geobench_export::escape::printable;
 use geobench_export::output::{OutputFile, check_files};
 
 use super::chart::{Chart, Datum};
 use super::document::{Document, Plot};
-use super::{BuiltReport, html, tex};
-use crate::table::{Column, Entry, Table, csv};
+use super::{BuiltReport, html};
+use crate::table::{Column, Entry, Table, csv, latex};
 
 /// An output format of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -20,7 +21,7 @@ pub enum Form {
     Svg,
     /// Every table, and the numbers behind every plot, as CSV.
     Csv,
-    /// Every table as LaTeX for the booktabs package, every plot for pgfplots.
+    /// Every table as LaTeX for the booktabs package, every plot as a command that includes it.
     Tex,
 }
 
@@ -101,16 +102,29 @@ fn numbers(plot: &Plot) -> Table {
     )
 }
 
+/// Tables as `tabular` under their captions, plots as commands that include their drawings.
 fn texs(document: &Document) -> Vec<(String, Vec<u8>)> {
     let mut files = Vec::new();
     for table in document.tables() {
-        files.push((format!("{}.tex", table.id), tex::table(table).into_bytes()));
+        let (needs, tabular) = (latex::NEEDS, latex::tabular(table));
+        let text = format!("% {}\n{needs}{tabular}", printable(&table.caption));
+        files.push((format!("{}.tex", table.id), text.into_bytes()));
     }
     for plot in document.plots() {
-        files.push((format!("{}.tex", plot.id), tex::plot(plot).into_bytes()));
-        if let Chart::Picture(picture) = &plot.chart {
-            files.push((format!("{}.png", plot.id), picture.flat.png()));
-        }
+        let id = &plot.id;
+        let (drawing, package, command) = match &plot.chart {
+            Chart::Picture(picture) => {
+                let drawing = (format!("{id}.png"), picture.flat.png());
+                (drawing, "graphicx", "includegraphics")
+            }
+            _ => (drawing(plot), "svg", "includesvg"),
+        };
+        let text = format!(
+            "% {}. {}\n% Needs \\usepackage{{{package}}}.\n\\{command}[width=\\linewidth]{{{id}}}\n",
+            printable(&plot.title),
+            printable(&plot.caption)
+        );
+        files.extend([(format!("{id}.tex"), text.into_bytes()), drawing]);
     }
     files
 }

@@ -27,7 +27,6 @@ pub(crate) mod setting;
 mod tables;
 #[cfg(test)]
 mod tests;
-mod tex;
 mod tradeoff;
 mod trend;
 

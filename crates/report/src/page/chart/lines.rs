@@ -154,7 +154,7 @@ impl Lines {
     }
 
     /// The name and the Pareto front of each model, from left to right; empty if none are drawn.
-    pub(crate) fn fronts(&self) -> Vec<(&str, Vec<[f64; 2]>)> {
+    fn fronts(&self) -> Vec<(&str, Vec<[f64; 2]>)> {
         let points = self.series.iter().flat_map(|series| &series.points);
         let models = by_key(points.filter(|_| self.front), |point| point.model.as_str());
         let front = |own: Vec<&LinePoint>| {

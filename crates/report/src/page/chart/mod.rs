@@ -17,7 +17,7 @@ mod trend;
 
 pub(crate) use axis::Axis;
 use axis::Scale;
-pub(crate) use bars::{Bar, BarGroup, Bars, PARTS};
+pub(crate) use bars::{Bar, BarGroup, Bars};
 pub(crate) use dots::{Band, Dots, Lane, MOST_LANES};
 pub(crate) use lines::{Fit, LinePoint, Lines, Series, front};
 pub(crate) use trend::{PlottedCommit, Trend};
@@ -282,20 +282,4 @@ fn corners(style: usize) -> &'static [[f64; 2]] {
         // Upright bar.
         _ => &[[-2.0, -4.5], [2.0, -4.5], [2.0, 4.5], [-2.0, 4.5]],
     }
-}
-
-/// The name of a marker in pgfplots.
-pub(crate) fn pgf_mark(style: usize, hollow: bool) -> &'static str {
-    const MARKS: [[&str; 2]; SHAPES] = [
-        ["*", "o"],
-        ["square*", "square"],
-        ["triangle*", "triangle"],
-        ["diamond*", "diamond"],
-        ["pentagon*", "pentagon"],
-        ["oplus*", "oplus"],
-        ["otimes*", "otimes"],
-        ["asterisk", "star"],
-        ["|", "-"],
-    ];
-    MARKS[style % SHAPES][usize::from(hollow)]
 }

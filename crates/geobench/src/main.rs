@@ -46,13 +46,11 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use geobench_harness::exec::model::standard_input;
 use geobench_harness::exec::{interrupt, isolate};
-use geobench_harness::measure::instructions;
 use peakmem_alloc::{INSTRUMENTED_SYSTEM, PeakMemAlloc};
 
 use commands::{
-    algos, certify, claims, cluster, compare, corpus, count_one_solve, distance, generate, info,
-    init, isolines, merge, path, pool, record, remesh, report, run, shell, site, suites, trend,
-    verify, voronoi,
+    algos, certify, claims, cluster, compare, corpus, distance, generate, info, init, isolines,
+    merge, path, pool, record, remesh, report, run, shell, site, suites, trend, verify, voronoi,
 };
 use terminal::ColorChoice;
 use verdict::Verdict;
@@ -154,9 +152,6 @@ enum Command {
         model: OsString,
         settings: String,
     },
-    /// Solve once, under callgrind
-    #[command(hide = true, name = instructions::COMMAND)]
-    CountOneSolve(count_one_solve::CountOneSolveOptions),
 }
 
 /// The definition of the command line.
@@ -228,9 +223,6 @@ fn command(arguments: Arguments) -> ExitCode {
         Command::Completions(options) => shell::completions(&options, program()),
         Command::Man(options) => shell::man(&options, program()),
         Command::Cell { .. } => Ok(Verdict::Passed), // Served above.
-        Command::CountOneSolve(options) => {
-            count_one_solve::count_one_solve(&options).map(|()| Verdict::Passed)
-        }
     };
     standard_input::remove();
     match done {

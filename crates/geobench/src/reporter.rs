@@ -2,8 +2,7 @@
 
 use geobench_harness::exec::goal::GoalSpec;
 use geobench_harness::exec::limits::{DecompressionLimit, Limits};
-use geobench_harness::exec::{InstructionCounter, Listener, Step, interrupt};
-use geobench_harness::measure::instructions;
+use geobench_harness::exec::{InstructionCounter, Listener, Step, instructions, interrupt};
 use geobench_harness::plan::Plan;
 use geobench_harness::run::agreement;
 use geobench_harness::schema::{Cell, GroupRecord, ModelRecord, ResultFile, SourceLabel, Status};
@@ -105,19 +104,9 @@ impl Listener for Reporter {
         }
         self.progress
             .counting_instructions(&model.name, &cell.algorithm);
-        let source = cell.source.as_ref()?.to_string();
-        let simd = cell.simd.as_ref().and_then(|simd| simd.parse().ok());
-        let mut options = self.goal.options();
-        if let Some(bytes) = self.decompressed.0 {
-            options.push(format!("--max-decompressed={bytes}"));
-        }
-        if let Some(tolerance) = model.weld {
-            options.push(format!("--weld={tolerance:?}"));
-        }
+        let (goal, decompressed) = (self.goal.clone(), self.decompressed);
         Some(Box::new(move |model, cell| {
-            let (path, algorithm) = (&model.path, &cell.algorithm);
-            let is_stopped = interrupt::requested;
-            instructions::count(path, algorithm, &source, &options, simd, is_stopped)
+            instructions::count(model, cell, &goal, decompressed, interrupt::requested)
         }))
     }
 

@@ -6,7 +6,6 @@ pub(crate) mod claims;
 pub(crate) mod cluster;
 pub(crate) mod compare;
 pub(crate) mod corpus;
-pub(crate) mod count_one_solve;
 pub(crate) mod distance;
 pub(crate) mod generate;
 pub(crate) mod info;

@@ -8,9 +8,9 @@ use anyhow::{Context, bail};
 use geobench_export::output::{OutputFile, check_files};
 use geobench_harness::exec::goal::GoalSpec;
 use geobench_harness::exec::limits::{DecompressionLimit, Limits, Timeout};
-use geobench_harness::exec::{Listener, interrupt};
+use geobench_harness::exec::{Listener, instructions, interrupt};
 use geobench_harness::measure::conditions::{self, Snapshot};
-use geobench_harness::measure::{host, instructions};
+use geobench_harness::measure::host;
 use geobench_harness::plan::suite::{
     self, EmbeddedSuite, Library, ModelChoice, Plans, Settings, Suite, options::Whole,
 };

@@ -53,14 +53,6 @@ impl GoalSpec {
         }
     }
 
-    /// The command-line options that specify this goal.
-    pub fn options(&self) -> Vec<String> {
-        let targets = self.targets.iter();
-        let targets = targets.map(|targets| format!("--target={targets}"));
-        let radius = self.radius.map(|radius| format!("--radius={radius}"));
-        targets.chain(radius).collect()
-    }
-
     /// The name of the goal in cells; `None` for all vertices. Different goals have different
     /// names.
     pub fn label(&self) -> Option<String> {
@@ -112,12 +104,5 @@ mod tests {
         };
         assert!(many("200").starts_with("to 101 targets #"));
         assert_ne!(many("200"), many("201"));
-    }
-
-    #[test]
-    fn options_ask_for_the_goal() {
-        assert!(GoalSpec::default().options().is_empty());
-        let options = goal("17,3", Some(0.5)).options();
-        assert_eq!(options, ["--target=17,3", "--radius=0.5"]);
     }
 }

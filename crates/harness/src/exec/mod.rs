@@ -9,6 +9,8 @@ pub mod expected;
 pub mod goal;
 pub mod in_process;
 #[cfg(unix)]
+pub mod instructions;
+#[cfg(unix)]
 pub mod interrupt;
 #[cfg(unix)]
 pub mod isolate;

@@ -100,6 +100,8 @@ pub(crate) struct Reply {
     /// The result of a run, as journals hold it; from this program only, in place of the figures
     /// above.
     pub(crate) observation: Option<Box<Observation>>,
+    /// The widest instructions of the run; from this program only.
+    pub(crate) simd: Option<String>,
     /// The nearest source of each vertex; from this program only.
     pub(crate) labels: Option<Vec<u32>>,
     /// The distances, unless they equal the last ones sent; from this program only.
@@ -147,6 +149,7 @@ impl Reply {
         let keys = [
             ("model", self.model.is_some()),
             ("observation", self.observation.is_some()),
+            ("simd", self.simd.is_some()),
             ("labels", self.labels.is_some()),
             ("distances", self.distances.is_some()),
         ];

@@ -1,8 +1,7 @@
-//! Measurements of runs: memory, instructions, the machine and its state, statistics of times.
+//! Measurements of runs: memory, the machine and its state, statistics of times.
 
 pub mod conditions;
 pub mod host;
-pub mod instructions;
 pub mod memory;
 pub mod number;
 pub mod statistics;

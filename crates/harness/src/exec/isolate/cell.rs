@@ -94,7 +94,10 @@ fn serve(model: &str, mut session: InProcess) -> io::Result<()> {
         answer(&match session.execute(&step) {
             Ok(observation) => {
                 let digest = Some(digest(&observation.distances));
-                let mut reply = Reply::from(observation);
+                let mut reply = Reply {
+                    simd: Some(algorithm.instructions().to_string()),
+                    ..Reply::from(observation)
+                };
                 if sent == digest {
                     reply.distances = None;
                 }

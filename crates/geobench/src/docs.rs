@@ -12,7 +12,7 @@ use clap::Arg;
 use clap::builder::{PossibleValue, Str};
 use geobench_registry::{self as registry, Algorithm, Parameter};
 
-use crate::commands::algos::counters;
+use crate::commands::algos::{ADVICE, counters};
 
 const DOCS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs");
 const RENEWAL: &str = "UPDATE_DOCS=1 cargo test -p geobench --bin geobench docs";
@@ -50,7 +50,12 @@ fn made_parts_of_the_pages_agree_with_the_code() {
             }
         }
     }
-    let others = ["counters", "algorithms exact", "algorithms approximate"];
+    let others = [
+        "counters",
+        "advice",
+        "algorithms exact",
+        "algorithms approximate",
+    ];
     let mut expected: BTreeSet<String> = others.map(str::to_owned).into();
     let commands = "run verify distance path isolines certify voronoi remesh report site cluster";
     let commands = commands.split(' ');
@@ -94,6 +99,10 @@ fn part(name: &str) -> String {
             let rows = counters().into_iter();
             let rows = rows.map(|c| [format!("`{}`", c.name), c.definition.to_owned()]);
             table(["counter", "meaning"], rows.collect())
+        }
+        None if name == "advice" => {
+            let rows = ADVICE.map(|(want, take)| [want.to_owned(), in_markdown(take, "")]);
+            table(["purpose", "algorithm"], rows.into())
         }
         _ => panic!("{name}: no part of a page"),
     }
@@ -226,7 +235,7 @@ fn overview(exact: bool) -> String {
     let algorithms = registry::algorithms().iter();
     let row = |algorithm: &Algorithm| {
         let name = format!("[`{0}`]({0}.md)", algorithm.name);
-        let description = in_markdown(algorithm.summary, algorithm);
+        let description = in_markdown(algorithm.summary, algorithm.name);
         [name, algorithm.family.to_owned(), description]
     };
     let rows = algorithms.filter(|algorithm| algorithm.exact == exact);
@@ -257,10 +266,10 @@ fn facts(algorithm: &Algorithm) -> String {
         ("[junctions](junctions.md)", junctions.to_owned()),
         (
             "cost for n faces, at worst",
-            in_markdown(algorithm.complexity, algorithm),
+            in_markdown(algorithm.complexity, algorithm.name),
         ),
-        ("keeps", in_markdown(algorithm.keeps, algorithm)),
-        ("choose it", in_markdown(algorithm.choose, algorithm)),
+        ("keeps", in_markdown(algorithm.keeps, algorithm.name)),
+        ("choose it", in_markdown(algorithm.choose, algorithm.name)),
     ];
     table(
         ["", ""],
@@ -278,7 +287,7 @@ fn parameters(algorithm: &Algorithm) -> String {
             only_with,
             ..
         } = parameter;
-        let mut meaning = in_markdown(meaning, algorithm);
+        let mut meaning = in_markdown(meaning, algorithm.name);
         if let Some((other, values)) = only_with {
             let values = values.join("` or `");
             write!(meaning, ". Only with `{other}={values}`").unwrap();
@@ -295,7 +304,7 @@ fn parameters(algorithm: &Algorithm) -> String {
 }
 
 /// A text of the registry on the page of `own`: with links to other algorithms, and powers.
-fn in_markdown(text: &str, own: &Algorithm) -> String {
+fn in_markdown(text: &str, own: &str) -> String {
     const ENDS: [char; 6] = [' ', ',', ';', ':', ')', '\''];
     let text = text
         .replace("^2", "²")
@@ -303,7 +312,7 @@ fn in_markdown(text: &str, own: &Algorithm) -> String {
         .replace("sqrt(n)", "√n");
     let linked = text.split_inclusive(ENDS).map(|word| {
         let name = word.trim_end_matches(ENDS);
-        let is_other = |algorithm: &Algorithm| algorithm.name == name && name != own.name;
+        let is_other = |algorithm: &Algorithm| algorithm.name == name && name != own;
         if registry::algorithms().iter().any(is_other) {
             format!("[`{name}`]({name}.md){}", &word[name.len()..])
         } else {

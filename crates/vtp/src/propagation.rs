@@ -261,8 +261,9 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         };
         probe.enter(Phase::Pruning);
         let arrived: usize = self.front.lists(h).iter().map(Columns::len).sum();
-        if self.kept.holds(h as usize) {
+        if self.kept.may_have_replaced(h as usize) {
             self.front.drop_replaced(h, &self.kept);
+            self.kept.note_crossing(h as usize);
         }
         let lists = self.front.lists(h);
         let (active, layout) = (&mut self.active, &self.layout);

@@ -293,9 +293,7 @@ impl WindowStore {
     /// The window at index `i` of `list`.
     #[inline]
     pub(crate) fn get(&self, list: u32, i: usize) -> [f64; COLUMNS] {
-        let ListHeader { start, column, .. } = self.lists[list as usize];
-        let first = start as usize + i / CacheLine::LANES;
-        std::array::from_fn(|c| self.lines[first + c * column as usize].0[i % CacheLine::LANES])
+        self.first(list, i + 1).row(i)
     }
 
     /// The blocks of different lists; empty for [`NO_LIST`].
@@ -337,8 +335,12 @@ impl WindowStore {
     ) -> usize {
         let mut left = places.start;
         for i in places {
-            if let Some(part) = admit(kept, h, self.get(list, i)) {
-                self.put(list, left, part);
+            let window = self.get(list, i);
+            if let Some(part) = admit(kept, h, window) {
+                // Most stay as they are, where they are.
+                if left != i || part != window {
+                    self.put(list, left, part);
+                }
                 left += 1;
             }
         }
@@ -353,7 +355,9 @@ impl WindowStore {
         for i in 0..self.len(list) {
             let window = self.get(list, i);
             if !kept.has_replaced(h as usize, &as_window(window)) {
-                self.put(list, left, window);
+                if left != i {
+                    self.put(list, left, window);
+                }
                 left += 1;
             }
         }
@@ -366,7 +370,8 @@ impl WindowStore {
         list: u32,
         places: Range<usize>,
     ) -> impl Iterator<Item = Window> {
-        places.map(move |i| as_window(self.get(list, i)))
+        let columns = self.first(list, places.end);
+        places.map(move |i| as_window(columns.row(i)))
     }
 
     /// All waiting windows.

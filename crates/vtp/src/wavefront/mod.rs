@@ -607,8 +607,9 @@ impl Wavefront {
         let arrived = self.store.len(list);
         let mut len = arrived;
         probe.enter(Phase::Pruning);
-        if self.kept.holds(h as usize) {
+        if self.kept.may_have_replaced(h as usize) {
             len = self.store.drop_replaced(&self.kept, h, list);
+            self.kept.note_crossing(h as usize);
         }
         if self.compared.takes(h, len) {
             let block = self.store.padded_block(list);

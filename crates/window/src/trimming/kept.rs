@@ -2,7 +2,7 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh, Splice};
 
-use super::foot::pieces;
+use super::foot::{foot, pieces};
 use super::insertion::{TrimmedList, Trimmer};
 use super::thin::ThinFaces;
 use crate::blocks::BlockLists;
@@ -37,9 +37,8 @@ pub struct KeptWindows {
     lists: Vec<u32>,
     /// The length of the half-edge of each list.
     lengths: Vec<f64>,
-    /// The windows of each list. The note tells whether windows wait on the half-edge that have not
-    /// been admitted here.
-    kept: BlockLists<Window, bool>,
+    /// The windows of each list.
+    kept: BlockLists<Window, ListNote>,
     /// The thin faces, without their half-edges.
     limits: ThinFaces,
     /// The number of lists on the mesh of the set-up, and its doubt.
@@ -50,6 +49,15 @@ pub struct KeptWindows {
 }
 
 const NO_LIST: u32 = u32::MAX;
+
+/// What is noted about the windows that wait on a half-edge.
+#[derive(Clone, Copy, Debug, Default)]
+struct ListNote {
+    /// Some have not been admitted here.
+    received: bool,
+    /// Windows have been removed from the list since. Nothing may be left of those that wait.
+    replaced: bool,
+}
 
 impl KeptWindows {
     /// Empty lists for `mesh`. `number` gives the number of each half-edge, which is less than
@@ -182,7 +190,7 @@ impl KeptWindows {
     /// Notes that windows wait on half-edge number `h` which were admitted elsewhere.
     pub fn receive(&mut self, h: usize) {
         if let Some(list) = self.list(h) {
-            *self.kept.note_mut(list) = true;
+            self.kept.note_mut(list).received = true;
         }
     }
 
@@ -199,16 +207,47 @@ impl KeptWindows {
         };
         let l = self.lengths[list];
         let mut parts = None;
-        for piece in pieces(new, l) {
-            let first = self.kept.leading(list, |w| w.b1 <= piece.b0);
-            let (windows, _) = self.kept.entries_mut(list);
-            let parts = &mut parts;
-            let mut admission = Admission { windows, parts };
-            let old = self.trimmer.insert_one(&mut admission, first, &piece, l);
-            self.kept.replace(list, old, self.trimmer.pieces());
+        if foot(new, l).is_some() {
+            for piece in pieces(new, l) {
+                self.insert(list, &piece, l, &mut parts);
+            }
+        } else {
+            self.insert(list, new, l, &mut parts);
         }
         // The range between two parts is not needed, but harmless.
         parts.map(|[b0, b1]| Window { b0, b1, ..*new })
+    }
+
+    /// Stores `new`, which has no [foot] or is a piece of a window with one, in list `list` on an
+    /// edge of length `l`. `parts` becomes the least range with its own and all that is stored.
+    #[inline]
+    fn insert(&mut self, list: usize, new: &Window, l: f64, parts: &mut Option<[f64; 2]>) {
+        let first = self.kept.leading(list, |w| w.b1 <= new.b0);
+        let (windows, note) = self.kept.entries_mut(list);
+        let mut admission = Admission {
+            windows,
+            parts,
+            replaced: &mut note.replaced,
+        };
+        let old = self.trimmer.insert_one(&mut admission, first, new, l);
+        self.kept.replace(list, old, self.trimmer.pieces());
+    }
+
+    /// Whether [`has_replaced`](Self::has_replaced) may hold for a window that waits on half-edge
+    /// number `h`.
+    #[inline]
+    pub fn may_have_replaced(&self, h: usize) -> bool {
+        self.list(h).is_some_and(|list| {
+            let note = self.kept.note(list);
+            note.replaced && !note.received
+        })
+    }
+
+    /// Notes that all windows which wait on half-edge number `h` cross now or are dropped.
+    pub fn note_crossing(&mut self, h: usize) {
+        if let Some(list) = self.list(h) {
+            self.kept.note_mut(list).replaced = false;
+        }
     }
 
     /// Whether later windows have replaced all of `waiting`, which waits on half-edge number `h`.
@@ -223,7 +262,7 @@ impl KeptWindows {
     /// whole.
     #[cold]
     pub fn has_replaced(&self, h: usize, waiting: &Window) -> bool {
-        let Some(list) = self.list(h).filter(|&list| !self.kept.note(list)) else {
+        let Some(list) = self.list(h).filter(|_| self.may_have_replaced(h)) else {
             return false;
         };
         let first = self.kept.leading(list, |w| w.b1 <= waiting.b0);
@@ -238,6 +277,8 @@ struct Admission<'a> {
     windows: &'a mut [Window],
     /// The least range with all parts that are stored.
     parts: &'a mut Option<[f64; 2]>,
+    /// Becomes true if a stored window is removed.
+    replaced: &'a mut bool,
 }
 
 impl TrimmedList for Admission<'_> {
@@ -271,7 +312,9 @@ impl TrimmedList for Admission<'_> {
         old.cut(b0, b1)
     }
 
-    fn remove(&mut self, _: &Window) {}
+    fn remove(&mut self, _: &Window) {
+        *self.replaced = true;
+    }
 }
 
 #[cfg(test)]
@@ -363,6 +406,18 @@ mod tests {
         assert!(!kept.has_replaced(0, &WINDOW));
         let away = (0..6).find(|&h| !kept.holds(h)).unwrap();
         assert!(!kept.has_replaced(away, &WINDOW));
+    }
+
+    #[test]
+    fn windows_are_replaced_before_they_cross() {
+        let mut kept = kept(&mesh(1e-5));
+        let shorter = |sigma| Window { sigma, ..WINDOW };
+        kept.admit(0, &WINDOW);
+        assert!(!kept.may_have_replaced(0));
+        kept.admit(0, &shorter(0.5));
+        assert!(kept.may_have_replaced(0) && kept.has_replaced(0, &WINDOW));
+        kept.note_crossing(0);
+        assert!(!kept.may_have_replaced(0));
     }
 
     #[test]

@@ -217,7 +217,8 @@ impl<E: Copy + Default, H: Copy + Default> BlockLists<E, H> {
 
     /// How many entries at the beginning of list `i` satisfy `holds`, which none does behind one
     /// that does not. O(log n).
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // Once for each list that windows arrive at.
     pub fn leading(&self, i: usize, holds: impl Fn(&E) -> bool) -> usize {
         let ListHead {
             start, len, class, ..
@@ -245,7 +246,8 @@ impl<E: Copy + Default, H: Copy + Default> BlockLists<E, H> {
     }
 
     /// Replaces the entries `old` of list `i` by `new`.
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // As `leading`.
     pub fn replace(&mut self, i: usize, old: Range<usize>, new: &[E]) {
         let first = old.start;
         if old.len() != new.len() {

@@ -133,8 +133,8 @@
 //! * Vertex numbers are those of the file, from 0. [`Weld`] makes vertices at one place one vertex;
 //!   a copy has the distance of the vertex that stands for it.
 //! * Boundaries, several components, isolated and pinched vertices, edges with more than two faces
-//!   and surfaces that cannot be oriented are supported. On the last two the MMP kinds run; other
-//!   solvers return a [`SolveError`].
+//!   and surfaces that cannot be oriented are supported. On the last two the MMP and CH kinds run;
+//!   other solvers return a [`SolveError`].
 //! * A source that is not on the mesh, or no source at all, is a [`SolveError`]. A point that does
 //!   not exist is a [`PointError`].
 //! * The time of a solve grows with the number of windows, up to the power 1.5 of the number of

@@ -1,16 +1,20 @@
 //! One angle, one split: which window may have two children at an apex.
 
-use geobench_mesh::HalfEdgeId;
+use std::collections::HashMap;
 
+use geobench_mesh::HalfEdgeId;
+use geobench_window::blocks::number;
 use geobench_window::{Side, prefetch};
 
+use crate::route::Route;
 use crate::tree::Guard;
 
 /// Distance, relative to the half-edge, within which two rays to an apex count as one. Which of
 /// them is further left is then decided by rounding.
 const TIE: f64 = 1e-9;
 
-/// The *occupant* of an angle: the best window so far to see an apex through one half-edge.
+/// The *occupant* of an angle: the best window so far, of those of one [`Route`], to see an apex
+/// through one half-edge.
 #[derive(Clone, Copy, Debug)]
 struct Angle {
     best: f64,
@@ -38,25 +42,33 @@ pub(crate) enum Split {
 }
 
 /// The occupants of all angles of a mesh. The angle at an apex has the number of the half-edge
-/// opposite to the apex, through which windows enter.
+/// opposite to the apex, through which windows enter. For windows that have crossed junctions it
+/// has another number for each of their routes.
 #[derive(Clone, Debug)]
 pub(crate) struct Angles {
     angles: Vec<Angle>,
+    half_edges: usize,
+    /// The numbers from `half_edges` on.
+    beyond_junctions: HashMap<(HalfEdgeId, Route), u32>,
 }
 
 impl Angles {
     pub(crate) fn new(half_edges: usize) -> Self {
         Self {
             angles: vec![Angle::FREE; half_edges],
+            half_edges,
+            beyond_junctions: HashMap::new(),
         }
     }
 
-    /// Changes the number of angles. The next [`clear`](Self::clear) frees them.
+    /// Changes the number of half-edges. The next [`clear`](Self::clear) frees their angles.
     pub(crate) fn resize(&mut self, half_edges: usize) {
+        self.half_edges = half_edges;
         self.angles.resize(half_edges, Angle::FREE);
     }
 
     pub(crate) fn clear(&mut self) {
+        self.clear_beyond_junctions();
         self.angles.fill(Angle::FREE);
     }
 
@@ -64,16 +76,45 @@ impl Angles {
         self.angles[h.index()] = Angle::FREE;
     }
 
-    /// Decides the split of a window that reaches the apex at distance `d`. Its ray meets `h` at
-    /// the fraction `entry` of its length, which is NaN if rounding leaves it undetermined.
+    pub(crate) fn clear_beyond_junctions(&mut self) {
+        self.angles.truncate(self.half_edges);
+        self.beyond_junctions.clear();
+    }
+
+    /// The number of the angle above `h` for windows that have come by `route`.
+    #[inline]
+    pub(crate) fn number(&mut self, h: HalfEdgeId, route: Route) -> u32 {
+        if route == Route::DIRECT {
+            h.raw()
+        } else {
+            self.number_beyond_junctions(h, route)
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn number_beyond_junctions(&mut self, h: HalfEdgeId, route: Route) -> u32 {
+        let angles = &mut self.angles;
+        *self.beyond_junctions.entry((h, route)).or_insert_with(|| {
+            angles.push(Angle::FREE);
+            number(angles.len() - 1)
+        })
+    }
+
+    /// Decides the split at `angle` of a window that reaches the apex at distance `d`. Its ray meets
+    /// the half-edge at the fraction `entry` of its length, which is NaN if rounding leaves it
+    /// undetermined.
     ///
     /// The shorter of two straight paths to an apex makes every ray of the other window useless
     /// that crosses it. These are the rays on its far side. If both paths enter at the same point,
     /// that side is undetermined, and the longer window keeps both children, however much longer it
     /// is. The occupant may be on the border ray of the window (a saddle that has since been
     /// reached by a shorter path). It then crosses none of the window's rays.
-    pub(crate) fn split(&mut self, h: HalfEdgeId, d: f64, entry: f64) -> Split {
-        let angle = &mut self.angles[h.index()];
+    ///
+    /// The rays cross in the unfolded plane. They do on the surface if both windows have come by
+    /// one route: see `docs/algorithms/junctions.md`.
+    pub(crate) fn split(&mut self, angle: u32, d: f64, entry: f64) -> Split {
+        let angle = &mut self.angles[angle as usize];
         if entry.is_nan() {
             // The side on which the ray lies of other rays is undetermined.
             Split::Ties
@@ -111,7 +152,7 @@ impl Angles {
 mod tests {
     use super::*;
 
-    const H: HalfEdgeId = HalfEdgeId::new(0);
+    const H: u32 = 0;
 
     #[test]
     fn the_best_window_occupies_the_angle_and_losers_keep_one_side() {
@@ -137,6 +178,24 @@ mod tests {
         let mut angles = Angles::new(3);
         angles.split(H, 2.0, 0.5);
         assert_eq!(angles.split(H, 2.1, 0.5 - 1e-16), Split::Ties);
+    }
+
+    #[test]
+    fn windows_of_different_routes_occupy_angles_of_their_own() {
+        let mut angles = Angles::new(3);
+        let h = HalfEdgeId::new(2);
+        let [direct, one, other] =
+            [Route::DIRECT, Route(1), Route(2)].map(|route| angles.number(h, route));
+        assert_eq!([direct, one, other], [2, 3, 4]);
+        assert_eq!(angles.number(h, Route(1)), one);
+        assert_eq!(angles.split(one, 1.0, 0.5), Split::Occupies);
+        assert_eq!(angles.split(other, 2.0, 0.7), Split::Occupies);
+        assert_eq!(angles.split(one, 2.0, 0.7), Split::Only(Side::Right));
+        let guard = Guard::new(other, 0.7, Side::Right);
+        angles.split(one, 0.5, 0.8);
+        assert!(!angles.cuts_off(&guard));
+        angles.clear();
+        assert_eq!(angles.number(h, Route(2)), 3);
     }
 
     #[test]

@@ -43,6 +43,7 @@
 
 mod angle;
 mod parallel;
+mod route;
 mod splitting;
 mod tree;
 

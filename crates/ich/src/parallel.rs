@@ -15,8 +15,9 @@ use rayon::slice::{ParallelSlice, ParallelSliceMut};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::angle::{Angles, Split};
+use crate::route::Routes;
 use crate::splitting::{is_beaten_beside_thin_faces, is_stale};
-use crate::tree::{Guard, Level, Lineage};
+use crate::tree::{Guard, Lineage};
 
 /// The largest number of threads.
 const MOST_THREADS: usize = 1024;
@@ -53,6 +54,7 @@ pub struct Pch {
     mesh: Mesh,
     surface: Surface,
     angles: Angles,
+    routes: Routes,
     kept: KeptWindows,
     buckets: DistanceBuckets,
     threads: usize,
@@ -80,6 +82,7 @@ impl Pch {
             mesh: mesh.clone(),
             surface: Surface::new(mesh),
             angles: Angles::new(mesh.half_edge_count()),
+            routes: Routes::default(),
             kept: KeptWindows::new(mesh, mesh.half_edge_count(), |h| {
                 order.new_half_edge(h).index()
             }),
@@ -119,11 +122,7 @@ impl Pch {
                 }
             }
         }
-        let lineage = Lineage {
-            root: v,
-            level: Level::ROOT,
-            guard: Guard::NONE,
-        };
+        let lineage = Lineage::new(v);
         for i in 0..degree {
             let h = self.surface.faces().number(self.mesh.outgoing(v)[i]);
             if let Some((h, window)) = spawn_window(self.surface.faces(), h, sigma) {
@@ -137,20 +136,42 @@ impl Pch {
         }
     }
 
-    /// Puts a window into its bucket; returns whether any part of it is left.
-    fn wait(&mut self, mut waiting: WaitingWindow) -> bool {
-        let place = waiting.h.index();
-        if self.kept.holds(place) {
-            let Some(part) = self.kept.admit(place, &waiting.window) else {
-                return false;
-            };
-            waiting.window = part;
-            waiting.lineage.level.go_on();
+    /// Lets a window wait, at a gate on all half-edges beyond; returns whether any part of it is
+    /// left.
+    fn wait(&mut self, waiting: WaitingWindow) -> bool {
+        let WaitingWindow { h, window, lineage } = waiting;
+        if !self.kept.holds(h.index()) {
+            self.put(waiting);
+            return true;
         }
+        let crossed = (self.routes).cross(h, &window, lineage.route, &self.surface);
+        let Some(crossed) = crossed.map(Iterator::collect::<Vec<_>>) else {
+            return self.store(waiting);
+        };
+        let mut kept = false;
+        for (h, window, route) in crossed {
+            let lineage = Lineage { route, ..lineage };
+            kept |= self.store(WaitingWindow { h, window, lineage });
+        }
+        kept
+    }
+
+    /// Stores the part of a window that is shorter than those stored before, and lets it wait.
+    fn store(&mut self, mut waiting: WaitingWindow) -> bool {
+        let Some(part) = self.kept.admit(waiting.h.index(), &waiting.window) else {
+            return false;
+        };
+        waiting.window = part;
+        waiting.lineage.level.go_on();
+        self.put(waiting);
+        true
+    }
+
+    /// Puts a window into its bucket.
+    fn put(&mut self, waiting: WaitingWindow) {
         let label = waiting.window.min_distance();
         self.buckets.at(label).windows.push(waiting);
         self.buckets.waiting += 1;
-        true
     }
 
     /// Propagates `windows`: steps 1 to 4 of a round.
@@ -225,7 +246,8 @@ impl Pch {
             probe.reach(apex, h.prev(), way);
         }
         if step.kind == CrossingKind::Covers {
-            step.kind = match self.angles.split(h, step.d, step.entry) {
+            step.angle = self.angles.number(h, waiting.lineage.route);
+            step.kind = match self.angles.split(step.angle, step.d, step.entry) {
                 Split::Occupies => CrossingKind::Occupies,
                 Split::Ties => CrossingKind::Covers,
                 Split::Only(side) => CrossingKind::OneSide(side),
@@ -296,6 +318,8 @@ struct Examination {
     d: f64,
     /// The fraction of the half-edge at which its ray to the apex enters, if it covers the apex.
     entry: f64,
+    /// The number of the angle at the apex, if the window occupies it.
+    angle: u32,
     kind: CrossingKind,
     covers: bool,
 }
@@ -315,14 +339,14 @@ impl Examination {
                 entry: crossing.entry(),
                 kind: CrossingKind::Covers,
                 covers: true,
+                ..Self::default()
             };
         }
         let side = crossing.side();
         Self {
             d: crossing.bent_distance(&view.exit(side)),
-            entry: 0.0,
             kind: CrossingKind::OneSide(side),
-            covers: false,
+            ..Self::default()
         }
     }
 }
@@ -385,7 +409,7 @@ impl TaskChildren {
                 Side::Right => crossing.right_child(&exit),
             };
             let guard = match step.kind {
-                CrossingKind::Occupies => Guard::new(*h, step.entry, side),
+                CrossingKind::Occupies => Guard::new(step.angle, step.entry, side),
                 _ => inherited.guard,
             };
             self.send(child, &exit, Lineage { guard, ..inherited }, surface, kept);
@@ -456,6 +480,8 @@ impl DistanceBuckets {
 }
 
 impl Propagate for Pch {
+    const JUNCTIONS: bool = true;
+
     fn counters() -> Vec<Counter> {
         vec![
             Counter::Propagated,
@@ -505,6 +531,7 @@ impl Propagate for Pch {
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
         self.surface.reset(self.mesh.vertex_count());
         self.angles.clear();
+        self.routes.clear();
         self.kept.clear();
         self.buckets.clear();
         probe.add(Counter::WindowBytes, size_of::<WaitingWindow>() as u64);

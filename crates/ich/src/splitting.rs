@@ -9,7 +9,8 @@ use geobench_window::{
 };
 
 use crate::angle::{Angles, Split};
-use crate::tree::{Guard, Leaf, Leaves, Level, Lineage};
+use crate::route::Routes;
+use crate::tree::{Guard, Leaf, Leaves, Lineage};
 
 /// The policy of the CH family: one angle, one split, with or without the vertex filter.
 ///
@@ -36,6 +37,7 @@ pub struct Splitting<const JOINT: bool = false> {
     level_limit: u32,
     leaves: Leaves,
     angles: Angles,
+    routes: Routes,
     kept: KeptWindows,
 }
 
@@ -48,6 +50,7 @@ impl Splitting {
             level_limit: mesh.face_count() as u32,
             leaves: Leaves::default(),
             angles: Angles::new(mesh.half_edge_count()),
+            routes: Routes::default(),
             kept: KeptWindows::new(mesh, mesh.half_edge_count(), |h| {
                 order.new_half_edge(h).index()
             }),
@@ -62,6 +65,7 @@ impl Splitting {
             level_limit,
             leaves,
             angles,
+            routes,
             kept,
         } = self;
         Splitting {
@@ -69,16 +73,103 @@ impl Splitting {
             level_limit,
             leaves,
             angles,
+            routes,
             kept,
         }
+    }
+}
+
+impl<const JOINT: bool> Splitting<JOINT> {
+    /// Puts a window into the queue.
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // Keeps the window in registers.
+    fn wait<P: Probe>(
+        &mut self,
+        child: &Child<Lineage>,
+        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
+        probe: &mut P,
+    ) {
+        let Child {
+            h,
+            window,
+            lineage,
+            label,
+            ..
+        } = *child;
+        probe.enter(Phase::Management);
+        let id = self.leaves.insert(Leaf { window, lineage });
+        probe.raise(Counter::PeakWindows, self.leaves.len() as u64);
+        probe.raise(Counter::PeakWavefront, self.leaves.len() as u64);
+        probe.raise(Counter::Levels, u64::from(lineage.level.count()));
+        queue(h, label, id, probe);
+    }
+
+    /// Admits a window at a gate or at a half-edge where windows are stored.
+    #[cold]
+    #[inline(never)]
+    fn admit_held<P: Probe>(
+        &mut self,
+        child: &Child<Lineage>,
+        surface: &Surface,
+        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
+        probe: &mut P,
+    ) -> bool {
+        let Child {
+            h, window, lineage, ..
+        } = *child;
+        let Some(crossed) = self.routes.cross(h, &window, lineage.route, surface) else {
+            return self.store(child, queue, probe);
+        };
+        // Without the filter, windows that turn back into another sheet would go all the way back.
+        if self.filter == VertexFilter::Off
+            && is_beaten_beside_thin_faces(h, window, &self.kept, surface)
+        {
+            probe.add(Counter::Filtered, 1);
+            return false;
+        }
+        let mut kept = false;
+        for (h, window, route) in crossed {
+            let lineage = Lineage { route, ..lineage };
+            let child = Child {
+                h,
+                window,
+                lineage,
+                ..*child
+            };
+            kept |= self.store(&child, queue, probe);
+        }
+        kept
+    }
+
+    /// Stores the part of a window that is shorter than those stored before, and puts it into the
+    /// queue.
+    fn store<P: Probe>(
+        &mut self,
+        child: &Child<Lineage>,
+        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
+        probe: &mut P,
+    ) -> bool {
+        let Some(window) = self.kept.admit(child.h.index(), &child.window) else {
+            probe.add(Counter::Filtered, 1);
+            return false;
+        };
+        let mut lineage = child.lineage;
+        lineage.level.go_on();
+        let part = Child {
+            window,
+            lineage,
+            ..*child
+        };
+        self.wait(&part, queue, probe);
+        true
     }
 }
 
 /// Whether `window` on `h` is stale: its root has been reached by a shorter path, or a
 /// better window has occupied the angle above it.
 ///
-/// A window that has been stored beside a thin face is not, nor are those below it: windows equal
-/// to it have been dropped for it, maybe those of the shorter path to its root, or the one that
+/// A window that has been stored beside a thin face or at a junction is not, nor are those below
+/// it: windows equal to it have been dropped for it, maybe those of the shorter path to its root, or the one that
 /// occupied the angle. It is stale if others have [replaced](KeptWindows::has_replaced) it.
 #[inline]
 #[allow(clippy::needless_bitwise_bool)] // Neither is likely: one branch for both.
@@ -96,7 +187,7 @@ pub(crate) fn is_stale(
     (surface.distance(lineage.root) < window.sigma) | angles.cuts_off(&lineage.guard)
 }
 
-/// Whether a beaten window is beaten by more than the doubt beside thin faces.
+/// Whether a beaten window is beaten by more than the doubt beside thin faces and junctions.
 ///
 /// Of windows that are equal within the rounding of a long edge, the first one was stored. Its σ
 /// may be greater by that much, which is too much for the margin of the short edges at which it
@@ -126,6 +217,7 @@ impl<const JOINT: bool> Policy for Splitting<JOINT> {
     ];
 
     const WINDOW_BYTES: usize = size_of::<Leaf>();
+    const JUNCTIONS: bool = true;
     const SPLICES: bool = true;
 
     fn splice(&mut self, mesh: &Mesh, splice: &Splice, surface: &Surface) {
@@ -139,11 +231,14 @@ impl<const JOINT: bool> Policy for Splitting<JOINT> {
     fn reset(&mut self) {
         self.leaves.clear();
         self.angles.clear();
+        self.routes.clear();
         self.kept.clear();
     }
 
     fn reset_at(&mut self, half_edges: impl Iterator<Item = HalfEdgeId>) {
         self.leaves.clear();
+        self.angles.clear_beyond_junctions();
+        self.routes.clear();
         for h in half_edges {
             self.angles.clear_at(h);
             self.kept.clear_at(h.index());
@@ -151,11 +246,7 @@ impl<const JOINT: bool> Policy for Splitting<JOINT> {
     }
 
     fn root(&self, v: VertexId, _: &Surface) -> Lineage {
-        Lineage {
-            root: v,
-            level: Level::ROOT,
-            guard: Guard::NONE,
-        }
+        Lineage::new(v)
     }
 
     #[inline(always)]
@@ -180,11 +271,7 @@ impl<const JOINT: bool> Policy for Splitting<JOINT> {
             label: window.min_distance(),
             is_beaten: self.filter == VertexFilter::On && edge.beats(&window),
         };
-        let waits = self.admit(&child, surface, probe);
-        if let Some(id) = waits {
-            queue(h, child.label, id, probe);
-        }
-        waits.is_some()
+        self.admit(&child, surface, queue, probe)
     }
 
     const FORESEES: bool = JOINT;
@@ -200,31 +287,22 @@ impl<const JOINT: bool> Policy for Splitting<JOINT> {
         &mut self,
         child: &Child<Lineage>,
         surface: &Surface,
+        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
         probe: &mut P,
-    ) -> Option<u32> {
+    ) -> bool {
         if self.filter == VertexFilter::On
             && child.is_beaten
             && (child.label >= self.kept.reach()
                 || is_beaten_beside_thin_faces(child.h, child.window, &self.kept, surface))
         {
             probe.add(Counter::Filtered, 1);
-            return None;
+            return false;
         }
-        let (mut window, mut lineage) = (child.window, child.lineage);
         if self.kept.holds(child.h.index()) {
-            let Some(part) = self.kept.admit(child.h.index(), &window) else {
-                probe.add(Counter::Filtered, 1);
-                return None;
-            };
-            window = part;
-            lineage.level.go_on();
+            return self.admit_held(child, surface, queue, probe);
         }
-        probe.enter(Phase::Management);
-        let slot = self.leaves.insert(Leaf { window, lineage });
-        probe.raise(Counter::PeakWindows, self.leaves.len() as u64);
-        probe.raise(Counter::PeakWavefront, self.leaves.len() as u64);
-        probe.raise(Counter::Levels, u64::from(child.lineage.level.count()));
-        Some(slot)
+        self.wait(child, queue, probe);
+        true
     }
 
     #[inline]
@@ -304,6 +382,7 @@ impl<const JOINT: bool> Policy for Splitting<JOINT> {
         d: f64,
         inherited: Lineage,
     ) -> [Option<Lineage>; 2] {
+        let angle = self.angles.number(angle, inherited.route);
         match self.angles.split(angle, d, entry) {
             Split::Occupies => [Side::Left, Side::Right].map(|side| {
                 let guard = Guard::new(angle, entry, side);

@@ -1,17 +1,21 @@
 //! The leaves of the sequence tree: windows that wait to be propagated.
 
-use geobench_mesh::{HalfEdgeId, VertexId};
+use geobench_mesh::VertexId;
 use geobench_window::blocks::number;
 use geobench_window::{Side, Window, prefetch};
 
+use crate::route::Route;
+
 /// The nearest split above a window. If another window has occupied that angle since, the subtree
 /// on its far side is dead.
+///
+/// Packed, so that a [`Leaf`] fits into a cache line.
 #[derive(Clone, Copy, Debug)]
+#[repr(packed(4))]
 pub(crate) struct Guard {
     /// The fraction of the half-edge at which the split window's ray to the apex entered.
     entry: f64,
-    /// Twice the number of the half-edge through which the split window came, which is that of the
-    /// angle, plus 1 for the right child.
+    /// Twice the number of the angle, plus 1 for the right child.
     place: u32,
 }
 
@@ -24,14 +28,14 @@ impl Guard {
     };
 
     /// The guard of the child on one side of a window that was split at `angle`.
-    pub(crate) const fn new(angle: HalfEdgeId, entry: f64, side: Side) -> Self {
+    pub(crate) const fn new(angle: u32, entry: f64, side: Side) -> Self {
         let side = match side {
             Side::Left => 0,
             Side::Right => 1,
         };
         Self {
             entry,
-            place: 2 * angle.raw() + side,
+            place: 2 * angle + side,
         }
     }
 
@@ -52,8 +56,8 @@ impl Guard {
 }
 
 /// The triangles that a window has crossed since its root. The highest bit tells that the window
-/// goes on whatever becomes of its root and its guard: beside a thin face, it or a window above it
-/// has been stored in the place of equal ones.
+/// goes on whatever becomes of its root and its guard: beside a thin face or at a junction, it or a
+/// window above it has been stored in the place of equal ones.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Level(u32);
 
@@ -61,7 +65,7 @@ impl Level {
     const GOES_ON: u32 = 1 << 31;
 
     /// The level of windows that start at the root.
-    pub(crate) const ROOT: Self = Self(0);
+    const ROOT: Self = Self(0);
 
     /// The level of the children.
     #[inline]
@@ -93,7 +97,20 @@ pub struct Lineage {
     /// The (pseudo-)source.
     pub(crate) root: VertexId,
     pub(crate) level: Level,
+    pub(crate) route: Route,
     pub(crate) guard: Guard,
+}
+
+impl Lineage {
+    /// The lineage of windows that start from `root`.
+    pub(crate) const fn new(root: VertexId) -> Self {
+        Self {
+            root,
+            level: Level::ROOT,
+            route: Route::DIRECT,
+            guard: Guard::NONE,
+        }
+    }
 }
 
 /// A window that waits to be propagated, in one cache line.
@@ -188,11 +205,11 @@ mod tests {
     #[test]
     fn packing_keeps_the_split() {
         assert!(Guard::NONE.beyond(0.5).is_nan());
-        for angle in [0, 7, (1 << 31) - 2].map(HalfEdgeId::new) {
+        for angle in [0, 7, (1 << 31) - 2] {
             let [left, right] = [Side::Left, Side::Right].map(|side| Guard::new(angle, 0.25, side));
             assert_eq!(
                 [left.angle_index(), right.angle_index()],
-                [angle.index(); 2]
+                [angle as usize; 2]
             );
             assert_eq!([left.beyond(0.0), right.beyond(0.0)], [0.25, -0.25]);
         }

@@ -19,11 +19,12 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         queue: "fifo",
         paper: "Chen, Han 1990; Xin, Wang 2009, sections 2 and 3.1",
         summary: "sequence tree, level by level, one angle one split, no filter",
-        departs: "keeps and trims windows beside thin faces; drops no narrow ones",
+        departs: "keeps and trims windows beside thin faces and at junctions; drops no narrow ones",
         complexity: "time O(n^2), space O(n)",
         keeps: "one level of the tree and one record for each angle",
         choose: "to study the origin of the other CH kinds, on models of up to about 10,000 faces",
         comfortable_faces: Some(10_000),
+        crosses_junctions: true,
         build: |mesh, values| single(ch(mesh), mesh, values),
         ..Algorithm::EXACT
     },
@@ -37,6 +38,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         complexity: "time O(n^2), space O(n)",
         keeps: "the windows in the queue and one record for each angle",
         choose: "to see the effect of the filter without a priority queue",
+        crosses_junctions: true,
         build: |mesh, values| single(ich1(mesh), mesh, values),
         ..Algorithm::EXACT
     },
@@ -45,11 +47,12 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         family: "ch-family",
         paper: "Chen, Han 1990; Xin, Wang 2009, sections 3.2 and 3.3",
         summary: "ich1 with the nearest windows first",
-        departs: "the margin of the filter is relative, so that rounding never deletes one of two equal paths; keeps and trims windows beside thin faces; drops no narrow windows",
+        departs: "the margin of the filter is relative, so that rounding never deletes one of two equal paths; keeps and trims windows beside thin faces and at junctions; drops no narrow windows",
         complexity: "time O(n^2 log n), space O(n^2)",
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with published figures of ICH; ich-fast takes the same windows in half the time",
         parameters: &[QUEUE, THRESHOLD],
+        crosses_junctions: true,
         build: |mesh, values| {
             with_queue!(&QUEUE, mesh, values, |queue| {
                 single(ich_from(mesh, queue), mesh, values)
@@ -68,6 +71,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         keeps: "the windows of the wavefront and one record for each angle",
         choose: "to compare pvtp with the parallel algorithm of the papers",
         parameters: &[THREADS, BUCKET],
+        crosses_junctions: true,
         build: |mesh, values| {
             let bucket = values.real(&BUCKET);
             Box::new(Pch::with_bucket(mesh, values.threads(), bucket))
@@ -89,6 +93,7 @@ pub(crate) const FAST: &[Algorithm] = &[Algorithm {
     keeps: "the windows in the queue and one record for each angle",
     choose: "to measure what queue and vector code save without any change of the windows",
     parameters: &[SIMD, THRESHOLD],
+    crosses_junctions: true,
     build: |mesh, values| single(ich_fast(mesh), mesh, values),
     ..Algorithm::EXACT
 }];

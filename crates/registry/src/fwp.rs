@@ -101,6 +101,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         keeps: "the windows in the buckets and one record for each angle",
         choose: "instead of ich: the same windows in less time",
         parameters: BUCKET_PARAMETERS,
+        crosses_junctions: true,
         build: |mesh, values| single(fwp_ch(mesh, buckets(values)), mesh, values),
         ..Algorithm::EXACT
     },
@@ -137,6 +138,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         keeps: "the windows in the queue and one record for each angle",
         choose: "to compare with fwp-ch",
         parameters: &[BETA, THRESHOLD],
+        crosses_junctions: true,
         build: |mesh, values| single(lc_ch(mesh, label_correcting(values)), mesh, values),
         ..Algorithm::EXACT
     },
@@ -149,6 +151,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         departs: "as ich",
         keeps: "the windows of the wavefront and one record for each angle",
         choose: "to separate the effect of VTP's order from that of its rules",
+        crosses_junctions: true,
         build: |mesh, values| single(vtp_ch(mesh), mesh, values),
         ..Algorithm::EXACT
     },

@@ -4,7 +4,6 @@ use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, Splice, VertexId};
 
 use crate::origins::Way;
 use crate::prefetch::prefetch;
-#[cfg(doc)]
 use crate::window::Window;
 
 /// A triangle seen from one of its half-edges: tail A at the origin, head B at `(l, 0)`, apex C
@@ -274,6 +273,19 @@ pub struct Entrance {
     /// Whether it has the direction opposite to that of the gate, so that windows are
     /// [mirrored](Window::mirrored).
     pub mirrored: bool,
+}
+
+impl Entrance {
+    /// A window at the gate, whose length is `l`, in the frame of this half-edge; `None` if
+    /// rounding leaves nothing of it.
+    pub fn carry(&self, window: &Window, l: f64) -> Option<Window> {
+        let carried = if self.mirrored {
+            window.mirrored(l)
+        } else {
+            *window
+        };
+        (carried.b0 < carried.b1).then_some(carried)
+    }
 }
 
 impl Faces {

@@ -117,22 +117,21 @@ impl Trimming {
         }
         let mut kept = false;
         for entrance in entrances {
+            let Some(window) = entrance.carry(&arrival.window, arrival.edge.length) else {
+                continue;
+            };
+            let edge = if entrance.mirrored {
+                arrival.edge.mirrored()
+            } else {
+                arrival.edge
+            };
             let own = Arrival {
                 h: entrance.half_edge,
+                window,
+                edge,
                 ..*arrival
             };
-            let own = if entrance.mirrored {
-                Arrival {
-                    window: arrival.window.mirrored(arrival.edge.length),
-                    edge: arrival.edge.mirrored(),
-                    ..own
-                }
-            } else {
-                own
-            };
-            if own.window.b0 < own.window.b1 {
-                kept |= self.arrive(&own, surface, queue, probe);
-            }
+            kept |= self.arrive(&own, surface, queue, probe);
         }
         Some(kept)
     }

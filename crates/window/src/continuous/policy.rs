@@ -217,17 +217,17 @@ pub trait Policy: Send {
         [Some(inherited); 2]
     }
 
-    /// As [`arrive`](Self::arrive), for a policy that [foresees](Self::FORESEES). Returns the id
-    /// under which the window waits, or `None` if no part of it is left.
+    /// As [`arrive`](Self::arrive), for a policy that [foresees](Self::FORESEES).
     #[inline]
     fn admit<P: Probe>(
         &mut self,
         child: &Child<Self::Lineage>,
         surface: &Surface,
+        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
         probe: &mut P,
-    ) -> Option<u32> {
-        let _ = (child, surface, probe);
-        None
+    ) -> bool {
+        let _ = (child, surface, queue, probe);
+        false
     }
 
     /// Prefetches the memory of window `id` on `h`, which is likely to be taken soon. Reads

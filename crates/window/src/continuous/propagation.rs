@@ -537,11 +537,11 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
             label,
             is_beaten: child.is_beaten(distances),
         };
-        let waits = self.policy.admit(&child, &self.surface, probe);
-        if let Some(id) = waits {
+        let mut push = |h: HalfEdgeId, label: f64, id: u32, probe: &mut P| {
             self.queue.push(label, Event::window(h, id), probe);
-        }
-        probe.add(Counter::Kept, u64::from(waits.is_some()));
+        };
+        let kept = (self.policy).admit(&child, &self.surface, &mut push, probe);
+        probe.add(Counter::Kept, u64::from(kept));
         probe.enter(Phase::Propagation);
     }
 

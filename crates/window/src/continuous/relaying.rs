@@ -100,9 +100,10 @@ impl<W: Policy> Policy for Relaying<W> {
         &mut self,
         child: &Child<Self::Lineage>,
         surface: &Surface,
+        queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
         probe: &mut P,
-    ) -> Option<u32> {
-        self.0.admit(child, surface, probe)
+    ) -> bool {
+        self.0.admit(child, surface, queue, probe)
     }
 
     #[inline]

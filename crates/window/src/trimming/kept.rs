@@ -1,4 +1,4 @@
-//! Windows stored beside thin faces, to end those that wind around a needle.
+//! Windows stored beside thin faces, to end those that wind around a needle, and at junctions.
 
 use geobench_mesh::{HalfEdgeId, Mesh, Splice};
 
@@ -9,13 +9,17 @@ use crate::blocks::BlockLists;
 use crate::precision::MARGIN;
 use crate::window::Window;
 
-/// The windows that have arrived at the half-edges of thin faces, for algorithms that store none.
+/// The windows that have arrived at the half-edges of thin faces and along
+/// [junctions](Mesh::junction), for algorithms that store none.
 ///
 /// No shortest path crosses an edge twice, but a window that winds around a needle does. The vertex
 /// filter deletes it once it is longer than a path along an edge. On a thin needle the difference
 /// never exceeds rounding. MMP ends such a window when it arrives at a half-edge for the second
 /// time: the stored window is as short, and among equal windows the stored one stays. This type
 /// does the same on the half-edges of thin faces, which few meshes have.
+///
+/// At a junction, windows come over several sheets. If the sheets are isometric, windows come in
+/// equal copies, whose number would double from junction to junction. The first of them stays.
 ///
 /// ```
 /// use geobench_mesh::{HalfEdgeId, Mesh, Splice};
@@ -32,9 +36,11 @@ use crate::window::Window;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct KeptWindows {
-    /// The list of each half-edge, by its number; `NO_LIST` if it has none. Empty if no face is
-    /// thin.
+    /// The list of each half-edge, by its number; `NO_LIST` if it has none, [`GATE`] for gates.
+    /// Empty if there is no list.
     lists: Vec<u32>,
+    /// Where gates begin in `lists`.
+    first_gate: usize,
     /// The length of the half-edge of each list.
     lengths: Vec<f64>,
     /// The windows of each list.
@@ -50,6 +56,9 @@ pub struct KeptWindows {
 
 const NO_LIST: u32 = u32::MAX;
 
+/// Gates have no list, but are [held](KeptWindows::holds), so that one test finds both.
+const GATE: u32 = NO_LIST - 1;
+
 /// What is noted about the windows that wait on a half-edge.
 #[derive(Clone, Copy, Debug, Default)]
 struct ListNote {
@@ -61,19 +70,35 @@ struct ListNote {
 
 impl KeptWindows {
     /// Empty lists for `mesh`. `number` gives the number of each half-edge, which is less than
-    /// `numbers`. O(faces).
+    /// `numbers`; [gates](crate::Faces::with_gates) follow. O(faces).
     pub fn new(mesh: &Mesh, numbers: usize, number: impl Fn(HalfEdgeId) -> usize) -> Self {
         let mut kept = Self::default();
         let thin = ThinFaces::of(mesh, numbers, &number);
-        for h in mesh.half_edges().filter(|&h| thin.is_beside(number(h))) {
-            kept.lists.resize(numbers, NO_LIST);
-            kept.add(number(h), mesh.length(h));
+        let mut doubt = thin.doubt();
+        for h in mesh.half_edges() {
+            let is_at_junction = mesh.has_junctions() && mesh.junction_side(h).is_some();
+            if is_at_junction {
+                doubt = doubt.max(MARGIN * mesh.length(h));
+            }
+            if is_at_junction || thin.is_beside(number(h)) {
+                kept.lists.resize(numbers, NO_LIST);
+                kept.add(number(h), mesh.length(h));
+            }
         }
+        kept.add_gates(mesh, numbers);
         kept.kept = BlockLists::new(kept.lengths.len(), 0);
-        kept.set_doubt(thin.doubt());
-        kept.own = (kept.lengths.len(), thin.doubt());
+        kept.set_doubt(doubt);
+        kept.own = (kept.lengths.len(), doubt);
         kept.limits = thin.without_half_edges();
         kept
+    }
+
+    fn add_gates(&mut self, mesh: &Mesh, numbers: usize) {
+        self.first_gate = numbers;
+        let gates = mesh.junction_sides().len();
+        if gates > 0 {
+            self.lists.resize(numbers + gates, GATE);
+        }
     }
 
     fn add(&mut self, h: usize, length: f64) {
@@ -96,6 +121,7 @@ impl KeptWindows {
     ) {
         let (own, own_doubt) = self.own;
         self.lengths.truncate(own);
+        self.lists.truncate(self.first_gate);
         let mut doubt = own_doubt;
         if own == 0 {
             self.lists.clear();
@@ -106,7 +132,8 @@ impl KeptWindows {
             .faces()
             .flat_map(|f| [0, 1, 2].map(|k| f.half_edge(k)))
         {
-            let beside = self.limits.is_beside_on(mesh, h);
+            let is_at_junction = mesh.junction_side(h).is_some();
+            let beside = is_at_junction || self.limits.is_beside_on(mesh, h);
             if beside && self.lists.is_empty() {
                 self.lists.resize(numbers, NO_LIST);
             }
@@ -123,34 +150,35 @@ impl KeptWindows {
                     None => self.lists[i] = NO_LIST,
                 }
             }
-            if self.limits.is_thin_on(mesh, h) {
+            if is_at_junction || self.limits.is_thin_on(mesh, h) {
                 doubt = doubt.max(MARGIN * mesh.length(h));
             }
         }
+        self.add_gates(mesh, numbers);
         self.kept.set_count(self.lengths.len(), 0);
         self.kept.clear();
         self.set_doubt(doubt);
     }
 
-    /// Whether no face is thin. Then no window is stored, and calls of the other methods can be
-    /// skipped.
+    /// Whether no face is thin and there is no junction. Then no window is stored, and calls of the
+    /// other methods can be skipped.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.lists.is_empty()
     }
 
-    /// As [`ThinFaces::doubt`], for the stored windows.
+    /// As [`ThinFaces::doubt`], for the stored windows: those along junctions as well.
     #[inline]
     pub fn doubt(&self) -> f64 {
         self.doubt
     }
 
     /// The distance from which on the margin of the vertex filter covers the [doubt](Self::doubt);
-    /// 0 if no face is thin.
+    /// 0 if no window is stored.
     ///
     /// A window at distance d is deleted only if it is beaten by [`MARGIN`] of d/2, or by d/2
-    /// itself. From four times the longest side of a thin face on, both are at least twice the
-    /// doubt.
+    /// itself. From four times the longest side of a thin face, or of a junction, on, both are at
+    /// least twice the doubt.
     #[inline]
     pub fn reach(&self) -> f64 {
         self.reach
@@ -162,16 +190,16 @@ impl KeptWindows {
         !self.is_empty() && self.limits.has_tip()
     }
 
-    /// Whether windows that arrive at half-edge number `h` are stored.
+    /// Whether windows that arrive at half-edge number `h` are stored, or `h` is a gate.
     #[inline]
     pub fn holds(&self, h: usize) -> bool {
-        self.list(h).is_some()
+        self.lists.get(h).is_some_and(|&list| list != NO_LIST)
     }
 
     /// The list of half-edge number `h`.
     #[inline]
     fn list(&self, h: usize) -> Option<usize> {
-        let list = self.lists.get(h).filter(|&&list| list != NO_LIST)?;
+        let list = self.lists.get(h).filter(|&&list| list < GATE)?;
         Some(*list as usize)
     }
 
@@ -195,8 +223,8 @@ impl KeptWindows {
     }
 
     /// Stores `new`, which arrives at half-edge number `h`, and returns the part of it to
-    /// propagate; `None` if no part is needed. Returns `new` unchanged if `h` is not beside a thin
-    /// face. O(k) for k windows stored there.
+    /// propagate; `None` if no part is needed. Returns `new` unchanged if `h` is not
+    /// [held](Self::holds). O(k) for k windows stored there.
     ///
     /// The returned part must be propagated, even if a shorter path to its root has been found
     /// since: it may have replaced an equal window.
@@ -251,7 +279,7 @@ impl KeptWindows {
     }
 
     /// Whether later windows have replaced all of `waiting`, which waits on half-edge number `h`.
-    /// False if `h` is not beside a thin face, and where windows [were received](Self::receive).
+    /// False if `h` is not [held](Self::holds), and where windows [were received](Self::receive).
     /// O(k) for k windows stored there.
     ///
     /// It then need not cross. The windows in its place are shorter, and cross instead, unless they

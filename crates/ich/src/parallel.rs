@@ -15,9 +15,9 @@ use rayon::slice::{ParallelSlice, ParallelSliceMut};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::angle::{Angles, Split};
-use crate::route::Routes;
+use crate::route::{Route, Routes};
 use crate::splitting::{is_beaten_beside_thin_faces, is_stale};
-use crate::tree::{Guard, Lineage};
+use crate::tree::Lineage;
 
 /// The largest number of threads.
 const MOST_THREADS: usize = 1024;
@@ -144,25 +144,25 @@ impl Pch {
             self.put(waiting);
             return true;
         }
-        let crossed = (self.routes).cross(h, &window, lineage.route, &self.surface);
+        let route = lineage.route();
+        let crossed = (self.routes).cross(h, &window, route, &self.surface);
         let Some(crossed) = crossed.map(Iterator::collect::<Vec<_>>) else {
-            return self.store(waiting);
+            return self.store(waiting, route);
         };
         let mut kept = false;
         for (h, window, route) in crossed {
-            let lineage = Lineage { route, ..lineage };
-            kept |= self.store(WaitingWindow { h, window, lineage });
+            kept |= self.store(WaitingWindow { h, window, lineage }, route);
         }
         kept
     }
 
     /// Stores the part of a window that is shorter than those stored before, and lets it wait.
-    fn store(&mut self, mut waiting: WaitingWindow) -> bool {
+    fn store(&mut self, mut waiting: WaitingWindow, route: Route) -> bool {
         let Some(part) = self.kept.admit(waiting.h.index(), &waiting.window) else {
             return false;
         };
         waiting.window = part;
-        waiting.lineage.level.go_on();
+        waiting.lineage.go_on(route);
         self.put(waiting);
         true
     }
@@ -246,7 +246,7 @@ impl Pch {
             probe.reach(apex, h.prev(), way);
         }
         if step.kind == CrossingKind::Covers {
-            step.angle = self.angles.number(h, waiting.lineage.route);
+            step.angle = self.angles.number(h, waiting.lineage.route());
             step.kind = match self.angles.split(step.angle, step.d, step.entry) {
                 Split::Occupies => CrossingKind::Occupies,
                 Split::Ties => CrossingKind::Covers,
@@ -408,11 +408,11 @@ impl TaskChildren {
                 Side::Left => crossing.left_child(&exit),
                 Side::Right => crossing.right_child(&exit),
             };
-            let guard = match step.kind {
-                CrossingKind::Occupies => Guard::new(step.angle, step.entry, side),
-                _ => inherited.guard,
+            let lineage = match step.kind {
+                CrossingKind::Occupies => inherited.split(step.angle, step.entry, side),
+                _ => inherited,
             };
-            self.send(child, &exit, Lineage { guard, ..inherited }, surface, kept);
+            self.send(child, &exit, lineage, surface, kept);
         }
     }
 

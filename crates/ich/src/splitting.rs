@@ -3,14 +3,15 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh, Splice, VertexId};
 use geobench_window::continuous::{Arrival, Child, Dequeued, Policy, Surface};
+use geobench_window::precision::MARGIN;
 use geobench_window::trimming::KeptWindows;
 use geobench_window::{
     Counter, Crossing, Phase, Probe, Side, VertexFilter, Window, is_beaten_from_ends,
 };
 
 use crate::angle::{Angles, Split};
-use crate::route::Routes;
-use crate::tree::{Guard, Leaf, Leaves, Lineage};
+use crate::route::{Route, Routes};
+use crate::tree::{Leaf, Leaves, Lineage};
 
 /// The policy of the CH family: one angle, one split, with or without the vertex filter.
 ///
@@ -107,18 +108,19 @@ impl<const JOINT: bool> Splitting<JOINT> {
     /// Admits a window at a gate or at a half-edge where windows are stored.
     #[cold]
     #[inline(never)]
+    #[allow(clippy::large_types_passed_by_value)] // Keeps the caller's value in registers.
     fn admit_held<P: Probe>(
         &mut self,
-        child: &Child<Lineage>,
+        child: Child<Lineage>,
         surface: &Surface,
         queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
         probe: &mut P,
     ) -> bool {
         let Child {
             h, window, lineage, ..
-        } = *child;
-        let Some(crossed) = self.routes.cross(h, &window, lineage.route, surface) else {
-            return self.store(child, queue, probe);
+        } = child;
+        let Some(crossed) = self.routes.cross(h, &window, lineage.route(), surface) else {
+            return self.store(&child, lineage.route(), queue, probe);
         };
         // Without the filter, windows that turn back into another sheet would go all the way back.
         if self.filter == VertexFilter::Off
@@ -129,14 +131,8 @@ impl<const JOINT: bool> Splitting<JOINT> {
         }
         let mut kept = false;
         for (h, window, route) in crossed {
-            let lineage = Lineage { route, ..lineage };
-            let child = Child {
-                h,
-                window,
-                lineage,
-                ..*child
-            };
-            kept |= self.store(&child, queue, probe);
+            let child = Child { h, window, ..child };
+            kept |= self.store(&child, route, queue, probe);
         }
         kept
     }
@@ -146,6 +142,7 @@ impl<const JOINT: bool> Splitting<JOINT> {
     fn store<P: Probe>(
         &mut self,
         child: &Child<Lineage>,
+        route: Route,
         queue: &mut impl FnMut(HalfEdgeId, f64, u32, &mut P),
         probe: &mut P,
     ) -> bool {
@@ -154,7 +151,7 @@ impl<const JOINT: bool> Splitting<JOINT> {
             return false;
         };
         let mut lineage = child.lineage;
-        lineage.level.go_on();
+        lineage.go_on(route);
         let part = Child {
             window,
             lineage,
@@ -182,9 +179,18 @@ pub(crate) fn is_stale(
     kept: &KeptWindows,
 ) -> bool {
     if lineage.level.goes_on() {
-        return kept.has_replaced(h.index(), window);
+        return kept.has_replaced(h.index(), window)
+            || has_come_nearer(lineage.root, window, surface, kept);
     }
     (surface.distance(lineage.root) < window.sigma) | angles.cuts_off(&lineage.guard)
+}
+
+/// Whether the root of `window` has come nearer by more than rounding. Then the windows that were
+/// dropped as equal to this one are needed no more than it is.
+#[cold]
+fn has_come_nearer(root: VertexId, window: &Window, surface: &Surface, kept: &KeptWindows) -> bool {
+    let farthest = window.distance(window.b0).max(window.distance(window.b1));
+    surface.distance(root) + MARGIN * farthest + kept.doubt() < window.sigma
 }
 
 /// Whether a beaten window is beaten by more than the doubt beside thin faces and junctions.
@@ -299,7 +305,7 @@ impl<const JOINT: bool> Policy for Splitting<JOINT> {
             return false;
         }
         if self.kept.holds(child.h.index()) {
-            return self.admit_held(child, surface, queue, probe);
+            return self.admit_held(*child, surface, queue, probe);
         }
         self.wait(child, queue, probe);
         true
@@ -382,12 +388,11 @@ impl<const JOINT: bool> Policy for Splitting<JOINT> {
         d: f64,
         inherited: Lineage,
     ) -> [Option<Lineage>; 2] {
-        let angle = self.angles.number(angle, inherited.route);
+        let angle = self.angles.number(angle, inherited.route());
         match self.angles.split(angle, d, entry) {
-            Split::Occupies => [Side::Left, Side::Right].map(|side| {
-                let guard = Guard::new(angle, entry, side);
-                Some(Lineage { guard, ..inherited })
-            }),
+            Split::Occupies => {
+                [Side::Left, Side::Right].map(|side| Some(inherited.split(angle, entry, side)))
+            }
             Split::Ties => [Some(inherited); 2],
             Split::Only(Side::Left) => [Some(inherited), None],
             Split::Only(Side::Right) => [None, Some(inherited)],

@@ -8,10 +8,7 @@ use crate::route::Route;
 
 /// The nearest split above a window. If another window has occupied that angle since, the subtree
 /// on its far side is dead.
-///
-/// Packed, so that a [`Leaf`] fits into a cache line.
 #[derive(Clone, Copy, Debug)]
-#[repr(packed(4))]
 pub(crate) struct Guard {
     /// The fraction of the half-edge at which the split window's ray to the apex entered.
     entry: f64,
@@ -36,6 +33,14 @@ impl Guard {
         Self {
             entry,
             place: 2 * angle + side,
+        }
+    }
+
+    /// In place of the guard of a window that needs none: its route.
+    const fn of_route(route: Route) -> Self {
+        Self {
+            entry: f64::NAN,
+            place: route.0,
         }
     }
 
@@ -83,12 +88,6 @@ impl Level {
     pub(crate) fn goes_on(self) -> bool {
         self.0 & Self::GOES_ON != 0
     }
-
-    /// Makes the window and its descendants go on.
-    #[inline]
-    pub(crate) fn go_on(&mut self) {
-        self.0 |= Self::GOES_ON;
-    }
 }
 
 /// The data that decides whether a window is stale when it leaves the queue.
@@ -97,7 +96,7 @@ pub struct Lineage {
     /// The (pseudo-)source.
     pub(crate) root: VertexId,
     pub(crate) level: Level,
-    pub(crate) route: Route,
+    /// Of a window that [goes on](Level::goes_on), its [route](Guard::of_route).
     pub(crate) guard: Guard,
 }
 
@@ -107,9 +106,36 @@ impl Lineage {
         Self {
             root,
             level: Level::ROOT,
-            route: Route::DIRECT,
             guard: Guard::NONE,
         }
+    }
+
+    /// The route of the window. All that have crossed a junction go on.
+    #[inline]
+    pub(crate) fn route(&self) -> Route {
+        if self.level.goes_on() {
+            Route(self.guard.place)
+        } else {
+            Route::DIRECT
+        }
+    }
+
+    /// The lineage of the child on one side of a window that occupies `angle`.
+    #[inline]
+    #[must_use]
+    pub(crate) fn split(self, angle: u32, entry: f64, side: Side) -> Self {
+        if self.level.goes_on() {
+            return self;
+        }
+        let guard = Guard::new(angle, entry, side);
+        Self { guard, ..self }
+    }
+
+    /// Makes the window, which has come by `route`, and its descendants go on.
+    #[inline]
+    pub(crate) fn go_on(&mut self, route: Route) {
+        self.level.0 |= Level::GOES_ON;
+        self.guard = Guard::of_route(route);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use geobench_mesh::{FaceId, Mesh, SplitMix64, SurfacePoint, Tolerance, TriangleSoup, VertexId};
 use geobench_oracle::nasty;
-use geobench_registry::{Selection, select, select_one};
+use geobench_registry::{Selection, select};
 use geobench_window::{Goal, Origin, Solver, at_points, precision};
 
 /// A vertex, or a point on an edge or in a face; one in three is close to a corner.
@@ -172,15 +172,15 @@ fn points_on_junctions_are_inserted_in_place() {
     }
     let mesh = Mesh::new(positions, triangles).unwrap();
     assert!(mesh.has_junctions());
-    for name in [
-        "mmp-fast", "mmp", "mmp-edge", "fwp-mmp", "lc-mmp", "vtp-mmp",
-    ] {
+    let crossing = exact().into_iter().filter(Selection::crosses_junctions);
+    let crossing: Vec<Selection> = crossing.collect();
+    assert!(crossing.len() >= 14);
+    for selection in &crossing {
         let mut random = SplitMix64::new(5);
         for round in 0..10 {
-            let selection = select_one(name).unwrap();
             assert!(check(
                 &format!("round {round}"),
-                &selection,
+                selection,
                 &mesh,
                 &mut random
             ));

@@ -381,6 +381,27 @@ mod tests {
     }
 
     #[test]
+    fn windows_are_kept_along_junctions_and_gates_are_held() {
+        let positions = vec![
+            [0.0; 3],
+            [1.0, 0.0, 0.0],
+            [0.5, 1.0, 0.0],
+            [0.5, -1.0, 0.0],
+            [0.5, 0.0, 1.0],
+        ];
+        let mesh = Mesh::new(positions, vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]]).unwrap();
+        let mut kept = kept(&mesh);
+        let held: Vec<usize> = (0..13).filter(|&h| kept.holds(h)).collect();
+        assert_eq!(held, [0, 3, 6, 9, 10, 11]);
+        assert_eq!(kept.admit(3, &WINDOW), Some(WINDOW));
+        assert_eq!(kept.admit(3, &WINDOW), None);
+        assert_eq!(kept.admit(6, &WINDOW), Some(WINDOW));
+        for gate in [9, 9] {
+            assert_eq!(kept.admit(gate, &WINDOW), Some(WINDOW));
+        }
+    }
+
+    #[test]
     fn a_window_that_comes_again_goes_on_once() {
         let mut kept = kept(&mesh(1e-5));
         assert_eq!(kept.admit(0, &WINDOW), Some(WINDOW));

@@ -61,8 +61,8 @@ impl Guard {
 }
 
 /// The triangles that a window has crossed since its root. The highest bit tells that the window
-/// goes on whatever becomes of its root and its guard: beside a thin face or at a junction, it or a
-/// window above it has been stored in the place of equal ones.
+/// goes on whatever becomes of its guard: beside a thin face or at a junction, it or a window above
+/// it has been stored in the place of equal ones.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Level(u32);
 

@@ -136,7 +136,7 @@
 //! Lengths do not distinguish a path from one that winds around a thin needle, so no filter of
 //! lengths ends such windows: without trimming they wind on for millions of crossings. Trimming
 //! ends them, since a window that arrives at an edge for the second time is no shorter. So
-//! algorithms that store no windows store those beside thin faces
+//! algorithms that store no windows store those beside thin faces, and at junctions,
 //! ([`KeptWindows`](crate::trimming::KeptWindows)), and those that store windows but do not filter
 //! them filter there ([`ThinFaces`](crate::trimming::ThinFaces)).
 //!
@@ -156,7 +156,8 @@
 //!
 //! Of two equal windows, the one that is dropped may be that of a better path to a root, or of the
 //! occupant of an angle. So a window that has been stored there is not stale, nor are its
-//! descendants. Elsewhere windows are given up as usual, on the same mesh. Only windows that shorter
+//! descendants, unless its root has come nearer by more than [`MARGIN`] of the distance and of the
+//! sides there: then those that were dropped for it are as stale. Elsewhere windows are given up as usual, on the same mesh. Only windows that shorter
 //! ones [have replaced](crate::trimming::KeptWindows::has_replaced) altogether do not cross: what is
 //! stored instead crosses, and stands for the same windows.
 //!

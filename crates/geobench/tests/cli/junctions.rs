@@ -170,7 +170,7 @@ fn what_is_named_fails_also_beside_its_family() {
     let outcome = sandbox.call("run book.obj --algo mmp,vtp,vtp-family --repeat 1 -o r.json");
     assert_eq!(outcome.code, 2, "{}", outcome.stderr);
     let (algorithms, _) = cells_and_notes(&sandbox.json("r.json"), "book");
-    assert_eq!(algorithms, ["mmp", "vtp", "vtp-mmp"]);
+    assert_eq!(algorithms, ["mmp", "vtp", "vtp-mmp", "vtp-ch"]);
     let verified = sandbox.call("verify book.obj --algo mmp,vtp,vtp-family");
     assert_eq!(verified.code, 1);
     assert!(
@@ -187,7 +187,7 @@ fn what_is_named_fails_also_beside_its_family() {
     let outcome = sandbox.call("run book.obj --algo voronoi-family --repeat 1");
     assert_eq!(outcome.code, 2, "{}", outcome.stderr);
     assert!(
-        outcome.stderr.contains("Voronoi diagrams and remeshing"),
+        outcome.stderr.contains("use mmp-fast"),
         "{}",
         outcome.stderr
     );
@@ -256,5 +256,5 @@ fn parts_and_continued_runs_leave_out_the_same() {
     let outcome = sandbox.call("run book.obj --algo ftp,mmp --repeat 1 --add-to grown.json");
     assert_eq!(outcome.code, 2, "{}", outcome.stderr);
     let (algorithms, _) = cells_and_notes(&sandbox.json("grown.json"), "book");
-    assert_eq!(algorithms, ["mmp", "vtp-mmp", "ftp"]);
+    assert_eq!(algorithms, ["mmp", "vtp-mmp", "vtp-ch", "ftp"]);
 }

@@ -46,7 +46,7 @@ pub(crate) enum Split {
 /// has another number for each of their routes.
 #[derive(Clone, Debug)]
 pub(crate) struct Angles {
-    angles: Vec<Angle>,
+    occupants: Vec<Angle>,
     half_edges: usize,
     /// The numbers from `half_edges` on.
     beyond_junctions: HashMap<(HalfEdgeId, Route), u32>,
@@ -55,7 +55,7 @@ pub(crate) struct Angles {
 impl Angles {
     pub(crate) fn new(half_edges: usize) -> Self {
         Self {
-            angles: vec![Angle::FREE; half_edges],
+            occupants: vec![Angle::FREE; half_edges],
             half_edges,
             beyond_junctions: HashMap::new(),
         }
@@ -64,20 +64,20 @@ impl Angles {
     /// Changes the number of half-edges. The next [`clear`](Self::clear) frees their angles.
     pub(crate) fn resize(&mut self, half_edges: usize) {
         self.half_edges = half_edges;
-        self.angles.resize(half_edges, Angle::FREE);
+        self.occupants.resize(half_edges, Angle::FREE);
     }
 
     pub(crate) fn clear(&mut self) {
         self.clear_beyond_junctions();
-        self.angles.fill(Angle::FREE);
+        self.occupants.fill(Angle::FREE);
     }
 
     pub(crate) fn clear_at(&mut self, h: HalfEdgeId) {
-        self.angles[h.index()] = Angle::FREE;
+        self.occupants[h.index()] = Angle::FREE;
     }
 
     pub(crate) fn clear_beyond_junctions(&mut self) {
-        self.angles.truncate(self.half_edges);
+        self.occupants.truncate(self.half_edges);
         self.beyond_junctions.clear();
     }
 
@@ -94,10 +94,10 @@ impl Angles {
     #[cold]
     #[inline(never)]
     fn number_beyond_junctions(&mut self, h: HalfEdgeId, route: Route) -> u32 {
-        let angles = &mut self.angles;
+        let occupants = &mut self.occupants;
         *self.beyond_junctions.entry((h, route)).or_insert_with(|| {
-            angles.push(Angle::FREE);
-            number(angles.len() - 1)
+            occupants.push(Angle::FREE);
+            number(occupants.len() - 1)
         })
     }
 
@@ -114,7 +114,7 @@ impl Angles {
     /// The rays cross in the unfolded plane. They do on the surface if both windows have come by
     /// one route: see `docs/algorithms/junctions.md`.
     pub(crate) fn split(&mut self, angle: u32, d: f64, entry: f64) -> Split {
-        let angle = &mut self.angles[angle as usize];
+        let angle = &mut self.occupants[angle as usize];
         if entry.is_nan() {
             // The side on which the ray lies of other rays is undetermined.
             Split::Ties
@@ -134,7 +134,7 @@ impl Angles {
     /// Prefetches the angle of `guard`.
     #[inline]
     pub(crate) fn announce(&self, guard: &Guard) {
-        prefetch(&self.angles, guard.angle_index());
+        prefetch(&self.occupants, guard.angle_index());
     }
 
     /// Whether the angle of `guard` has a new occupant whose ray cuts off the guarded subtree.
@@ -143,7 +143,7 @@ impl Angles {
     /// occupant is the same, its ray is the same.
     #[inline]
     pub(crate) fn cuts_off(&self, guard: &Guard) -> bool {
-        let angle = &self.angles[guard.angle_index()];
+        let angle = &self.occupants[guard.angle_index()];
         guard.beyond(angle.entry) > TIE
     }
 }

@@ -84,7 +84,7 @@ pub(super) fn push_cells(cells: &Cells, types: &[u32], faces: &mut FaceList) -> 
         match (*kind, corners) {
             // Nothing, vertices and lines.
             (0..=4, _) => {}
-            (5 | 7 | 9, _) => faces.push(corners),
+            (5, [_, _, _]) | (9, [_, _, _, _]) | (7, _) => faces.push(corners),
             (6, _) => faces.push_strip(corners),
             (8, &[a, b, c, d]) => faces.push(&[a, b, d, c]),
             _ => {
@@ -122,6 +122,12 @@ impl Cells {
                 )));
             }
             last = end;
+        }
+        if last as usize != corners.len() {
+            return Err(Flaw::file(format!(
+                "the last cell ends at {last} of {} corners",
+                corners.len()
+            )));
         }
         Ok(Self { corners, ends })
     }
@@ -305,9 +311,12 @@ impl<'a> VtkCursor<'a> {
                 let kind = self.number_type()?;
                 self.indices(count, kind)
             };
-            // The first offset is 0, so that there is one more than cells.
             let mut ends = array(count)?;
             let corners = array(size)?;
+            // The first offset is 0, so that there is one more than cells.
+            if ends.first().is_some_and(|&first| first != 0) {
+                return Err(self.flaw("the first of the offsets is not 0"));
+            }
             ends.drain(..ends.len().min(1));
             return Cells::new(corners, ends);
         }
@@ -327,6 +336,12 @@ impl<'a> VtkCursor<'a> {
             cells.ends.push(cells.corners.len() as u32);
             rest = after;
         }
+        if !rest.is_empty() {
+            return Err(self.flaw(format!(
+                "{} numbers follow the last cell; correct the counts",
+                rest.len()
+            )));
+        }
         Ok(cells)
     }
 
@@ -340,7 +355,12 @@ impl<'a> VtkCursor<'a> {
     fn skip_field(&mut self) -> Result<(), Flaw> {
         self.needed("the name of a field")?;
         for _ in 0..self.count()? {
-            self.needed("the name of an array")?;
+            let name = self.needed("the name of an array")?;
+            if name.eq_ignore_ascii_case(b"METADATA") {
+                // It may follow each array.
+                self.skip_paragraph();
+                self.needed("the name of an array")?;
+            }
             let [components, tuples] = [self.count()?, self.count()?];
             let kind = self.number_type()?;
             let count = components.saturating_mul(tuples);

@@ -364,6 +364,34 @@ fn counts_that_files_cannot_hold_are_refused() {
     ] {
         fails(Format::Vtk, format!("{header}{rest}"), message);
     }
+    // Cells of which a part would be lost.
+    let points = "POINTS 4 int\n0 0 0 1 0 0 1 1 0 0 1 0\n";
+    let grid = header.replace("POLYDATA", "UNSTRUCTURED_GRID");
+    let offsets = |ends: &str| {
+        format!(
+            "{header}{points}POLYGONS 3 6\nOFFSETS vtktypeint64\n{ends}\n\
+             CONNECTIVITY vtktypeint64\n0 1 2 0 2 3\n"
+        )
+    };
+    for (text, message) in [
+        (
+            format!("{header}{points}POLYGONS 1 8\n3 0 1 2 3 0 2 3\n"),
+            "4 numbers follow the last cell",
+        ),
+        (offsets("3 3 6"), "the first of the offsets is not 0"),
+        (offsets("0 3 5"), "the last cell ends at 5 of 6 corners"),
+        (
+            format!("{grid}{points}CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n5\n"),
+            "cell 0, counted from 0, is of type 5 with 4 corners",
+        ),
+        (
+            format!("{grid}{points}CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n9\n"),
+            "cell 0, counted from 0, is of type 9 with 3 corners",
+        ),
+    ] {
+        fails(Format::Vtk, text, message);
+    }
+    assert!(parse(Format::Vtk, offsets("0 3 6")).is_ok());
     fails(
         Format::Vtk,
         "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\n",
@@ -475,6 +503,17 @@ fn polygons_strips_and_pixels_are_cut() {
     let soup = parse(Format::Collada, polygon).unwrap();
     assert_eq!(soup.triangles, [[0, 1, 2], [0, 2, 3]]);
     assert_eq!(soup.file_faces, [0, 0]);
+}
+
+/// VTK writes the properties of an array behind it, also between the arrays of a field.
+#[test]
+fn metadata_may_follow_each_array_of_a_field() {
+    let text = "# vtk DataFile Version 5.1\nx\nASCII\nDATASET POLYDATA\nFIELD FieldData 2\n\
+                TIME 1 1 double\n0.5\nMETADATA\nINFORMATION 1\nNAME RANGE LOCATION vtkDataArray\n\
+                DATA 2 0 1\n\nCYCLE 1 1 int\n3\nMETADATA\nINFORMATION 0\n\n\
+                POINTS 3 int\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\n";
+    let soup = parse(Format::Vtk, text).unwrap();
+    assert_eq!(soup.triangles, [[0, 1, 2]]);
 }
 
 #[test]
@@ -690,4 +729,10 @@ fn numbers_that_name_nothing_and_counts_that_lie_are_refused() {
         let message = format!("{} is 7, and there are", &name[..name.len() - 4]);
         damaged("text VTP", name, &other, &message);
     }
+    damaged(
+        "text VTP",
+        "0 1 2 0 2 3",
+        "0 1 2 0 2 3 1",
+        "the last cell ends at 6 of 7 corners",
+    );
 }

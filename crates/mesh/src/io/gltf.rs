@@ -124,6 +124,15 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Flaw> {
     if word(4).ok_or_else(cut)? != 2 {
         return Err(Flaw::file("this is no binary file of glTF version 2"));
     }
+    let declared = word(8).ok_or_else(cut)?;
+    // What follows the declared length is padding.
+    let bytes = bytes.get(..declared as usize).ok_or_else(|| {
+        Flaw::file(format!(
+            "the file is cut off: it has {} of the {declared} bytes that its header declares; fetch \
+             it again",
+            bytes.len()
+        ))
+    })?;
     let chunk = |at: usize| {
         let length = word(at)? as usize;
         let kind = bytes.get(at + 4..at + 8)?;
@@ -133,13 +142,12 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Flaw> {
     if kind != b"JSON" {
         return Err(Flaw::file("its first chunk is not JSON"));
     }
-    let second = chunk((20 + json.len()).next_multiple_of(4));
-    let declared = word(8).ok_or_else(cut)?;
-    if second.is_none() && declared as usize > bytes.len() {
+    let at = (20 + json.len()).next_multiple_of(4);
+    let second = chunk(at);
+    if second.is_none() && bytes.len() >= at + 8 {
         return Err(Flaw::file(format!(
-            "the file is cut off: it has {} of the {declared} bytes that its header declares; fetch \
-             it again",
-            bytes.len()
+            "its second chunk ends behind the {declared} bytes that its header declares; fetch it \
+             again"
         )));
     }
     let binary = second

@@ -304,6 +304,25 @@ fn a_binary_gltf_that_is_cut_off_is_named() {
         cut,
         &format!("the file is cut off: it has {there} of the {declared} bytes"),
     );
+    // A header that declares another length.
+    let with_length = |length: usize| {
+        let mut file = bytes.clone();
+        file[8..12].copy_from_slice(&(length as u32).to_le_bytes());
+        file
+    };
+    fails(
+        Format::Gltf,
+        with_length(declared + 4),
+        &format!("it has {declared} of the {} bytes", declared + 4),
+    );
+    fails(
+        Format::Gltf,
+        with_length(declared - 4),
+        "its second chunk ends behind",
+    );
+    fails(Format::Gltf, with_length(0), "ends within its header");
+    let padded = [&bytes[..], &[0; 7]].concat();
+    assert!(parse(Format::Gltf, padded).is_ok());
 }
 
 #[test]

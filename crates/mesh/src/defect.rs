@@ -230,6 +230,8 @@ pub enum FileForm {
     NoCount,
     /// A text STL ends without `endsolid`.
     NoEnd,
+    /// A count beside a list is not that of its elements; all are read.
+    OtherCount,
 }
 
 impl fmt::Display for FileForm {
@@ -239,6 +241,7 @@ impl fmt::Display for FileForm {
             Self::MoreNumbers => "more numbers than the header declares; they are ignored",
             Self::NoCount => "the header counts no triangles; those that follow are read",
             Self::NoEnd => "the file ends without endsolid",
+            Self::OtherCount => "a count is not that of the elements that are there; all are read",
         })
     }
 }

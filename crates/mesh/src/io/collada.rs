@@ -15,6 +15,7 @@ use super::error::Flaw;
 use super::faces::FileMesh;
 use super::scene::{Affine, Assembly, DEEPEST, too_deep};
 use super::xml::{self, attribute, child, children, descendants, flaw, needed};
+use crate::defect::FileForm;
 
 /// Reads a COLLADA file whose placed geometries take at most `room` bytes.
 pub(super) fn read(bytes: &[u8], room: u64) -> Result<FileMesh, Flaw> {
@@ -198,8 +199,10 @@ impl<'a, 'd> ColladaFile<'a, 'd> {
                 Some(counts) if kind == "polylist" => xml::numbers(counts)?,
                 _ => Vec::new(),
             };
+            let before = piece.faces.len();
             let holes = children(list, "ph").filter_map(|ph| child(ph, "p"));
-            for indices in children(list, "p").chain(holes) {
+            let lists: Vec<Node<'_, '_>> = children(list, "p").chain(holes).collect();
+            for &indices in &lists {
                 let numbers: Vec<u32> = xml::numbers(indices)?;
                 if !numbers.len().is_multiple_of(stride) {
                     let problem =
@@ -248,8 +251,25 @@ impl<'a, 'd> ColladaFile<'a, 'd> {
                     }
                 }
             }
+            // Strips and fans are counted, not their triangles.
+            let there = match kind {
+                "triangles" | "polylist" => piece.faces.len() - before,
+                _ => lists.len(),
+            };
+            self.compare_count(list, there);
         }
         Ok(piece)
+    }
+
+    /// Notes a count that is not that of the elements `there`. Most programs ignore it.
+    fn compare_count(&mut self, node: Node<'a, 'd>, there: usize) {
+        let count = node
+            .attribute("count")
+            .map(|text| text.trim().parse::<usize>());
+        if count.is_some_and(|count| count != Ok(there)) {
+            let line = node.document().text_pos_at(node.range().start).row;
+            self.scene.note_form(line.into(), FileForm::OtherCount);
+        }
     }
 
     /// The source of positions of `vertices`, an element that names it.
@@ -264,7 +284,9 @@ impl<'a, 'd> ColladaFile<'a, 'd> {
     fn positions(&mut self, source: Node<'a, 'd>) -> Result<Vec<[f64; 3]>, Flaw> {
         let accessor = child(source, "technique_common").and_then(|node| child(node, "accessor"));
         let accessor = accessor.ok_or_else(|| flaw(source, "has no accessor"))?;
-        let numbers: Vec<f64> = xml::numbers(self.target(accessor, "source")?)?;
+        let array = self.target(accessor, "source")?;
+        let numbers: Vec<f64> = xml::numbers(array)?;
+        self.compare_count(array, numbers.len());
         // Any number of geometries may name the same array.
         self.scene.pay(8 * numbers.len() as u64)?;
         let stride = attribute(accessor, "stride")?.unwrap_or(1);

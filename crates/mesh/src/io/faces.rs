@@ -63,9 +63,14 @@ impl FaceList {
         self.notes.push(note);
     }
 
+    /// Number of faces.
+    pub(super) fn len(&self) -> usize {
+        self.triangles.len() + self.arities.len()
+    }
+
     /// Whether there is no face.
     pub(super) fn is_empty(&self) -> bool {
-        self.triangles.is_empty() && self.arities.is_empty()
+        self.len() == 0
     }
 
     /// Whether a face has three corners.

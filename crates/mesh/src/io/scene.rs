@@ -2,7 +2,7 @@
 
 use super::error::Flaw;
 use super::faces::FileMesh;
-use crate::defect::Defect;
+use crate::defect::{Defect, FileForm};
 use crate::vector::{cross, dot, sub};
 
 /// An affine map: rows of three factors and a shift.
@@ -135,6 +135,11 @@ impl Assembly {
     /// Pays for the visit of a node.
     pub(super) fn visit(&mut self) -> Result<(), Flaw> {
         self.pay(64)
+    }
+
+    /// Notes a departure from the format in `line`.
+    pub(super) fn note_form(&mut self, line: u64, form: FileForm) {
+        self.all.faces.note_form(line, form);
     }
 
     /// Allows `bytes` more.

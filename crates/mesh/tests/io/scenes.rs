@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use geobench_mesh::io::{Format, ReadOptions, files_beside, is_mesh_file, read, read_bytes};
-use geobench_mesh::{Defect, TriangleSoup};
+use geobench_mesh::{Defect, FileForm, TriangleSoup};
 
 use crate::parse;
 use crate::scene_samples::{self, three_mf_of};
@@ -693,6 +693,29 @@ fn models_in_other_parts_of_an_archive_are_read() {
     ]);
     let soup = read_bytes(&archive, Format::ThreeMf, Path::new("test")).unwrap();
     assert_eq!(soup.triangles, [[0, 1, 2]]);
+}
+
+#[test]
+fn collada_notes_counts_that_differ() {
+    let samples = scene_samples::all();
+    let sample = samples.iter().find(|sample| sample.0 == "COLLADA");
+    let text = String::from_utf8(sample.unwrap().2.clone()).unwrap();
+    let soup = parse(Format::Collada, &text).unwrap();
+    assert!(soup.notes.is_empty(), "{:?}", soup.notes);
+    for (from, to, line) in [
+        ("count=\"12\"", "count=\"15\"", 5),
+        ("<polylist count=\"1\"", "<polylist count=\"2\"", 7),
+        ("<triangles count=\"1\"", "<triangles count=\"\"", 8),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let other = parse(Format::Collada, text.replacen(from, to, 1)).unwrap();
+        assert_eq!(other.triangles, soup.triangles);
+        let form = FileForm::OtherCount;
+        assert_eq!(other.notes, [Defect::FileForm { line, form }], "{from}");
+    }
+    let strips = collada("<node><instance_geometry url=\"#g\"/></node>")
+        .replace("<trifans>", "<trifans count=\"1\">");
+    assert!(parse(Format::Collada, strips).unwrap().notes.is_empty());
 }
 
 /// What is no number was passed over, so that another surface was read.

@@ -41,7 +41,7 @@ fn read_statements(bytes: &[u8]) -> Result<FileMesh, Flaw> {
                 faces.push(&corners);
             }
             // Skipped as an unknown statement, a vertex would shift the numbers of all later ones.
-            Some([b'v' | b'f', second, ..]) if !second.is_ascii_alphabetic() => {
+            Some(word) if is_misspelt(word) => {
                 return Err(Flaw::line(
                     line,
                     format!(
@@ -61,7 +61,8 @@ fn read_statements(bytes: &[u8]) -> Result<FileMesh, Flaw> {
 ///
 /// One further number must be 1: a weight, by which some programs divide (Assimp, tobj) and which
 /// others ignore (`MeshLab`, tinyobjloader), so that any other one has two meanings. Two or more
-/// further numbers are a colour, which is ignored. If there are two numbers only, the third is 0.
+/// further numbers are a colour, which is ignored; other words may be a vertex that would be lost.
+/// If there are two numbers only, the third is 0.
 fn position(line: u64, mut words: Words<'_>, faces: &mut FaceList) -> Result<[f64; 3], Flaw> {
     if words.clone().count() == 2 {
         let mut numbers = words.by_ref().map(|word| number(line, word));
@@ -71,12 +72,14 @@ fn position(line: u64, mut words: Words<'_>, faces: &mut FaceList) -> Result<[f6
         }
     }
     let position = coordinates(line, &mut words)?;
-    let (Some(weight), None) = (words.next(), words.next()) else {
+    let mut only = None;
+    for (place, word) in words.enumerate() {
+        let number = number(line, word)?;
+        only = (place == 0).then_some((word, number));
+    }
+    let Some((weight, _)) = only.filter(|&(_, number)| number != 1.0) else {
         return Ok(position);
     };
-    if number(line, weight)? == 1.0 {
-        return Ok(position);
-    }
     Err(Flaw::line(
         line,
         format!(
@@ -85,6 +88,15 @@ fn position(line: u64, mut words: Words<'_>, faces: &mut FaceList) -> Result<[f6
             shown(weight)
         ),
     ))
+}
+
+/// Whether a keyword is `v` or `f` without a blank behind it, as a capital letter, or beside
+/// characters that are not seen.
+fn is_misspelt(word: &[u8]) -> bool {
+    let is_glued = matches!(word, [b'v' | b'f', second, ..] if !second.is_ascii_alphabetic());
+    let mut seen = word.iter().filter(|byte| byte.is_ascii_graphic());
+    let is_letter = matches!(seen.next(), Some(b'v' | b'V' | b'f' | b'F'));
+    is_glued || is_letter && seen.next().is_none()
 }
 
 /// The vertex of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, or what is wrong with it. Negative
@@ -108,12 +120,35 @@ fn corner(word: &[u8], so_far: usize) -> Result<u32, String> {
 }
 
 /// The statements of a file without comments, each with the number of its first line. A backslash
-/// at the end of a line continues the statement on the next line.
-pub(super) struct Statements<'a>(NumberedLines<'a>);
+/// at the end of a line continues the statement on the next line. A carriage return alone ends a
+/// statement, too, as in files that were joined from others.
+pub(super) struct Statements<'a> {
+    lines: NumberedLines<'a>,
+    /// Number of the current line.
+    number: u64,
+    /// What is left of it.
+    rest: &'a [u8],
+}
 
 impl<'a> Statements<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
-        Self(NumberedLines::new(bytes))
+        Self {
+            lines: NumberedLines::new(bytes),
+            number: 0,
+            rest: &[],
+        }
+    }
+
+    /// The next line without comments.
+    fn code(&mut self) -> Option<&'a [u8]> {
+        if self.rest.is_empty() {
+            (self.number, self.rest) = self.lines.next()?;
+        }
+        let rest = self.rest;
+        let end = rest.iter().position(|&b| b == b'\r');
+        let end = end.unwrap_or(rest.len());
+        self.rest = rest.get(end + 1..).unwrap_or_default();
+        Some(without_comment(&rest[..end]).trim_ascii_end())
     }
 }
 
@@ -121,15 +156,14 @@ impl<'a> Iterator for Statements<'a> {
     type Item = (u64, Cow<'a, [u8]>);
 
     fn next(&mut self) -> Option<Self::Item> {
-        let code = |line| without_comment(line).trim_ascii_end();
-        let (number, line) = self.0.next()?;
-        let mut statement = Cow::Borrowed(code(line));
+        let mut statement = Cow::Borrowed(self.code()?);
+        let number = self.number;
         while statement.ends_with(b"\\") {
             let joined = statement.to_mut();
             joined.pop();
             joined.push(b' ');
-            if let Some((_, line)) = self.0.next() {
-                joined.extend_from_slice(code(line));
+            if let Some(line) = self.code() {
+                joined.extend_from_slice(line);
             }
         }
         Some((number, statement))

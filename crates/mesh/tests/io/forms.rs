@@ -66,7 +66,14 @@ fn blanks_of_all_kinds_separate_words() {
 
 #[test]
 fn a_vertex_that_is_no_statement_is_not_skipped() {
-    for statement in ["v,1,2,3", "v1 2 3", "v\u{b7}1 2 3", "f,1,2,3"] {
+    for statement in [
+        "v,1,2,3",
+        "v1 2 3",
+        "v\u{b7}1 2 3",
+        "f,1,2,3",
+        "\u{200b}v 1 2 3",
+        "V 1 2 3",
+    ] {
         let text = format!("{}{statement}\nf 1 2 3\n", vertices("v ", " ", ""));
         let error = parse(Format::Obj, text).unwrap_err().to_string();
         assert!(
@@ -74,6 +81,12 @@ fn a_vertex_that_is_no_statement_is_not_skipped() {
             "{error}"
         );
     }
+    let text = vertices("v ", " ", "") + "v 1 2 3 v 4 5 6\nf 1 2 3\n";
+    let error = parse(Format::Obj, text).unwrap_err().to_string();
+    assert_eq!(error, "test: line 6: \"v\" is not a number");
+    // Lines that end with CR alone, beside others.
+    let text = vertices("# a remark\rv ", " ", "").replacen("\n", "\r", 2);
+    is_fan(Format::Obj, text + "f 1 2 3\r\nf 1 3 4\r\r\nf 1 4 5\n");
 }
 
 #[test]

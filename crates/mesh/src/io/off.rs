@@ -59,6 +59,7 @@ fn read_words(mut words: Tokens<'_>, coloured: bool) -> Result<FileMesh, Flaw> {
         vertices,
         faces,
         more: keyword.more,
+        has_colours: keyword.has_colours,
     };
     read_free(&header, words, coloured)
 }
@@ -93,9 +94,30 @@ fn read_lines(size: usize, header: &OffHeader, mut lines: Content<'_>) -> Result
 }
 
 /// Reads the numbers of a file one after the other, whatever lines they are in. There must be as
-/// many as the keyword and the counts say, so vertices cannot have colours, whose number may vary.
-/// Faces can if they are `coloured`: the rest of the line after their last corner is a colour.
-fn read_free(header: &OffHeader, mut tokens: Tokens<'_>, coloured: bool) -> Result<FileMesh, Flaw> {
+/// many as the keyword and the counts say. Colours of vertices have four numbers, or three without
+/// alpha. Faces have colours if they are `coloured`: the rest of the line after their last corner.
+fn read_free(header: &OffHeader, tokens: Tokens<'_>, coloured: bool) -> Result<FileMesh, Flaw> {
+    if !header.has_colours {
+        return read_numbers(header, header.more, tokens, coloured);
+    }
+    let [with_alpha, without] =
+        [4, 3].map(|size| read_numbers(header, header.more + size, tokens.clone(), coloured));
+    match (with_alpha, without) {
+        (Ok(_), Ok(_)) => Err(Flaw::file(
+            "the colours of its vertices may have three numbers or four; write a line for each vertex",
+        )),
+        (Ok(mesh), Err(_)) | (Err(_), Ok(mesh)) => Ok(mesh),
+        (Err(flaw), Err(_)) => Err(flaw),
+    }
+}
+
+/// As [`read_free`], with `more` numbers behind the position of each vertex.
+fn read_numbers(
+    header: &OffHeader,
+    more: usize,
+    mut tokens: Tokens<'_>,
+    coloured: bool,
+) -> Result<FileMesh, Flaw> {
     /// Numbers of a colour: red, green, blue, alpha.
     const COLOUR: usize = 4;
     let mut mesh = FileMesh {
@@ -105,7 +127,7 @@ fn read_free(header: &OffHeader, mut tokens: Tokens<'_>, coloured: bool) -> Resu
     for _ in 0..header.vertices {
         let position = coordinates(tokens.line(), &mut tokens)?;
         mesh.positions.push(position);
-        for _ in 0..header.more {
+        for _ in 0..more {
             let word = tokens.next().unwrap_or_default();
             number(tokens.line(), word)?;
         }
@@ -149,6 +171,8 @@ struct OffHeader {
     faces: u64,
     /// How many numbers of normals and texture coordinates follow the position of a vertex.
     more: usize,
+    /// Whether a colour follows, too.
+    has_colours: bool,
 }
 
 /// The number of vertices and of faces.
@@ -157,11 +181,11 @@ fn header(lines: &mut Content<'_>) -> Result<OffHeader, Flaw> {
         .next()
         .ok_or_else(|| Flaw::file("there are only blank lines and comments in it"))?;
     let (first, _) = split_keyword(words(content).next().unwrap_or_default());
-    let mut more = 0;
+    let (mut more, mut has_colours) = (0, false);
     // A file without a keyword may start with its counts.
     if integer(first).is_none() {
         let keyword = keyword(line, first)?;
-        more = keyword.more;
+        (more, has_colours) = (keyword.more, keyword.has_colours);
         let rest = content.iter().skip_while(|b| b.is_ascii_whitespace());
         content = &content[content.len() - rest.count() + first.len()..];
         if words(content).next() == Some(b"BINARY") {
@@ -201,6 +225,7 @@ fn header(lines: &mut Content<'_>) -> Result<OffHeader, Flaw> {
             vertices,
             faces,
             more,
+            has_colours,
         }),
         _ => Err(Flaw::line(
             line,
@@ -224,6 +249,7 @@ fn split_keyword(word: &[u8]) -> (&[u8], &[u8]) {
 struct Keyword {
     /// As in [`OffHeader`].
     more: usize,
+    has_colours: bool,
     /// Whether the number of dimensions follows.
     has_dimension: bool,
 }
@@ -242,6 +268,7 @@ fn keyword(line: u64, word: &[u8]) -> Result<Keyword, Flaw> {
             let has = |letter| prefixes.is_some_and(|prefixes| prefixes.contains(&letter));
             Ok(Keyword {
                 more: 2 * usize::from(has(b'T')) + 3 * usize::from(has(b'N')),
+                has_colours: has(b'C'),
                 has_dimension,
             })
         }

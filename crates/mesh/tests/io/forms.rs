@@ -115,6 +115,9 @@ fn off_is_free_of_lines() {
         format!("OFF5 3 0 {numbers}{faces}").replace('\n', " "),
         format!("nOFF 3 5 3 0 {numbers}{faces}").replace('\n', " "),
         format!("NOFF\n5\n3 0 {}{faces}", vertices("", " ", " 0 0 1")).replace('\n', " "),
+        format!("COFF\n5 3 0\n{}{faces}", vertices("", " ", "\n255 0 0 255")),
+        format!("COFF 5 3 0 {}{faces}", vertices("", " ", " 1 0 0.5")).replace('\n', " "),
+        format!("CNOFF5 3 0 {}{faces}", vertices("", " ", " 0 0 1 9 9 9 9")).replace('\n', " "),
     ] {
         is_fan(Format::Off, text);
     }

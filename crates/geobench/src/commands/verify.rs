@@ -494,6 +494,15 @@ impl LoadedModelCheck<'_> {
             let (count, noun) = (found.len(), checks.layout.noun());
             let remark = format!("reference for {count} {noun}, {unreachable} unreachable");
             verdict.remarks.push(remark);
+            let components = self.record.components.unwrap_or(1);
+            if components > 1 && self.goal.is_everything() && !self.options.quiet.is_set {
+                let (source, connected) = (&state.spec, count - unreachable);
+                let note = format!(
+                    "source {source} is in a component of {connected} of {count} vertices; \
+                     {components} components"
+                );
+                terminal::notes_on(&self.record.name, &[note]);
+            }
         }
         vote
     }

@@ -692,9 +692,12 @@ fn runs_start_in_the_largest_component() {
     let said = sandbox.call("distance parts.off --source largest -o d.csv");
     let note = "source 4 is in a component of 4 of 8 vertices; 2 components";
     assert!(said.stderr.contains(note), "{said:?}");
-    let said = sandbox.succeed("verify parts.off --source largest --algo vtp");
+    let said = sandbox.call("verify parts.off --source largest --algo vtp");
     let line = "parts: source 4: mmp-fast: ok: reference for 8 vertices, 4 unreachable";
-    assert!(said.contains(line), "{said}");
+    assert!(said.stdout.contains(line), "{said:?}");
+    assert!(said.stderr.contains(note), "{said:?}");
+    let said = sandbox.call("verify parts.off --source largest --algo vtp --radius 1");
+    assert!(!said.stderr.contains("in a component"), "{said:?}");
     let said = sandbox.succeed("certify parts.off --source largest");
     assert!(
         said.contains("8 of 8 vertices compared, 100.000 %; 4 unreachable"),

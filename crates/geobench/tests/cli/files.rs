@@ -307,6 +307,32 @@ fn files_that_are_found_through_others_are_read_too() {
 }
 
 #[test]
+fn a_site_replaces_no_record() {
+    let sandbox = sandbox();
+    for (directory, file) in [("one", "result.json"), ("two", "other.json")] {
+        fs::create_dir(sandbox.path(directory)).unwrap();
+        fs::copy(
+            sandbox.path(file),
+            sandbox.path(&format!("{directory}/index.html")),
+        )
+        .unwrap();
+    }
+    let before = sandbox.bytes("one/index.html");
+    let message = sandbox.refuse("site one/index.html -o one --quiet");
+    assert!(message.contains("a file that is read"), "{message}");
+    assert_eq!(sandbox.bytes("one/index.html"), before);
+    // Two records of one name.
+    sandbox.succeed("site one/index.html two/index.html -o site --quiet");
+    let mut copies = ["", "-2"].map(|end| sandbox.bytes(&format!("site/records/index{end}.json")));
+    copies.sort_unstable();
+    let mut records = [before, sandbox.bytes("two/index.html")];
+    records.sort_unstable();
+    assert_eq!(copies, records);
+    // The copies of a site can be its records.
+    sandbox.succeed("site site/records/index.json -o site --quiet");
+}
+
+#[test]
 fn files_of_single_sources_and_of_standard_input_are_guarded() {
     let sandbox = sandbox();
     sandbox.succeed("gen gen:cube,n=1 -o d.s0.ply");

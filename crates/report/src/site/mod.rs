@@ -18,7 +18,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::Context as _;
-use geobench_export::output::OutputFile;
+use geobench_export::output::{OutputFile, check_files};
 
 use self::measured::Measurement;
 use self::pages::{PAGES, Pages, TREND, model_address, program_address, prose};
@@ -117,19 +117,35 @@ impl StaticSite {
     ///
     /// # Errors
     ///
-    /// When something cannot be written.
+    /// When something cannot be written, or would replace a file that was read. Nothing is written
+    /// then.
     pub fn write(&self, records: &SiteRecords, directory: &Path) -> anyhow::Result<usize> {
         let copies = directory.join("records");
         fs::create_dir_all(&copies)
             .with_context(|| format!("{}: cannot be made", copies.display()))?;
-        for record in &records.results {
-            let bytes = fs::read(&record.path)
-                .with_context(|| format!("{}: cannot be read", record.path.display()))?;
-            OutputFile::prepare(&directory.join(record.address()))?.write(&bytes)?;
-        }
+        let mut pages = Vec::new();
         for (name, page) in &self.pages {
-            let path = directory.join(format!("{name}.html"));
-            OutputFile::prepare(&path)?.write(page.as_bytes())?;
+            let file = OutputFile::prepare(&directory.join(format!("{name}.html")))?;
+            pages.push((file, page));
+        }
+        let mut copied = Vec::new();
+        for record in &records.results {
+            let file = OutputFile::prepare(&directory.join(record.address()))?;
+            // A record that is its own copy stays as it is.
+            if fs::canonicalize(&record.path).ok().as_deref() != Some(file.path()) {
+                copied.push((file, &record.path));
+            }
+        }
+        let written = pages.iter().map(|(file, _)| file);
+        let written = written.chain(copied.iter().map(|(file, _)| file));
+        check_files(written, &records.files)?;
+        for (file, path) in &copied {
+            let bytes =
+                fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+            file.write(&bytes)?;
+        }
+        for (file, page) in &pages {
+            file.write(page.as_bytes())?;
         }
         Ok(self.pages.len())
     }

@@ -1,5 +1,6 @@
 //! What a site is made from: result files, certificates and the words of the owners of machines.
 
+use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +23,8 @@ pub struct SiteRecords {
     pub(super) results: Vec<SiteRecord>,
     pub(super) certificates: Vec<ProvenMesh>,
     pub(super) machines: Vec<Machine>,
+    /// The files of all these.
+    pub(super) files: Vec<PathBuf>,
     /// Files that were skipped, in words.
     pub notes: Vec<String>,
 }
@@ -81,6 +84,17 @@ impl SiteRecords {
             let newest_first = started(b).cmp(&started(a));
             newest_first.then_with(|| a.name.cmp(&b.name))
         });
+        // Records of one name have copies of their own.
+        let mut taken = HashSet::new();
+        for record in &mut records.results {
+            let name = record.name.clone();
+            for number in 2.. {
+                if taken.insert(record.address()) {
+                    break;
+                }
+                record.name = format!("{name}-{number}");
+            }
+        }
         Ok(records)
     }
 
@@ -98,6 +112,7 @@ impl SiteRecords {
         let machines = directory.join(MACHINES);
         if machines.is_file() {
             self.machines.extend(read_machines(&machines)?);
+            self.files.push(machines);
         }
         let failed = || format!("{}: cannot be read", directory.display());
         let entries = fs::read_dir(directory).with_context(failed)?;
@@ -115,6 +130,7 @@ impl SiteRecords {
     }
 
     fn add(&mut self, path: &Path, name: String) -> anyhow::Result<()> {
+        self.files.push(path.to_owned());
         if schema(path)?.as_deref() == Some(CERTIFICATES) {
             #[derive(Deserialize)]
             struct File {

@@ -395,6 +395,9 @@ fn outputs(
         if file.is_standard_output() {
             bail!("--add-to -: a result file grows; name one");
         }
+        if !file.is_replaced() {
+            bail!("--add-to {}: not a regular file", path.display());
+        }
         outputs.push((ResultFormat::Json, file));
     }
     Ok((format, outputs))

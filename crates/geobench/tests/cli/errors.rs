@@ -250,6 +250,9 @@ fn files_that_cannot_be_written_are_found_before_the_work() {
         assert_eq!(outcome.stdout, "", "nothing has run");
         assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
     }
+    // A pipe without a writer would be waited for.
+    let found = sandbox.refuse("run square.off --add-to /dev/null");
+    assert_eq!(found, "--add-to /dev/null: not a regular file");
     let found = sandbox.refuse("distance square.off --source 0 -o r.xml");
     assert!(
         found.contains("use .csv, .json, .npy, .ply, .vtp or .vtk"),

@@ -207,6 +207,17 @@ fn a_dash_is_standard_input_and_output() {
     let run = "run - --input-format off --algo mmp --repeat 1 --quiet -o - --output-format json";
     let json = piped(run, &square);
     assert!(json.starts_with("{\n  \"schema\""), "{json}");
+    // Its name is that which the user wrote, and not that of a temporary file.
+    let result: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(result["models"][0]["path"], "-");
+    let shown = piped("info - --input-format off", &square);
+    assert!(shown.starts_with("stdin  (-)\n"), "{shown}");
+    let mut broken = sandbox.command("distance - --input-format obj --source 0 -o d.csv");
+    let error = String::from_utf8(broken.write_stdin("x").output().unwrap().stderr).unwrap();
+    assert!(error.starts_with("geobench: error: -: "), "{error}");
+    let mut broken = sandbox.command("run - --input-format obj --algo mmp --repeat 1 --quiet");
+    let error = String::from_utf8(broken.write_stdin("x").output().unwrap().stderr).unwrap();
+    assert!(error.starts_with("geobench: error: -: there"), "{error}");
     let merged = piped("merge - -o - --output-format csv", &json);
     assert!(merged.starts_with("model,algorithm,"), "{merged}");
     let model = piped("gen tetrahedron,subdiv=0 -o - --output-format obj", "");

@@ -132,7 +132,10 @@ pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelErr
             }
             models.extend(found.into_iter().map(ModelRef::file));
         } else if mesh_io::is_mesh_file(path) {
-            models.push(ModelRef::file(path.to_owned()));
+            models.push(ModelRef {
+                path: argument.to_owned(),
+                ..ModelRef::file(path.to_owned())
+            });
         } else {
             return Err(ModelError::Unreadable(format!(
                 "{argument}: not a mesh file by its ending; use {}",
@@ -373,6 +376,15 @@ impl ModelRef {
         }
     }
 
+    /// `text` on its file, with the name that the user wrote: standard input is kept as a temporary
+    /// file.
+    pub(crate) fn named_as_given(&self, text: &str) -> String {
+        match self.file_path() {
+            Some(path) if self.path == "-" => text.replace(&*path.to_string_lossy(), "-"),
+            _ => text.to_owned(),
+        }
+    }
+
     /// SHA-256 of its [source file](Self::source_file); none if there is no such file or it cannot
     /// be read.
     pub fn file_sha256(&self) -> Option<String> {
@@ -403,12 +415,17 @@ impl ModelRef {
             ModelOrigin::File(path) => {
                 // Polygons are cut for the welded surface.
                 let weld = self.weld.or(options.weld);
-                return read_file(path, ReadOptions { weld, ..options });
+                return read_file(path, ReadOptions { weld, ..options })
+                    .map_err(|problem| ModelError::Unreadable(self.named_as_given(&problem)));
             }
             ModelOrigin::Memory(mesh) => mesh.to_soup(),
             ModelOrigin::Generated(spec) => {
                 let made = match spec.path() {
-                    Some(path) => spec.modifiers().apply(read_file(Path::new(path), options)?),
+                    Some(path) => {
+                        let read = read_file(Path::new(path), options);
+                        spec.modifiers()
+                            .apply(read.map_err(ModelError::Unreadable)?)
+                    }
                     None => generate::generate(spec),
                 };
                 made.map_err(|error| ModelError::Unreadable(format!("{}: {error}", self.path)))?
@@ -560,11 +577,11 @@ fn not_a_file(path: &Path) -> Option<String> {
     Some(format!("{}: {problem}", path.display()))
 }
 
-fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, ModelError> {
+fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, String> {
     if let Some(problem) = not_a_file(path) {
-        return Err(ModelError::Unreadable(problem));
+        return Err(problem);
     }
-    let read = options.read(path).map_err(|error| match error {
+    options.read(path).map_err(|error| match error {
         mesh_io::FileError::TooLarge {
             path,
             compressed,
@@ -577,8 +594,7 @@ fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, ModelErr
             MemoryLimit(Some(limit))
         ),
         error => error.to_string(),
-    });
-    read.map_err(ModelError::Unreadable)
+    })
 }
 
 /// SHA-256 in hexadecimal of the bytes of a regular file and of those that it names, in their

@@ -99,11 +99,14 @@ impl Backend for Isolated {
             let (child, record) = pool.load().map_err(|failure| Refusal {
                 status: failure.status,
                 message: match failure.status {
-                    Status::Refused => failure.message,
+                    Status::Refused => model.named_as_given(&failure.message),
                     _ => format!("{}: {}", model.path, failure.message),
                 },
             })?;
-            pool.record = record;
+            pool.record = ModelRecord {
+                path: model.named_as_given(&record.path),
+                ..record
+            };
             pool.spare = Some(child);
         }
         Ok(Box::new(pool))

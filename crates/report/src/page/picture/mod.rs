@@ -136,6 +136,9 @@ fn of_model(
     let record = result.models.iter().find(|m| m.name == name);
     let record = record.ok_or_else(|| error(&"it is not in the result"))?;
     let check = |path: &Path| check_file(path).map_err(|problem| error(&problem));
+    if record.path == "-" {
+        return Err(error(&"it came from standard input"));
+    }
     if !Spec::is_spec(&record.path) {
         check(Path::new(&record.path))?;
     }

@@ -257,3 +257,38 @@ fn a_pull_request_that_takes_longer_is_red() {
     assert_eq!(status, 0, "{shown}");
     assert!(shown.contains("nothing to compare with yet"), "{shown}");
 }
+
+#[test]
+fn a_pull_request_may_change_programs_build_and_files() {
+    let sandbox = repository();
+    let gate = |more: &[(&str, &str)]| {
+        let step = track(&sandbox, "mine", "gate", more);
+        finished(&sandbox, "mine", step)
+    };
+    // A program that the base does not have.
+    let programs = sandbox.read("mine/benchmarks/programs.toml");
+    let more = programs.replace("[ext.solver]", "[ext.more]");
+    sandbox.write("mine/benchmarks/programs.toml", &(programs + &more));
+    let suite = sandbox.read("mine/benchmarks/suite.toml");
+    let suite = suite.replace("\"ext:solver\"", "\"ext:solver\", \"ext:more\"");
+    sandbox.write("mine/benchmarks/suite.toml", &suite);
+    commit(&sandbox, "more");
+    let (status, shown) = gate(&[]);
+    assert_eq!(status, 0, "{shown}");
+    assert!(shown.contains("the base runs its own suite"), "{shown}");
+    assert!(shown.contains("ext:more"), "{shown}");
+    // What mends the build of the base passes.
+    let (status, shown) = gate(&[("BUILD", "grep -q ext.more benchmarks/programs.toml")]);
+    assert_eq!(status, 0, "{shown}");
+    assert!(shown.contains("The base does not build"), "{shown}");
+    // A pattern of paths matches a file that is removed.
+    for name in ["a.c", "b.c"] {
+        sandbox.write(&format!("mine/src/{name}"), "");
+    }
+    commit(&sandbox, "files");
+    std::fs::remove_file(sandbox.path("mine/src/b.c")).unwrap();
+    commit(&sandbox, "one file less");
+    let (status, shown) = gate(&[("PATHS", "src/*.c"), ("BUILD", "false")]);
+    assert_eq!(status, 2, "{shown}");
+    assert!(shown.contains("the head does not build"), "{shown}");
+}

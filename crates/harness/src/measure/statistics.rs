@@ -405,10 +405,16 @@ fn rank_of_end(m: usize, n: usize) -> usize {
 /// The 97.5th percentile of the standard normal distribution.
 const NORMAL_975: f64 = 1.959_963_984_540_054;
 
-/// The 95 % interval of `figure`, a function of independent variables, by a bootstrap.
+/// The 95 % interval of `figure`, a function of independent variables. One set of samples has the
+/// interval of its median: `figure`, which is monotone, maps its ends. Several variables have that
+/// of a bootstrap.
 ///
 /// `None` if one of them has fewer than [`FEWEST_FOR_INTERVAL`] samples.
 pub fn interval_of(variables: &[Variable<'_>], figure: impl Fn(&[f64]) -> f64) -> Option<[f64; 2]> {
+    if let [Variable::Samples(samples)] = *variables {
+        let [a, b] = median_interval(samples)?.map(|end| figure(&[end]));
+        return Some([a.min(b), a.max(b)]);
+    }
     let is_enough = |variable: &Variable<'_>| match variable {
         Variable::Samples(samples) => samples.len() >= FEWEST_FOR_INTERVAL,
         _ => true,
@@ -586,6 +592,19 @@ mod tests {
     }
 
     #[test]
+    fn one_set_of_samples_has_the_interval_of_its_median() {
+        let samples = [1.0, 1.3, 1.1, 1.2, 0.9, 4.0];
+        let [low, high] = median_interval(&samples).unwrap();
+        let of = |figure: fn(&[f64]) -> f64| interval_of(&[Variable::Samples(&samples)], figure);
+        assert_eq!(of(|x| x[0]), Some([low, high]));
+        assert_eq!(of(|x| 1.0 - x[0]), Some([1.0 - high, 1.0 - low]));
+        assert_eq!(
+            interval_of(&[Variable::Samples(&samples[..5])], |x| x[0]),
+            None
+        );
+    }
+
+    #[test]
     fn an_estimate_varies_by_its_standard_error() {
         let share = Variable::Estimate {
             value: 0.4,
@@ -627,10 +646,11 @@ mod tests {
     #[test]
     fn equal_samples_have_a_point_interval_and_the_seed_is_fixed() {
         assert_eq!(summarise(&[2.0; 7]).unwrap().ci95, Some([2.0, 2.0]));
-        let samples = [Variable::Samples(&[0.3, 0.1, 0.9, 0.4, 0.7, 0.2])];
+        let samples = [Variable::Samples(&[0.3, 0.1, 0.9, 0.4, 0.7, 0.2]); 2];
+        let product = |x: &[f64]| x[0] * x[1];
         assert_eq!(
-            interval_of(&samples, |x| x[0]),
-            interval_of(&samples, |x| x[0])
+            interval_of(&samples, product),
+            interval_of(&samples, product)
         );
     }
 

@@ -63,10 +63,15 @@ pub(crate) fn headline(group: &GroupCells<'_>) -> Option<Headline> {
     let rival = rival.or(base).filter(|rival| ![best, next].contains(rival));
     let of_next = sentences(best, next).map(|[of_next, _]| of_next);
     let of_rival = rival.and_then(|rival| sentences(best, rival));
-    let shown: Vec<Sentence> = of_next
-        .into_iter()
-        .chain(of_rival.map(|[_, of_rival]| of_rival))
-        .collect();
+    let of_rival = of_rival.map(|[_, of_rival]| of_rival);
+    // Outside programs come first.
+    let names_outside = rival.is_some_and(|rival| is_outside(&&rival));
+    let (first, second) = if names_outside {
+        (of_rival, of_next)
+    } else {
+        (of_next, of_rival)
+    };
+    let shown: Vec<Sentence> = first.into_iter().chain(second).collect();
     if shown.is_empty() {
         return None;
     }
@@ -116,12 +121,10 @@ struct Comparison {
     factor: f64,
     /// Its 95 % interval; `None` if a model has too few samples.
     interval: Option<[f64; 2]>,
-    /// The least and the greatest ratio of a model.
-    range: [f64; 2],
-    /// The number of models.
-    models: usize,
-    /// The number of those on which the first algorithm takes less time.
-    lost: usize,
+    /// The ratio of each model.
+    ratios: Vec<f64>,
+    /// Whether both algorithms solved all models of the group.
+    solved_all: bool,
     /// The geometric means over the largest and the smallest models of series over size, and the
     /// faces of the largest and smallest if there is one series and nothing else. `None` without
     /// series.
@@ -161,9 +164,11 @@ impl Comparison {
         let mut counted: Vec<(Estimate, &ModelRecord)> =
             alone.filter_map(|m| ratio_of(&m)).collect();
         let is_only_series = counted.is_empty();
+        let mut common = counted.len();
         let mut ends = Vec::new();
         for one in series {
             let solved: Vec<_> = one.iter().filter_map(ratio_of).collect();
+            common += solved.len();
             match solved[..] {
                 [] => {}
                 [only] => counted.push(only),
@@ -179,9 +184,8 @@ impl Comparison {
         Some(Self {
             factor,
             interval: interval_of_mean(factor, counted.iter().map(|(ratio, _)| *ratio)),
-            range: range_of(values.iter().copied())?,
-            models: values.len(),
-            lost: values.iter().filter(|ratio| **ratio < 1.0).count(),
+            ratios: values,
+            solved_all: common == group.models.len(),
             growth: geometric_mean(&smallest).map(|smallest| Growth {
                 smallest,
                 faces: match ends[..] {
@@ -194,73 +198,85 @@ impl Comparison {
         })
     }
 
+    /// The comparison of the algorithms the other way round.
+    fn reversed(&self) -> Self {
+        Self {
+            factor: 1.0 / self.factor,
+            interval: self.interval.map(|[low, high]| [1.0 / high, 1.0 / low]),
+            ratios: self.ratios.iter().map(|ratio| 1.0 / ratio).collect(),
+            solved_all: self.solved_all,
+            growth: self.growth.as_ref().map(|growth| Growth {
+                smallest: 1.0 / growth.smallest,
+                faces: growth.faces,
+            }),
+        }
+    }
+
     fn in_words(&self, faster: &str, slower: &str, of_next: bool) -> String {
-        let Self {
-            factor, interval, ..
-        } = *self;
-        let factor = ratio(factor);
-        let mut text = match interval {
-            None => {
-                return format!(
-                    "{faster} and {slower}: {factor} times as fast{}; no interval from fewer than \
-                     {FEWEST_FOR_INTERVAL} runs of a model.",
-                    self.models_in_words()
-                );
-            }
-            Some([low, high]) => {
-                let interval = format!("[{}, {}]", ratio(low), ratio(high));
-                if low > 1.0 && of_next {
-                    format!(
-                        "{faster} is fastest, {factor} {interval} times as fast as the next, {slower}"
-                    )
-                } else if low > 1.0 {
-                    format!("{faster} is {factor} {interval} times as fast as {slower}")
-                } else {
-                    format!(
-                        "{faster} and {slower}: no difference; {factor} {interval} times as fast"
-                    )
-                }
-            }
+        let factor = ratio(self.factor);
+        let models = self.models_in_words();
+        let Some([low, high]) = self.interval else {
+            return format!(
+                "{faster} is {factor} times as fast as {slower}{models}; no winner, since fewer \
+                 than {FEWEST_FOR_INTERVAL} runs of a model have no interval."
+            );
         };
-        text += &self.models_in_words();
-        text + "."
+        if high < 1.0 {
+            // The ranking is by all pairs, of which each has its own models.
+            return self.reversed().in_words(slower, faster, false);
+        }
+        let factor = format!("{factor} [{}, {}]", ratio(low), ratio(high));
+        if low <= 1.0 {
+            format!(
+                "No difference between {faster} and {slower}: {faster} is {factor} times as \
+                 fast{models}."
+            )
+        } else if of_next {
+            format!("{faster} is fastest, {factor} times as fast as the next, {slower}{models}.")
+        } else {
+            format!("{faster} is {factor} times as fast as {slower}{models}.")
+        }
     }
 
     /// The models, to follow the factor.
     fn models_in_words(&self) -> String {
-        let Self { models, lost, .. } = *self;
-        let [low, high] = self.range.map(ratio);
+        let models = self.ratios.len();
+        let solved = if self.solved_all {
+            ""
+        } else {
+            " that both solved"
+        };
         let largest = if self.growth.is_some() {
             ", the largest of each size series"
         } else {
             ""
         };
-        let range = match models {
-            1 => String::new(),
-            _ => format!(", {low} to {high}"),
+        let range = match range_of(self.ratios.iter().copied()) {
+            Some([low, high]) if models > 1 => format!(", {} to {}", ratio(low), ratio(high)),
+            _ => String::new(),
         };
-        let slower = match lost {
+        let slower = match self.ratios.iter().filter(|ratio| **ratio < 1.0).count() {
             0 => String::new(),
             _ if models == 1 => String::new(),
-            _ => format!("; slower on {lost}"),
+            lost => format!("; slower on {lost}"),
         };
         match &self.growth {
             Some(Growth {
                 smallest,
                 faces: Some([few, many]),
             }) => format!(
-                ", at {} faces, the largest size; {} at {} faces",
+                ", at {} faces, the largest size{solved}; {} at {} faces",
                 grouped(*many),
                 ratio(*smallest),
                 grouped(*few)
             ),
             Some(Growth { smallest, .. }) => format!(
-                " (geometric mean over {}{largest}{range}{slower}; {} at the smallest sizes)",
+                " (geometric mean over {}{largest}{solved}{range}{slower}; {} at the smallest sizes)",
                 counted(models, "model"),
                 ratio(*smallest)
             ),
-            None if models == 1 => ", on the only model".to_owned(),
-            None => format!(" (geometric mean over {models} models{range}{slower})"),
+            None if models == 1 => format!(", on the only model{solved}"),
+            None => format!(" (geometric mean over {models} models{solved}{range}{slower})"),
         }
     }
 }
@@ -459,12 +475,26 @@ mod tests {
         failed.cells[3].time = geobench_harness::schema::Time::default();
         case("the faster one failed on a model", &failed, "mmp");
 
+        let circle = [
+            ("a", "vtp", 2.0),
+            ("a", "mmp", 1.0),
+            ("b", "vtp", 1.0),
+            ("b", "ich", 4.0),
+            ("c", "mmp", 4.0),
+            ("c", "ich", 1.0),
+        ];
+        case("each is faster than one other", &result(&circle), "vtp");
+
         let mut approximate = result(&[("a", "heat", 0.1), ("a", "mmp", 2.0), ("a", "vtp", 1.0)]);
         approximate.cells[0].check.least_tolerance = Some(0.01);
         case("an approximate answer is no winner", &approximate, "heat");
 
         let growing = [(1_000, 0.01, 0.01), (10_000, 0.2, 0.1), (100_000, 6.0, 1.0)];
         case("a series over size", &sizes("torus", &growing), "vtp");
+        let mut stopped = sizes("torus", &growing);
+        stopped.cells[4].status = Status::OutOfMemory;
+        stopped.cells[4].time = geobench_harness::schema::Time::default();
+        case("one failed at the largest size", &stopped, "vtp");
         let mut two = sizes("torus", &growing);
         let other = sizes(
             "cow",

@@ -133,6 +133,12 @@ impl<'r> GroupCells<'r> {
         self.approximate.contains(algorithm)
     }
 
+    /// Whether an algorithm may be the fastest: it is exact, and its times are no claims that nothing
+    /// confirms.
+    pub(crate) fn may_be_best(&self, algorithm: &str) -> bool {
+        !self.is_approximate(algorithm) && !self.claimed.contains(algorithm)
+    }
+
     /// An algorithm as tables and plots show it: marked if it is approximate, and if its times are
     /// claims that nothing confirms.
     pub(crate) fn shown(&self, algorithm: &str) -> String {

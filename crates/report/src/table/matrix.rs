@@ -13,33 +13,43 @@ use crate::table::results;
 const HEATS: [f64; Entry::HOTTEST as usize - 1] = [1.05, 1.5, 2.5, 5.0, 10.0];
 
 /// The matrix of `group`. Its foot has the geometric means of the ratios over the models that all
-/// algorithms solved. `None` for fewer than two algorithms, and without any time.
+/// algorithms with a time solved. `None` for fewer than two algorithms, and without any time.
 ///
-/// The best of a row is the fastest exact algorithm, or the fastest if none is exact.
+/// The best of a row is the fastest exact algorithm, or the fastest if the group has no exact one.
+/// Times that are claims are not the best. A row without a best has no ratios, and one with nothing
+/// to compare it with has no mark.
 pub(crate) fn matrix(group: &GroupCells<'_>) -> Option<Table> {
     if group.algorithms.len() < 2 {
         return None;
     }
+    let names = || group.algorithms.iter();
+    let mut may_be_best: Vec<bool> = names().map(|name| group.may_be_best(name)).collect();
+    let has_exact = may_be_best.contains(&true);
+    if !has_exact {
+        may_be_best.fill(true);
+    }
     let times = |model: &&ModelRecord| -> Vec<Option<f64>> {
-        let names = group.algorithms.iter();
         let value = |name: &&str| Some(group.value(time(), &model.name, name)?.value);
-        names.map(value).collect()
+        names().map(value).collect()
     };
     let times: Vec<Vec<Option<f64>>> = group.models.iter().map(times).collect();
-    // For each model, the ratios to its best.
-    let ratios: Vec<Vec<Option<f64>>> = times.iter().map(|row| ratios(group, row)).collect();
     if times.iter().flatten().all(Option::is_none) {
         return None;
     }
+    // For each model, the ratios to its best.
+    let ratios: Vec<Vec<Option<f64>>> = times.iter().map(|row| ratios(row, &may_be_best)).collect();
     let rows = group.models.iter().zip(times.iter().zip(&ratios));
     let rows = rows.map(|(model, (times, ratios))| {
-        let fields = group.algorithms.iter().zip(times.iter().zip(ratios));
-        let fields = fields.map(|(name, pair)| match pair {
+        let marked = marks(ratios, &may_be_best);
+        let fields = names().zip(times.iter().zip(ratios)).zip(marked);
+        let fields = fields.map(|((name, pair), mark)| match pair {
             (Some(seconds), Some(ratio)) => heated(
                 format!("{} ({})", with_unit(*seconds), self::ratio(*ratio)),
                 *ratio,
+                mark,
             ),
-            _ => match group.failure(&model.name, name) {
+            (Some(seconds), None) => Entry::new(with_unit(*seconds)),
+            (None, _) => match group.failure(&model.name, name) {
                 Some(failure) => Entry::marked(failure, Mark::Failed),
                 None => Entry::new("-"),
             },
@@ -49,63 +59,140 @@ pub(crate) fn matrix(group: &GroupCells<'_>) -> Option<Table> {
             .collect()
     });
     let mut table = Table {
-        caption:
-            "Time, and in brackets its ratio to that of the fastest exact algorithm of the row."
-                .to_owned(),
+        caption: format!(
+            "Time, and in brackets its ratio to that of the fastest {}algorithm of the row.",
+            if has_exact { "exact " } else { "" }
+        ),
         rows_are: "model",
         columns_are_algorithms: true,
         ..Table::new(results::columns(group), rows.collect())
     };
     table.columns[0] = Column::text("Model");
-    table.parts.extend(foot(&ratios));
+    table.parts.extend(foot(&ratios, &may_be_best));
     Some(table)
 }
 
-/// The ratios of the times of a model to the best of them.
-fn ratios(group: &GroupCells<'_>, times: &[Option<f64>]) -> Vec<Option<f64>> {
-    let of = |exact: bool| {
-        let names = group.algorithms.iter().zip(times);
-        let times = names.filter(|(name, _)| !exact || !group.is_approximate(name));
-        times.filter_map(|(_, time)| *time).reduce(f64::min)
-    };
-    let best = of(true).or_else(|| of(false)).unwrap_or(f64::NAN);
-    let ratio = |time: &Option<f64>| time.map(|time| time / best).filter(|r| r.is_finite());
+/// The ratios of the times of a model to the best of them; none if no time is the best.
+fn ratios(times: &[Option<f64>], may_be_best: &[bool]) -> Vec<Option<f64>> {
+    let candidates = times.iter().zip(may_be_best).filter(|(_, may)| **may);
+    let best = candidates.filter_map(|(time, _)| *time).reduce(f64::min);
+    let ratio = |time: &Option<f64>| Some((*time)? / best?).filter(|ratio| ratio.is_finite());
     times.iter().map(ratio).collect()
 }
 
-/// The geometric means over the models that all algorithms solved, of several models.
-fn foot(ratios: &[Vec<Option<f64>>]) -> Option<Part> {
-    let whole = ratios
-        .iter()
-        .filter_map(|row| row.iter().copied().collect());
-    let common: Vec<Vec<f64>> = whole.collect();
-    if ratios.len() < 2 || common.is_empty() {
+/// The marks of a row with these ratios: the best is marked if there is another that may be it.
+fn marks(ratios: &[Option<f64>], may_be_best: &[bool]) -> Vec<Mark> {
+    let both = || ratios.iter().zip(may_be_best);
+    let is_compared = both()
+        .filter(|(ratio, may)| ratio.is_some() && **may)
+        .count()
+        > 1;
+    let is_best = |ratio: &Option<f64>, may: bool| is_compared && may && *ratio == Some(1.0);
+    let mark = |(ratio, may): (&Option<f64>, &bool)| {
+        if is_best(ratio, *may) {
+            Mark::Best
+        } else {
+            Mark::None
+        }
+    };
+    both().map(mark).collect()
+}
+
+/// The geometric means over the models that all algorithms solved, of several models. Algorithms
+/// without any ratio do not count.
+fn foot(ratios: &[Vec<Option<f64>>], may_be_best: &[bool]) -> Option<Part> {
+    let counts: Vec<bool> = (0..may_be_best.len())
+        .map(|column| ratios.iter().any(|row| row[column].is_some()))
+        .collect();
+    let is_whole = |row: &&Vec<Option<f64>>| {
+        let mut both = row.iter().zip(&counts);
+        both.all(|(ratio, counts)| ratio.is_some() || !counts)
+    };
+    let common: Vec<&Vec<Option<f64>>> = ratios.iter().filter(is_whole).collect();
+    if ratios.len() < 2 || common.is_empty() || !counts.contains(&true) {
         return None;
     }
-    let label = if common.len() == ratios.len() {
-        format!("geometric mean of {}", common.len())
-    } else {
+    let label = if counts.contains(&false) {
+        format!(
+            "geometric mean of the {} that the others solved",
+            common.len()
+        )
+    } else if common.len() < ratios.len() {
         format!("geometric mean of the {} that all solved", common.len())
+    } else {
+        format!("geometric mean of {}", common.len())
     };
     let mean = |column: usize| {
-        let ratios: Vec<f64> = common.iter().map(|row| row[column]).collect();
-        let mean = geometric_mean(&ratios).unwrap_or(f64::NAN);
-        heated(ratio(mean), mean)
+        let ratios: Vec<f64> = common.iter().filter_map(|row| row[column]).collect();
+        geometric_mean(&ratios)
     };
-    let means = (0..common[0].len()).map(mean);
+    let means: Vec<Option<f64>> = (0..counts.len()).map(mean).collect();
+    let marked = marks(&means, may_be_best);
+    let entries = means.iter().zip(marked).map(|(mean, mark)| match mean {
+        Some(mean) => heated(ratio(*mean), *mean, mark),
+        None => Entry::new("-"),
+    });
     Some(Part {
         is_foot: true,
-        rows: vec![std::iter::once(Entry::new(label)).chain(means).collect()],
+        rows: vec![std::iter::once(Entry::new(label)).chain(entries).collect()],
         ..Part::default()
     })
 }
 
 /// An entry with the heat of a ratio. A ratio of 1 is the best.
-fn heated(text: String, ratio: f64) -> Entry {
-    let mark = if ratio == 1.0 { Mark::Best } else { Mark::None };
+fn heated(text: String, ratio: f64, mark: Mark) -> Entry {
     let heat = 1 + HEATS.iter().filter(|end| ratio > **end).count();
     Entry {
         heat: u8::try_from(heat).unwrap_or(Entry::HOTTEST),
         ..Entry::marked(text, mark)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The fields of a row of the foot: texts and marks.
+    fn foot_of(ratios: &[Vec<Option<f64>>], may_be_best: &[bool]) -> Option<Vec<(String, Mark)>> {
+        let part = foot(ratios, may_be_best)?;
+        let fields = part.rows[0].iter();
+        Some(
+            fields
+                .map(|entry| (entry.text.clone(), entry.mark))
+                .collect(),
+        )
+    }
+
+    #[test]
+    fn what_solved_nothing_does_not_hide_the_means() {
+        let rows = [
+            vec![Some(1.0), Some(2.0), None],
+            vec![Some(1.0), Some(8.0), None],
+        ];
+        let found = foot_of(&rows, &[true; 3]).unwrap();
+        let expected = [
+            ("geometric mean of the 2 that the others solved", Mark::None),
+            ("1.00", Mark::Best),
+            ("4.00", Mark::None),
+            ("-", Mark::None),
+        ];
+        assert_eq!(found, expected.map(|(text, mark)| (text.to_owned(), mark)));
+        assert_eq!(foot_of(&[vec![None; 2], vec![None; 2]], &[true; 2]), None);
+    }
+
+    #[test]
+    fn only_what_was_compared_is_best() {
+        // The second is approximate.
+        let may_be_best = [true, false, true];
+        let row = ratios(&[Some(4.0), Some(1.0), None], &may_be_best);
+        assert_eq!(row, [Some(1.0), Some(0.25), None]);
+        assert_eq!(marks(&row, &may_be_best), [Mark::None; 3]);
+        let row = ratios(&[Some(4.0), Some(1.0), Some(8.0)], &may_be_best);
+        assert_eq!(
+            marks(&row, &may_be_best),
+            [Mark::Best, Mark::None, Mark::None]
+        );
+        // No exact algorithm solved it.
+        assert_eq!(ratios(&[None, Some(1.0), None], &may_be_best), [None; 3]);
     }
 }

@@ -32,7 +32,7 @@ pub(super) fn sections(context: &Pages<'_>) -> Vec<Section> {
         "{} of this suite and {} of others on {}, from {} of {} to {}. Every answer is \
          [compared](method.html) with a reference; a wrong one has no time. Times are \
          multiples of the time of [vtp](program-vtp.html), an exact algorithm, in the same run on \
-         the same machine: less is better.",
+         the same machine: less is better. They are of one solve; set-up is a column of its own.",
         counted(names.len() - outside, "program"),
         outside,
         counted(context.models().len(), "model"),
@@ -84,12 +84,17 @@ fn in_words(standings: &[Standing<'_>], context: &Pages<'_>) -> String {
     };
     let said = |what: &str, one: Option<&Standing<'_>>| {
         let one = one?;
+        let setup = one.setup.filter(|_| is_approximate(one));
         Some(format!(
-            "{what} is [{}]({}.html): {} times the time of vtp on {}",
+            "{what} is [{}]({}.html): {} times the time of vtp on {}{}",
             context.title(one.program),
             program_address(one.program),
             ratio(one.ratio),
             counted(one.models, "model"),
+            setup.map_or_else(String::new, |setup| format!(
+                ", after a set-up of {} times",
+                ratio(setup)
+            )),
         ))
     };
     let sentences = [
@@ -148,6 +153,8 @@ fn table(id: &str, heading: &str, standings: &[Standing<'_>], context: &Pages<'_
                 ratio(one.range[1])
             )),
             Entry::new(models),
+            Entry::new(one.setup.map_or_else(|| "-".to_owned(), ratio)),
+            Entry::new(one.base_simd.join(", ")),
             Entry::new(scientific(one.error)),
             Entry::new(scientific(one.max_error)),
             Entry::new(context.version(one.measured[0])),
@@ -159,16 +166,17 @@ fn table(id: &str, heading: &str, standings: &[Standing<'_>], context: &Pages<'_
         id: format!("{id}-table"),
         caption: format!(
             "{heading}: geometric mean of the ratios of times to those of vtp over the models that \
-             each solved, so compare rows of the same models; relative errors. Linked ratios go \
-             through a third program that both records have."
+             each solved, so compare rows of the same models; set-up as a multiple of the time of \
+             vtp; the instructions that vtp ran with, since vectors save time; relative errors. \
+             Linked ratios go through a third program that both records have."
         ),
         ..Table::new(
             [
                 &Column::of(
                     ["Program", "Distances", "By"],
-                    ["To vtp", "Range", "Models"],
+                    ["To vtp", "Range", "Models", "Set-up"],
                 )[..],
-                &Column::of([""; 0], ["Mean error", "Max. error"]),
+                &Column::of(["vtp with"], ["Mean error", "Max. error"]),
                 &Column::of(["Version", "Machine", "Date"], [""; 0]),
             ]
             .concat(),

@@ -3,10 +3,11 @@
 use std::collections::HashMap;
 
 use geobench_harness::figures::time;
+use geobench_harness::measure::statistics::median;
 use geobench_harness::schema::{Cell, ModelRecord, Status};
 
 use super::records::{SiteRecord, SiteRecords};
-use crate::table::group::{GroupCells, geometric_mean};
+use crate::table::group::{GroupCells, distinct, geometric_mean};
 use crate::table::results;
 
 /// The program whose time is the unit of comparisons.
@@ -23,10 +24,43 @@ pub(super) struct Measurement<'r> {
     pub(super) cells: Vec<&'r Cell>,
     /// The median time in seconds.
     pub(super) time: Option<f64>,
+    /// The median set-up time in seconds.
+    setup: Option<f64>,
     /// Its ratio to that of [`BASE`] in the same group.
-    pub(super) to_base: Option<f64>,
+    pub(super) to_base: Option<BaseRatio<'r>>,
     /// Its ratios to those of the other algorithms of the group.
-    pub(super) to_others: Vec<(&'r str, f64)>,
+    to_others: Vec<OtherRatio<'r>>,
+}
+
+/// A ratio to the time of [`BASE`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct BaseRatio<'r> {
+    pub(super) ratio: f64,
+    /// The widest vector instructions of the base, if they are known.
+    pub(super) simd: Option<&'r str>,
+}
+
+/// A ratio to the time of another algorithm.
+#[derive(Clone, Copy, Debug)]
+struct OtherRatio<'r> {
+    label: &'r str,
+    simd: Option<&'r str>,
+    ratio: f64,
+}
+
+impl BaseRatio<'_> {
+    /// The vector instructions of the base in words; empty if it ran without or they are unknown.
+    pub(super) fn vectors(&self) -> &str {
+        self.simd.filter(|simd| *simd != SCALAR).unwrap_or_default()
+    }
+}
+
+/// The name of instructions without vectors.
+const SCALAR: &str = "scalar";
+
+/// The widest vector instructions of these cells of one algorithm.
+fn simd_of<'r>(cells: &[&'r Cell]) -> Option<&'r str> {
+    cells.first().and_then(|cell| cell.simd.as_deref())
 }
 
 impl<'r> Measurement<'r> {
@@ -55,14 +89,27 @@ impl<'r> Measurement<'r> {
                     }
                     Some(group.ratio(time(), &model.name, label, base)?.value)
                 };
+                let simd = |label: &str| simd_of(&group.of(&model.name, label));
                 let others = group.algorithms.iter();
-                let to_others = others.filter_map(|other| Some((*other, ratio(other)?)));
+                let to_others = others.filter_map(|other| {
+                    Some(OtherRatio {
+                        label: *other,
+                        simd: simd(other),
+                        ratio: ratio(other)?,
+                    })
+                });
+                let to_base = ratio(BASE).map(|ratio| BaseRatio {
+                    ratio,
+                    simd: simd(BASE),
+                });
+                let setups: Vec<f64> = cells.iter().filter_map(|cell| cell.time.setup).collect();
                 all.push(Self {
                     record,
                     model,
                     label,
                     time: group.value(time(), &model.name, label).map(|t| t.value),
-                    to_base: ratio(BASE),
+                    setup: median(&setups),
+                    to_base,
                     to_others: to_others.collect(),
                     cells,
                 });
@@ -148,6 +195,11 @@ pub(super) struct Standing<'r> {
     pub(super) models: usize,
     /// The number of models whose ratio goes through a third program.
     pub(super) linked: usize,
+    /// The vector instructions of the base in the ratios.
+    pub(super) base_simd: Vec<&'r str>,
+    /// The geometric mean of the set-up times, as multiples of the time of [`BASE`]; `None` without
+    /// any.
+    pub(super) setup: Option<f64>,
     /// The mean of the relative errors over the models.
     pub(super) error: f64,
     /// The largest relative error.
@@ -184,11 +236,16 @@ pub(super) fn standings<'r>(
                 .then(a.key().cmp(b.key()))
         });
         let mut linked = 0;
-        let mut ratios = Vec::new();
+        let (mut found, mut setups) = (Vec::new(), Vec::new());
         for one in &measured {
             let through = || link(one, all).inspect(|_| linked += 1);
-            ratios.extend(one.to_base.or_else(through));
+            if let Some(to_base) = one.to_base.or_else(through) {
+                let setup = one.setup.zip(one.time).filter(|(setup, _)| *setup > 0.0);
+                setups.extend(setup.map(|(setup, time)| setup / time * to_base.ratio));
+                found.push(to_base);
+            }
         }
+        let ratios: Vec<f64> = found.iter().map(|one| one.ratio).collect();
         let errors: Vec<f64> = measured.iter().filter_map(|one| one.mean_error()).collect();
         Some(Standing {
             program,
@@ -196,6 +253,8 @@ pub(super) fn standings<'r>(
             range: [f64::min, f64::max].map(|pick| ratios.iter().copied().fold(ratios[0], pick)),
             models: ratios.len(),
             linked,
+            base_simd: distinct(found.iter().filter_map(|one| one.simd)),
+            setup: geometric_mean(&setups),
             error: errors.iter().sum::<f64>() / errors.len().max(1) as f64,
             max_error: measured
                 .iter()
@@ -210,14 +269,18 @@ pub(super) fn standings<'r>(
 }
 
 /// The ratio of a measurement to [`BASE`] through an exact program that its group has, and that
-/// another record measured together with the base on the same model. Both ratios are of runs in
-/// turns on one machine each.
-fn link(one: &Measurement<'_>, all: &[Measurement<'_>]) -> Option<f64> {
-    one.to_others.iter().find_map(|(other, ratio)| {
-        let of_other = |m: &&Measurement<'_>| {
-            m.label == *other && m.key() == one.key() && m.is_plain() && !m.is_approximate()
+/// another record measured, with the same instructions, together with the base on the same model.
+/// Both ratios are of runs in turns on one machine each.
+fn link<'r>(one: &Measurement<'r>, all: &[Measurement<'r>]) -> Option<BaseRatio<'r>> {
+    one.to_others.iter().find_map(|other| {
+        let of_other = |m: &&Measurement<'r>| {
+            let is_same = m.label == other.label && simd_of(&m.cells) == other.simd;
+            is_same && m.key() == one.key() && m.is_plain() && !m.is_approximate()
         };
         let to_base = all.iter().filter(of_other).find_map(|m| m.to_base)?;
-        Some(ratio * to_base)
+        Some(BaseRatio {
+            ratio: other.ratio * to_base.ratio,
+            simd: to_base.simd,
+        })
     })
 }

@@ -142,7 +142,8 @@ pub(super) fn page(context: &Pages<'_>, model: &ModelRecord) -> Vec<Section> {
     rows.sort_by(|a, b| {
         let [of_a, of_b] = [a, b].map(|one| {
             let place = (age(one, &all), one.to_base.is_none());
-            (place, one.to_base.or(one.time).unwrap_or(f64::MAX))
+            let ratio = one.to_base.map(|to_base| to_base.ratio);
+            (place, ratio.or(one.time).unwrap_or(f64::MAX))
         });
         of_a.0.cmp(&of_b.0).then(of_a.1.total_cmp(&of_b.1))
     });
@@ -162,15 +163,20 @@ fn fastest(context: &Pages<'_>, own: &[&Measurement<'_>]) -> String {
         });
         exact
             .filter_map(|one| Some((one.to_base?, one)))
-            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .min_by(|a, b| a.0.ratio.total_cmp(&b.0.ratio))
     };
     let said = [(false, "of this suite"), (true, "of others")].map(|(is_outside, whose)| {
-        let (time, one) = best(is_outside)?;
+        let (to_base, one) = best(is_outside)?;
+        let with = match to_base.vectors() {
+            "" => String::new(),
+            vectors => format!(" with {vectors}"),
+        };
         Some(format!(
-            "The fastest exact program {whose} is [{}]({}.html), {} times the time of vtp ({}, {}).",
+            "The fastest exact program {whose} is [{}]({}.html), {} times the time of vtp{with} \
+             ({}, {}).",
             context.title(one.program()),
             program_address(one.program()),
-            ratio(time),
+            ratio(to_base.ratio),
             context.records.machine(&one.record.result.host),
             one.record.date()
         ))

@@ -239,6 +239,12 @@ impl<'r> Pages<'r> {
                 }
                 (None, None) => Entry::new("-"),
             };
+            let to_base = one.to_base.map_or_else(dash, |to_base| {
+                match (ratio(to_base.ratio), to_base.vectors()) {
+                    (ratio, "") => ratio,
+                    (ratio, vectors) => format!("{ratio}\u{a0}({vectors})"),
+                }
+            });
             vec![
                 if of_model {
                     self.program_entry(one.program())
@@ -248,7 +254,7 @@ impl<'r> Pages<'r> {
                 Entry::new(form),
                 Entry::new(one.model.faces.map_or_else(dash, grouped)),
                 time,
-                Entry::new(one.to_base.map_or_else(dash, ratio)),
+                Entry::new(to_base),
                 Entry::new(one.max_error().map_or_else(dash, scientific)),
                 Entry::new(windows.map_or_else(dash, |n| grouped(n as u64))),
                 Entry::new(heap.map_or_else(dash, |bytes| format!("{:.1}", bytes / 1e6))),
@@ -263,9 +269,10 @@ impl<'r> Pages<'r> {
         let table = Table {
             id: id.to_owned(),
             caption:
-                "Median times, the newest of each machine; ratios to vtp in the same run; errors \
-                 against the reference of the run; peak memory of the solver, of outside programs \
-                 of the process. The date leads to the record."
+                "Median times without set-up, the newest of each machine; ratios to vtp in the same \
+                 run, with its instructions unless they are scalar; errors against the reference \
+                 of the run; peak memory of the solver, of outside programs of the process. The \
+                 date leads to the record."
                     .to_owned(),
             ..Table::new(
                 [

@@ -158,7 +158,8 @@ fn ratios_of_records_without_the_base_are_linked() {
         for (name, seconds) in algorithms {
             cell.algorithm = name.to_owned();
             cell.approximate = name == "fmm";
-            cell.time = geobench_harness::measure::statistics::time(vec![seconds; 6], None);
+            cell.simd = (name == "vtp").then(|| "avx512".to_owned());
+            cell.time = geobench_harness::measure::statistics::time(vec![seconds; 6], Some(3.0));
             result.cells.push(cell.clone());
         }
         result
@@ -177,13 +178,32 @@ fn ratios_of_records_without_the_base_are_linked() {
     };
     let all = Measurement::all(&records);
     let found = standings(&all, |_| true);
-    let ratio_of = |program: &str| {
-        let one = found.iter().find(|one| one.program == program).unwrap();
-        (one.ratio, one.linked)
-    };
+    let of = |program: &str| found.iter().find(|one| one.program == program).unwrap();
+    let ratio_of = |program: &str| (of(program).ratio, of(program).linked);
     assert_eq!(ratio_of("vtp"), (1.0, 0));
     assert_eq!(ratio_of("ich"), (2.0, 0));
     assert_eq!(ratio_of("fmm"), (1.0, 1));
+    // The instructions of the base are named, and set-up is a multiple of its time.
+    assert!(found.iter().all(|one| one.base_simd == ["avx512"]));
+    assert_eq!(of("fmm").setup, Some(2.0));
+    let page = StaticSite::build(&records, &Corpus { models: Vec::new() }, None).unwrap();
+    let (_, page) = page
+        .pages()
+        .find(|(name, _)| *name == "program-ich")
+        .unwrap();
+    assert!(page.contains("2.00\u{a0}(avx512)"));
+
+    // A ratio to an algorithm with other instructions is no link.
+    let mut other = records.clone();
+    for cell in &mut other.results[0].result.cells {
+        cell.simd = Some("avx512".to_owned());
+    }
+    let all = Measurement::all(&other);
+    assert!(
+        standings(&all, |_| true)
+            .iter()
+            .all(|one| one.program != "fmm")
+    );
 }
 
 #[test]

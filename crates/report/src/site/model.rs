@@ -6,6 +6,7 @@ use geobench_harness::schema::ModelRecord;
 
 use super::measured::{Measurement, key};
 use super::pages::{Pages, program_address, section};
+use super::program::newest_wrong;
 use crate::corpus::CorpusModel;
 use crate::page::PictureChoice;
 use crate::page::chart::Chart;
@@ -111,9 +112,8 @@ pub(super) fn page(context: &Pages<'_>, model: &ModelRecord) -> Vec<Section> {
     about.extend(drawn(context, model, &own).map(|plot| SectionItem::Plots(vec![plot])));
     about.push(SectionItem::Facts(facts(context, model)));
     let mut sections = vec![section("about", "The model", about)];
-    let wrong: Vec<String> = own
-        .iter()
-        .filter(|one| one.is_wrong())
+    let wrong: Vec<String> = newest_wrong(own.iter().copied(), Measurement::is_wrong)
+        .into_iter()
         .map(|one| {
             let cell = one.failure().unwrap_or(one.cells[0]);
             let error = one

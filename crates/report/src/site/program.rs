@@ -6,7 +6,7 @@ use geobench_harness::schema::Status;
 use super::measured::{Measurement, key};
 use super::pages::{Pages, model_address, section};
 use crate::page::document::{Section, SectionItem};
-use crate::table::group::distinct;
+use crate::table::group::{by_key, distinct};
 use crate::table::{Column, Entry, Mark, Table};
 
 /// All programs.
@@ -156,19 +156,31 @@ pub(super) fn page(context: &Pages<'_>, name: &str) -> (String, Vec<Section>) {
     (context.title(name).to_owned(), sections)
 }
 
-/// A row for each wrong or failed answer among `measured`; `None` without one.
+/// The newest of the measurements that are `wrong`, for each program and model. `measured` has the
+/// newest first.
+pub(super) fn newest_wrong<'m, 'r: 'm>(
+    measured: impl Iterator<Item = &'m Measurement<'r>>,
+    wrong: impl Fn(&Measurement<'r>) -> bool,
+) -> Vec<&'m Measurement<'r>> {
+    let wrong = measured.filter(|one| wrong(one));
+    let by_place = by_key(wrong, |one| (one.label, one.key()));
+    by_place.into_iter().map(|(_, own)| own[0]).collect()
+}
+
+/// A row for each program and model with a wrong or failed answer among `measured`; `None` without
+/// one.
 fn errors<'m, 'r: 'm>(
     context: &Pages<'r>,
     id: &str,
     measured: impl Iterator<Item = &'m Measurement<'r>>,
     of_program: bool,
 ) -> Option<Table> {
-    let failed = |one: &&Measurement<'_>| {
+    let failed = |one: &Measurement<'_>| {
         let status = one.failure().map(|cell| cell.status);
         one.is_wrong() || status == Some(Status::Crashed)
     };
-    let rows: Vec<Vec<Entry>> = measured
-        .filter(failed)
+    let rows: Vec<Vec<Entry>> = newest_wrong(measured, failed)
+        .into_iter()
         .map(|one| {
             let cell = one.failure().unwrap_or(one.cells[0]);
             let message = cell.message.clone().unwrap_or_default();
@@ -198,7 +210,9 @@ fn errors<'m, 'r: 'm>(
     ];
     (!rows.is_empty()).then(|| Table {
         id: id.to_owned(),
-        caption: "Answers that are not the distances, and runs that crashed.".to_owned(),
+        caption: "Answers that are not the distances, and runs that crashed; the newest of each \
+                  program and model."
+            .to_owned(),
         ..Table::new(columns.concat(), rows)
     })
 }
@@ -279,8 +293,8 @@ pub(super) fn wrong(context: &Pages<'_>) -> Vec<Section> {
     let wrong = errors(context, "wrong-table", context.all.iter(), false);
     let count = wrong.as_ref().map_or(0, |table| table.parts[0].rows.len());
     let text = format!(
-        "{} in the records. An answer is wrong if a distance differs from the reference by more \
-         than 1e-9 of it; where programs disagree, a [proof](method.html) decides. Certified \
+        "{} in the records, the newest of each program and model. An answer is wrong if a distance \
+         differs from the reference by more than 1e-9 of it; where programs disagree, a [proof](method.html) decides. Certified \
          distances are proven in interval arithmetic, to the error that stands beside them.",
         counted(count, "wrong or crashed answer")
     );

@@ -25,9 +25,10 @@ return {
         .flatMap(svg => { const box = svg.viewBox.baseVal; return [...svg.querySelectorAll('text')]
             .filter(t => { const b = t.getBBox(); return b.x < -1 || b.x + b.width > box.width + 1; })
             .map(t => svg.closest('figure').id + ': ' + t.textContent); }).slice(0, 5),
-    small: [...document.querySelectorAll('svg.chart')].filter(svg => !svg.querySelector('image') && svg.checkVisibility())
-        .map(svg => [svg, 12 * svg.getBoundingClientRect().width / svg.viewBox.baseVal.width])
-        .filter(([svg, size]) => svg.querySelector('text') && size < 11.9)
+    small: [...document.querySelectorAll('svg.chart')].filter(svg => svg.checkVisibility())
+        .map(svg => [svg, Math.min(...[...svg.querySelectorAll('text')].map(t => parseFloat(getComputedStyle(t).fontSize)))
+            * svg.getBoundingClientRect().width / svg.viewBox.baseVal.width])
+        .filter(([svg, size]) => size < 11.9)
         .map(([svg, size]) => svg.closest('figure').id + ': ' + size.toFixed(1) + ' px').slice(0, 5),
     dark: matchMedia('(prefers-color-scheme: dark)').matches,
     paper: getComputedStyle(document.body).backgroundColor,

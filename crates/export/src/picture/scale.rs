@@ -9,7 +9,7 @@ use crate::svg::{Svg, px};
 pub(super) const WIDTH: f64 = 480.0;
 
 /// The height of the scale with its numbers and its caption, in units of the drawing.
-pub(super) const HEIGHT: f64 = 54.0;
+pub(super) const HEIGHT: f64 = 70.0;
 
 /// What the numbers are.
 const CAPTION: &str = "distance (model units)";
@@ -23,8 +23,11 @@ const TOP: f64 = 8.0;
 const THICKNESS: f64 = 10.0;
 
 /// The baselines of the numbers and of the caption.
-const NUMBERS: f64 = 33.0;
-const WORDS: f64 = 48.0;
+const NUMBERS: f64 = 40.0;
+const WORDS: f64 = 62.0;
+
+/// The size of the font. A picture in a column of 336 pixels has letters of 12 pixels.
+const FONT: f64 = 18.0;
 
 /// The colour of letters on transparent pixels: readable on light and on dark pages.
 const GREY: [u8; 3] = [112; 3];
@@ -106,10 +109,10 @@ impl ColourBar {
         for (x, text) in &self.marks {
             svg.line("axis", [*x, y + top], [*x, y + bottom]);
             if let Some(text) = text {
-                svg.text([*x, y + NUMBERS], "m", text);
+                write(svg, [*x, y + NUMBERS], text);
             }
         }
-        svg.text([0.5 * WIDTH, y + WORDS], "m", CAPTION);
+        write(svg, [0.5 * WIDTH, y + WORDS], CAPTION);
     }
 
     /// Draws the scale into an image, below a picture whose lower end is at `y`. `density` is in
@@ -127,7 +130,7 @@ impl ColourBar {
             let text = text.as_deref().unwrap_or_default();
             letters.extend(self::letters(text, [*x, y + NUMBERS]));
         }
-        for (mut lines, half_width) in [(ticks.collect(), 0.4), (letters, 0.5)] {
+        for (mut lines, half_width) in [(ticks.collect(), 0.4), (letters, 0.7)] {
             let points = lines.iter_mut().flat_map(|line: &mut Vec<[f64; 2]>| line);
             points.for_each(|point| *point = point.map(|x| x * density));
             let half_width = half_width * density;
@@ -137,8 +140,19 @@ impl ColourBar {
     }
 }
 
+/// Text that is centred above a point of its baseline.
+fn write(svg: &mut Svg, [x, y]: [f64; 2], text: &str) {
+    let attributes = [
+        ("class", "m".to_owned()),
+        ("x", px(x)),
+        ("y", px(y)),
+        ("font-size", px(FONT)),
+    ];
+    svg.holding("text", &attributes, text);
+}
+
 /// The width and height of the grid on which letters are drawn, in units, and their distance.
-const CELL: f64 = 1.35;
+const CELL: f64 = 0.1125 * FONT;
 const ADVANCE: f64 = 5.6 * CELL;
 
 /// The strokes of a text that is centred above a point of its baseline.
@@ -227,5 +241,16 @@ mod tests {
         let texts: Vec<Option<&str>> = scale.marks.iter().map(|(_, t)| t.as_deref()).collect();
         assert_eq!(texts, [Some("1"), None, Some("5")]);
         assert_eq!(ColourBar::new(0.0, &[]).marks[0].1.as_deref(), Some("0"));
+    }
+
+    #[test]
+    fn letters_are_larger_than_those_of_charts() {
+        let mut svg = Svg::default();
+        ColourBar::new(10.0, &[]).draw(&mut svg, 0.0);
+        let text = svg.finish();
+        assert_eq!(
+            text.matches("<text").count(),
+            text.matches("font-size=\"18\"").count()
+        );
     }
 }

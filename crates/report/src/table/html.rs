@@ -89,6 +89,9 @@ fn row(html: &mut String, fields: impl Iterator<Item = String>) {
     let _ = writeln!(html, "<tr>{}</tr>", fields.collect::<String>());
 }
 
+/// The number of letters from which on a text has a wide column on a phone.
+const LONG: usize = 60;
+
 /// Whether a text is a day, such as 2026-11-25.
 fn is_date(text: &str) -> bool {
     let parts: Vec<&str> = text.split('-').collect();
@@ -112,6 +115,7 @@ fn entry(entry: &Entry, numeric: bool) -> String {
         (_, true, 0) => " class=\"n\"".to_owned(),
         (_, true, heat) => format!(" class=\"n heat-{heat}\""),
         _ if is_date(&entry.text) => " class=\"date\"".to_owned(),
+        _ if entry.text.chars().count() > LONG => " class=\"long\"".to_owned(),
         _ => String::new(),
     };
     // Non-breaking spaces allow line breaks only before the interval of a value.

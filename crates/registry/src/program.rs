@@ -188,7 +188,9 @@ impl Programs {
         let prefixed: Vec<&str> = prefixed.iter().map(String::as_str).collect();
         let hint = did_you_mean(&format!("{PREFIX}{name}"), &prefixed);
         let described = if known.is_empty() {
-            String::new()
+            "; `geobench init` writes an example, scripts/peers in the repository of geobench a \
+             file with public programs"
+                .to_owned()
         } else {
             format!("; described are {}", known.join(", "))
         };

@@ -17,7 +17,8 @@ pub(crate) struct PoolOptions {
     #[arg(value_name = "ROUND", required = true)]
     pub(crate) rounds: Vec<PathBuf>,
 
-    /// Result file, by its ending: .json, .csv, .md or .tex; may be repeated
+    /// Result file, by its ending: .json, .csv, .md, .tex, .bmf.json (Bencher) or
+    /// .gab.json (github-action-benchmark); may be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
     pub(crate) output: Vec<PathBuf>,
 

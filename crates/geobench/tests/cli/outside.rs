@@ -543,7 +543,7 @@ fn what_nobody_has_described_is_refused_before_anything_runs() {
         ),
         (
             "run square.off --algo ext:honest",
-            "describe it in a table [ext.honest] of the suite file, or of a file given with --ext\n",
+            "or of a file given with --ext; `geobench init` writes an example, scripts/peers",
         ),
         (
             "run square.off --algo ext:honest{k=1} --ext peers.toml",

@@ -2,6 +2,7 @@
 
 use clap::Args;
 use geobench_harness::exec::source::PointSpec;
+use geobench_harness::measure::number::counted;
 use geobench_harness::plan::suite::options::{NotNegative, TargetOption};
 use geobench_registry as registry;
 use std::fmt::Write;
@@ -27,7 +28,13 @@ use crate::verdict::Verdict;
 #[derive(Args, Debug)]
 #[command(
     after_help = MODELS_HELP,
-    mut_arg("target", |target| target.required_unless_present_any(["targets", "all_targets", "direction"]).help(
+    group(
+        clap::ArgGroup::new("wanted")
+            .required(true)
+            .multiple(true)
+            .args(["target", "targets", "all_targets", "direction"])
+    ),
+    mut_arg("target", |target| target.help(
         "The targets, in the same forms; the search ends when all are reached"
     )),
 )]
@@ -335,8 +342,10 @@ impl Totals {
                 format!(", the longest to {} of length {length}", target.in_words())
             });
         format!(
-            "{} paths, {} unreachable, {} edges crossed{longest}\n",
-            self.paths, self.unreachable, self.edges
+            "{}, {} unreachable, {} crossed{longest}\n",
+            counted(self.paths, "path"),
+            self.unreachable,
+            counted(self.edges, "edge")
         )
     }
 }
@@ -351,16 +360,16 @@ fn lines(paths: &[FoundPath]) -> String {
                 // The end points are not counted, although they may be vertices.
                 let inner = path.points.get(1..path.points.len().saturating_sub(1));
                 let inner = inner.unwrap_or_default().iter();
+                let is_crossed = |p: &&Point| matches!(p.place, PathPlace::Edge { .. });
+                let crossed = inner.clone().filter(is_crossed).count();
+                let passed = inner.filter(|p| p.vertex().is_some()).count();
                 writeln!(
                     text,
-                    "{} to {target}: length {}, {} edges crossed, {} vertices passed",
+                    "{} to {target}: length {}, {} crossed, {} passed",
                     source.in_words(),
                     path.length,
-                    inner
-                        .clone()
-                        .filter(|p| matches!(p.place, PathPlace::Edge { .. }))
-                        .count(),
-                    inner.filter(|p| p.vertex().is_some()).count(),
+                    counted(crossed, "edge"),
+                    counted(passed, "vertex"),
                 )
             }
         };

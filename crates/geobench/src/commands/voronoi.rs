@@ -12,6 +12,7 @@ use geobench_export::diagrams::{self, BorderFormat, DiagramFile, DiagramFormat, 
 use geobench_export::output::{OutputFile, check_files, prepare_one};
 use geobench_export::picture::{Paint, Scene, View};
 use geobench_export::{FileFormat, no_coordinates};
+use geobench_harness::measure::number::counted;
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::io as mesh_io;
 use geobench_mesh::{TriangleSoup, VertexId};
@@ -25,10 +26,16 @@ use crate::points::{LocatedPoints, SourcesOptions};
 use crate::terminal;
 use crate::verdict::Verdict;
 
+/// Help text of `--source`.
+const SOURCES_HELP: &str = "The sources, each of which has a cell: first, largest (the first vertex of \
+    the largest component), a vertex number, random:N[,seed=S], all, edge:A-B,T, face:F,U,V,W, at:X,Y,Z \
+    or a list of these; may be repeated";
+
 #[derive(Args, Debug)]
 #[command(
     after_help = MODELS_HELP,
     mut_arg("algo", |algo| algo.help(ALGORITHM_HELP)),
+    mut_arg("source", |source| source.help(SOURCES_HELP)),
 )]
 pub(crate) struct VoronoiOptions {
     /// The model
@@ -242,15 +249,18 @@ fn summary_of(path: &Path, file: &DiagramFile<'_>) -> String {
     let unreachable = distances.iter().filter(|d| d.is_infinite()).count();
     let [windows, extraction] = file.stage_seconds;
     let mut text = format!(
-        "{}: {} cells ({discs} discs), {} vertices, {} arcs in {} faces; {windows:.3} s for windows, {extraction:.3} s for the diagram\n",
+        "{}: {} ({}), {}, {} in {}; {windows:.3} s for windows, {extraction:.3} s for the diagram\n",
         path.display(),
-        cells.len(),
-        diagram.vertices().len(),
-        diagram.arcs().len(),
-        diagram.border_faces()
+        counted(cells.len(), "cell"),
+        counted(discs, "disc"),
+        counted(diagram.vertices().len(), "vertex"),
+        counted(diagram.arcs().len(), "arc"),
+        counted(diagram.border_faces(), "face")
     );
     if unreachable > 0 {
-        let _ = writeln!(text, "{unreachable} vertices are reached from no source");
+        let are = if unreachable == 1 { "is" } else { "are" };
+        let unreachable = counted(unreachable, "vertex");
+        let _ = writeln!(text, "{unreachable} {are} reached from no source");
     }
     text
 }

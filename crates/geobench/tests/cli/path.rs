@@ -210,7 +210,10 @@ fn wrong_input_is_named() {
             "path square.off --source edge:1-3,0.5 --target 1",
             "edge:1-3,0.5: no edge joins the vertices 1 and 3",
         ),
-        ("path square.off --source 1", "--target <DST>"),
+        (
+            "path square.off --source 1",
+            "<--target <DST>|--targets <FILE>|--all-targets|--direction <X,Y,Z>>",
+        ),
         ("path square.off --target 1", "--source <SRC>"),
         (
             "path square.off --source 1 --target 2 --all-targets",

@@ -81,11 +81,12 @@ pub fn scientific(value: f64) -> String {
     }
 }
 
-/// A number with its noun: `1 loop`, `2 loops`.
+/// A number with its noun: `1 loop`, `2 loops`, `2 vertices`.
 pub fn counted(count: usize, thing: &str) -> String {
-    match count {
-        1 => format!("1 {thing}"),
-        _ => format!("{count} {thing}s"),
+    match (count, thing.strip_suffix("ex")) {
+        (1, _) => format!("1 {thing}"),
+        (_, Some(stem)) => format!("{count} {stem}ices"),
+        (_, None) => format!("{count} {thing}s"),
     }
 }
 
@@ -102,6 +103,14 @@ mod tests {
         assert_eq!(decimals([1e-9], 6), 6);
         assert_eq!(decimals([0.0], 6), 0);
         assert_eq!(decimals([], 6), 0);
+    }
+
+    #[test]
+    fn numbers_have_nouns() {
+        assert_eq!(counted(1, "face"), "1 face");
+        assert_eq!(counted(0, "face"), "0 faces");
+        assert_eq!(counted(1, "Voronoi vertex"), "1 Voronoi vertex");
+        assert_eq!(counted(2, "vertex"), "2 vertices");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use geobench_export::escape::{markdown as escape, markdown_line, printable};
 use geobench_export::{FileFormat, json_lines};
 use geobench_harness::figures::capitalised;
-use geobench_harness::measure::number::decimals;
+use geobench_harness::measure::number::{counted, decimals};
 use geobench_harness::schema::Status;
 
 use crate::history::compare::{
@@ -432,7 +432,7 @@ fn figures(comparison: &FileComparison) -> Table {
         if let Some(time) = &change.time {
             let digits = decimals(time.medians, 9);
             let how = match (time.method, time.p) {
-                (TimeMethod::Paired, _) => format!("{} pairs", time.samples[0]),
+                (TimeMethod::Paired, _) => counted(time.samples[0], "pair"),
                 (_, Some(p)) => format!("p {p:.4}"),
                 (_, None) => String::new(),
             };

@@ -1,6 +1,7 @@
 //! Exports of results for services that track benchmarks over commits.
 
 use geobench_export::escape::printable;
+use geobench_harness::measure::number::counted;
 use geobench_harness::schema::{Cell, ResultFile, Status};
 use serde_json::{Map, Value, json};
 
@@ -89,7 +90,7 @@ pub(super) fn github_action(result: &ResultFile) -> Value {
             if let Some(width) = cell.time.half_width() {
                 entry["range"] = format!("± {}", width * median).into();
             }
-            entry["extra"] = format!("{} samples", cell.time.samples.len()).into();
+            entry["extra"] = counted(cell.time.samples.len(), "sample").into();
             all.push(entry);
         }
         for (figure, unit, value) in figures(cell) {

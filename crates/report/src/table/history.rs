@@ -70,12 +70,11 @@ fn gate_parts(gate: &GateReport) -> (String, Table, Vec<String>) {
         ]
     });
     let rows: Vec<Vec<Entry>> = rows.collect();
-    let head = format!(
-        "new: {}; base: {}, {}",
-        gate.commit,
-        counted(gate.base.len(), "commit"),
-        gate.base.join(", ")
-    );
+    let base = match &gate.base[..] {
+        [] => "no commit".to_owned(),
+        base => format!("{}, {}", counted(base.len(), "commit"), base.join(", ")),
+    };
+    let head = format!("new: {}; base: {base}", gate.commit);
     let columns = Column::of(["Cell", "Figure"], ["Base", "New", "Change"]);
     let worse = gate.lines.iter().filter(|l| l.broken.is_some()).count();
     let mut notes = gate.notes.clone();
@@ -86,7 +85,13 @@ fn gate_parts(gate: &GateReport) -> (String, Table, Vec<String>) {
     };
     notes.push(match gate.learning {
         Some(known) => format!("learning, {known} of {FEWEST} base commits: nothing is judged yet"),
-        None => format!("{worse} of {} figures are worse{better}", gate.lines.len()),
+        None => {
+            let are = if worse == 1 { "is" } else { "are" };
+            format!(
+                "{worse} of {} figures {are} worse{better}",
+                gate.lines.len()
+            )
+        }
     });
     (head, Table::new(columns, rows), notes)
 }

@@ -1,9 +1,13 @@
 //! Axes: they map values to positions and choose ticks.
 
 use geobench_export::picture::nice;
+use geobench_export::svg::width_of;
 
 /// Pixels between the extreme values and the ends of the axis.
 const MARGIN: f64 = 6.0;
+
+/// The least distance between the labels of two ticks.
+const GAP: f64 = 6.0;
 
 /// The quantity of an axis and its scale.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -168,7 +172,9 @@ impl Scale {
             let count = ((high - low) / self.step).round() as i64;
             let first = (low / self.step).round();
             let ticks = (0..=count).map(|i| (first + i as f64) * self.step);
-            return (ticks.collect(), Vec::new());
+            let ticks: Vec<f64> = ticks.collect();
+            let every = self.spacing(&ticks);
+            return (ticks.into_iter().step_by(every).collect(), Vec::new());
         }
         let (first, last) = (
             libm::log10(low).floor() as i32,
@@ -195,6 +201,19 @@ impl Scale {
         }
         self.add_for_clusters(&mut major);
         (major, minor)
+    }
+
+    /// The number of ticks of a linear scale from one whose label has room to the next.
+    fn spacing(&self, ticks: &[f64]) -> usize {
+        let [from, to] = self.places;
+        // On a vertical axis, labels are stacked.
+        if from > to {
+            return 1;
+        }
+        let widths = ticks.iter().map(|tick| width_of(&label(*tick)));
+        let widest = widths.fold(0.0, f64::max) + GAP;
+        let apart = (to - from) / ticks.len().saturating_sub(1).max(1) as f64;
+        ((widest / apart).ceil() as usize).max(1)
     }
 
     /// Adds a tick with two significant digits for each cluster of values that has no tick near it,
@@ -236,12 +255,16 @@ pub(crate) fn label(value: f64) -> String {
         _ if size >= 1e4 => (value / 1e3, "k"),
         _ => (value, ""),
     };
+    let trimmed = |digits: &str| {
+        let digits = digits.trim_end_matches('0');
+        digits.trim_end_matches('.').to_owned()
+    };
     if size > 0.0 && size < 1e-4 {
-        return format!("{value:.0e}");
+        let text = format!("{value:.2e}");
+        let (digits, exponent) = text.split_once('e').unwrap_or((text.as_str(), "0"));
+        return format!("{}e{exponent}", trimmed(digits));
     }
-    let text = format!("{scaled:.6}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    format!("{text}{unit}")
+    trimmed(&format!("{scaled:.7}")) + unit
 }
 
 #[cfg(test)]
@@ -253,9 +276,24 @@ mod tests {
             label: String::new(),
             log,
         };
-        let scale = Scale::new(&axis, values, [0.0, 100.0], false);
+        // So wide that the labels of a linear scale have room.
+        let end = if log { 100.0 } else { 400.0 };
+        let scale = Scale::new(&axis, values, [0.0, end], false);
         let labels: Vec<String> = scale.ticks().0.into_iter().map(label).collect();
         labels.join(" ")
+    }
+
+    #[test]
+    fn labels_do_not_overlap() {
+        let labels = |places: [f64; 2]| -> Vec<String> {
+            let scale = Scale::new(&Axis::linear(""), [0.000_241, 0.000_269], places, false);
+            scale.ticks().0.into_iter().map(label).collect()
+        };
+        assert_eq!(labels([0.0, 100.0]), ["0.00024", "0.00026"]);
+        let all = ["0.00024", "0.00025", "0.00026", "0.00027"];
+        assert_eq!(labels([0.0, 400.0]), all);
+        // On a vertical axis, labels are stacked.
+        assert_eq!(labels([100.0, 0.0]), all);
     }
 
     #[test]
@@ -277,6 +315,10 @@ mod tests {
     fn ticks_are_round_numbers() {
         assert_eq!(ticks(false, [0.0, 1.0]), "0 0.2 0.4 0.6 0.8 1");
         assert_eq!(ticks(false, [96.0, 104.0]), "96 98 100 102 104");
+        assert_eq!(
+            ticks(false, [2.02e-5, 2.38e-5]),
+            "2e-5 2.1e-5 2.2e-5 2.3e-5 2.4e-5"
+        );
         assert_eq!(ticks(true, [0.0012, 0.9]), "0.01 0.1 1");
         assert_eq!(ticks(true, [0.01, 0.9]), "0.01 0.02 0.05 0.1 0.2 0.5 1");
         assert_eq!(ticks(true, [1.1, 4.0]), "1 1.5 2 3 4");

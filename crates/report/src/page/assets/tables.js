@@ -122,6 +122,12 @@ class Menu {
       this.node.open = false;
       this.summary.focus();
     });
+    // The list of a menu at the right end of the page moves into the page.
+    this.node.addEventListener("toggle", () => {
+      list.style.left = "";
+      const beyond = list.getBoundingClientRect().right + 8 - document.documentElement.clientWidth;
+      if (beyond > 0) list.style.left = `${parseFloat(getComputedStyle(list).left) - beyond}px`;
+    });
     this.write();
   }
 

@@ -218,8 +218,8 @@ fn a_pull_request_that_takes_longer_is_red() {
     let (status, shown) = gate(&[("BUILD", "test -f benchmarks/solver.py")]);
     assert_eq!(status, 0, "{shown}");
     let call = "distances = solve(mesh, int(rest))";
-    // Twice is red on a machine of its own; tests run beside others.
-    let slow = format!("[solve(mesh, int(rest)) for _ in range(4)]; {call}");
+    // Longer than what other tests on the machine add.
+    let slow = format!("time.sleep(0.4); {call}");
     pull_request(&sandbox, solver, call, &slow);
     let (status, shown) = gate(&[]);
     assert_eq!(status, 1, "{shown}");

@@ -74,8 +74,9 @@ pub(crate) const CLOCKS: f64 = 0.01;
 /// already subtracted from those from outside.
 ///
 /// The claims are the times. Under protocol 2 they are doubted if they are below the times from
-/// outside by more than the noise of these, which are then the times. Under the other protocols
-/// nothing confirms the claims.
+/// outside by more than the noise of these, which are then the times; but a run takes no less than
+/// it claims, also where a slow ping leaves nothing of its time from outside. Under the other
+/// protocols nothing confirms the claims.
 pub fn time_of_program(
     claimed: Vec<f64>,
     outside: Vec<f64>,
@@ -83,11 +84,17 @@ pub fn time_of_program(
     setup: Option<f64>,
 ) -> Time {
     let doubted = are_doubted(&claimed, &outside, &ping);
-    let samples = if doubted { &outside } else { &claimed };
+    let samples = if doubted {
+        let runs = claimed.iter().zip(&outside);
+        runs.map(|(claimed, outside)| claimed.max(*outside))
+            .collect()
+    } else {
+        claimed.clone()
+    };
     let time = Time {
         doubted,
         unconfirmed: !doubted && are_unconfirmed(&claimed, &ping),
-        ..time(samples.clone(), setup)
+        ..time(samples, setup)
     };
     Time {
         outside,
@@ -542,6 +549,12 @@ mod tests {
         let lie = time([0.012; 3], [0.1, 0.1001, 0.1002], &ping);
         assert_eq!((lie.doubted, lie.median), (true, Some(0.1001)));
         assert_eq!(lie.claimed, [0.012; 3]);
+        // A slow ping leaves nothing of a time from outside; the claim is the least that it took.
+        let late = time([0.012; 3], [0.1, 0.0, 0.1002], &ping);
+        assert_eq!(
+            (late.doubted, late.samples),
+            (true, vec![0.1, 0.012, 0.1002])
+        );
         // Without pings, nothing confirms a claim.
         let alone = time([0.012; 3], [0.1; 3], &[]);
         assert_eq!((alone.doubted, alone.unconfirmed), (false, true));

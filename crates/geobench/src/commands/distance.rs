@@ -13,6 +13,7 @@ use geobench_export::FileFormat;
 use geobench_export::distances::{DistanceFile, FieldFormat, FieldTargets, MatrixFormat};
 use geobench_export::output::{OutputFile, check_files};
 use geobench_harness::exec::expected::file_word;
+use geobench_harness::measure::number::counted;
 use geobench_harness::plan::suite::options::{
     GoalOptions, SimdOption, ThreadsOption, WIDEST_SIMD_HELP,
 };
@@ -263,9 +264,9 @@ impl DistanceCommand<'_> {
                 None => format!("vertex {place}"),
             };
             let noun = if targets.is_some() {
-                "targets"
+                "target"
             } else {
-                "vertices"
+                "vertex"
             };
             Ok(summary(&distances, noun, name, &task.path))
         })
@@ -303,7 +304,7 @@ impl DistanceCommand<'_> {
         };
         output.write(&format.render(&field)?)?;
         let name = |i: usize| format!("{} to {}", sources[i].in_words(), labels[i]);
-        Ok(summary(&distances, "pairs", name, &self.options.output))
+        Ok(summary(&distances, "pair", name, &self.options.output))
     }
 
     /// Writes one matrix with a row for each source and a column for each target or vertex. Returns
@@ -435,7 +436,7 @@ impl DistanceCommand<'_> {
     }
 }
 
-/// A line about the distances of several points, which are called `noun` and have these names.
+/// A line about the distances of several points, each of which is a `noun` and has such a name.
 fn summary(distances: &[f64], noun: &str, name: impl Fn(usize) -> String, path: &Path) -> String {
     let reached = || distances.iter().enumerate().filter(|(_, d)| d.is_finite());
     // Of several the first.
@@ -446,9 +447,9 @@ fn summary(distances: &[f64], noun: &str, name: impl Fn(usize) -> String, path: 
             format!(", the farthest is {} at {d}", name(place))
         });
     format!(
-        "{}: {} {noun}, {} unreachable{farthest}\n",
+        "{}: {}, {} unreachable{farthest}\n",
         path.display(),
-        distances.len(),
+        counted(distances.len(), noun),
         distances.len() - reached().count()
     )
 }

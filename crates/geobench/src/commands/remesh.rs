@@ -10,6 +10,7 @@ use geobench_export::diagrams;
 use geobench_export::ending_of;
 use geobench_export::output::{OutputFile, check_files};
 use geobench_export::picture::{Paint, Scene, View};
+use geobench_harness::measure::number::counted;
 use geobench_mesh::io as mesh_io;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_voronoi::{Quality, RemeshOptions as Sites, Remeshed, SurfaceDeviation};
@@ -157,15 +158,15 @@ fn summary(
     if new.added > 0 {
         let _ = writeln!(
             text,
-            "{} sites more than asked for, where the dual was no triangulation",
-            new.added
+            "{} more than asked for, where the dual was no triangulation",
+            counted(new.added, "site")
         );
     }
     if new.split > 0 {
         let _ = writeln!(
             text,
-            "{} Voronoi vertices of more than three cells split",
-            new.split
+            "{} of more than three cells split",
+            counted(new.split, "Voronoi vertex")
         );
     }
     let _ = writeln!(text, "{:26}{:>12}{:>12}", "", "before", "after");

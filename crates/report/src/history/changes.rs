@@ -54,8 +54,11 @@ impl LevelChange {
 /// deviation of the noise is taken as at least `least / 5`.
 ///
 /// Empty if there are fewer than 2 × [`SHORTEST`] values, or if a value is not finite and above 0.
-/// O(n²).
+/// O(n²), but O(n) if all values are the same, as most counters are.
 pub fn changes(values: &[f64], least: f64) -> Vec<LevelChange> {
+    if values.iter().all(|v| v.total_cmp(&values[0]).is_eq()) {
+        return Vec::new();
+    }
     if values.len() < 2 * SHORTEST || values.iter().any(|v| !(v.is_finite() && *v > 0.0)) {
         return Vec::new();
     }

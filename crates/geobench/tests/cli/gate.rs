@@ -55,6 +55,14 @@ fn comments_and_short_loops_pass_and_are_shown() {
             .stderr
             .contains("the rule time=10% is judged in no cell")
     );
+    // Without an outside program nothing is measured from outside.
+    let outside = compared(COMMENTS, "outside_time=10%");
+    assert_eq!(outside.code, 2, "{}", outside.stdout);
+    assert!(
+        outside
+            .stderr
+            .contains("the rule outside_time=10% is judged in no cell")
+    );
 }
 
 #[test]

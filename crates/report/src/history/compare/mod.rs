@@ -71,12 +71,31 @@ impl FileComparison {
     /// The rule on times and the cells in which nothing is judged by it: all, or all of an
     /// algorithm. A comparison that can never fail is no comparison.
     pub fn unjudged_rule(&self, rules: &Rules) -> Option<String> {
-        let rule = rules.on(Subject::Time(TimeKind::Time))?;
+        let kinds = TimeKind::ALL.into_iter();
+        kinds
+            .filter_map(|kind| Some((kind, rules.on(Subject::Time(kind))?)))
+            .find_map(|(kind, rule)| self.unjudged(kind, rule))
+    }
+
+    fn unjudged(&self, kind: TimeKind, rule: &ComparisonRule) -> Option<String> {
+        let of_programs = kind != TimeKind::Time;
         let mut judged = BTreeMap::<&str, bool>::new();
         for cell in self.cells.iter().filter(|c| c.status == [Status::Ok; 2]) {
-            let is_judged = cell.time.as_ref().is_some_and(|time| time.ci95.is_some());
+            // Our algorithms have no times from outside, and claim none.
+            if of_programs && !cell.cell.algorithm.starts_with("ext:") {
+                continue;
+            }
+            let time = match kind {
+                TimeKind::Time => &cell.time,
+                TimeKind::Outside => &cell.outside_time,
+                TimeKind::Claimed => &cell.claimed_time,
+            };
+            let is_judged = time.as_ref().is_some_and(|time| time.ci95.is_some());
             let is_gone = !cell.regressions.is_empty();
             *judged.entry(&cell.cell.algorithm).or_default() |= is_judged || is_gone;
+        }
+        if of_programs && judged.is_empty() {
+            return Some(format!("{rule} is judged in no cell"));
         }
         let (first, _) = judged.iter().find(|(_, is_judged)| !**is_judged)?;
         Some(if judged.values().any(|is_judged| *is_judged) {

@@ -115,6 +115,19 @@ def test_meshes_of_meshio_and_pyvista():
     mesh = gd.Mesh(source.points, triangles)
     source["distance"] = mesh.distance(0)
     assert mesh.n_faces == source.n_cells
+    np.testing.assert_array_equal(gd.Mesh(source).faces, triangles)
+
+
+def test_curved_cells_of_meshio_have_corners_alone():
+    corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    middles = [[0.5, 0, 0], [1, 0.5, 0], [0.5, 0.5, 0], [0.5, 1, 0], [0, 0.5, 0]]
+    points = np.array(corners + middles)
+    cells = [("triangle6", np.array([[0, 1, 2, 4, 5, 6], [0, 2, 3, 6, 7, 8]]))]
+    mesh = gd.Mesh(meshio.Mesh(points, cells))
+    np.testing.assert_array_equal(mesh.faces, [[0, 1, 2], [0, 2, 3]])
+    mesh = gd.Mesh(meshio.Mesh(points, [("quad8", np.array([[0, 1, 2, 3, 4, 5, 7, 8]]))]))
+    assert mesh.n_faces == 2
+    assert mesh.distance(0)[2] == pytest.approx(2**0.5)
 
 
 SPHERE = "gen:sphere,subdiv=3"

@@ -26,11 +26,13 @@ def arrays_of(mesh: Any, faces: Any) -> tuple[Any, Any]:
 def _taken_apart(mesh: Any) -> tuple[Any, Any]:
     # meshio: blocks of cells of one kind.
     if hasattr(mesh, "points") and hasattr(mesh, "cells_dict"):
-        kinds = ("triangle", "quad", "polygon")
         faces: list[Any] = []
         for block in mesh.cells:
-            if block.type.startswith(kinds):
-                faces.extend(np.asarray(block.data).tolist())
+            # The nodes of curved cells, such as triangle6, follow their corners.
+            corners = {"triangle": 3, "quad": 4, "polygon": None}
+            kind = block.type.rstrip("0123456789")
+            if kind in corners:
+                faces.extend(np.asarray(block.data)[:, : corners[kind]].tolist())
         if not faces:
             raise ValueError("vertices: this mesh of meshio has neither triangles nor polygons")
         return mesh.points, _even(faces)
@@ -39,6 +41,8 @@ def _taken_apart(mesh: Any) -> tuple[Any, Any]:
         if not hasattr(mesh, "faces"):
             mesh = mesh.extract_surface()
         rest = np.asarray(mesh.faces)
+        if len(rest) % 4 == 0 and (rest[::4] == 3).all():
+            return mesh.points, rest.reshape(-1, 4)[:, 1:]
         faces = []
         place = 0
         while place < len(rest):

@@ -248,6 +248,15 @@ impl FaceCones {
         nearest.map(|(i, _)| i)
     }
 
+    /// The cone that gives the corner `x` the shortest distance, without that of the corner itself,
+    /// which has no direction there.
+    pub(crate) fn nearest_from_afar(&self, x: Point) -> Option<&Cone> {
+        let least = ROUNDING * self.size;
+        let afar = self.cones.iter();
+        afar.filter(|cone| norm(sub(cone.centre, x)) > least && cone.sees(x))
+            .min_by(|a, b| a.distance(x).total_cmp(&b.distance(x)))
+    }
+
     /// The arcs of the isoline at `level` inside the face. None if the face is flat: an isoline
     /// then enters and leaves it at the same point up to rounding.
     ///

@@ -5,7 +5,7 @@ use geobench_mesh::{FaceId, PointError, SurfacePoint};
 use geobench_paths::{Path, Paths, TraceError};
 
 use crate::DistanceField;
-use crate::cones::{Cone, FaceCones};
+use crate::cones::FaceCones;
 
 /// Why a [`DistanceField`] does not answer.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -59,8 +59,9 @@ impl DistanceField {
     }
 
     /// The gradient of the distance at `point`: the unit vector, in space, in which the distance
-    /// grows fastest, away from the source. At an edge or a vertex it is that in one of the faces.
-    /// `None` at sources, at unreachable points, in no face and on a mesh without positions.
+    /// grows fastest, away from the source. At an edge it is that in one of the faces, at a vertex
+    /// that in a face through which a shortest path comes. `None` at sources, at unreachable points,
+    /// in no face and on a mesh without positions.
     ///
     /// # Errors
     ///
@@ -68,19 +69,15 @@ impl DistanceField {
     pub fn gradient(&self, point: &SurfacePoint) -> Result<Option<[f64; 3]>, PointError> {
         self.mesh.insertion(std::slice::from_ref(point))?;
         let mesh = &self.mesh;
-        let Some((face, weights)) = mesh.face_of(point) else {
-            return Ok(None);
-        };
         if mesh.positions().is_empty() {
             return Ok(None);
         }
-        let (part, x) = self.in_part(face, weights);
-        let (cones, nearest) = self.nearest_cone(part, x);
-        let Some(Cone { centre, .. }) = nearest.map(|i| cones.cones[i]) else {
+        let Some((part, ray)) = self.last_ray(point) else {
             return Ok(None);
         };
+        let face = self.refined.parent(part);
         let motion = self.refined.motion(part);
-        let [from, to] = [centre, x].map(|p| motion.of(p));
+        let [from, to] = ray.map(|p| motion.of(p));
         let along = sub(to, from);
         let size = norm(along);
         if size == 0.0 {
@@ -96,6 +93,32 @@ impl DistanceField {
         let e = [0, 1, 2].map(|k| (b[k] - a[k]) / l);
         let n = [0, 1, 2].map(|k| (c[k] - a[k] - cx * e[k]) / cy);
         Ok(Some([0, 1, 2].map(|k| dx * e[k] + dy * n[k])))
+    }
+
+    /// The last piece of a shortest path to `point`: a face of the refined mesh, and in its plane the
+    /// apex of the cone that gives the point its distance, and the point.
+    fn last_ray(&self, point: &SurfacePoint) -> Option<(FaceId, [Point; 2])> {
+        let Some(v) = point.vertex() else {
+            let (face, weights) = self.mesh.face_of(point)?;
+            let (part, x) = self.in_part(face, weights);
+            let (cones, nearest) = self.nearest_cone(part, x);
+            return Some((part, [cones.cones[nearest?].centre, x]));
+        };
+        if self.distances[v.index()] == 0.0 {
+            return None;
+        }
+        let mesh = &self.refined.mesh;
+        let around = mesh.outgoing(mesh.kept_vertex(v)).iter();
+        let rays = around.filter_map(|h| {
+            let cones = self.cones(h.face());
+            let x = cones.corners[h.corner() as usize];
+            let cone = cones.nearest_from_afar(x)?;
+            let distance = cone.distance(x);
+            let ray = (h.face(), [cone.centre, x]);
+            distance.is_finite().then_some((distance, ray))
+        });
+        let nearest = rays.min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map(|(_, ray)| ray)
     }
 
     /// The shortest path from the nearest source to `point`; `None` if it is unreachable.

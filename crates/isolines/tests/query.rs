@@ -81,6 +81,37 @@ fn a_field_knows_every_point_as_a_solve_on_the_split_mesh_does() {
 }
 
 #[test]
+fn every_vertex_but_a_source_has_a_gradient() {
+    for spec in [
+        "terrain,n=10,seed=3",
+        "torus,faces=400,bump=0.2,seed=5",
+        "grid,n=5",
+    ] {
+        let mesh = Mesh::generate(spec).unwrap();
+        let inside = mesh.point_in_face(FaceId::new(7), [0.2, 0.3, 0.5]).unwrap();
+        let field = DistanceField::new(&mesh, &[0.into(), inside]).unwrap();
+        assert_eq!(field.gradient(&0.into()).unwrap(), None);
+        for v in mesh.vertices().skip(1) {
+            let gradient = field.gradient(&v.into()).unwrap();
+            let gradient = gradient.unwrap_or_else(|| panic!("{spec}: {v:?}"));
+            // The last piece of the path comes along it.
+            let path = field.path(&v.into()).unwrap().unwrap();
+            let line = path.polyline(&mesh);
+            let [.., a, b] = &line[..] else {
+                panic!("{spec}: {v:?} is no source");
+            };
+            let step = [0, 1, 2].map(|k| b[k] - a[k]);
+            let along: f64 = (0..3).map(|k| step[k] * gradient[k]).sum();
+            let length = step.iter().map(|x| x * x).sum::<f64>().sqrt();
+            assert!(
+                length < 1e-9 || along > 0.999_999 * length,
+                "{spec}: {v:?}: {step:?} {gradient:?}"
+            );
+        }
+    }
+}
+
+#[test]
 fn points_that_do_not_exist_are_refused() {
     let [small, large] = ["grid,n=2", "grid,n=9"].map(|spec| Mesh::generate(spec).unwrap());
     let field = DistanceField::new(&small, &[0.into()]).unwrap();

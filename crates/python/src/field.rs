@@ -152,7 +152,8 @@ impl PyField {
     /// Returns
     /// -------
     /// numpy.ndarray, shape (k, 3), float64
-    ///     At an edge or vertex that in one of the faces; NaN at sources and where no path leads.
+    ///     At an edge that in one of the faces, at a vertex that in a face through which a shortest
+    ///     path comes; NaN at sources and where no path leads.
     ///
     /// Examples
     /// --------

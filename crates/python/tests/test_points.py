@@ -127,6 +127,7 @@ def test_a_field_answers_everywhere(torus):
     there = field.distance(at + step * gradient)
     np.testing.assert_allclose(there - d, step, rtol=0.05)
     assert np.isnan(field.gradient(900)).all()
+    assert np.isfinite(torus.field(0).gradient(np.arange(1, torus.n_vertices))).all()
     lines = [isoline.distance for isoline in field.isolines(every=0.5)]
     assert lines == [line.distance for line in torus.isolines([POINT, 900], every=0.5)]
     with pytest.raises(IndexError, match="points vertex 99999"):

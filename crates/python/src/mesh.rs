@@ -839,8 +839,8 @@ impl PyMesh {
     ///     The number of steps of Lloyd's algorithm. Each moves the sites to the centres of their
     ///     cells.
     /// rng : int, numpy.random.Generator or anything that numpy.random.default_rng takes, optional
-    ///     Draws the first site of a surface without boundary. A number is the `--seed` of the
-    ///     command; `None` draws another one in each call.
+    ///     Draws the first site of a surface without boundary: a number gives the same as a
+    ///     generator that is made from it, `None` another one in each call.
     ///
     /// Returns
     /// -------
@@ -925,11 +925,9 @@ pub(crate) fn weld_of(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Weld>
         .map_err(|error| PyValueError::new_err(format!("weld: {error}")))
 }
 
-/// Reads the argument `rng` (SPEC 7 of Scientific Python): a seed, or what draws one.
+/// Reads the argument `rng` (SPEC 7 of Scientific Python): whatever it is, `default_rng` makes a
+/// generator of it, which draws the seed.
 fn seed_of(py: Python<'_>, rng: Option<&Bound<'_, PyAny>>) -> PyResult<u64> {
-    if let Some(Ok(seed)) = rng.map(PyAnyMethods::extract::<u64>) {
-        return Ok(seed);
-    }
     let generator = py
         .import("numpy.random")?
         .call_method1("default_rng", (rng,));

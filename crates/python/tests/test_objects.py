@@ -105,6 +105,14 @@ def test_negative_counts_name_the_argument(torus, call, text):
         call(torus)
 
 
+def test_a_seed_is_that_of_a_generator():
+    sphere = gd.generate("sphere,subdiv=3")
+    of_seed, of_generator = (
+        sphere.remesh(50, lloyd=1, rng=rng).vertices for rng in (1, np.random.default_rng(1))
+    )
+    np.testing.assert_array_equal(of_seed, of_generator)
+
+
 def test_rng(torus):
     sphere = gd.generate("sphere,subdiv=3")
     same = [sphere.remesh(50, lloyd=1, rng=rng).vertices for rng in (7, 7, np.random.default_rng(1))]

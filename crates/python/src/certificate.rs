@@ -1,5 +1,6 @@
 //! Certified distances.
 
+use geobench_harness::measure::number::counted;
 use geodesics::certify::FailurePlace;
 use geodesics::mesh::threads::Threads;
 use geodesics::{Certificate, CertificateError, Judgement, OriginalFailure, Stop};
@@ -55,9 +56,9 @@ impl PyCertificate {
             "not certified"
         };
         format!(
-            "<geodesics.Certificate: {verdict}, {:.1e} of a distance, {} failures>",
+            "<geodesics.Certificate: {verdict}, {:.1e} of a distance, {}>",
             self.relative,
-            self.failures.bind(py).len()
+            counted(self.failures.bind(py).len(), "failure")
         )
     }
 

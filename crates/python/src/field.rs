@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use geobench_harness::exec::source::PointSpec;
+use geobench_harness::measure::number::counted;
 use geodesics::window::precision;
 use geodesics::{DistanceField, FieldError, Path, Stop, SurfacePoint};
 use numpy::{PyArray1, PyArray2};
@@ -250,12 +251,11 @@ impl PyField {
 
     fn __repr__(&self) -> String {
         let mesh = &self.mesh.get().surface.mesh;
-        let count = self.sources.len();
         format!(
-            "<geodesics.Field from {count} source{} for {} vertices, {} faces>",
-            if count == 1 { "" } else { "s" },
-            mesh.vertex_count(),
-            mesh.face_count()
+            "<geodesics.Field from {} for {}, {}>",
+            counted(self.sources.len(), "source"),
+            counted(mesh.vertex_count(), "vertex"),
+            counted(mesh.face_count(), "face")
         )
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc as Shared;
 
+use geobench_harness::measure::number::counted;
 use geodesics::{DistanceField, Line, Mesh, Stop};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
@@ -52,9 +53,9 @@ impl PyIsoline {
 
     fn __repr__(&self) -> String {
         format!(
-            "<geodesics.Isoline at {}: {} lines of length {}>",
+            "<geodesics.Isoline at {}: {} of length {}>",
             self.distance,
-            self.lines.len(),
+            counted(self.lines.len(), "line"),
             self.length
         )
     }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use geobench_harness::measure::number::counted;
 use geodesics::mesh::{DefectKind, FaceId, MeshMeasures, Report, Severity, Tolerance};
 use geodesics::{
     Mesh, PointError, RemeshOptions, Stop, SurfacePoint, TriangleSoup, VertexId, Weld, io, line,
@@ -900,10 +901,10 @@ impl PyMesh {
 
     fn __repr__(&self) -> String {
         format!(
-            "<geodesics.Mesh {:?}: {} vertices, {} faces>",
+            "<geodesics.Mesh {:?}: {}, {}>",
             self.name,
-            self.mesh().vertex_count(),
-            self.mesh().face_count()
+            counted(self.mesh().vertex_count(), "vertex"),
+            counted(self.mesh().face_count(), "face")
         )
     }
 }

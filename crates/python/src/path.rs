@@ -1,5 +1,6 @@
 //! Paths.
 
+use geobench_harness::measure::number::counted;
 use geodesics::{Mesh, Path};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -176,8 +177,9 @@ impl PyPath {
 
     fn __repr__(&self) -> String {
         format!(
-            "<geodesics.Path of length {}, {} points>",
-            self.length, self.count
+            "<geodesics.Path of length {}, {}>",
+            self.length,
+            counted(self.count, "point")
         )
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use geobench_harness::measure::number::counted;
 use geobench_registry as registry;
 use geodesics::window::{Counter, Counters, Observer, PhaseSampler};
 use geodesics::{Goal, Stop};
@@ -406,10 +407,10 @@ impl PySolver {
     fn __repr__(&self) -> String {
         let mesh = self.algorithm.mesh();
         format!(
-            "<geodesics.Solver {} for {} vertices, {} faces>",
+            "<geodesics.Solver {} for {}, {}>",
             self.algorithm(),
-            mesh.vertex_count(),
-            mesh.face_count()
+            counted(mesh.vertex_count(), "vertex"),
+            counted(mesh.face_count(), "face")
         )
     }
 }

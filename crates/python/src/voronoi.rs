@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::sync::Arc as Shared;
 
 use geobench_harness::exec::source::PointSpec;
+use geobench_harness::measure::number::counted;
 use geodesics::voronoi::NO_SOURCE;
 use geodesics::{Diagram, FieldSolver, Mesh, Refined, Stop, VertexId, WindowVtp};
 use numpy::{PyArray1, PyArray2};
@@ -93,9 +94,9 @@ impl PyCell {
             None => format!("source {}", self.source),
         };
         format!(
-            "<geodesics.Cell of {source}: area {}, {} neighbours>",
+            "<geodesics.Cell of {source}: area {}, {}>",
             self.area,
-            self.neighbours.len()
+            counted(self.neighbours.len(), "neighbour")
         )
     }
 }
@@ -440,9 +441,9 @@ impl PyVoronoi {
 
     fn __repr__(&self) -> String {
         format!(
-            "<geodesics.Voronoi: {} cells, {} arcs>",
-            self.surface.sources.len(),
-            self.diagram.arcs().len()
+            "<geodesics.Voronoi: {}, {}>",
+            counted(self.surface.sources.len(), "cell"),
+            counted(self.diagram.arcs().len(), "arc")
         )
     }
 }

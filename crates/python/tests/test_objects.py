@@ -105,6 +105,12 @@ def test_negative_counts_name_the_argument(torus, call, text):
         call(torus)
 
 
+def test_one_is_no_plural():
+    mesh = gd.Mesh(V[:3], [[0, 1, 2]])
+    assert repr(mesh).endswith(": 3 vertices, 1 face>")
+    assert repr(mesh.voronoi([0])).startswith("<geodesics.Voronoi: 1 cell, ")
+
+
 def test_a_seed_is_that_of_a_generator():
     sphere = gd.generate("sphere,subdiv=3")
     of_seed, of_generator = (

@@ -7,7 +7,7 @@ class LiveHeadline {
     this.base = box.dataset.base;
     this.sentences = [...box.querySelectorAll(".headline")];
     this.initial = this.sentences.filter(sentence => !sentence.hidden);
-    this.remark = make("p", { class: "hint", hidden: "" }, "The sentence is about all models.");
+    this.remark = make("p", { class: "hint", hidden: "" });
     box.append(this.remark);
   }
 
@@ -23,7 +23,10 @@ class LiveHeadline {
       const is = ofNext === "true" ? slower === next : slower === rival && rival !== next;
       sentence.hidden = !(whole ? this.initial.includes(sentence) : faster === best && is);
     }
-    this.remark.hidden = allModels;
+    // A page of many algorithms does not have the sentences of all pairs.
+    const isSilent = this.sentences.every(sentence => sentence.hidden);
+    this.remark.textContent = isSilent ? "No sentence compares these algorithms." : "The sentence is about all models.";
+    this.remark.hidden = allModels && !isSilent;
   }
 }
 

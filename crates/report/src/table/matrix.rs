@@ -37,10 +37,13 @@ pub(crate) fn matrix(group: &GroupCells<'_>) -> Option<Table> {
         return None;
     }
     // For each model, the ratios to its best.
-    let ratios: Vec<Vec<Option<f64>>> = times.iter().map(|row| ratios(row, &may_be_best)).collect();
+    let rows = group.models.iter().zip(&times);
+    let ratios: Vec<Vec<Option<f64>>> = rows
+        .map(|(model, times)| ratios(group, &model.name, times, &may_be_best))
+        .collect();
     let rows = group.models.iter().zip(times.iter().zip(&ratios));
     let rows = rows.map(|(model, (times, ratios))| {
-        let marked = marks(ratios, &may_be_best);
+        let marked = marks(times, best(times, &may_be_best), &may_be_best);
         let fields = names().zip(times.iter().zip(ratios)).zip(marked);
         let fields = fields.map(|((name, pair), mark)| match pair {
             (Some(seconds), Some(ratio)) => heated(
@@ -72,24 +75,43 @@ pub(crate) fn matrix(group: &GroupCells<'_>) -> Option<Table> {
     Some(table)
 }
 
-/// The ratios of the times of a model to the best of them; none if no time is the best.
-fn ratios(times: &[Option<f64>], may_be_best: &[bool]) -> Vec<Option<f64>> {
+/// The best of the times of a model; `None` if none of them may be it.
+fn best(times: &[Option<f64>], may_be_best: &[bool]) -> Option<f64> {
     let candidates = times.iter().zip(may_be_best).filter(|(_, may)| **may);
-    let best = candidates.filter_map(|(time, _)| *time).reduce(f64::min);
-    let ratio = |time: &Option<f64>| Some((*time)? / best?).filter(|ratio| ratio.is_finite());
-    times.iter().map(ratio).collect()
+    candidates.filter_map(|(time, _)| *time).reduce(f64::min)
 }
 
-/// The marks of a row with these ratios: the best is marked if there is another that may be it.
-fn marks(ratios: &[Option<f64>], may_be_best: &[bool]) -> Vec<Mark> {
-    let both = || ratios.iter().zip(may_be_best);
+/// The ratios of the times of a model to the best of them, as in the other tables and in the
+/// headline: medians over the rounds. None if no time is the best.
+fn ratios(
+    group: &GroupCells<'_>,
+    model: &str,
+    times: &[Option<f64>],
+    may_be_best: &[bool],
+) -> Vec<Option<f64>> {
+    let mut both = times.iter().zip(may_be_best);
+    let place = best(times, may_be_best)
+        .and_then(|best| both.position(|(time, may)| *may && *time == Some(best)));
+    let Some(base) = place.map(|place| group.algorithms[place]) else {
+        return vec![None; times.len()];
+    };
+    let names = group.algorithms.iter();
+    names
+        .map(|name| Some(group.ratio(time(), model, name, base)?.value))
+        .collect()
+}
+
+/// The marks of a row: `best` is marked if there is another value that may be it.
+fn marks(values: &[Option<f64>], best: Option<f64>, may_be_best: &[bool]) -> Vec<Mark> {
+    let both = || values.iter().zip(may_be_best);
     let is_compared = both()
-        .filter(|(ratio, may)| ratio.is_some() && **may)
+        .filter(|(value, may)| value.is_some() && **may)
         .count()
         > 1;
-    let is_best = |ratio: &Option<f64>, may: bool| is_compared && may && *ratio == Some(1.0);
-    let mark = |(ratio, may): (&Option<f64>, &bool)| {
-        if is_best(ratio, *may) {
+    let is_best =
+        |value: &Option<f64>, may: bool| is_compared && may && value.is_some() && *value == best;
+    let mark = |(value, may): (&Option<f64>, &bool)| {
+        if is_best(value, *may) {
             Mark::Best
         } else {
             Mark::None
@@ -127,7 +149,8 @@ fn foot(ratios: &[Vec<Option<f64>>], may_be_best: &[bool]) -> Option<Part> {
         geometric_mean(&ratios)
     };
     let means: Vec<Option<f64>> = (0..counts.len()).map(mean).collect();
-    let marked = marks(&means, may_be_best);
+    // The mean of what is the best everywhere.
+    let marked = marks(&means, Some(1.0), may_be_best);
     let entries = means.iter().zip(marked).map(|(mean, mark)| match mean {
         Some(mean) => heated(ratio(*mean), *mean, mark),
         None => Entry::new("-"),
@@ -184,15 +207,19 @@ mod tests {
     fn only_what_was_compared_is_best() {
         // The second is approximate.
         let may_be_best = [true, false, true];
-        let row = ratios(&[Some(4.0), Some(1.0), None], &may_be_best);
-        assert_eq!(row, [Some(1.0), Some(0.25), None]);
-        assert_eq!(marks(&row, &may_be_best), [Mark::None; 3]);
-        let row = ratios(&[Some(4.0), Some(1.0), Some(8.0)], &may_be_best);
+        let marked = |row: [Option<f64>; 3]| {
+            let best = best(&row, &may_be_best);
+            (best, marks(&row, best, &may_be_best))
+        };
         assert_eq!(
-            marks(&row, &may_be_best),
-            [Mark::Best, Mark::None, Mark::None]
+            marked([Some(4.0), Some(1.0), None]),
+            (Some(4.0), vec![Mark::None; 3])
+        );
+        assert_eq!(
+            marked([Some(4.0), Some(1.0), Some(8.0)]),
+            (Some(4.0), vec![Mark::Best, Mark::None, Mark::None])
         );
         // No exact algorithm solved it.
-        assert_eq!(ratios(&[None, Some(1.0), None], &may_be_best), [None; 3]);
+        assert_eq!(marked([None, Some(1.0), None]), (None, vec![Mark::None; 3]));
     }
 }

@@ -11,6 +11,7 @@ pub enum ClaimVerdict {
     /// It holds in every case, and the sizes agree with the paper's numbers, if the paper has some.
     Confirmed,
     /// It holds in every case. Some sizes differ from the paper's.
+    #[serde(rename = "direction")]
     DirectionOnly,
     /// It holds in most cases. The others fail or are open.
     Partly,
@@ -82,7 +83,7 @@ pub struct JudgedClaim {
     pub quote: String,
     /// The verdict.
     pub verdict: ClaimVerdict,
-    /// The cause of the verdicts `not` and `direction_only`; null for others.
+    /// The cause of the verdicts `not` and `direction`; null for others.
     pub cause: Option<ClaimCause>,
     /// The cases by name.
     pub values: BTreeMap<String, ClaimCase>,

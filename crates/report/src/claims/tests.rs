@@ -1001,6 +1001,14 @@ fn a_difference_below_the_interval_does_not_decide() {
     assert_eq!(verdict_of(&format!("{test}\npaper = 5"), &result).0, Not);
 }
 
+/// The names of verdicts in JSON, which scripts rely on.
+#[test]
+fn verdicts_have_their_names_in_json() {
+    let names = serde_json::to_value(ClaimVerdict::ALL).unwrap();
+    let expected = ["confirmed", "direction", "partly", "not", "unjudged"];
+    assert_eq!(names, serde_json::json!(expected));
+}
+
 /// Every claim has a topic, and every topic claims.
 #[test]
 fn topics_cover_all_claims() {

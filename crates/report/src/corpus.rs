@@ -25,7 +25,7 @@ pub struct Corpus {
 pub struct CorpusModel {
     /// Its name; of a file also the name of the file, with any ending.
     pub name: String,
-    /// Where it is from, or the specification of its generator.
+    /// Where it is from, the specification of its generator, or how it was made.
     pub address: String,
     /// The hash, as in result files.
     pub sha256: String,
@@ -142,11 +142,25 @@ impl CorpusModel {
     pub fn is_generated(&self) -> bool {
         Spec::is_spec(&self.address)
     }
+
+    /// Whether it is from somewhere. The others are made by a rule, of which some are files.
+    pub fn is_real(&self) -> bool {
+        self.address.contains("://")
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn files_that_a_rule_made_are_not_real() {
+        let corpus = Corpus::known().unwrap();
+        let real = corpus.models.iter().filter(|model| model.is_real());
+        let names: Vec<&str> = real.map(|model| model.name.as_str()).collect();
+        let scans = ["spot", "cow", "horse", "stanford-bunny", "igea", "suzanne"];
+        assert_eq!(names, scans);
+    }
 
     #[test]
     fn the_corpus_can_be_read_and_its_generated_models_are_theirs() {

@@ -41,14 +41,14 @@ pub(super) fn sections(context: &Pages<'_>) -> Vec<Section> {
         last.date(),
     );
     let classes = [
-        ("real", "Real models", false),
-        ("generated", "Generated models", true),
+        ("real", "Real models", true),
+        ("generated", "Generated models", false),
     ];
     let (mut plots, mut tables) = (Vec::new(), Vec::new());
-    for (id, heading, is_generated) in classes {
+    for (id, heading, is_real) in classes {
         let counts = |model: &ModelRecord| {
             let known = context.corpus.of_record(model);
-            known.is_some_and(|known| known.is_generated() == is_generated)
+            known.is_some_and(|known| known.is_real() == is_real)
         };
         let standings = standings(context.all, counts);
         if !standings.is_empty() {

@@ -36,11 +36,7 @@ pub(super) fn list(context: &Pages<'_>) -> Vec<Section> {
             } else {
                 Entry::new(&model.name)
             },
-            Entry::new(if model.is_generated() {
-                "generated"
-            } else {
-                "real"
-            }),
+            Entry::new(if model.is_real() { "real" } else { "generated" }),
             Entry::new(grouped(model.faces)),
             Entry::new(count.to_string()),
             Entry::new(&model.why),

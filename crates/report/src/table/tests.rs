@@ -478,6 +478,26 @@ fn ratios_of_times_are_those_of_pairs() {
 }
 
 #[test]
+fn a_set_up_within_each_solve_is_not_the_best() {
+    let mut plan = plan(&["horse"], "mmp,vtp,ich", "0");
+    plan.group.rows = vec!["setup".to_owned()];
+    let group = plan.group.clone();
+    let mut result = result(run_mock(&plan, &MockBackend::default()));
+    result.groups.push(group);
+    let setups = [("mmp", 0.2), ("vtp", 0.1), ("ext:gdist", 0.0)];
+    for (cell, (name, setup)) in result.cells.iter_mut().zip(setups) {
+        cell.algorithm = name.to_owned();
+        cell.time.setup = Some(setup);
+    }
+    let text = ResultFormat::Markdown.render(&result).unwrap();
+    let row = text.lines().find(|line| line.contains("Set-up")).unwrap();
+    assert!(
+        row.contains("**0.1") && row.matches("**").count() == 2,
+        "{row}"
+    );
+}
+
+#[test]
 fn what_times_are_worth_is_said() {
     let mut plan = plan(&["horse"], "mmp,vtp", "0");
     plan.group.ratios_to = Some("vtp".into());

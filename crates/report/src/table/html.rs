@@ -74,9 +74,10 @@ fn body(html: &mut String, table: &Table, part: &Part) {
     for entries in &part.rows {
         let fields = entries.iter().zip(&table.columns).enumerate();
         let fields = fields.map(|(i, (entry, column))| match i {
+            // A narrow column breaks a name at a comma, not within a number.
             0 => format!(
                 "<th scope=\"row\">{}</th>",
-                linked(entry, &escape(&entry.text))
+                linked(entry, &escape(&entry.text).replace(',', ",<wbr>"))
             ),
             _ => self::entry(entry, column.numeric),
         });
@@ -129,5 +130,24 @@ fn entry(entry: &Entry, numeric: bool) -> String {
     match entry.mark {
         Mark::Best => format!("<td{class}><b>{text}</b></td>"),
         _ => format!("<td{class}>{text}</td>"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::Column;
+
+    #[test]
+    fn names_break_at_commas() {
+        let row = vec![Entry::new("knot,faces=20000"), Entry::new("1,000")];
+        let columns = Column::of(["Model"], ["Faces"]);
+        let mut html = String::new();
+        table(&mut html, &Table::new(columns, vec![row]));
+        assert!(
+            html.contains("<th scope=\"row\">knot,<wbr>faces=20000</th>"),
+            "{html}"
+        );
+        assert!(html.contains(">1,000</td>"), "{html}");
     }
 }

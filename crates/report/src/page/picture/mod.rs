@@ -207,7 +207,7 @@ fn of_model(
             if is_exact {
                 ""
             } else {
-                " between vertices interpolated"
+                ", interpolated between vertices"
             },
             lines.len(),
             grouped(loaded.measures.vertices as u64),

@@ -20,6 +20,9 @@ use super::scene::{Affine, Assembly, DEEPEST, too_deep};
 /// Extensions without which there are no positions.
 const COMPRESSED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
 
+/// How far the square of the length of a unit quaternion may be from 1.
+const MOST_ROUNDING: f64 = 1e-3;
+
 /// Reads a glTF file at `path`, whose placed meshes take at most `room` bytes, and
 /// [`usual_decompression_limit`] of each file beside it.
 pub(super) fn read(bytes: &[u8], path: &Path, room: u64) -> Result<FileMesh, Flaw> {
@@ -523,8 +526,16 @@ fn transform_of(node: &Value, number: usize) -> Result<Affine, Flaw> {
     if let Some(shift) = fixed(node, "translation", &name)? {
         transform = transform.after(&Affine::shift(shift));
     }
-    if let Some(quaternion) = fixed(node, "rotation", &name)? {
-        transform = transform.after(&Affine::rotation(quaternion));
+    if let Some(quaternion) = fixed::<4>(node, "rotation", &name)? {
+        // Single precision misses 1 by some 1e-7, which is no scale.
+        let square: f64 = quaternion.iter().map(|x| x * x).sum();
+        if (square - 1.0).abs() > MOST_ROUNDING {
+            return Err(Flaw::file(format!(
+                "{name}: rotation is no unit quaternion, and programs differ on what it means then"
+            )));
+        }
+        let unit = quaternion.map(|x| x / square.sqrt());
+        transform = transform.after(&Affine::rotation(unit));
     }
     if let Some(scale) = fixed(node, "scale", &name)? {
         transform = transform.after(&Affine::scale(scale));

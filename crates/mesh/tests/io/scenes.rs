@@ -554,6 +554,27 @@ fn gltf_reads_quantised_and_sparse_positions() {
     assert_eq!(soup.positions[..2], [[1.0, 0.0, 0.0]; 2]);
 }
 
+/// A rotation in single precision moves no two vertices apart.
+#[test]
+fn gltf_rotations_are_of_unit_length() {
+    let turned = |rotation: &str| {
+        let nodes = format!("{{\"mesh\":0,\"rotation\":{rotation}}}");
+        parse(Format::Gltf, gltf(&nodes, "[0]", ""))
+    };
+    let soup = turned("[0,0,0.70710677,0.70710677]").unwrap();
+    let [a, b, _] = soup.positions[..] else {
+        panic!("{soup:?}");
+    };
+    assert!(((b[1] - a[1]) - 1.0).abs() < 1e-15, "{soup:?}");
+    for rotation in ["[0,0,1,1]", "[0,0,0,0]"] {
+        let error = turned(rotation).unwrap_err().to_string();
+        assert!(
+            error.contains("node 0: rotation is no unit quaternion"),
+            "{error}"
+        );
+    }
+}
+
 #[test]
 fn gltf_reads_buffers_in_its_folder_only() {
     let folder = tempfile::tempdir().unwrap();

@@ -34,7 +34,10 @@ where
             (apex, [0.0; 2])
         };
         let along = sub(head, tail);
-        let unit = along.map(|x| x / length);
+        // Not by `length`: on an edge that is far shorter than `side` the corners are rounded, and
+        // a vector that is not of unit length would scale the image.
+        let rounded = dot(along, along).sqrt();
+        let unit = along.map(|x| x / rounded);
         let leave = |window: WindowData| {
             let image = [window.image[0], -window.image[1].abs()];
             let offset = sub(image, tail);

@@ -308,6 +308,31 @@ fn gaps_of_dropped_windows_failed_the_proof() {
     }
 }
 
+/// Two vertices of the border are almost one. Windows that leave through the edge between them were
+/// scaled by the rounding of its ends, and the proofs failed with 3e-7 to 1e-4.
+#[test]
+fn windows_on_a_tiny_border_edge_failed_the_proof() {
+    let [near, by] = [
+        [4.183929189131, 2.085385424493, -0.173372839244],
+        [-1e-12, 2e-12, 2e-12],
+    ];
+    for scale in [0.3, 1.0, 10.0, 100.0, 1e3, 1e4] {
+        let positions = vec![
+            [4.040973998461, 1.010853104453, -0.05524691949],
+            [2.913960170434, 2.024753156523, 0.358332411446],
+            near,
+            [3.077214119591, 3.086516414466, 0.196214534182],
+            [0, 1, 2].map(|k| near[k] + scale * by[k]),
+        ];
+        let mesh = Mesh::new(positions, vec![[0, 2, 1], [1, 2, 3], [2, 4, 3]]).unwrap();
+        for source in [0, 1] {
+            let (distances, windows) = solved(&mesh, source);
+            let bound = not_too_long(&mesh, source, &distances, &windows);
+            assert!(bound.relative < 1e-11, "{scale}: {}", bound.relative);
+        }
+    }
+}
+
 #[test]
 fn what_no_source_reaches_is_infinite() {
     // Two triangles that share nothing.

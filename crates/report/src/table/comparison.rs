@@ -267,12 +267,18 @@ fn summary(comparison: &FileComparison) -> String {
 }
 
 fn side(side: &ComparedFile) -> String {
-    let built = match &side.commit {
-        // As many digits as git shows.
-        Some(commit) => format!("commit {}", commit.get(..12).unwrap_or(commit)),
-        None => format!("version {}", side.version),
+    // As many digits as git shows.
+    let short = |commit: &String| commit.get(..12).unwrap_or(commit).to_owned();
+    let built = side.commit.as_ref().map(short);
+    let measured = match (&side.repository, built) {
+        (Some(commit), built) => {
+            let built = built.unwrap_or_else(|| side.version.clone());
+            format!("commit {}, by geobench {built}", short(commit))
+        }
+        (None, Some(built)) => format!("commit {built}"),
+        (None, None) => format!("version {}", side.version),
     };
-    format!("{} ({built}, {})", side.file, side.started)
+    format!("{} ({measured}, {})", side.file, side.started)
 }
 
 fn method(comparison: &FileComparison) -> String {

@@ -115,6 +115,9 @@ pub struct ComparedFile {
     pub version: String,
     /// Commit of the program.
     pub commit: Option<String>,
+    /// Commit of the repository in which the run was started, unless the program is built from it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repository: Option<String>,
     /// The start of the run.
     pub started: String,
 }
@@ -297,10 +300,15 @@ fn too_many_missing(missing: usize, all: usize, rules: &Rules) -> Option<Regress
 }
 
 fn side(name: &str, file: &ResultFile) -> ComparedFile {
+    let is_built = |commit: &String| Some(commit) == file.tool.commit.as_ref();
+    let repository = file.repository.as_ref().filter(|repository| {
+        !is_built(&repository.commit) && !repository.ancestors.iter().any(is_built)
+    });
     ComparedFile {
         file: name.to_owned(),
         version: file.tool.version.clone(),
         commit: file.tool.commit.clone(),
+        repository: repository.map(|repository| repository.commit.clone()),
         started: file.started.clone(),
     }
 }

@@ -2,6 +2,7 @@
 
 use geobench_harness::exec::mock::MockBackend;
 use geobench_harness::run::mock::{plan, result, run_mock};
+use geobench_harness::schema::RepositoryRecord;
 use geobench_window::Counter;
 
 use super::*;
@@ -242,6 +243,30 @@ fn a_counter_that_one_of_the_files_lacks_breaks_its_rule() {
         worse(&compared(&old, &new, "propagated=0")),
         ["horse, ich, source 0: propagated none -> 9: missing in the old file"]
     );
+}
+
+#[test]
+fn a_file_of_another_repository_names_its_commit() {
+    let (mut old, mut new) = (file(), file());
+    for (file, digit) in [(&mut old, "a"), (&mut new, "b")] {
+        file.tool.commit = Some("c".repeat(40));
+        file.repository = Some(RepositoryRecord {
+            commit: digit.repeat(40),
+            dirty: false,
+            ancestors: Vec::new(),
+        });
+    }
+    let shown = |old: &ResultFile| {
+        let comparison = compared(old, &new, "");
+        let shown = ComparisonFormat::Table.render(&comparison, Look::default());
+        shown.unwrap()
+    };
+    let names = "old: old.json (commit aaaaaaaaaaaa, by geobench cccccccccccc, ";
+    assert!(shown(&old).starts_with(names), "{}", shown(&old));
+    // That of geobench itself.
+    let repository = old.repository.as_mut().unwrap();
+    repository.ancestors.push("c".repeat(40));
+    assert!(shown(&old).starts_with("old: old.json (commit cccccccccccc, "));
 }
 
 #[test]

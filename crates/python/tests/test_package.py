@@ -103,8 +103,7 @@ def test_every_docstring_has_an_example_that_runs(name, item):
     import doctest
 
     examples = doctest.DocTestParser().get_doctest(item.__doc__ or "", {}, name, None, 0)
-    if name not in ("Table", "Table.to_pandas", "Table.write"):  # Examples are those of `run`.
-        assert examples.examples, name
+    assert examples.examples, name
     flags = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
     assert doctest.DocTestRunner(optionflags=flags).run(examples).failed == 0
 

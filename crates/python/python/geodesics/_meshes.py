@@ -24,8 +24,8 @@ def arrays_of(mesh: Any, faces: Any) -> tuple[Any, Any]:
 
 
 def _taken_apart(mesh: Any) -> tuple[Any, Any]:
-    # meshio: blocks of cells of one kind.
-    if hasattr(mesh, "points") and hasattr(mesh, "cells_dict"):
+    # meshio: blocks of cells of one kind. Grids of PyVista have `cells_dict` as well.
+    if hasattr(mesh, "points") and hasattr(mesh, "cells_dict") and not hasattr(mesh, "n_cells"):
         faces: list[Any] = []
         for block in mesh.cells:
             # The nodes of curved cells, such as triangle6, follow their corners.

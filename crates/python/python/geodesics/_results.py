@@ -95,6 +95,13 @@ class Table(Sequence[Row]):
     ----------
     result : dict
         The whole result file, with the machine and the models.
+
+    Examples
+    --------
+    >>> import geodesics as gd
+    >>> table = gd.run("vtp,dijkstra", ["gen:cube,n=2"], repeat=1)
+    >>> [(row["algorithm"], row["status"]) for row in table]
+    [('vtp', 'ok'), ('dijkstra', 'ok')]
     """
 
     result: Row
@@ -129,6 +136,13 @@ class Table(Sequence[Row]):
         Returns
         -------
         pandas.DataFrame
+
+        Examples
+        --------
+        >>> import geodesics as gd
+        >>> table = gd.run("vtp", ["gen:cube,n=2"], repeat=3)
+        >>> len(table.to_pandas()), len(table.to_pandas(samples=True))
+        (1, 3)
         """
         if samples:
             return _frame(_sample_rows(self.result))
@@ -136,7 +150,18 @@ class Table(Sequence[Row]):
         return _frame(rows)
 
     def write(self, path: _Path) -> None:
-        """Writes the result file (JSON), which ``geobench report`` and ``compare`` read."""
+        """Writes the result file (JSON), which ``geobench report`` and ``compare`` read.
+
+        Examples
+        --------
+        >>> import geodesics as gd
+        >>> import tempfile, pathlib
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder, "result.json")
+        ...     gd.run("vtp", ["gen:cube,n=2"], repeat=1).write(path)
+        ...     len(gd.read_results(path))
+        1
+        """
         with open(path, "w", encoding="utf-8") as file:
             json.dump(self.result, file)
             file.write("\n")

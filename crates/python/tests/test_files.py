@@ -117,7 +117,7 @@ def test_meshes_of_meshio_and_pyvista():
     assert mesh.n_faces == source.n_cells
     np.testing.assert_array_equal(gd.Mesh(source).faces, triangles)
     grid = gd.Mesh(source.cast_to_unstructured_grid())
-    np.testing.assert_allclose(grid.distance(0).max(), mesh.distance(0).max(), rtol=1e-6)
+    np.testing.assert_array_equal(grid.faces, triangles)
 
 
 def test_curved_cells_of_meshio_have_corners_alone():

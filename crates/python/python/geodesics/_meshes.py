@@ -38,9 +38,13 @@ def _taken_apart(mesh: Any) -> tuple[Any, Any]:
         return mesh.points, _even(faces)
     # PyVista: polygons one after the other, each after its number of corners.
     if hasattr(mesh, "points") and hasattr(mesh, "n_cells"):
-        if not hasattr(mesh, "faces"):
-            mesh = mesh.extract_surface()
-        rest = np.asarray(mesh.faces)
+        if hasattr(mesh, "celltypes") and np.isin(mesh.celltypes, (5, 7, 9)).all():
+            # Triangles, polygons and quads; the vertices keep their numbers.
+            rest = np.asarray(mesh.cells)
+        else:
+            if not hasattr(mesh, "faces"):
+                mesh = mesh.extract_surface()
+            rest = np.asarray(mesh.faces)
         if len(rest) % 4 == 0 and (rest[::4] == 3).all():
             return mesh.points, rest.reshape(-1, 4)[:, 1:]
         faces = []

@@ -147,6 +147,13 @@ const BUCKET: Parameter = Parameter::real(
     "bucket width in mean edge lengths; the vertices of a bucket are processed together",
 );
 
+const STAY: Parameter = Parameter::integer(
+    "stay",
+    80,
+    0..=1_000_000,
+    "N: from a mean of N windows a list on, they stay in an unfolded plane; 0: never",
+);
+
 const SPAWN_WEDGE: Parameter = Parameter::word(
     "spawn_wedge",
     &["on", "off"],
@@ -177,8 +184,23 @@ pub(crate) const FAST: &[Algorithm] = &[
         departs: "vertices come in buckets, both sides of a face share a list and fewer pairs are compared, so that counts are not those of the paper",
         keeps: "the windows of the wavefront, 40 bytes each, and 160 bytes for each face",
         choose: "for distances at vertices: it is the fastest, with little memory",
-        parameters: &[SIMD, PAIRS, BUCKET, SPAWN_WEDGE, MERGE_SPLIT, RENUMBER],
-        build: |mesh, values| Box::new(VtpFast::with_options(mesh, options(values))),
+        parameters: &[
+            SIMD,
+            PAIRS,
+            BUCKET,
+            STAY,
+            SPAWN_WEDGE,
+            MERGE_SPLIT,
+            RENUMBER,
+        ],
+        build: |mesh, values| {
+            let stay = values.integer(&STAY) as u32;
+            let options = FastOptions {
+                stay,
+                ..options(values)
+            };
+            Box::new(VtpFast::with_options(mesh, options))
+        },
         ..Algorithm::EXACT
     },
     Algorithm {
@@ -215,6 +237,7 @@ fn options(values: &Values) -> FastOptions {
         instructions: values.instructions(),
         pairs: values.integer(&PAIRS) as u32,
         bucket: values.real(&BUCKET),
+        stay: 0,
         spawn_wedge: values.word(&SPAWN_WEDGE) == Some("on"),
         coalesce: values.word(&MERGE_SPLIT) == Some("on"),
         renumber: values.word(&RENUMBER) == Some("on"),

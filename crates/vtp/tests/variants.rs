@@ -11,7 +11,7 @@ use geobench_vtp::{
     VtpNoRules23, VtpTrimming,
 };
 use geobench_window::simd::Instructions;
-use geobench_window::{Counter, Counters, Phase, Probe, Propagate, Solver};
+use geobench_window::{Counter, Counters, Goal, Phase, Probe, Propagate, Solver};
 
 fn family(mesh: &Mesh) -> [(&'static str, Box<dyn Solver>); 9] {
     family_with(mesh, Instructions::detect())
@@ -83,6 +83,22 @@ fn fast(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver>)> {
         ("scalar", with(Instructions::Scalar)),
         ("avx2", with(Instructions::Avx2)),
         ("avx512", with(Instructions::Avx512)),
+        ("staying", FastOptions { stay: 1, ..all }),
+        (
+            "staying, scalar",
+            FastOptions {
+                stay: 1,
+                ..with(Instructions::Scalar)
+            },
+        ),
+        (
+            "staying, avx2",
+            FastOptions {
+                stay: 1,
+                ..with(Instructions::Avx2)
+            },
+        ),
+        ("often changing", FastOptions { stay: 3, ..all }),
         ("all pairs", FastOptions { pairs: 1, ..all }),
         ("no pairs", FastOptions { pairs: 0, ..all }),
         (
@@ -373,6 +389,59 @@ fn all_instructions_give_the_same_bits_and_counts() {
     }
     if available == 0 {
         eprintln!("SKIPPED: this processor has no vector instructions that are used");
+    }
+}
+
+#[test]
+fn lists_that_stay_change_their_form_and_end_early() {
+    let mesh = scaled(soup_of("gen:torus,faces=12000,bump=0.1,seed=7"), 1.0);
+    let sources = [0, 2500].map(VertexId::new);
+    let expected = mmp(&mesh).solve(&sources).unwrap().distances;
+    let is_right = |d: f64, e: f64| (d - e).abs() <= 1e-12 * e;
+    for stay in [1, 4, 8, 12, 16, 24] {
+        let options = FastOptions {
+            stay,
+            ..FastOptions::default()
+        };
+        let mut solver = VtpFast::with_options(&mesh, options);
+        for target in [17_u32, 900, 5000] {
+            let goal = Goal::targets([target]);
+            let found = solver.solve_until(&sources, &goal).unwrap().distances;
+            let v = target as usize;
+            assert!(is_right(found[v], expected[v]), "{stay}, {target}");
+        }
+        let found = solver.solve(&sources).unwrap().distances;
+        for (v, (&d, &e)) in found.iter().zip(&expected).enumerate() {
+            assert!(is_right(d, e), "{stay}: vertex {v} at {d} instead of {e}");
+        }
+    }
+}
+
+#[test]
+fn lists_that_stay_give_the_same_bits_with_all_instructions() {
+    for spec in [
+        "gen:sphere,subdiv=4,noise=0.05,seed=2",
+        "gen:torus,faces=5000,bump=0.1,seed=7",
+    ] {
+        for scale in [1.0, 1e-12, 1e12, 1e-40, 1e40] {
+            let mesh = scaled(soup_of(spec), scale);
+            let run = |instructions| {
+                let options = FastOptions {
+                    instructions,
+                    stay: 1,
+                    ..FastOptions::default()
+                };
+                let mut solver = VtpFast::with_options(&mesh, options);
+                let distances = solver.distances_from(7).unwrap();
+                distances.iter().map(|d| d.to_bits()).collect::<Vec<_>>()
+            };
+            let scalar = run(Instructions::Scalar);
+            for wide in [Instructions::Avx2, Instructions::Avx512] {
+                if wide.is_available() {
+                    assert!(run(wide) == scalar, "{spec} times {scale}: {wide}");
+                }
+            }
+        }
     }
 }
 

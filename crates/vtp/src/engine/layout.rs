@@ -1,7 +1,7 @@
 //! The mesh laid out for crossing, in the solver's own order.
 
 use std::collections::HashMap;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, RowTable, Splice, VertexId, threads};
@@ -22,6 +22,9 @@ pub(crate) const NO_TWIN: u32 = u32::MAX;
 /// By how much the angle around a flat vertex may differ from 2π, in radians. Whether two windows
 /// can be coalesced is checked for each pair.
 const FLATNESS: f64 = 1e-8;
+
+/// If more than one vertex in this many has a shadow, none is lit.
+const DARK: usize = 64;
 
 /// Length of the longest side of a face, in typical lengths, above which its lists cross when their
 /// nearest windows are due.
@@ -219,6 +222,13 @@ fn is_flat(mesh: &Mesh, v: VertexId) -> bool {
     !bends && (mesh.total_angle(v) - TAU).abs() <= FLATNESS
 }
 
+/// Whether the surface is flat at `v`, or its boundary straight, up to rounding, and `v` sends no
+/// windows. Behind such a vertex may be a shadow, as narrow as the rounding of its angle.
+fn has_shadow(mesh: &Mesh, v: VertexId) -> bool {
+    let straight = if mesh.is_boundary(v) { PI } else { TAU };
+    !mesh.is_pseudo_source(v) && mesh.total_angle(v) - straight >= -FLATNESS
+}
+
 /// All of `parts`, one after the other.
 fn concatenated<T: Copy>(mut parts: Vec<Vec<T>>) -> Vec<T> {
     if parts.len() == 1 {
@@ -246,11 +256,12 @@ pub(crate) struct VertexFacts {
 }
 
 impl VertexFacts {
-    fn new(mesh: &Mesh, v: VertexId) -> Self {
+    /// The properties of `v`. With `lit`, vertices that [have shadows](has_shadow) send windows.
+    fn new(mesh: &Mesh, v: VertexId, lit: bool) -> Self {
         let error = blur(mesh.longest_edge());
         let is_known = |(_, length): (VertexId, f64)| error < f64::from(WIDENING) * length;
         Self {
-            pseudo_source: mesh.is_pseudo_source(v),
+            pseudo_source: mesh.is_pseudo_source(v) || lit && has_shadow(mesh, v),
             all_around: mesh.is_boundary(v)
                 || mesh.is_pinched(v)
                 || mesh.is_beside_sliver(v)
@@ -294,6 +305,8 @@ pub(crate) struct MeshLayout {
     waits_by_distance: bool,
     /// The windows stored beside thin faces, as at the start of a run.
     pub(crate) kept: KeptWindows,
+    /// Whether vertices that [have shadows](has_shadow) send windows.
+    lit: bool,
 }
 
 impl MeshLayout {
@@ -302,7 +315,7 @@ impl MeshLayout {
         let old_vertex = |v: usize| numbering.old_vertex(VertexId::new(v as u32));
         let vertices = threads::each(threads::ranges(vertex_count, 4), |range| {
             range
-                .map(|v| VertexFacts::new(mesh, old_vertex(v)))
+                .map(|v| VertexFacts::new(mesh, old_vertex(v), false))
                 .collect()
         });
         let vertices: Vec<VertexFacts> = concatenated(vertices);
@@ -366,12 +379,25 @@ impl MeshLayout {
             by_distance: Vec::new(),
             waits_by_distance,
             kept,
+            lit: false,
         };
         if waits_by_distance {
             layout.by_distance.resize(4 * layout.faces.len(), false);
             (0..layout.faces.len()).for_each(|f| layout.mark(f));
         }
         layout
+    }
+
+    /// Lets vertices that [have shadows](has_shadow) send windows, if they are few. Returns whether
+    /// no shadows are left.
+    pub(crate) fn light_shadows(&mut self, mesh: &Mesh, numbering: &Numbering) -> bool {
+        let dark = mesh.vertices().filter(|&v| has_shadow(mesh, v));
+        let dark: Vec<VertexId> = dark.map(|v| numbering.new_vertex(v)).collect();
+        self.lit = DARK * dark.len() <= self.vertices.len();
+        for v in dark.into_iter().filter(|_| self.lit) {
+            self.vertices[v.index()].pseudo_source = true;
+        }
+        self.lit
     }
 
     /// Marks what waits by distance at face `f`, and where windows are not coalesced.
@@ -422,7 +448,7 @@ impl MeshLayout {
         let vertex_count = mesh.vertex_count();
         self.vertices.resize(vertex_count, VertexFacts::default());
         for v in splice.vertices() {
-            self.vertices[vertex(v) as usize] = VertexFacts::new(mesh, v);
+            self.vertices[vertex(v) as usize] = VertexFacts::new(mesh, v, self.lit);
         }
         let none = self.faces.first().copied();
         self.faces.truncate(mesh.face_count());

@@ -8,6 +8,7 @@ pub(crate) mod active_list;
 #[doc(hidden)]
 pub mod bench_support;
 pub(crate) mod buckets;
+pub(crate) mod chunks;
 pub(crate) mod coalesce;
 pub(crate) mod face_state;
 pub(crate) mod kernels;

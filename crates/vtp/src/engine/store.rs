@@ -102,7 +102,7 @@ pub(crate) struct WindowStore {
 }
 
 /// The window of a row.
-fn as_window([b0, b1, px, py, sigma]: [f64; COLUMNS]) -> Window {
+pub(crate) fn as_window([b0, b1, px, py, sigma]: [f64; COLUMNS]) -> Window {
     Window {
         b0,
         b1,
@@ -268,6 +268,18 @@ impl WindowStore {
             first += column as usize;
         }
         self.set_len(list, len + more)
+    }
+
+    /// Appends windows to `list`. Returns the list, as [`reserve`](Self::reserve) does.
+    pub(crate) fn append_rows(&mut self, list: u32, rows: &[[f64; COLUMNS]]) -> u32 {
+        let list = self.reserve(list, rows.len());
+        let len = self.len(list);
+        for (i, &row) in rows.iter().enumerate() {
+            self.put(list, len + i, row);
+        }
+        self.lists[list as usize].len += rows.len() as u32;
+        self.waiting += rows.len();
+        list
     }
 
     /// The block of `list` and the line behind it, which is free or belongs to another block.

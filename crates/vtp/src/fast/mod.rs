@@ -27,6 +27,8 @@ pub struct FastOptions {
     pub renumber: bool,
     /// Whether pseudo-sources send windows only into the spawn wedge of the path that reached them.
     pub spawn_wedge: bool,
+    /// The mean number of windows in a list from which on they stay in unfolded planes; 0: never.
+    pub stay: u32,
     /// Whether windows that a flat vertex has split are coalesced behind it. Applies to meshes in
     /// which at least an eighth of the half-edges are opposite to flat vertices.
     pub coalesce: bool,
@@ -40,6 +42,7 @@ impl Default for FastOptions {
             bucket: 0.25,
             renumber: true,
             spawn_wedge: true,
+            stay: 80,
             coalesce: true,
         }
     }
@@ -88,7 +91,8 @@ impl VtpFast {
         } else {
             Numbering::same()
         };
-        let state = SerialState::new(mesh, &numbering);
+        let mut state = SerialState::new(mesh, &numbering);
+        let stays = options.stay > 0 && state.layout.light_shadows(mesh, &numbering);
         numbering.keep_new_vertices();
         Self {
             mesh: mesh.clone(),
@@ -98,7 +102,13 @@ impl VtpFast {
             },
             coalesces: options.coalesce && state.layout().has_many_flat_vertices(),
             numbering,
-            wavefront: Wavefront::new(state.layout(), &options),
+            wavefront: Wavefront::new(
+                state.layout(),
+                &FastOptions {
+                    stay: if stays { options.stay } else { 0 },
+                    ..options
+                },
+            ),
             state,
         }
     }

@@ -43,6 +43,8 @@ impl SerialState {
 impl SurfaceState for SerialState {
     const COUNTS_LEVELS: bool = true;
 
+    const STAYS: bool = true;
+
     #[inline(always)]
     fn layout(&self) -> &MeshLayout {
         &self.layout

@@ -104,6 +104,8 @@ impl ThreadView<'_> {
 impl SurfaceState for ThreadView<'_> {
     const COUNTS_LEVELS: bool = false;
 
+    const STAYS: bool = false;
+
     #[inline(always)]
     fn layout(&self) -> &MeshLayout {
         self.layout

@@ -8,6 +8,7 @@
 // Kernels must be inlined into the functions that enable the instructions.
 #![allow(clippy::inline_always)]
 
+mod staying;
 mod surface_state;
 
 use geobench_mesh::{HalfEdgeId, VertexId};
@@ -16,6 +17,7 @@ use geobench_window::simd::{Lanes, Scalar, SimdProgram};
 use geobench_window::trimming::KeptWindows;
 use geobench_window::{Counter, EndCheck, Phase, Probe, Way};
 
+use self::staying::Staying;
 pub(crate) use self::surface_state::SurfaceState;
 use crate::engine::buckets::VertexBuckets;
 use crate::engine::coalesce::ONE_BY_ONE;
@@ -54,6 +56,7 @@ pub(crate) struct Wavefront {
     /// Whether pseudo-sources send windows only into the spawn wedge of the path that reached them.
     spawn_wedge: bool,
     pub(crate) store: WindowStore,
+    staying: Staying,
     /// Half-edges whose lists are queued to cross.
     ready: Vec<u32>,
     /// Half-edges beside thin faces and long ones, by the least distance of their windows. They
@@ -91,6 +94,7 @@ impl Wavefront {
             compared: Sample::new(options.pairs),
             spawn_wedge: options.spawn_wedge,
             store: WindowStore::new(),
+            staying: Staying::new(options.stay, layout.typical_length),
             ready: Vec::new(),
             nearest: MinHeap::default(),
             due: MinHeap::default(),
@@ -136,7 +140,9 @@ impl Wavefront {
             let vertices = self.buckets.vertices().chain(due);
             let vertices = vertices.map(|v| state.distance(v));
             let windows = self.store.windows().map(|w| w.min_distance());
-            vertices.chain(windows)
+            let staying = self.staying.windows(state.layout());
+            let staying = staying.map(|w| w.min_distance());
+            vertices.chain(windows).chain(staying)
         };
         let nearest = self.buckets.end_of(bucket);
         self.end_check.ends(probe, nearest, distance, waiting)
@@ -151,6 +157,7 @@ impl Wavefront {
                 let (f, corner) = parts(h);
                 let list = state.take_list(f, corner);
                 if list != NO_LIST {
+                    self.staying.abandon(list);
                     self.store.set_len(list, 0);
                 }
             }
@@ -177,6 +184,7 @@ impl Wavefront {
         self.joined.clear();
         self.turn.clear();
         self.levels.clear();
+        self.staying.reset();
         self.kept.clear();
         self.spawned.clear();
         self.spawned.resize(vertices, f64::INFINITY);
@@ -203,6 +211,7 @@ impl Wavefront {
         let mut turn = std::mem::take(&mut self.turn);
         self.buckets.take(bucket, &mut turn);
         probe.add(Counter::Iterations, 1);
+        self.staying.decide();
         if self.nearest_list() < self.buckets.end_of(bucket) {
             for &v in &turn {
                 self.due.push(nearest_path(state, v), v);
@@ -500,7 +509,7 @@ impl Wavefront {
             };
             window = part;
         }
-        let list = self.store.reserve(state.list(target, k), 1);
+        let list = self.reserve(state.list(target, k), 1);
         let len = self.store.len(list);
         debug_assert!(list != NO_LIST);
         self.store.put(list, len, window);
@@ -561,8 +570,14 @@ impl Wavefront {
                 }
                 break;
             };
-            self.prefetch_face(state, place + 6);
-            self.prefetch_beyond(state, place + 3);
+            if F::STAYS && self.staying.is_on() {
+                self.prefetch_face(state, place + 14);
+                self.prefetch_beyond(state, place + 10);
+                self.prefetch_chunks(state, place + 6);
+            } else {
+                self.prefetch_face(state, place + 6);
+                self.prefetch_beyond(state, place + 3);
+            }
             place += 1;
             if !COALESCE || L::COUNT == 1 {
                 self.cross::<L, F, P, COALESCE>(simd, state, h, probe);
@@ -599,7 +614,14 @@ impl Wavefront {
     ) {
         let (f, corner) = parts(h);
         let (after, before) = (next(corner), prev(corner));
-        let list = state.take_list(f, corner);
+        let mut list = state.take_list(f, corner);
+        if F::STAYS && !P::COUNTS && !COALESCE {
+            match self.cross_staying::<L, F, P>(simd, state, h, list, probe) {
+                Some(usual) => list = usual,
+                None => return,
+            }
+            self.staying.count(self.store.len(list));
+        }
         let face = &state.layout().faces[f];
         let [tail, head, apex] = [corner, after, before].map(|k| face.vertex[k]);
         let exits = [face.twin[before], face.twin[after]];
@@ -697,7 +719,7 @@ impl Wavefront {
         for side in 0..2 {
             if exits[side] != NO_TWIN && found.bound[side] > 0 {
                 let (f, k) = parts(exits[side]);
-                lists[side] = self.store.reserve(state.list(f, k), found.bound[side]);
+                lists[side] = self.reserve(state.list(f, k), found.bound[side]);
             }
         }
         let before = lists.map(|list| self.store.len(list));
@@ -741,7 +763,7 @@ impl Wavefront {
         sent.admit(&mut self.kept, &mut self.store);
         for side in sent.sides() {
             let (f, k) = parts(exits[side]);
-            let list = self.store.set_len(lists[side], sent.after[side]);
+            let list = self.set_len(lists[side], sent.after[side]);
             state.set_list(f, k, list);
             if list != NO_LIST {
                 self.make_ready(state, f, k);

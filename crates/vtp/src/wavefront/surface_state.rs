@@ -8,6 +8,10 @@ pub(crate) trait SurfaceState {
     /// wavefronts, whose levels are unknown.
     const COUNTS_LEVELS: bool;
 
+    /// Whether windows may stay in unfolded planes. They may not where they are handed over to other
+    /// wavefronts.
+    const STAYS: bool;
+
     /// The faces and vertices.
     fn layout(&self) -> &MeshLayout;
 

@@ -368,6 +368,19 @@ impl<const N: usize> InPlace<'_, N> {
         self.kept = kept;
     }
 
+    /// As [`keep`](Self::keep), for rows of a register as they were loaded. Writes nothing if they
+    /// stay where they are.
+    #[inline(always)]
+    pub fn keep_unchanged<L: Lanes>(&mut self, register: usize, mask: L::Mask, rows: [L; N]) {
+        let bits = mask.bits();
+        let are_first = bits & bits.wrapping_add(1) == 0;
+        if are_first && self.kept == register * L::COUNT {
+            self.kept += mask.count();
+        } else {
+            self.keep::<L>(mask, rows);
+        }
+    }
+
     /// Number of rows kept.
     #[inline(always)]
     pub fn kept(&self) -> usize {

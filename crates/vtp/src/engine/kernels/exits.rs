@@ -2,10 +2,10 @@
 
 use super::columns::Windows;
 use super::filter::Gate;
-use crate::engine::store::Columns;
+use crate::engine::store::{COLUMNS, Columns};
 use crate::precision::{CLEARANCE, MARGIN, RESOLUTION, WINS, blur};
 use geobench_window::length_past_end;
-use geobench_window::simd::{LaneMask, Lanes};
+use geobench_window::simd::{LaneMask, Lanes, Scalar};
 
 /// How far beyond the best path, as a fraction of the half-edge and of the path, rays of a source
 /// close to the edge must be before rule 1 cuts them. The rounding of the source is added.
@@ -65,6 +65,17 @@ impl<L: Lanes> Sides<L> {
             ],
         }
     }
+}
+
+/// What a rule leaves of one window for one exit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Allowed {
+    /// All rays that lead there.
+    All,
+    /// Those on the side of the exit from this abscissa.
+    Until(f64),
+    /// None.
+    None,
 }
 
 /// Decides which rays may leave through which exit.
@@ -135,7 +146,13 @@ impl BestPath {
     /// The path of window `i` of `list` to the apex behind `gate`, of length `distance`.
     #[inline(always)]
     pub(crate) fn of(list: Columns<'_>, i: usize, gate: &Gate, distance: f64) -> Self {
-        let [b0, b1, px, py, _] = list.row(i);
+        Self::of_window(list.row(i), gate, distance)
+    }
+
+    /// The path of `window` to the apex behind `gate`, of length `distance`.
+    #[inline(always)]
+    pub(crate) fn of_window(window: [f64; COLUMNS], gate: &Gate, distance: f64) -> Self {
+        let [b0, b1, px, py, _] = window;
         let apex = gate.apex;
         let sp = (apex[1] * px - apex[0] * py) / (apex[1] - py);
         let entry = if sp < b0 {
@@ -168,6 +185,30 @@ impl BestPath {
             }
         }
         (path, distance)
+    }
+
+    /// What the rule leaves of `window`, which has rays on both sides of the `apex`, for the left and
+    /// the right exit.
+    pub(crate) fn allowed(&self, window: [f64; COLUMNS], apex: [f64; 2]) -> [Allowed; 2] {
+        let [cx, cy] = apex;
+        let lane = |x: f64| Scalar::splat((), x);
+        let windows = Windows::new(window.map(lane));
+        let rays = Rays {
+            windows,
+            kept: Scalar::mask((), 1),
+            e: lane(cy) - windows.py,
+            d: lane(cy) * windows.px - lane(cx) * windows.py,
+        };
+        let Sides { tried, cut, limits } = self.sides((), &rays);
+        [0, 1].map(|side| {
+            if !tried[side].any() {
+                Allowed::None
+            } else if cut[side].any() {
+                Allowed::Until(limits[side].least())
+            } else {
+                Allowed::All
+            }
+        })
     }
 
     /// As [`shortest`](Self::shortest), with the lengths of all windows by [`length_past_end`].
@@ -361,7 +402,6 @@ fn to_apex<L: Lanes>(simd: L::Token, rays: &Rays<L>, apex: [f64; 2]) -> L {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geobench_window::simd::Scalar;
 
     /// The limits within which a window may leave to the left and to the right.
     #[derive(Debug, PartialEq)]

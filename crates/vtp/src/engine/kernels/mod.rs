@@ -9,6 +9,7 @@
 //! | [`carry()`] | takes the windows across the face | 1 and others, see [`exits`] |
 
 mod carry;
+pub(crate) mod chunks;
 mod columns;
 mod compare;
 pub(crate) mod exits;
@@ -19,7 +20,7 @@ mod trim;
 
 pub(crate) use carry::{Carried, Target, Triangle, carry};
 pub(crate) use compare::{Cuts, compare};
-pub(crate) use exits::BestPath;
+pub(crate) use exits::{Allowed, BestPath};
 pub(crate) use filter::{Gate, LOSES, gather};
 pub(crate) use measure::{Measured, measure};
 pub(crate) use settle::settle;

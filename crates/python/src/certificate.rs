@@ -123,8 +123,8 @@ pub(crate) fn _certificate(
 ///     Distances to check, in units of the mesh. By default the distances of `"mmp"` are checked.
 /// tolerance : float
 ///     The largest relative error that is allowed.
-/// threads : int
-///     The most threads that the call uses. The result does not depend on it.
+/// threads : int, optional
+///     The most threads that the call uses, by default one. The result does not depend on it.
 ///
 /// Returns
 /// -------
@@ -144,14 +144,14 @@ pub(crate) fn _certificate(
 /// >>> gd.certify(mesh, 0, 1.001 * mesh.distance(0)).certified
 /// False
 #[pyfunction]
-#[pyo3(signature = (mesh, source, distances = None, *, tolerance = 1e-9, threads = 1))]
+#[pyo3(signature = (mesh, source, distances = None, *, tolerance = 1e-9, threads = None))]
 pub(crate) fn certify(
     py: Python<'_>,
     mesh: &Bound<'_, PyAny>,
     source: &Bound<'_, PyAny>,
     distances: Option<&Bound<'_, PyAny>>,
     tolerance: f64,
-    threads: i64,
+    threads: Option<i64>,
 ) -> PyResult<PyCertificate> {
     let surface = mesh_of(mesh)?.get().surface.clone();
     let mesh = surface.mesh.clone();
@@ -167,7 +167,7 @@ pub(crate) fn certify(
         .map(|given| arrays::distances(given, "distances", mesh.vertex_count()))
         .transpose()?;
     let (surface, faces) = (refined.mesh.clone(), mesh.face_count());
-    let threads = Threads::start(check_threads(threads)?)
+    let threads = Threads::start(threads.map_or(Ok(1), check_threads)?)
         .map_err(|error| PyOSError::new_err(error.to_string()))?;
     let work = move || threads.run(|| Certificate::within(&surface, &sources, tolerance));
     // A proof takes far longer than a run, so it counts as a run on ten times the faces.

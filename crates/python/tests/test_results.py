@@ -86,7 +86,8 @@ def test_right_distances_are_certified(torus):
     proof = gd.certify(torus, 0, d)
     assert not proof and ("vertex", 77) == proof.failures[0][:2]
     assert gd.certify(torus, 0, d, tolerance=1e-3)
-    assert gd.certify(torus, [0, 9], threads=2)
+    for threads in (2, None):
+        assert gd.certify(torus, [0, 9], threads=threads)
 
 
 def test_distances_from_points_of_the_surface_are_certified(torus):

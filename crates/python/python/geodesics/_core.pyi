@@ -454,7 +454,7 @@ def certify(
     distances: ArrayLike | None = None,
     *,
     tolerance: float = 1e-9,
-    threads: int = 1,
+    threads: int | None = None,
 ) -> Certificate: ...
 def run_to_json(
     algorithms: str,

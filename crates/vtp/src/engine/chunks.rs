@@ -35,7 +35,7 @@ use geobench_window::prefetch_line;
 use geobench_window::simd::{CacheLine, Lanes};
 
 use super::kernels::Triangle;
-use super::kernels::chunks::{Bounds, Part, leave, turn_rows};
+use super::kernels::chunks::{Bounds, ChunkPart, leave, turn_rows};
 use super::store::{Block, COLUMNS, Columns, PaddedBlock};
 use crate::precision::{MARGIN, blur};
 
@@ -97,7 +97,7 @@ const _: () = assert!(size_of::<Chunk>() == 64);
 
 /// How a chunk passes an apex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Passage {
+pub(crate) enum ChunkPassage {
     /// All of it on the left.
     Left,
     /// All of it on the right.
@@ -128,21 +128,21 @@ impl Chunk {
 
     /// How the chunk passes the `apex`, which is in its own frame.
     #[inline(always)]
-    pub(crate) fn passage(&self, [x, y]: [f64; 2]) -> Passage {
+    pub(crate) fn passage(&self, [x, y]: [f64; 2]) -> ChunkPassage {
         let [low, high] = self.heights.map(f64::from);
         if self.doubtful || !(low <= y && y <= high) {
-            return Passage::Open;
+            return ChunkPassage::Open;
         }
         let [left, right] = [self.left, self.right].map(|[x, slope]| {
             let (x, slope) = (f64::from(x), f64::from(slope));
             x + slope * y
         });
         if right < x {
-            Passage::Left
+            ChunkPassage::Left
         } else if x < left {
-            Passage::Right
+            ChunkPassage::Right
         } else {
-            Passage::Open
+            ChunkPassage::Open
         }
     }
 
@@ -358,7 +358,7 @@ impl ChunkStore {
     #[inline(always)]
     pub(crate) fn prefetch_bodies(&self, list: u32, apex: [f64; 2]) {
         for chunk in self.of(list) {
-            if chunk.passage(chunk.inside(apex)) == Passage::Open {
+            if chunk.passage(chunk.inside(apex)) == ChunkPassage::Open {
                 let lines = usize::from(chunk.len).div_ceil(CacheLine::LANES);
                 let body = &self.lines[chunk.body as usize * BODY..][..BODY];
                 for column in 0..COLUMNS {
@@ -479,7 +479,7 @@ impl ChunkStore {
         simd: L::Token,
         from: &Chunk,
         to: &mut Chunk,
-        part: &Part<'_>,
+        part: &ChunkPart<'_>,
     ) {
         let (column, len) = (COLUMN as u32, from.len.into());
         let (kept, bounds) = if from.body == to.body {
@@ -643,7 +643,7 @@ mod tests {
             for mut chunk in brought(&mut store, rows) {
                 let apex = chunk.inside(TRIANGLE.apex);
                 let slopes = [CacheLine::default(); ROOM / CacheLine::LANES];
-                let part = Part {
+                let part = ChunkPart {
                     left: true,
                     chosen: u64::MAX,
                     parted: 0,
@@ -672,9 +672,9 @@ mod tests {
                 let passage = chunk.passage(apex);
                 passed[passage as usize] += 1;
                 match passage {
-                    Passage::Left => assert_eq!(right, 0),
-                    Passage::Right => assert_eq!(left, 0),
-                    Passage::Open => {}
+                    ChunkPassage::Left => assert_eq!(right, 0),
+                    ChunkPassage::Right => assert_eq!(left, 0),
+                    ChunkPassage::Open => {}
                 }
             }
         }

@@ -10,9 +10,9 @@ use geobench_window::simd::{CacheLine, Lanes, SimdProgram};
 use geobench_window::{Phase, Probe, Way, Window};
 
 use super::{Improvement, SurfaceState, Wavefront};
-use crate::engine::chunks::{Chunk, ChunkStore, Passage, ROOM, unit};
-use crate::engine::kernels::chunks::{Part, Sight, look};
-use crate::engine::kernels::{Allowed, BestPath, Gate, LOSES, Triangle};
+use crate::engine::chunks::{Chunk, ChunkPassage, ChunkStore, ROOM, unit};
+use crate::engine::kernels::chunks::{ChunkPart, Sight, look};
+use crate::engine::kernels::{AllowedAngle, BestPath, Gate, LOSES, Triangle};
 use crate::engine::layout::{MeshLayout, NO_TWIN, half_edge, next, parts, prev};
 use crate::engine::store::{COLUMNS, NO_LIST, as_window};
 use crate::precision::blur;
@@ -64,7 +64,7 @@ pub(super) struct Staying {
     /// The lists that have crossed since the last decision, and their windows.
     lists: usize,
     windows: usize,
-    passages: Vec<Passage>,
+    passages: Vec<ChunkPassage>,
     opened: Vec<Opened>,
     cuts: Vec<Cut>,
     slopes: [CacheLine; ROOM / CacheLine::LANES],
@@ -174,12 +174,12 @@ impl Staying {
         for (i, chunk) in chunks.iter().enumerate() {
             let apex = chunk.inside(gate.apex);
             let passage = if small {
-                Passage::Open
+                ChunkPassage::Open
             } else {
                 chunk.passage(apex)
             };
             passages.push(passage);
-            if passage == Passage::Open {
+            if passage == ChunkPassage::Open {
                 let blur = chunk.blur(gate.longest);
                 let sight = look::<L>(simd, store.columns(chunk), apex, blur);
                 if sight.distance < distance {
@@ -230,9 +230,9 @@ impl Staying {
                 }
                 for (side, allowed) in path.allowed(row, gate.apex).into_iter().enumerate() {
                     match allowed {
-                        Allowed::All => {}
-                        Allowed::None => opened.sight.sides[side] &= !(1 << window),
-                        Allowed::Until(limit) => {
+                        AllowedAngle::All => {}
+                        AllowedAngle::None => opened.sight.sides[side] &= !(1 << window),
+                        AllowedAngle::Until(limit) => {
                             let [x, y] = chunk.inside([limit, 0.0]);
                             let [px, py, ..] = store.columns(chunk).row(window);
                             if py < y {
@@ -257,7 +257,7 @@ impl Staying {
         &mut self,
         simd: L::Token,
         chunks: &mut [Chunk],
-        behind: &mut Behind,
+        behind: &mut ListsBehind,
         triangle: &Triangle,
         reach: [f64; 3],
     ) {
@@ -273,9 +273,9 @@ impl Staying {
         for (chunk, passage) in chunks.iter_mut().zip(passages) {
             let was_dead = std::mem::take(&mut behind.dead);
             let passed = match passage {
-                Passage::Left => Some(0),
-                Passage::Right => Some(1),
-                Passage::Open => None,
+                ChunkPassage::Left => Some(0),
+                ChunkPassage::Right => Some(1),
+                ChunkPassage::Open => None,
             };
             if let Some(side) = passed {
                 if behind.open[side] {
@@ -316,7 +316,7 @@ impl Staying {
                 }
                 let [start, end] = [corners[side], corners[side + 1]];
                 let length = triangle.exits[side];
-                let part = Part {
+                let part = ChunkPart {
                     left: side == 0,
                     chosen: sides[side],
                     parted: of.parted,
@@ -364,7 +364,7 @@ impl Staying {
 }
 
 /// The lists behind both exits of a face.
-struct Behind {
+struct ListsBehind {
     chunks: [Vec<Chunk>; 2],
     /// Whether there are faces.
     open: [bool; 2],
@@ -544,7 +544,7 @@ impl Wavefront {
             let (f, k) = parts(exit);
             state.list(f, k)
         });
-        let mut behind = Behind {
+        let mut behind = ListsBehind {
             chunks: lists.map(|list| self.staying.store.take(list)),
             open: exits.map(|exit| exit != NO_TWIN),
             dead: false,

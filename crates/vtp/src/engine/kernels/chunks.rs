@@ -123,7 +123,7 @@ pub(crate) fn look<L: Lanes>(
 
 /// Where a part of a chunk goes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Part<'a> {
+pub(crate) struct ChunkPart<'a> {
     /// Whether it goes to the left.
     pub(crate) left: bool,
     /// The windows of the part.
@@ -145,14 +145,14 @@ pub(crate) struct Part<'a> {
 }
 
 /// Rows that are read and kept, in place or elsewhere.
-pub(crate) trait Rows {
+pub(crate) trait KeptRows {
     fn registers<L: Lanes>(&self) -> usize;
     fn load<L: Lanes>(&self, simd: L::Token, register: usize) -> [L; COLUMNS];
     /// Keeps the rows of `register` that `mask` chooses; `changed` tells whether they have changed.
     fn keep<L: Lanes>(&mut self, register: usize, mask: L::Mask, rows: [L; COLUMNS], changed: bool);
 }
 
-impl Rows for InPlace<'_, COLUMNS> {
+impl KeptRows for InPlace<'_, COLUMNS> {
     #[inline(always)]
     fn registers<L: Lanes>(&self) -> usize {
         self.registers::<L>()
@@ -179,7 +179,7 @@ impl Rows for InPlace<'_, COLUMNS> {
     }
 }
 
-impl Rows for (Columns<'_>, Sink<'_, COLUMNS>) {
+impl KeptRows for (Columns<'_>, Sink<'_, COLUMNS>) {
     #[inline(always)]
     fn registers<L: Lanes>(&self) -> usize {
         self.0.registers::<L>()
@@ -200,7 +200,11 @@ impl Rows for (Columns<'_>, Sink<'_, COLUMNS>) {
 /// that no path along the exit from one of its ends beats (the vertex filter). Returns the lines
 /// that bound them.
 #[inline(always)]
-pub(crate) fn leave<L: Lanes>(simd: L::Token, rows: &mut impl Rows, part: &Part<'_>) -> Bounds {
+pub(crate) fn leave<L: Lanes>(
+    simd: L::Token,
+    rows: &mut impl KeptRows,
+    part: &ChunkPart<'_>,
+) -> Bounds {
     let (zero, one) = (L::splat(simd, 0.0), L::splat(simd, 1.0));
     let (cx, cy) = (L::splat(simd, part.apex[0]), L::splat(simd, part.apex[1]));
     let (ax, ay) = (L::splat(simd, part.start[0]), L::splat(simd, part.start[1]));

@@ -69,7 +69,7 @@ impl<L: Lanes> Sides<L> {
 
 /// What a rule leaves of one window for one exit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Allowed {
+pub(crate) enum AllowedAngle {
     /// All rays that lead there.
     All,
     /// Those on the side of the exit from this abscissa.
@@ -189,7 +189,7 @@ impl BestPath {
 
     /// What the rule leaves of `window`, which has rays on both sides of the `apex`, for the left and
     /// the right exit.
-    pub(crate) fn allowed(&self, window: [f64; COLUMNS], apex: [f64; 2]) -> [Allowed; 2] {
+    pub(crate) fn allowed(&self, window: [f64; COLUMNS], apex: [f64; 2]) -> [AllowedAngle; 2] {
         let [cx, cy] = apex;
         let lane = |x: f64| Scalar::splat((), x);
         let windows = Windows::new(window.map(lane));
@@ -202,11 +202,11 @@ impl BestPath {
         let Sides { tried, cut, limits } = self.sides((), &rays);
         [0, 1].map(|side| {
             if !tried[side].any() {
-                Allowed::None
+                AllowedAngle::None
             } else if cut[side].any() {
-                Allowed::Until(limits[side].least())
+                AllowedAngle::Until(limits[side].least())
             } else {
-                Allowed::All
+                AllowedAngle::All
             }
         })
     }

@@ -20,7 +20,7 @@ mod trim;
 
 pub(crate) use carry::{Carried, Target, Triangle, carry};
 pub(crate) use compare::{Cuts, compare};
-pub(crate) use exits::{Allowed, BestPath};
+pub(crate) use exits::{AllowedAngle, BestPath};
 pub(crate) use filter::{Gate, LOSES, gather};
 pub(crate) use measure::{Measured, measure};
 pub(crate) use settle::settle;

@@ -248,13 +248,24 @@ impl FaceCones {
         nearest.map(|(i, _)| i)
     }
 
-    /// The cone that gives the corner `x` the shortest distance, without that of the corner itself,
-    /// which has no direction there.
-    pub(crate) fn nearest_from_afar(&self, x: Point) -> Option<&Cone> {
+    /// The cones that give corner `i` a distance, without that of the corner itself, which has no
+    /// direction there: the distance, the centre, and by the sine of which angle the ray to the
+    /// corner comes from outside the face.
+    pub(crate) fn rays_to_corner(&self, i: usize) -> impl Iterator<Item = (f64, Point, f64)> {
+        let [x, next, last] = [0, 1, 2].map(|k| self.corners[(i + k) % 3]);
+        let unit = move |to: Point| {
+            let way = sub(to, x);
+            scale(way, 1.0 / norm(way))
+        };
+        let [first, second] = [next, last].map(unit);
         let least = ROUNDING * self.size;
-        let afar = self.cones.iter();
-        afar.filter(|cone| norm(sub(cone.centre, x)) > least && cone.sees(x))
-            .min_by(|a, b| a.distance(x).total_cmp(&b.distance(x)))
+        self.cones.iter().filter_map(move |cone| {
+            let is_ray = norm(sub(cone.centre, x)) > least && cone.sees(x);
+            let distance = cone.distance(x);
+            let back = unit(cone.centre);
+            let outside = -cross_2d(first, back).min(cross_2d(back, second)).min(0.0);
+            (is_ray && distance.is_finite()).then_some((distance, cone.centre, outside))
+        })
     }
 
     /// The arcs of the isoline at `level` inside the face. None if the face is flat: an isoline

@@ -7,6 +7,9 @@ use geobench_paths::{Path, Paths, TraceError};
 use crate::DistanceField;
 use crate::cones::FaceCones;
 
+/// Relative difference of the lengths of paths that are equally short.
+const SAME: f64 = 1e-9;
+
 /// Why a [`DistanceField`] does not answer.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -109,16 +112,20 @@ impl DistanceField {
         }
         let mesh = &self.refined.mesh;
         let around = mesh.outgoing(mesh.kept_vertex(v)).iter();
-        let rays = around.filter_map(|h| {
+        let mut rays = Vec::new();
+        for h in around {
             let cones = self.cones(h.face());
-            let x = cones.corners[h.corner() as usize];
-            let cone = cones.nearest_from_afar(x)?;
-            let distance = cone.distance(x);
-            let ray = (h.face(), [cone.centre, x]);
-            distance.is_finite().then_some((distance, ray))
-        });
-        let nearest = rays.min_by(|a, b| a.0.total_cmp(&b.0));
-        nearest.map(|(_, ray)| ray)
+            let i = h.corner() as usize;
+            let found = cones.rays_to_corner(i);
+            rays.extend(found.map(|(distance, centre, outside)| {
+                (distance, outside, (h.face(), [centre, cones.corners[i]]))
+            }));
+        }
+        // Windows of the other faces end at the vertex, and give it the same distance.
+        let least = rays.iter().map(|ray| ray.0).reduce(f64::min)?;
+        let shortest = rays.into_iter().filter(|ray| ray.0 <= least + SAME * least);
+        let inside = shortest.min_by(|a, b| a.1.total_cmp(&b.1));
+        inside.map(|(_, _, ray)| ray)
     }
 
     /// The shortest path from the nearest source to `point`; `None` if it is unreachable.

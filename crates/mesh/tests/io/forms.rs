@@ -85,7 +85,7 @@ fn a_vertex_that_is_no_statement_is_not_skipped() {
     let error = parse(Format::Obj, text).unwrap_err().to_string();
     assert_eq!(error, "test: line 6: \"v\" is not a number");
     // Lines that end with CR alone, beside others.
-    let text = vertices("# a remark\rv ", " ", "").replacen("\n", "\r", 2);
+    let text = vertices("# a remark\rv ", " ", "").replacen('\n', "\r", 2);
     is_fan(Format::Obj, text + "f 1 2 3\r\nf 1 3 4\r\r\nf 1 4 5\n");
 }
 

@@ -93,7 +93,7 @@ impl<'r> Measurement<'r> {
                 let others = group.algorithms.iter();
                 let to_others = others.filter_map(|other| {
                     Some(OtherRatio {
-                        label: *other,
+                        label: other,
                         simd: simd(other),
                         ratio: ratio(other)?,
                     })

@@ -83,15 +83,14 @@ fn gate_parts(gate: &GateReport) -> (String, Table, Vec<String>) {
         0 => String::new(),
         better => format!(", {better} better"),
     };
-    notes.push(match gate.learning {
-        Some(known) => format!("learning, {known} of {FEWEST} base commits: nothing is judged yet"),
-        None => {
-            let are = if worse == 1 { "is" } else { "are" };
-            format!(
-                "{worse} of {} figures {are} worse{better}",
-                gate.lines.len()
-            )
-        }
+    notes.push(if let Some(known) = gate.learning {
+        format!("learning, {known} of {FEWEST} base commits: nothing is judged yet")
+    } else {
+        let are = if worse == 1 { "is" } else { "are" };
+        format!(
+            "{worse} of {} figures {are} worse{better}",
+            gate.lines.len()
+        )
     });
     (head, Table::new(columns, rows), notes)
 }

@@ -157,8 +157,9 @@
 //! Of two equal windows, the one that is dropped may be that of a better path to a root, or of the
 //! occupant of an angle. So a window that has been stored there is not stale, nor are its
 //! descendants, unless its root has come nearer by more than [`MARGIN`] of the distance and of the
-//! sides there: then those that were dropped for it are as stale. Elsewhere windows are given up as usual, on the same mesh. Only windows that shorter
-//! ones [have replaced](crate::trimming::KeptWindows::has_replaced) altogether do not cross: what is
+//! sides there: then those that were dropped for it are as stale. Elsewhere windows are given up as
+//! usual, on the same mesh. Only windows that shorter ones
+//! [have replaced](crate::trimming::KeptWindows::has_replaced) altogether do not cross: what is
 //! stored instead crosses, and stands for the same windows.
 //!
 //! [`Crossing::bent_distance`]: crate::Crossing::bent_distance

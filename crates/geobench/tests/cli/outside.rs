@@ -227,6 +227,18 @@ fn run_version_2(options: &[(&str, &[&str])], code: i32, more: &str) -> (Vec<Val
     (cells[1..].to_vec(), call.stdout)
 }
 
+/// For each run, the longer of the time that the program claims and that from outside.
+fn slower_of_each_run(time: &Value) -> Value {
+    let claimed = time["claimed"].as_array().unwrap();
+    let outside = time["outside"].as_array().unwrap();
+    let runs = claimed.iter().zip(outside);
+    let seconds = runs.map(|(claimed, outside)| {
+        let slower = claimed.as_f64() > outside.as_f64();
+        if slower { claimed } else { outside }.clone()
+    });
+    seconds.collect()
+}
+
 /// The clock is fair to honest programs, also of microseconds, and finds the others.
 #[test]
 fn a_claim_is_checked_under_protocol_2() {
@@ -253,16 +265,16 @@ fn a_claim_is_checked_under_protocol_2() {
     for honest in [fast, slow] {
         let time = &honest["time"];
         let used = if time["doubted"] == true {
-            "outside"
+            slower_of_each_run(time)
         } else {
-            "claimed"
+            time["claimed"].clone()
         };
-        assert_eq!(time["samples"], time[used], "{time}");
+        assert_eq!(time["samples"], used, "{time}");
     }
     for other in [liar, late] {
         let time = &other["time"];
         assert_eq!(time["doubted"], true, "{time}");
-        assert_eq!(time["samples"], time["outside"]);
+        assert_eq!(time["samples"], slower_of_each_run(time));
         assert!(time["median"].as_f64().unwrap() >= 0.029, "{time}");
     }
     for text in ["Time from outside (s)", "Time it claims (s)"] {

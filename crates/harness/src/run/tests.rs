@@ -44,6 +44,53 @@ fn runs_are_interleaved_and_the_reference_goes_first() {
     assert_eq!(cell(&records.cells, "mmp").time.places, [1, 0]);
 }
 
+/// The runs that a progress bar counts.
+#[derive(Default)]
+struct BarCounts {
+    total: usize,
+    done: usize,
+}
+
+impl Listener for BarCounts {
+    fn step(&mut self, _: &Step<'_>) {
+        self.done += 1;
+        assert!(self.done <= self.total);
+    }
+
+    fn more(&mut self, runs: usize) {
+        self.total += runs;
+    }
+
+    fn skipped(&mut self, runs: usize) {
+        self.done += runs;
+        assert!(self.done <= self.total);
+    }
+}
+
+#[test]
+fn progress_ends_at_its_total() {
+    for (algorithms, warmup, sampling) in [
+        ("vtp,mmp", 0, Sampling::Fixed(1)),
+        ("vtp,mmp", 1, Sampling::Fixed(2)),
+        ("vtp", 0, Sampling::Fixed(1)),
+        ("vtp,ich", 0, Sampling::UntilPrecise(Precision::USUAL)),
+    ] {
+        let mut plan = plan(&["horse", "cow"], algorithms, "0,1");
+        plan.reference = Reference::usual(&plan.algorithms);
+        plan.warmup = warmup;
+        plan.sampling = sampling;
+        for counts in [false, true] {
+            plan.counts = counts;
+            let mut bar = BarCounts {
+                total: plan.runs(),
+                done: 0,
+            };
+            run(&plan, &MockBackend::default(), None, None, &mut bar, 1).unwrap();
+            assert_eq!(bar.done, bar.total, "{algorithms}");
+        }
+    }
+}
+
 #[test]
 fn without_a_number_each_cell_repeats_until_it_is_precise() {
     let mut plan = plan(&["horse"], "mmp,ich,vtp", "0");

@@ -470,6 +470,10 @@ impl<'p> UnitPlan<'p> {
         let cell = cells
             .iter_mut()
             .find(|cell| cell.algorithm.label() == reference.label());
+        let lacks = |cell: &&mut CellRuns<'p>| cell.lacks(Pass::Warmup, 0);
+        if !self.is_planned(Pass::Warmup, 0) || !cell.as_ref().is_some_and(lacks) {
+            context.log.listener().more(1);
+        }
         let done = context.execute(&self.as_step(reference, Pass::Warmup, 1))?;
         match &done {
             Ok(observation) => {
@@ -506,12 +510,23 @@ impl<'p> UnitPlan<'p> {
             };
             if !restored.contains(&cluster) {
                 restored.push(cluster);
-                let done = context.execute(&self.as_step(cell.algorithm, Pass::Warmup, 1))?;
+                let done =
+                    context.execute_unplanned(&self.as_step(cell.algorithm, Pass::Warmup, 1))?;
                 let answer = done.ok().map(|observation| observation.distances);
                 context.check().clusters.restore(cluster, answer);
             }
         }
         Ok(())
+    }
+
+    /// Whether [`Plan::runs_per_cell`] counts a run: not a timed run beyond the minimum, nor the
+    /// warm-up of a reference without warm-ups.
+    fn is_planned(&self, pass: Pass, round: usize) -> bool {
+        match pass {
+            Pass::Warmup => round < self.plan.warmup,
+            Pass::Time => round < self.plan.sampling.fewest(),
+            Pass::Profile | Pass::Count => true,
+        }
     }
 
     /// Executes a run, unless it is done, its cell has enough timed runs, or its cell has failed.
@@ -528,10 +543,9 @@ impl<'p> UnitPlan<'p> {
         let mut solves = 1;
         if pass == Pass::Time {
             solves = cell.solves();
-            // Only the minimum number of runs was planned.
-            if round >= self.plan.sampling.fewest() {
-                context.log.listener().more(1);
-            }
+        }
+        if !self.is_planned(pass, round) {
+            context.log.listener().more(1);
         }
         let done = context.execute(&self.as_step(cell.algorithm, pass, solves))?;
         self.check_and_keep(cell, pass, round, done, context)
@@ -618,7 +632,7 @@ impl<'p> UnitPlan<'p> {
         context: &mut RunContext<'_, '_>,
     ) -> Result<Result<Answer, String>, Interrupted> {
         Answer::proven(self.plan.tolerance, |algorithm| {
-            context.execute(&self.as_step(algorithm, Pass::Warmup, 1))
+            context.execute_unplanned(&self.as_step(algorithm, Pass::Warmup, 1))
         })
     }
 
@@ -686,7 +700,7 @@ impl<'p> UnitPlan<'p> {
         })?;
         let step = self.as_step(cell.algorithm, pass, 1);
         log.listener().ran(&step, summary(&outcome));
-        cell.made += 1;
+        cell.made += usize::from(self.is_planned(pass, round));
         cell.add(pass, round, outcome);
         if pass == Pass::Time {
             cell.count_samples();
@@ -747,7 +761,7 @@ impl<'p> UnitPlan<'p> {
                 source: &source,
                 ..self.as_step(reference, Pass::Warmup, 1)
             };
-            let done = context.execute(&step)?;
+            let done = context.execute_unplanned(&step)?;
             let check = context.check();
             let (Ok(done), Some(answer)) = (done, &check.answer) else {
                 return Ok(None);
@@ -892,5 +906,18 @@ impl<'s> RunContext<'s, '_> {
             return Err(Interrupted);
         }
         Ok(done)
+    }
+
+    /// Executes a run that no cell counts.
+    ///
+    /// # Errors
+    ///
+    /// As [`execute`](Self::execute).
+    fn execute_unplanned(
+        &mut self,
+        step: &Step<'_>,
+    ) -> Result<Result<Observation, Failure>, Interrupted> {
+        self.log.listener().more(1);
+        self.execute(step)
     }
 }

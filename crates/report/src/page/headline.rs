@@ -16,7 +16,7 @@ use crate::table::group::{Estimate, GroupCells, distinct, geometric_mean};
 pub(super) const EXACT: f64 = 1e-6;
 
 /// The most ranked algorithms for which a page has the sentences of all pairs.
-const MOST_PAIRED: usize = 12;
+const MOST_PAIRED: usize = 30;
 
 /// The headline of a group; `None` if no two exact algorithms solved the same problem.
 ///
@@ -76,11 +76,16 @@ pub(crate) fn headline(group: &GroupCells<'_>) -> Option<Headline> {
         return None;
     }
     let mut others = Vec::new();
+    // Of those that are not about the next, scripts show one with an outside program or the base.
+    let can_be_shown = |one: &Sentence| {
+        let differ = one.faster.starts_with(OUTSIDE) != one.slower.starts_with(OUTSIDE);
+        one.of_next || differ || base == Some(&one.slower)
+    };
     if ranking.len() <= MOST_PAIRED {
         for (i, faster) in ranking.iter().enumerate() {
             for slower in &ranking[i + 1..] {
                 let both = sentences(faster, slower).into_iter().flatten();
-                others.extend(both.filter(|one| !shown.contains(one)));
+                others.extend(both.filter(|one| can_be_shown(one) && !shown.contains(one)));
             }
         }
     }
@@ -516,12 +521,28 @@ mod tests {
 
     #[test]
     fn sentences_for_every_selection_are_in_the_page() {
-        let result = result(&[("a", "mmp", 4.0), ("a", "vtp", 2.0), ("a", "vtp-fast", 1.0)]);
-        let record = GroupRecord::default();
-        let found = headline(&GroupCells::new(&record, &result.models, &result.cells)).unwrap();
-        assert_eq!(found.ranking, ["vtp-fast", "vtp", "mmp"]);
-        let pairs = |sentences: &[Sentence]| sentences.len();
-        assert_eq!((pairs(&found.shown), pairs(&found.others)), (1, 5));
+        let found = |cells: &[(&str, &str, f64)]| {
+            let result = result(cells);
+            let record = GroupRecord::default();
+            headline(&GroupCells::new(&record, &result.models, &result.cells)).unwrap()
+        };
+        let few = [
+            ("a", "mmp", 4.0),
+            ("a", "ext:x", 3.0),
+            ("a", "vtp", 2.0),
+            ("a", "vtp-fast", 1.0),
+        ];
+        let page = found(&few);
+        assert_eq!(page.ranking, ["vtp-fast", "vtp", "ext:x", "mmp"]);
+        // Each of six pairs as the fastest and the next, and three with the outside program.
+        assert_eq!((page.shown.len(), page.others.len()), (2, 7));
+        let names: Vec<String> = (1..=28).map(|i| format!("a{i}")).collect();
+        let many = names.iter().zip(1..);
+        let many: Vec<(&str, &str, f64)> = many
+            .map(|(name, time)| ("a", name.as_str(), f64::from(time)))
+            .collect();
+        let page = found(&many);
+        assert_eq!(page.shown.len() + page.others.len(), 28 * 27 / 2);
     }
 
     #[test]

@@ -11,7 +11,9 @@ use geobench_harness::measure::host;
 use geobench_harness::plan::Plan;
 use geobench_harness::run::{self, Earlier};
 use geobench_harness::schema::unfinished::{self, Unfinished};
-use geobench_harness::schema::{Cell, ModelRecord, ResultFile, SessionRecord, result_file};
+use geobench_harness::schema::{
+    Cell, ModelRecord, ProgramRecord, ResultFile, SessionRecord, changed_program, result_file,
+};
 use geobench_report::history::join::{self, Joined};
 use geobench_report::table::ResultFormat;
 
@@ -180,9 +182,13 @@ impl WriteDue {
 /// # Errors
 ///
 /// If the file cannot be read, or if results of `plans` cannot be combined with it: it is from
-/// another machine and times would be added, it is a part of a benchmark, or it has other goals or
-/// vector instructions.
-pub(crate) fn earlier(path: &Path, plans: &[Plan]) -> anyhow::Result<ResultFile> {
+/// another machine and times would be added, it is a part of a benchmark, or it has other goals,
+/// vector instructions or outside `programs`.
+pub(crate) fn earlier(
+    path: &Path,
+    plans: &[Plan],
+    programs: &[ProgramRecord],
+) -> anyhow::Result<ResultFile> {
     let name = path.display().to_string();
     let file = result_file::read(path)?;
     let here = host::host();
@@ -199,6 +205,9 @@ pub(crate) fn earlier(path: &Path, plans: &[Plan]) -> anyhow::Result<ResultFile>
     }
     if file.plan.as_ref().is_some_and(|plan| plan.shard.is_some()) {
         bail!("{name}: a part of a benchmark; join the parts with `geobench merge` first");
+    }
+    if let Some(difference) = changed_program(file.programs(), programs) {
+        bail!("{name}: its times are of another program: {difference}; name another file");
     }
     for plan in plans {
         let of_group = |cell: &&Cell| cell.group == plan.group.name;

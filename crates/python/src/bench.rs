@@ -190,6 +190,7 @@ fn result(plan: &Plan, command: Vec<String>, mut listener: UntilStopped) -> anyh
             started,
             finished: Some(finished),
             tool: None,
+            programs: Vec::new(),
         }],
     };
     Ok(serde_json::to_string(&file)?)

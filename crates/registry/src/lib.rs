@@ -42,7 +42,7 @@ mod vtp;
 
 pub use certificate::{CERTIFICATE, certificate, proven_bounds};
 pub use parameter::{Allowed, MOST_THREADS, Numbers, Parameter, SimdChoice, Value, Values};
-pub use program::{Call, PLACEHOLDERS, Program, Programs, Protocol};
+pub use program::{Call, PLACEHOLDERS, Program, Programs, Protocol, Provenance};
 pub use select::{Selection, distinct, select, select_one};
 
 /// An invalid value from the command line or a file. The message quotes the value and names the

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use geobench_mesh::did_you_mean;
 use geobench_window::Counter;
+use serde::{Deserialize, Serialize};
 
 use super::Algorithm;
 use crate::UsageError;
@@ -31,6 +32,30 @@ pub struct Program {
     /// Whether its distances are approximate. They are compared with the reference, but the
     /// tolerance does not apply.
     pub approximate: bool,
+    /// Where it comes from.
+    pub provenance: Provenance,
+    /// Further files that belong to it, relative to the directory, such as the library of a script.
+    pub files: Vec<String>,
+}
+
+/// Where an external program comes from, in the words of its TOML file.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// Its version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub version: Option<String>,
+    /// Its source: an address, and a commit if it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
+    /// What was changed in its source.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub changes: Option<String>,
+    /// The compiler that built it, or the interpreter that runs it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compiler: Option<String>,
+    /// The options of the compiler.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flags: Option<String>,
 }
 
 /// The protocol of an external program; `docs/protocol.md` describes it.
@@ -90,6 +115,12 @@ impl Program {
     /// Whether its command has the placeholder of the number of threads.
     pub(crate) fn takes_threads(&self) -> bool {
         self.command.iter().any(|word| word.contains("{threads}"))
+    }
+
+    /// The name in its TOML file, without parameter values, as algorithm names have it.
+    pub fn described_name(&self) -> String {
+        let name = self.name.split('{').next().unwrap_or_default();
+        format!("{PREFIX}{name}")
     }
 
     /// A process command from `words`, with the placeholders filled in.
@@ -242,6 +273,8 @@ mod tests {
             directory: "/here".into(),
             protocol: Protocol::Once,
             approximate: false,
+            provenance: Provenance::default(),
+            files: Vec::new(),
         };
         let call = Call {
             model: Path::new("/tmp/m.obj"),

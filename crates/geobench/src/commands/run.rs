@@ -193,7 +193,7 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     }
     options.isolation.listen()?;
     let plan = plan::record(&plans, options.isolation.record(options.jobs()));
-    let session = session(options);
+    let session = session(options, &plans);
     let mut journal = None;
     let mut sessions = vec![session.clone()];
     if let Some(path) = &options.resume {
@@ -203,7 +203,7 @@ pub(crate) fn run(options: &RunOptions, look: Look) -> anyhow::Result<Verdict> {
     }
     let runs = plans.iter().map(Plan::runs).fold(0, usize::saturating_add);
     let earlier = add_to
-        .map(|path| result_store::earlier(path, &plans))
+        .map(|path| result_store::earlier(path, &plans, &session.programs))
         .transpose()?;
     let past = earlier.as_ref().map(Earlier::new);
     let mut listener = Reporter {
@@ -427,7 +427,7 @@ fn empty(plan: PlanRecord, session: SessionRecord, sessions: Vec<SessionRecord>)
 }
 
 /// The session record of this process.
-fn session(options: &RunOptions) -> SessionRecord {
+fn session(options: &RunOptions, plans: &[Plan]) -> SessionRecord {
     SessionRecord {
         shard: options.shard,
         host: host::host(),
@@ -437,6 +437,7 @@ fn session(options: &RunOptions) -> SessionRecord {
         started: host::now(),
         finished: None,
         tool: None,
+        programs: plan::programs(plans),
     }
 }
 

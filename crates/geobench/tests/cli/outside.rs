@@ -575,3 +575,66 @@ fn what_nobody_has_described_is_refused_before_anything_runs() {
         assert!(call.stderr.contains(complaint), "{}", call.stderr);
     }
 }
+
+/// Records name the version and the hashes of outside programs, and runs of different programs
+/// under one name are not mixed.
+#[test]
+fn the_record_has_the_provenance_of_outside_programs() {
+    let sandbox = sandbox();
+    let table = "[ext.Honest]\ncommand = ['sh', 'honest.sh', '{model}', '{source}', '{output}']\n\
+                 version = '1'\nsource = 'https://example.org at c0ffee'\ncompiler = 'sh'\n\
+                 flags = '-e'\nfiles = ['lib.so', 'none.so']\n";
+    sandbox.write("own.toml", table);
+    sandbox.write("lib.so", "abc");
+    let run = |more: &str| {
+        sandbox.call(&format!(
+            "run square.off --ext own.toml --algo mmp,ext:honest --repeat 1 {more}"
+        ))
+    };
+    let first = run("--resume j.jsonl -o old.json -o old.md");
+    assert_eq!(first.code, 0, "{}", first.stderr);
+    let record = sandbox.json("old.json");
+    let program = &record["sessions"][0]["programs"][0];
+    let texts = ["name", "version", "source", "compiler", "flags"].map(|key| &program[key]);
+    let source = "https://example.org at c0ffee";
+    assert_eq!(texts, ["ext:honest", "1", source, "sh", "-e"]);
+    let files = program["files"].as_array().unwrap();
+    let paths: Vec<_> = files.iter().map(|file| &file["path"]).collect();
+    assert_eq!(paths, ["sh", "honest.sh", "lib.so", "none.so"]);
+    let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+    assert_eq!(files[2]["sha256"], abc);
+    assert!(files[0]["sha256"].is_string() && files[3]["sha256"].is_null());
+    let markdown = sandbox.read("old.md");
+    assert!(
+        markdown.contains("- Program ext:honest: version 1; "),
+        "{markdown}"
+    );
+
+    sandbox.write("lib.so", "abcd");
+    let changed = "`sha256[2]` of ext:honest is";
+    for more in ["--resume j.jsonl", "--add-to old.json"] {
+        let refused = run(more);
+        assert_eq!(refused.code, 2, "{more}");
+        assert!(refused.stderr.contains(changed), "{}", refused.stderr);
+    }
+    assert_eq!(run("-o new.json").code, 0);
+    let compared = sandbox.call("compare old.json new.json");
+    assert_eq!(compared.code, 0, "{}", compared.stderr);
+    let both = compared.stdout + &compared.stderr;
+    assert!(both.contains(changed), "{both}");
+    let joined = sandbox.call("merge old.json new.json -o joined.json");
+    assert_eq!(joined.code, 0, "{}", joined.stderr);
+    assert!(joined.stderr.contains(changed), "{}", joined.stderr);
+    let sessions = &sandbox.json("joined.json")["sessions"];
+    assert_eq!(sessions.as_array().unwrap().len(), 2);
+    let square = sandbox.read("square.off");
+    sandbox.write("copy.off", &square);
+    for (part, lib) in [(1, "abc"), (2, "abcd")] {
+        sandbox.write("lib.so", lib);
+        let run = run(&format!("copy.off --shard {part}/2 -o part{part}.json"));
+        assert_eq!(run.code, 0, "{}", run.stderr);
+    }
+    let merged = sandbox.call("merge part1.json part2.json -o whole.json");
+    assert_eq!(merged.code, 2, "{}", merged.stdout);
+    assert!(merged.stderr.contains(changed), "{}", merged.stderr);
+}

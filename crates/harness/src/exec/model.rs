@@ -599,7 +599,7 @@ fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, String> 
 
 /// SHA-256 in hexadecimal of the bytes of a regular file and of those that it names, in their
 /// order.
-fn hash_file(path: &Path) -> io::Result<String> {
+pub(crate) fn hash_file(path: &Path) -> io::Result<String> {
     let mut hash = Sha256::new();
     for path in iter::once(path.to_owned()).chain(files_beside(path)) {
         if !fs::metadata(&path)?.is_file() {

@@ -6,19 +6,19 @@ use std::str::FromStr;
 
 use geobench_mesh::Weld;
 use geobench_registry::UsageError;
-use geobench_registry::{self as registry, Programs, Selection, SimdChoice};
+use geobench_registry::{self as registry, Program, Programs, Selection, SimdChoice};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 
 use crate::exec::expected::Expected;
 use crate::exec::goal::GoalSpec;
 use crate::exec::limits::Limits;
-use crate::exec::model::ModelRef;
+use crate::exec::model::{ModelRef, hash_file};
 use crate::exec::source::SourceSpec;
 use crate::plan::sampling::Sampling;
 use crate::schema::{
     GroupRecord, IsolationRecord, ModelRecord, PlanRecord, PlannedAlgorithm, PlannedGroup,
-    PlannedModel, Shard,
+    PlannedModel, ProgramFile, ProgramRecord, Shard,
 };
 
 pub mod sampling;
@@ -448,6 +448,53 @@ pub fn planned(selection: &Selection) -> PlannedAlgorithm {
             .chain(program.map(|(name, value)| (name.to_owned(), value)))
             .collect(),
     }
+}
+
+/// The records of the external programs of `plans`, and of the references, in the order of the
+/// plans. Reads their files to hash them.
+pub fn programs(plans: &[Plan]) -> Vec<ProgramRecord> {
+    let mut all: Vec<ProgramRecord> = Vec::new();
+    let selections = plans
+        .iter()
+        .flat_map(|plan| plan.algorithms.iter().chain(plan.reference.algorithm()));
+    for program in selections.filter_map(Selection::program) {
+        let name = program.described_name();
+        if all.iter().all(|known| known.name != name) {
+            all.push(ProgramRecord {
+                name,
+                provenance: program.provenance.clone(),
+                files: files(program),
+            });
+        }
+    }
+    all
+}
+
+/// The executable of an external program, the files among the other words of its command, and those
+/// that its table names.
+fn files(program: &Program) -> Vec<ProgramFile> {
+    let file = |word: &String, place: &Path| ProgramFile {
+        path: word.clone(),
+        sha256: hash_file(place).ok(),
+    };
+    let (executable, arguments) = program.command.split_at(program.command.len().min(1));
+    let executable = executable.iter().map(|word| {
+        let directory = Some(program.directory.clone()).filter(|_| word.contains('/'));
+        let path = std::env::var_os("PATH").filter(|_| directory.is_none());
+        let searched = path.iter().flat_map(std::env::split_paths);
+        let places = directory.into_iter().chain(searched);
+        let mut places = places.map(|directory| directory.join(word));
+        file(
+            word,
+            &places.find(|place| place.is_file()).unwrap_or_default(),
+        )
+    });
+    let in_directory = |word: &String| program.directory.join(word);
+    let arguments = arguments.iter().filter(|word| in_directory(word).is_file());
+    let named = arguments.chain(&program.files);
+    executable
+        .chain(named.map(|word| file(word, &in_directory(word))))
+        .collect()
 }
 
 /// The units of one plan that a shard runs.

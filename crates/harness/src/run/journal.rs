@@ -29,7 +29,7 @@ use crate::run::proof::Decision;
 use crate::schema::difference::first_difference;
 use crate::schema::{
     Check, InstructionCount, ModelRecord, PlanRecord, PlannedGroup, SCHEMA, SessionRecord,
-    SourceLabel, Tool,
+    SourceLabel, Tool, changed_program,
 };
 
 #[cfg(test)]
@@ -186,6 +186,12 @@ impl Journal {
                 }
             })
         };
+        let earlier = journal.sessions.iter().flat_map(|one| &one.programs);
+        if let Some(difference) = changed_program(earlier, &session.programs) {
+            bail!(
+                "journal {name}: belongs to another run: {difference}; repeat that run or name another file"
+            );
+        }
         let begun = begun.and_then(|()| {
             if journal.plans.contains(&header.plan) {
                 Ok(())

@@ -13,6 +13,7 @@ use crate::measure::conditions;
 use crate::schema::difference::first_difference;
 use crate::schema::{
     Cell, GroupRecord, ModelRecord, PlanRecord, PlannedGroup, ResultFile, Shard, SourceLabel,
+    changed_program,
 };
 
 /// Maximum number of missing parts that a message names.
@@ -155,11 +156,13 @@ fn differs(first: &ShardFile, part: &ShardFile) -> Option<String> {
         };
         json!({"tool": part.file.tool, "plan": plan})
     };
-    let found = first_difference(&identity(first), &identity(part))?;
-    Some(format!(
-        "`{}` is {} and not {}",
-        found.place, found.right, found.left
-    ))
+    if let Some(found) = first_difference(&identity(first), &identity(part)) {
+        return Some(format!(
+            "`{}` is {} and not {}",
+            found.place, found.right, found.left
+        ));
+    }
+    changed_program(first.file.programs(), part.file.programs())
 }
 
 /// Moves the cells out of all parts, in the order of the plan.

@@ -6,6 +6,7 @@
 pub mod difference;
 pub mod labels;
 mod plan_record;
+mod program_record;
 pub mod result_file;
 pub mod unfinished;
 
@@ -21,6 +22,7 @@ pub use geobench_export::SourceLabel;
 pub use self::plan_record::{
     PlanRecord, PlannedAlgorithm, PlannedGroup, PlannedModel, Precision, Shard,
 };
+pub use self::program_record::{ProgramFile, ProgramRecord, changed_program};
 
 /// The schema that this version writes.
 pub const SCHEMA: &str = "geobench/1";
@@ -105,6 +107,18 @@ impl ResultFile {
         all
     }
 
+    /// The outside programs of all sessions, without repetition. Several of one name if the sessions
+    /// ran different ones.
+    pub fn programs(&self) -> Vec<&ProgramRecord> {
+        let mut all: Vec<&ProgramRecord> = Vec::new();
+        for one in self.sessions.iter().flat_map(|session| &session.programs) {
+            if !all.contains(&one) {
+                all.push(one);
+            }
+        }
+        all
+    }
+
     /// Name of the suite: the file name after `--config` in the command, without its extension, or
     /// the name after `--suite`. `None` without a suite.
     pub fn suite(&self) -> Option<String> {
@@ -161,6 +175,9 @@ pub struct SessionRecord {
     /// file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tool: Option<Tool>,
+    /// The outside programs of its plan. Absent if there are none, and in files of older versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub programs: Vec<ProgramRecord>,
 }
 
 /// The program that measured.

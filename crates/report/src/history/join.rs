@@ -6,7 +6,9 @@ use std::path::Path;
 use anyhow::{Context, bail};
 use geobench_harness::measure::conditions;
 use geobench_harness::schema::difference::first_difference;
-use geobench_harness::schema::{Cell, CellId, GroupRecord, ModelRecord, ResultFile, SourceLabel};
+use geobench_harness::schema::{
+    Cell, CellId, GroupRecord, ModelRecord, ResultFile, SourceLabel, changed_program,
+};
 use serde_json::Value;
 
 use crate::table::group::by_key;
@@ -422,6 +424,8 @@ fn differences(whole: &ResultFile, first: &str, name: &str, file: &ResultFile) -
             }
         }
     }
+    let changed = changed_program(whole.programs(), file.programs());
+    notes.extend(changed.map(|changed| format!("{name}: {changed} as in {first}")));
     notes
 }
 
@@ -430,6 +434,10 @@ mod tests {
     use super::*;
     use geobench_harness::exec::mock::MockBackend;
     use geobench_harness::run::mock::{plan, result, run_mock};
+    use geobench_harness::schema::{ProgramRecord, SessionRecord};
+    use geobench_registry::Provenance;
+
+    use crate::history::pool::pool;
 
     fn file(models: &[&str], algorithms: &str) -> ResultFile {
         result(run_mock(
@@ -538,6 +546,43 @@ mod tests {
         assert_eq!(
             joined.notes,
             ["`tool.commit` is \"c0ffee\" in b and null in a"]
+        );
+        let of_version = |version: &str| ProgramRecord {
+            name: "ext:x".into(),
+            provenance: Provenance {
+                version: Some(version.into()),
+                ..Provenance::default()
+            },
+            files: Vec::new(),
+        };
+        let with_program = |version| {
+            let mut file = file(&["horse"], "vtp");
+            file.sessions.push(SessionRecord {
+                shard: None,
+                host: file.host.clone(),
+                command: Vec::new(),
+                started: String::new(),
+                finished: None,
+                tool: None,
+                programs: vec![of_version(version)],
+            });
+            file
+        };
+        let both = vec![
+            ("a".into(), with_program("1")),
+            ("b".into(), with_program("2")),
+        ];
+        let joined = join(both.clone()).unwrap();
+        assert_eq!(
+            joined.notes[0],
+            "b: `version` of ext:x is \"2\" and not \"1\" as in a"
+        );
+        assert_eq!(joined.file.programs(), [&of_version("1"), &of_version("2")]);
+        // Rounds of one benchmark have the same programs.
+        let error = pool(both, None).unwrap_err().to_string();
+        assert!(
+            error.ends_with("`version` of ext:x is \"2\" and not \"1\""),
+            "{error}"
         );
     }
 }

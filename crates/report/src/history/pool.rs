@@ -7,7 +7,7 @@
 use anyhow::{Context, bail};
 use geobench_harness::measure::conditions;
 use geobench_harness::measure::statistics::{self, median};
-use geobench_harness::schema::{Cell, ResultFile, Status, Time};
+use geobench_harness::schema::{Cell, ResultFile, Status, Time, changed_program};
 
 use crate::history::compare::CellKeys;
 
@@ -56,6 +56,9 @@ fn difference(joined: &ResultFile, cells: &[Vec<Cell>], round: &ResultFile) -> O
         };
         let (old, new) = (of(joined), of(round));
         return Some(format!("the program is {new} and not {old}"));
+    }
+    if let Some(changed) = changed_program(joined.programs(), round.programs()) {
+        return Some(changed);
     }
     for (a, b) in joined.models.iter().zip(&round.models) {
         if (&a.name, &a.sha256) != (&b.name, &b.sha256) {

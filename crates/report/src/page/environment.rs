@@ -49,6 +49,9 @@ pub(crate) fn facts(result: &ResultFile) -> Vec<(String, String)> {
     if !tool.features.is_empty() {
         facts.push(("Features".to_owned(), tool.features.join(", ")));
     }
+    for program in result.programs() {
+        facts.push((format!("Program {}", program.name), program.in_words()));
+    }
     facts.extend(others(result));
     // A result has several sessions if the run was resumed or its parts ran on several machines.
     if result.sessions.len() > 1 {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use geobench_harness::figures::time;
 use geobench_harness::measure::statistics::median;
-use geobench_harness::schema::{Cell, ModelRecord, Status};
+use geobench_harness::schema::{Cell, ModelRecord, ProgramRecord, Status};
 
 use super::records::{SiteRecord, SiteRecords};
 use crate::table::group::{GroupCells, distinct, geometric_mean};
@@ -77,6 +77,8 @@ impl<'r> Measurement<'r> {
 
     fn of_group(record: &'r SiteRecord, group: &GroupCells<'r>) -> Vec<Self> {
         let mut all = Vec::new();
+        // Times of cells that ran at the same time are disturbed: such a record tells of answers.
+        let is_timed = record.result.jobs().is_none();
         for model in &group.models {
             for label in &group.algorithms {
                 let cells = group.of(&model.name, label);
@@ -84,6 +86,9 @@ impl<'r> Measurement<'r> {
                     continue;
                 }
                 let ratio = |base: &str| {
+                    if !is_timed {
+                        return None;
+                    }
                     if base == *label {
                         return group.value(time(), &model.name, label).map(|_| 1.0);
                     }
@@ -107,7 +112,10 @@ impl<'r> Measurement<'r> {
                     record,
                     model,
                     label,
-                    time: group.value(time(), &model.name, label).map(|t| t.value),
+                    time: group
+                        .value(time(), &model.name, label)
+                        .map(|time| time.value)
+                        .filter(|_| is_timed),
                     setup: median(&setups),
                     to_base,
                     to_others: to_others.collect(),
@@ -126,6 +134,12 @@ impl<'r> Measurement<'r> {
     /// Whether the program is not part of the suite.
     pub(super) fn is_outside(&self) -> bool {
         self.label.starts_with("ext:")
+    }
+
+    /// The record of an outside program. Of several in one file the first.
+    pub(super) fn recorded(&self) -> Option<&'r ProgramRecord> {
+        let mut programs = self.record.result.programs().into_iter();
+        programs.find(|program| program.name == self.program())
     }
 
     pub(super) fn is_approximate(&self) -> bool {

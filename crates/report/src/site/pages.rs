@@ -177,6 +177,9 @@ impl<'r> Pages<'r> {
     /// The version of the program of a measurement.
     pub(super) fn version(&self, one: &Measurement<'_>) -> String {
         if one.is_outside() {
+            if let Some(version) = one.recorded().and_then(|p| p.provenance.version.clone()) {
+                return version;
+            }
             let public = self.public(one.program());
             return public.map_or_else(|| "unknown".to_owned(), |p| p.version.clone());
         }

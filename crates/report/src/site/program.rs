@@ -1,5 +1,6 @@
 //! Pages of programs, and the page of their errors.
 
+use geobench_harness::figures::capitalised;
 use geobench_harness::measure::number::{counted, scientific};
 use geobench_harness::schema::Status;
 
@@ -60,6 +61,7 @@ pub(super) fn list(context: &Pages<'_>) -> Vec<Section> {
 /// The title and the sections of the page of a program.
 pub(super) fn page(context: &Pages<'_>, name: &str) -> (String, Vec<Section>) {
     let fact = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+    let own: Vec<&Measurement<'_>> = context.all.iter().filter(|m| m.program() == name).collect();
     let mut about = Vec::new();
     if let Some(public) = context.public(name) {
         about.push(SectionItem::Facts(vec![
@@ -129,7 +131,7 @@ pub(super) fn page(context: &Pages<'_>, name: &str) -> (String, Vec<Section>) {
             "An outside program that the site does not describe.".to_owned(),
         ));
     }
-    let own: Vec<&Measurement<'_>> = context.all.iter().filter(|m| m.program() == name).collect();
+    about.extend(recorded(&own).into_iter().flatten());
     let is_known = |one: &&&Measurement<'_>| context.corpus.of_record(one.model).is_some();
     let (known, others): (Vec<_>, Vec<_>) = own.iter().partition(is_known);
     let mut sections = vec![section("about", "What it is", about)];
@@ -154,6 +156,19 @@ pub(super) fn page(context: &Pages<'_>, name: &str) -> (String, Vec<Section>) {
         }
     }
     (context.title(name).to_owned(), sections)
+}
+
+/// The provenance of an outside program in the newest record that has it. `own` has the newest
+/// first.
+fn recorded(own: &[&Measurement<'_>]) -> Option<[SectionItem; 2]> {
+    let mut known = own.iter().filter_map(|one| Some((one, one.recorded()?)));
+    let (one, program) = known.next()?;
+    let facts = program.facts().into_iter();
+    let facts = facts.map(|(name, value)| (capitalised(name), value));
+    Some([
+        SectionItem::Heading(format!("As it ran on {}", one.record.date())),
+        SectionItem::Facts(facts.collect()),
+    ])
 }
 
 /// The newest of the measurements that are `wrong`, for each program and model. `measured` has the

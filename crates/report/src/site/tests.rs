@@ -2,7 +2,8 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use geobench_harness::schema::Status;
+use geobench_harness::schema::{ProgramRecord, SessionRecord, Status};
+use geobench_registry::Provenance;
 
 use super::measured::{Measurement, standings};
 use super::*;
@@ -76,6 +77,23 @@ fn records_of_several_programs_become_a_site() {
     outside.check.max_rel = Some(1e-3);
     outside.message = Some("differs <here>".to_owned());
     result.cells.push(outside);
+    result.sessions.push(SessionRecord {
+        shard: None,
+        host: result.host.clone(),
+        command: Vec::new(),
+        started: result.started.clone(),
+        finished: None,
+        tool: None,
+        programs: vec![ProgramRecord {
+            name: "ext:a<b>".to_owned(),
+            provenance: Provenance {
+                version: Some("1 <c>".to_owned()),
+                flags: Some("-O3".to_owned()),
+                ..Provenance::default()
+            },
+            files: Vec::new(),
+        }],
+    });
     let write = |name: &str, text: &str| {
         let path = directory.path().join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -110,6 +128,9 @@ fn records_of_several_programs_become_a_site() {
     // Both records have the answer, the page has it once.
     assert_eq!(page("wrong").matches("differs &lt;here&gt;").count(), 1);
     assert!(page("program-ext-a-b").contains("Where it is wrong"));
+    for fact in ["As it ran on", "1 &lt;c&gt;", "-O3"] {
+        assert!(page("program-ext-a-b").contains(fact), "{fact}");
+    }
     assert!(page("model-known").contains("to test"));
     assert!(page("records").contains("below/one"));
     assert!(!page("index").contains("trend.html"));

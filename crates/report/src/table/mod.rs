@@ -1,5 +1,6 @@
 //! Writes results as tables and files, and defines the file formats.
 
+use geobench_export::escape::markdown_line;
 use geobench_export::{FileFormat, json_lines};
 use geobench_harness::schema::{Cell, GroupRecord, ModelRecord, ResultFile};
 
@@ -78,7 +79,7 @@ impl ResultFormat {
                 tables(result).iter().map(table).collect::<String>()
                     + &footnote(result, Look::default())
             }
-            Self::Markdown => joined(result, markdown::table),
+            Self::Markdown => joined(result, markdown::table) + &programs(result),
             Self::Latex => latex::NEEDS.to_owned() + &joined(result, latex::table),
             Self::Csv => csv::table(&csv::results(result)?)?,
             Self::Samples => csv::table(&csv::samples(result)?)?,
@@ -118,6 +119,20 @@ pub fn disturbance(result: &ResultFile) -> Option<String> {
 fn joined(result: &ResultFile, write: fn(&Table) -> String) -> String {
     let tables: Vec<String> = tables(result).iter().map(write).collect();
     tables.join("\n")
+}
+
+/// A list of the outside programs in Markdown, after an empty line; empty without any.
+fn programs(result: &ResultFile) -> String {
+    let programs = result.programs().into_iter().map(|program| {
+        let line = format!("Program {}: {}", program.name, program.in_words());
+        format!("\n- {}", markdown_line(&line))
+    });
+    let lines: String = programs.collect();
+    if lines.is_empty() {
+        lines
+    } else {
+        lines + "\n"
+    }
 }
 
 /// The heading of the tables of a group: its name and its description. Empty if the group has

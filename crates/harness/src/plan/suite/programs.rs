@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use geobench_registry::{PLACEHOLDERS, Program, Programs, Protocol, UsageError};
+use geobench_registry::{PLACEHOLDERS, Program, Programs, Protocol, Provenance, UsageError};
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
@@ -29,6 +29,18 @@ struct ProgramTable {
     cleanup: Vec<String>,
     #[serde(default)]
     parameters: BTreeMap<String, Vec<toml::Value>>,
+    #[serde(default)]
+    version: Option<String>,
+    #[serde(default)]
+    source: Option<String>,
+    #[serde(default)]
+    changes: Option<String>,
+    #[serde(default)]
+    compiler: Option<String>,
+    #[serde(default)]
+    flags: Option<String>,
+    #[serde(default)]
+    files: Vec<String>,
 }
 
 /// Reads the tables `[ext.NAME]` of a file: a suite file, or one that holds nothing else.
@@ -112,6 +124,13 @@ fn read_table(
     for word in table.prepare.iter().chain(&table.cleanup) {
         check_word(word, &table.parameters).map_err(|problem| error(&problem))?;
     }
+    let provenance = Provenance {
+        version: table.version,
+        source: table.source,
+        changes: table.changes,
+        compiler: table.compiler,
+        flags: table.flags,
+    };
     let program = |parameters: BTreeMap<String, String>| {
         let values: Vec<String> = parameters.iter().map(|(k, v)| format!("{k}={v}")).collect();
         Program {
@@ -127,6 +146,8 @@ fn read_table(
             directory: directory.clone(),
             protocol: table.protocol,
             approximate: table.approximate,
+            provenance: provenance.clone(),
+            files: table.files.clone(),
         }
     };
     let programs = combinations.into_iter().map(program).collect();
@@ -271,12 +292,15 @@ mod tests {
     fn tables_are_read_and_names_know_no_case() {
         let programs = read(
             "[ext.Fast]\ncommand = ['./fast', '{model}', '{source}', '{output}']\n\
-             protocol = 'once'\napproximate = true\n",
+             protocol = 'once'\napproximate = true\nversion = '3'\nflags = '-O2'\nfiles = ['fast.so']\n",
         )
         .unwrap();
         let fast = programs.find("fast").unwrap();
         assert_eq!(fast.protocol, Protocol::Once);
         assert!(fast.approximate && fast.directory.is_absolute());
+        assert_eq!(fast.provenance.version.as_deref(), Some("3"));
+        assert_eq!(fast.provenance.flags.as_deref(), Some("-O2"));
+        assert_eq!(fast.files, ["fast.so"]);
         assert_eq!(
             programs.find("fats").unwrap_err().to_string(),
             "there is no outside program `fats`, did you mean `ext:fast`?: describe it in a table \
@@ -335,7 +359,7 @@ mod tests {
             ),
             (
                 "[ext.a]\ncomand = []\n",
-                "peers.toml, line 2: there is no key `comand` here, did you mean `command`?; known are command, protocol, approximate, prepare, cleanup, parameters",
+                "peers.toml, line 2: there is no key `comand` here, did you mean `command`?; known are command, protocol, approximate, prepare, cleanup, parameters, version, source, changes, compiler, flags, files",
             ),
             (
                 "[ext.'a,b']\ncommand = []\n",

@@ -107,6 +107,7 @@ fn session() -> SessionRecord {
         started: "2025-01-01T00:00:00Z".into(),
         finished: None,
         tool: None,
+        programs: Vec::new(),
     }
 }
 

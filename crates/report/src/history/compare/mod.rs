@@ -21,7 +21,7 @@ use std::fmt;
 use geobench_harness::figures::CLAIMED;
 use geobench_harness::measure::number::group;
 use geobench_harness::measure::statistics::{mann_whitney, median, paired_ratio, unpaired_ratio};
-use geobench_harness::schema::{Cell, CellId, ResultFile, SourceLabel, Status};
+use geobench_harness::schema::{Cell, CellId, ResultFile, SourceLabel, Status, changed_program};
 use geobench_registry::UsageError;
 use geobench_window::{Counter, Counters};
 use serde::{Deserialize, Serialize, Serializer};
@@ -481,6 +481,8 @@ fn notes_on_machines(old: &ResultFile, new: &ResultFile) -> Vec<String> {
     {
         notes.push(format!("the compilers' flags differ: '{a}' and '{b}'"));
     }
+    let changed = changed_program(old.programs(), new.programs());
+    notes.extend(changed.map(|changed| format!("an outside program has changed: {changed}")));
     for (which, file) in [("old", old), ("new", new)] {
         if file.tool.profile != "release" {
             notes.push(format!(

@@ -245,6 +245,9 @@ fn proof(context: &Pages<'_>, one: &Measurement<'_>) -> String {
         &one.cells[0].check.reference,
     ) {
         (Some(bound), _) => format!("certified to {}", scientific(bound)),
+        (None, Some(reference)) if one.cells.iter().any(|cell| cell.check.proven.is_some()) => {
+            format!("{reference}, proven in the run")
+        }
         (None, Some(reference)) => format!("{reference}, not certified"),
         (None, None) => "not compared".to_owned(),
     }

@@ -2,7 +2,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use geobench_harness::schema::{ProgramRecord, SessionRecord, Status};
+use geobench_harness::schema::{IsolationRecord, ProgramRecord, SessionRecord, Status};
 use geobench_registry::Provenance;
 
 use super::measured::{Measurement, standings};
@@ -76,6 +76,7 @@ fn records_of_several_programs_become_a_site() {
     outside.status = Status::Wrong;
     outside.check.max_rel = Some(1e-3);
     outside.message = Some("differs <here>".to_owned());
+    outside.check.proven = Some(false);
     result.cells.push(outside);
     result.sessions.push(SessionRecord {
         shard: None,
@@ -128,6 +129,7 @@ fn records_of_several_programs_become_a_site() {
     // Both records have the answer, the page has it once.
     assert_eq!(page("wrong").matches("differs &lt;here&gt;").count(), 1);
     assert!(page("program-ext-a-b").contains("Where it is wrong"));
+    assert!(page("wrong").contains("proven in the run"));
     for fact in ["As it ran on", "1 &lt;c&gt;", "-O3"] {
         assert!(page("program-ext-a-b").contains(fact), "{fact}");
     }
@@ -227,6 +229,17 @@ fn ratios_of_records_without_the_base_are_linked() {
             .iter()
             .all(|one| one.program != "fmm")
     );
+
+    // Times of cells that ran at the same time do not count.
+    let mut disturbed = records.clone();
+    disturbed.results[1].result.isolation = Some(IsolationRecord {
+        process: true,
+        cpus: None,
+        jobs: Some(2),
+    });
+    let all = Measurement::all(&disturbed);
+    assert_eq!(all.len(), 4);
+    assert!(standings(&all, |_| true).is_empty());
 }
 
 #[test]

@@ -8,7 +8,7 @@ use geobench_ich::{Pch, ch, ich, ich_fast, ich1};
 use geobench_mesh::{Mesh, Tolerance, TriangleSoup, VertexId};
 use geobench_mmp::{mmp, mmp_batched, mmp_edge, mmp_fast};
 use geobench_oracle::nasty::{Kind, Nasty};
-use geobench_oracle::{DoubleDouble, Model, Search, rounded, search};
+use geobench_oracle::{DoubleDouble, Model, Random, Search, Transform, rounded, search};
 use geobench_window::{Counter, Solver, precision};
 
 /// Seeds of each kind; more with the environment variable `SEEDS`.
@@ -104,6 +104,47 @@ fn distances_across_junctions_are_those_of_the_oracle() {
         assert!(with_junctions > seeds / 4, "{kind}");
     }
     assert!(wrong.is_empty(), "{}: {}", wrong.len(), wrong.join("\n"));
+}
+
+/// All vertices of these meshes lie on one line. Windows went around the foot of their source
+/// without an end: each turn stored what rounding had added to the width of the foot, or what lay
+/// behind rays along the edge.
+#[test]
+fn windows_end_on_sheets_without_area() {
+    let rotated = |kind: Kind, seed| {
+        let mut nasty = kind.mesh(seed);
+        let changed = Transform::Rotate.apply(&nasty.model, &mut Random::new(seed));
+        let sources = changed.sources(&nasty.model.sources);
+        nasty.model = changed.model;
+        nasty.model.sources = sources;
+        nasty
+    };
+    let mut wrong = Vec::new();
+    for nasty in [
+        rotated(Kind::Rolled, 3651),
+        Kind::Rolled.mesh(13830),
+        Kind::CollinearFan.mesh(3326),
+        Kind::CollinearFan.mesh(3754),
+        Kind::Sewn.mesh(8486),
+        Kind::Heap.mesh(22894),
+    ] {
+        let positions = nasty.model.positions().unwrap().to_vec();
+        let soup = TriangleSoup::new(positions, nasty.model.triangles.clone());
+        let (mesh, _) = Mesh::from_soup(soup).unwrap();
+        let sources = sources(&nasty);
+        // Some of the meshes are too hard for the oracle.
+        let expected = mmp(&mesh).solve(&sources).unwrap().distances;
+        let rule = Tolerance::on(&mesh, &expected);
+        for (name, mut solver) in solvers(&mesh) {
+            let (found, counters) = solver.count(&sources).unwrap();
+            let windows = counters.get(Counter::Propagated).unwrap();
+            let is_wrong = rule.wrong(&found.distances, &expected).next().is_some();
+            if is_wrong || windows > 10_000 {
+                wrong.push(format!("{}, {name}: {windows}", nasty.model.name));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// Equal sheets sewn along two edges, lens after lens. Known by its lengths: more than two equal

@@ -300,7 +300,8 @@ impl EdgeWindows {
         if foot(&new.window, l).is_none() {
             return self.insert_all(e, &[new], l, true);
         }
-        let pieces = pieces(&new.window, l).map(|window| Stored { window, ..new });
+        let stored = self.list(e).iter().map(|s| &s.window);
+        let pieces = pieces(&new.window, l, stored).map(|window| Stored { window, ..new });
         self.insert_all(e, &pieces.collect::<Vec<_>>(), l, true);
     }
 

@@ -22,12 +22,13 @@ impl Batch {
         self.levels.clear();
     }
 
-    /// The same windows, those with a [foot] split at it.
+    /// The same windows, those with a [foot] split at it. They arrive at a list with the windows
+    /// `stored`.
     #[cold]
-    fn with_feet_apart(&self, l: f64) -> Self {
+    fn with_feet_apart(&self, l: f64, stored: &[Window]) -> Self {
         let mut batch = Self::default();
         for (k, w) in self.windows.iter().enumerate() {
-            for piece in pieces(w, l) {
+            for piece in pieces(w, l, stored) {
                 batch.windows.push(piece);
                 batch.levels.extend(self.levels.get(k));
             }
@@ -98,7 +99,7 @@ impl Merger {
         let apart;
         let has_feet = batch.windows.iter().any(|w| foot(w, l).is_some());
         let all = if has_feet {
-            apart = batch.with_feet_apart(l);
+            apart = batch.with_feet_apart(l, store.windows(i));
             &apart
         } else {
             batch

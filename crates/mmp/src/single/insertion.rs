@@ -73,7 +73,10 @@ impl Inserter {
         direction: Direction,
         l: f64,
     ) {
-        for piece in pieces(new, l) {
+        let (places, _, slots) = lists.parts(i);
+        let stored = places.iter().map(|place| slots.window(place.slot));
+        let pieces: Vec<Window> = pieces(new, l, stored).collect();
+        for piece in pieces {
             self.insert_piece(lists, i, &piece, direction, l);
         }
     }

@@ -86,13 +86,53 @@ fn is_shorter_at_foot(w: &Window, foot: &Window, l: f64) -> bool {
     w.b0 <= x && x <= w.b1 && w.distance(x) < d - (GRAIN * d + PLACE * l)
 }
 
-/// The pieces of a window: its foot first, if it has one, then the parts on the left and right.
-pub fn pieces(w: &Window, l: f64) -> impl Iterator<Item = Window> {
-    let [start, end] = foot(w, l).unwrap_or([w.b0, w.b1]);
-    let ranges = [[start, end], [w.b0, start], [end, w.b1]];
-    let w = *w;
-    let pieces = ranges.map(move |[b0, b1]| Window { b0, b1, ..w });
-    pieces.into_iter().filter(|piece| piece.b0 < piece.b1)
+/// The greatest slope at which a ray to the edge runs along it. A path that bends by so much is
+/// longer by 5e-19 of its length, a hundredth of its rounding.
+const ALONG: f64 = 1e-9;
+
+/// `w`, whose source is on the edge, with the ends of the edge to which its outermost rays lead.
+///
+/// Behind the end of a ray along the edge, the way goes on along the edge and bends by less than
+/// [`ALONG`]. A window that ended there would leave a gap, although its source is on the same edge.
+/// Windows around a needle without area would fill it, turn by turn, by the width of the needle.
+fn along_edge(w: &Window, l: f64) -> Window {
+    let leads = |end: f64| w.py.abs() <= ALONG * (end - w.px).abs();
+    let b0 = if leads(w.b0) { 0.0 } else { w.b0 };
+    let b1 = if leads(w.b1) { l } else { w.b1 };
+    w.cut(b0, b1)
+}
+
+/// The pieces of a window that arrives at a list with the windows `stored`: its foot first, if it
+/// has one, then the parts on the left and right. A window with a foot reaches to the ends of the
+/// edge to which its rays lead.
+///
+/// If a stored foot holds the place of the new one and stays there, the window has no foot of its
+/// own: all its directions pass through that place, where the stored window is no longer. What lies
+/// beside the stored foot is compared as elsewhere. Else a window that comes back around a needle,
+/// with its source farther from the edge by the width of the needle, would have a wider foot at
+/// each turn. The margin would be stored and go around again, until the gathered rounding of all
+/// turns exceeds what a comparison allows for one.
+pub fn pieces<'a>(
+    w: &Window,
+    l: f64,
+    stored: impl IntoIterator<Item = &'a Window>,
+) -> impl Iterator<Item = Window> {
+    let own = foot(w, l);
+    let w = own.map_or(*w, |_| along_edge(w, l));
+    let holds = |old: &&Window| {
+        let has_place = old.b0 <= w.px && w.px <= old.b1 && is_foot(old, l);
+        has_place && does_new_win(old, &w, l) == Some(false)
+    };
+    let held = own.and_then(|_| stored.into_iter().find(holds));
+    let [start, end] = match held {
+        Some(old) => [old.b0.max(w.b0), old.b1.min(w.b1)],
+        None => own.unwrap_or([w.b0, w.b1]),
+    };
+    let own = held.is_none().then_some([start, end]);
+    let ranges = [own, Some([w.b0, start]), Some([end, w.b1])];
+    let pieces = ranges.map(move |range| range.map(|[b0, b1]| w.cut(b0, b1)));
+    let pieces = pieces.into_iter().flatten();
+    pieces.filter(|piece| piece.b0 < piece.b1)
 }
 
 #[cfg(test)]
@@ -109,23 +149,65 @@ mod tests {
 
     #[test]
     fn a_window_on_the_edge_is_its_foot_and_what_lies_beside() {
-        let all: Vec<Window> = pieces(&ON_EDGE, 1.0).collect();
+        let all: Vec<Window> = pieces(&ON_EDGE, 1.0, []).collect();
         let [foot, left, right] = all[..] else {
             panic!("{all:?}")
         };
         assert!(is_foot(&foot, 1.0) && !is_foot(&left, 1.0) && !is_foot(&right, 1.0));
-        assert_eq!((left.b0, left.b1), (0.25, foot.b0));
+        assert_eq!((left.b0, left.b1), (0.0, foot.b0));
         assert_eq!((right.b0, right.b1), (foot.b1, 1.0));
         let above = Window {
             py: -1e-9,
             ..ON_EDGE
         };
-        assert_eq!(pieces(&above, 1.0).collect::<Vec<_>>(), [above]);
+        assert_eq!(pieces(&above, 1.0, []).collect::<Vec<_>>(), [above]);
+    }
+
+    #[test]
+    fn a_source_that_comes_again_has_no_foot_of_its_own() {
+        let stored: Vec<Window> = pieces(&ON_EDGE, 1.0, []).collect();
+        let again = Window {
+            py: -5e-15,
+            ..ON_EDGE
+        };
+        let [_, left, right] = stored[..] else {
+            panic!("{stored:?}")
+        };
+        let beside: Vec<Window> = pieces(&again, 1.0, &stored).collect();
+        let ranges: Vec<[f64; 2]> = beside.iter().map(|w| [w.b0, w.b1]).collect();
+        assert_eq!(ranges, [[left.b0, left.b1], [right.b0, right.b1]]);
+        // One that is shorter takes the place.
+        let shorter = Window {
+            sigma: 0.5,
+            ..again
+        };
+        let foot = pieces(&shorter, 1.0, &stored).next().unwrap();
+        assert!(is_foot(&foot, 1.0) && foot.b0 < left.b1 && right.b0 < foot.b1);
+    }
+
+    #[test]
+    fn a_ray_along_the_edge_leads_to_its_end() {
+        let near = Window {
+            b0: 0.5 - 1e-13,
+            b1: 0.5 + 1e-13,
+            ..ON_EDGE
+        };
+        let ranges = |w: &Window| -> Vec<[f64; 2]> {
+            let mut pieces: Vec<[f64; 2]> = pieces(w, 1.0, []).map(|w| [w.b0, w.b1]).collect();
+            pieces.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            pieces
+        };
+        let reached = ranges(&near);
+        assert_eq!((reached[0][0], reached[2][1]), (0.0, 1.0));
+        // These rays leave the edge.
+        let steep = Window { py: -1e-15, ..near };
+        let reached = ranges(&steep);
+        assert_eq!((reached[0][0], reached[2][1]), (near.b0, near.b1));
     }
 
     #[test]
     fn a_foot_yields_to_a_shorter_window_only() {
-        let foot = pieces(&ON_EDGE, 1.0).next().unwrap();
+        let foot = pieces(&ON_EDGE, 1.0, []).next().unwrap();
         let along = |sigma: f64| Window {
             px: -1.0,
             sigma,

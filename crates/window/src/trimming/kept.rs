@@ -236,7 +236,8 @@ impl KeptWindows {
         let l = self.lengths[list];
         let mut parts = None;
         if foot(new, l).is_some() {
-            for piece in pieces(new, l) {
+            let pieces: Vec<Window> = pieces(new, l, self.kept.entries(list)).collect();
+            for piece in pieces {
                 self.insert(list, &piece, l, &mut parts);
             }
         } else {

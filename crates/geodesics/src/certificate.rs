@@ -4,7 +4,7 @@ use geobench_certify::{
     Bound, Claim, ClaimError, FailurePlace, PathPoint, ProofFailure, WindowData,
 };
 use geobench_mesh::tolerance::RELATIVE;
-use geobench_mesh::{HalfEdgeId, Mesh, Refined, Tolerance, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Refined, Tolerance, TriangleSoup, VertexId};
 use geobench_mmp::{Carrier, Mmp, mmp_from, windows_of};
 use geobench_paths::{Path, PathPlace, Paths};
 use geobench_window::queue::CalendarQueue;
@@ -76,14 +76,24 @@ impl Certificate {
     ) -> Result<Self, CertificateError> {
         let sources = sources.into_vertices().into_iter();
         let sources: Vec<VertexId> = sources.map(|v| mesh.kept_vertex(v)).collect();
+        match of_usual_size(mesh) {
+            Some((scaled, factor)) => {
+                let found = Self::prove(&scaled, &sources, tolerance)?;
+                Ok(found.scaled(mesh, 1.0 / factor))
+            }
+            None => Self::prove(mesh, &sources, tolerance),
+        }
+    }
+
+    fn prove(mesh: &Mesh, sources: &[VertexId], tolerance: f64) -> Result<Self, CertificateError> {
         let mut solver = mmp_from(mesh, Carrier::HalfEdge, CalendarQueue::new(mesh));
-        let paths = Paths::find(&mut solver, mesh, &sources, &Goal::everything())?;
+        let paths = Paths::find(&mut solver, mesh, sources, &Goal::everything())?;
         let mut distances = paths.distances().to_vec();
         for [copy, _] in mesh.copies() {
             // It is in no face. The proof of the vertex that stands for it is its own.
             distances[copy.index()] = f64::INFINITY;
         }
-        let claim = Claim::new(mesh, &sources, &distances)?.with_tolerance(tolerance);
+        let claim = Claim::new(mesh, sources, &distances)?.with_tolerance(tolerance);
         let mut too_long = claim.not_too_long(|h| window_data(&solver, h));
         drop(solver);
         let last = |v| paths.last_line(v).map(points);
@@ -99,6 +109,32 @@ impl Certificate {
             too_short,
             rule,
         })
+    }
+
+    /// The same for `mesh`, which is larger by `factor`, a power of two.
+    fn scaled(mut self, mesh: &Mesh, factor: f64) -> Self {
+        let Self {
+            distances,
+            too_long,
+            too_short,
+            rule,
+        } = &mut self;
+        for d in distances.iter_mut() {
+            *d *= factor;
+        }
+        mesh.fill_copies(distances);
+        *rule = Tolerance::on(mesh, distances);
+        for bound in [too_long, too_short] {
+            bound.absolute *= factor;
+            for error in &mut bound.errors {
+                *error *= factor;
+            }
+            mesh.fill_copies(&mut bound.errors);
+            for failure in &mut bound.failures {
+                failure.violation *= factor;
+            }
+        }
+        self
     }
 
     /// Upper bound of the error of a distance, in units of the mesh; infinite if nothing is proven.
@@ -210,6 +246,38 @@ impl Certificate {
     fn rounding(&self, v: usize) -> f64 {
         self.rule.allowed(v, 0.0)
     }
+}
+
+/// A mesh whose longest or shortest edge is more than this number of powers of two from 1 is
+/// [scaled](of_usual_size).
+const UNUSUAL: f64 = 100.0;
+
+/// `mesh` with edges around a length of 1, and the power of two by which it is scaled; `None` if its
+/// edges are neither very long nor very short. Faces and half-edges have the same numbers.
+///
+/// Where two distances along an edge meet is found from sixth powers of lengths. They overflow, or
+/// lose their last digits, where edges are near the limits of a mesh.
+fn of_usual_size(mesh: &Mesh) -> Option<(Mesh, f64)> {
+    let shortest = mesh.half_edges().map(|h| mesh.length(h)).reduce(f64::min)?;
+    let ends = [shortest, mesh.longest_edge()].map(f64::log2);
+    if ends.iter().all(|end| end.abs() <= UNUSUAL) {
+        return None;
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "lengths are from 1e-60 to 1e60"
+    )]
+    let factor = 2f64.powi(-f64::midpoint(ends[0], ends[1]).round() as i32);
+    let positions = mesh.positions().iter();
+    let positions: Vec<[f64; 3]> = positions.map(|p| p.map(|x| x * factor)).collect();
+    let restored = positions.iter().map(|p| p.map(|x| x / factor));
+    if !restored.eq(mesh.positions().iter().copied()) {
+        return None;
+    }
+    let corners = mesh.faces().map(|f| mesh.face_vertices(f));
+    let faces = corners.map(|corners| corners.map(VertexId::raw)).collect();
+    let (scaled, _) = Mesh::from_soup(TriangleSoup::new(positions, faces)).ok()?;
+    (scaled.face_count() == mesh.face_count()).then_some((scaled, factor))
 }
 
 /// What a proof says about the distance of a vertex.

@@ -141,6 +141,39 @@ fn no_damaged_field_is_certified() {
     assert!(all > 400 && proven > all * 2 / 3, "{proven} of {all}");
 }
 
+/// The proof takes sixth powers of lengths. With edges near 1e57, thin faces had bounds of up to the
+/// whole distance.
+#[test]
+fn proofs_do_not_depend_on_the_unit() {
+    let mut proven = 0;
+    for seed in 0..60 {
+        let model = nasty::mesh(seed).model;
+        let positions = model.positions().unwrap();
+        let scaled = |factor: f64| {
+            let positions = positions.iter().map(|p| p.map(|x| x * factor)).collect();
+            Mesh::from_soup(TriangleSoup::new(positions, model.triangles.clone()))
+        };
+        let Ok((mesh, _)) = scaled(1.0) else { continue };
+        let proof = Certificate::of(&mesh, &model.sources[..]).unwrap();
+        if proof.relative() > TOLERANCE {
+            continue;
+        }
+        let lengths = mesh.half_edges().map(|h| mesh.length(h));
+        let shortest = lengths.fold(f64::INFINITY, f64::min);
+        // Lengths may be from 1e-60 to 1e60.
+        for limit in [190.0 - mesh.longest_edge().log2(), -190.0 - shortest.log2()] {
+            let Ok((mesh, _)) = scaled(limit.floor().exp2()) else {
+                continue;
+            };
+            let proof = Certificate::of(&mesh, &model.sources[..]).unwrap();
+            let error = proof.relative();
+            assert!(error <= TOLERANCE, "seed {seed}, 2^{limit}: {error}");
+            proven += 1;
+        }
+    }
+    assert!(proven > 60, "{proven}");
+}
+
 #[path = "../../oracle/examples/fuzz/slivers.rs"]
 mod slivers;
 

@@ -1,6 +1,6 @@
 //! Dijkstra's algorithm on the edges of a mesh.
 
-use geobench_mesh::{Mesh, VertexId};
+use geobench_mesh::{Mesh, RowTable, Splice, VertexId};
 use geobench_window::queue::Heap;
 use geobench_window::{CompiledRuns, Counter, Probe, Propagate, Solution, reach_along_edge};
 
@@ -11,8 +11,8 @@ use geobench_window::{CompiledRuns, Counter, Probe, Propagate, Solution, reach_a
 #[derive(Clone, Debug)]
 pub struct Dijkstra {
     mesh: Mesh,
-    /// The start of the edges of each vertex in `edges`.
-    starts: Vec<u32>,
+    /// The places of the edges of each vertex in `edges`.
+    rows: RowTable,
     edges: Vec<(VertexId, f64)>,
     queue: Heap<VertexId>,
 }
@@ -29,7 +29,7 @@ impl Dijkstra {
         starts.push(edges.len() as u32);
         Self {
             mesh: mesh.clone(),
-            starts,
+            rows: RowTable::of_starts(&starts),
             edges,
             queue: Heap::default(),
         }
@@ -46,6 +46,25 @@ impl Propagate for Dijkstra {
 
     fn mesh(&self) -> &Mesh {
         &self.mesh
+    }
+
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        let undo = self.mesh.splice(splice);
+        let vertices = self.mesh.vertex_count();
+        let before = splice.undoes().then(|| self.rows.put_back(vertices));
+        if let Some(edges) = before.flatten() {
+            self.edges.truncate(edges);
+        } else {
+            let first = self.edges.len();
+            let mut lengths = Vec::new();
+            for v in splice.vertices() {
+                let start = self.edges.len();
+                self.edges.extend(self.mesh.neighbours(v));
+                lengths.push((v.index(), self.edges.len() - start));
+            }
+            self.rows.replace(vertices, first, lengths.into_iter());
+        }
+        Some(undo)
     }
 
     #[inline(never)]
@@ -68,9 +87,7 @@ impl Propagate for Dijkstra {
             if d > distances[v.index()] {
                 continue;
             }
-            let edges = self.starts[v.index()] as usize..self.starts[v.index() + 1] as usize;
-            for i in edges {
-                let (neighbour, length) = self.edges[i];
+            for &(neighbour, length) in &self.edges[self.rows.range(v.index())] {
                 let known = &mut distances[neighbour.index()];
                 if d + length < *known {
                     *known = d + length;

@@ -24,6 +24,7 @@
 //! | [`SaddleVertexGraph`] | a graph of direct geodesics | too long; none if the graph is complete |
 //! | [`mmp_approx`], [`avtp`] | windows replaced by vertices | too long, at most by the given factor |
 
+mod attached;
 mod dijkstra;
 mod fmm;
 #[cfg(feature = "heat")]

@@ -4,15 +4,17 @@ use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use geobench_fwp::{BucketOptions, fwp_mmp};
+use geobench_fwp::{BucketOptions, Buckets, fwp_mmp};
 use geobench_ich::Splitting;
-use geobench_mesh::{Mesh, VertexId};
+use geobench_mesh::{Mesh, Splice, VertexId};
+use geobench_mmp::Trimming;
 use geobench_window::continuous::{Continuous, Explorer, Neighbour, Policy};
 use geobench_window::queue::{Calendar, CalendarQueue, Discipline, mean_edge_length};
 use geobench_window::{
     CompiledRuns, Counter, Phase, Probe, Propagate, Solution, VertexFilter, prefetch,
 };
 
+use crate::attached::Attached;
 use crate::order::{Untidy, VertexQueue};
 
 /// The algorithm that finds the direct geodesics around a vertex. The graph does not depend on it,
@@ -59,7 +61,9 @@ impl Default for SvgOptions {
 /// surface, and never too short.
 ///
 /// Set-up runs a window algorithm around each vertex, whose time depends on the windows that it
-/// propagates. A query is Dijkstra's algorithm on the graph, with vertices in buckets instead of a
+/// propagates. The first query from or to a point in a face or on an edge sets this algorithm up
+/// once more, and every such query runs it around the point. An exact graph (`k: None`) is built anew
+/// for points beside slivers. A query is Dijkstra's algorithm on the graph, with vertices in buckets instead of a
 /// heap. The distances are the same bit for bit.
 ///
 /// ```
@@ -85,6 +89,11 @@ pub struct SaddleVertexGraph {
     lengths: Vec<f64>,
     /// Whether paths may turn at a vertex.
     relays: Vec<bool>,
+    options: SvgOptions,
+    /// Points, whose ways include the direct geodesics around them.
+    points: Attached,
+    /// Finds these geodesics; set up for the first points.
+    explorer: Option<PointExplorer>,
     /// Vertices by distance. A vertex whose distance falls after its turn has another turn.
     queue: Untidy,
 }
@@ -92,32 +101,24 @@ pub struct SaddleVertexGraph {
 impl SaddleVertexGraph {
     /// Builds the graph of `mesh`.
     pub fn new(mesh: &Mesh, options: SvgOptions) -> Self {
-        // The bucket width suits the number of vertices that a run reaches, not that of the mesh.
-        let vertices = mesh.vertex_count() as f64;
-        let width = (vertices / options.k.map_or(vertices, |k| (k as f64).max(1.0))).sqrt();
         let found = match options.builder {
             // A run is an error there.
             _ if mesh.has_junctions() => Vec::new(),
-            SvgBuilder::Ich => explore(mesh, options, || {
-                let queue = CalendarQueue::with_width(width * Calendar::usual_width(mesh));
-                let policy = Splitting::new(mesh, VertexFilter::On).jointly();
-                Explorer::new(Continuous::new(mesh, policy, queue))
-            }),
-            SvgBuilder::FwpMmp => explore(mesh, options, || {
-                let options = BucketOptions {
-                    width,
-                    ..BucketOptions::default()
-                };
-                Explorer::new(fwp_mmp(mesh, options))
-            }),
+            SvgBuilder::Ich => explore(mesh, options, || ich_explorer(mesh, options)),
+            SvgBuilder::FwpMmp => explore(mesh, options, || fwp_explorer(mesh, options)),
         };
         let relays = mesh
             .vertices()
             .map(|v| options.k.is_some() || mesh.is_pseudo_source(v));
-        Self::of_edges(mesh, &found, relays.collect())
+        Self::of_edges(mesh, &found, relays.collect(), options)
     }
 
-    fn of_edges(mesh: &Mesh, found: &[DirectGeodesics], relays: Vec<bool>) -> Self {
+    fn of_edges(
+        mesh: &Mesh,
+        found: &[DirectGeodesics],
+        relays: Vec<bool>,
+        options: SvgOptions,
+    ) -> Self {
         let vertices = mesh.vertex_count();
         // Edges may be found from one end or from both. The edges of the mesh keep the graph
         // connected for a small k.
@@ -160,6 +161,9 @@ impl SaddleVertexGraph {
             ends: Vec::new(),
             lengths: Vec::new(),
             relays,
+            options,
+            points: Attached::new(mesh),
+            explorer: None,
             queue: Untidy::new(width),
         };
         let mut own: Vec<(u32, f64)> = Vec::new();
@@ -205,6 +209,66 @@ impl SaddleVertexGraph {
 /// The bucket width of a query, in mean edge lengths of the mesh: so small that few vertices have a
 /// second turn.
 const BUCKET: f64 = 0.25;
+
+type IchExplorer = Explorer<Splitting<true>, CalendarQueue>;
+type FwpExplorer = Explorer<Trimming, Buckets>;
+
+/// Finds direct geodesics around points.
+#[derive(Clone, Debug)]
+enum PointExplorer {
+    Ich(Box<IchExplorer>),
+    FwpMmp(Box<FwpExplorer>),
+}
+
+impl PointExplorer {
+    fn new(mesh: &Mesh, options: SvgOptions) -> Self {
+        match options.builder {
+            SvgBuilder::Ich => Self::Ich(Box::new(ich_explorer(mesh, options))),
+            SvgBuilder::FwpMmp => Self::FwpMmp(Box::new(fwp_explorer(mesh, options))),
+        }
+    }
+
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        match self {
+            Self::Ich(explorer) => explorer.splice(splice),
+            Self::FwpMmp(explorer) => explorer.splice(splice),
+        }
+    }
+
+    fn around(&mut self, v: VertexId, k: Option<usize>) -> &[Neighbour] {
+        match self {
+            Self::Ich(explorer) => {
+                explorer.around(v, k);
+                explorer.neighbours()
+            }
+            Self::FwpMmp(explorer) => {
+                explorer.around(v, k);
+                explorer.neighbours()
+            }
+        }
+    }
+}
+
+fn ich_explorer(mesh: &Mesh, options: SvgOptions) -> IchExplorer {
+    let queue = CalendarQueue::with_width(width(mesh, options) * Calendar::usual_width(mesh));
+    let policy = Splitting::new(mesh, VertexFilter::On).jointly();
+    Explorer::new(Continuous::new(mesh, policy, queue))
+}
+
+fn fwp_explorer(mesh: &Mesh, options: SvgOptions) -> FwpExplorer {
+    let options = BucketOptions {
+        width: width(mesh, options),
+        ..BucketOptions::default()
+    };
+    Explorer::new(fwp_mmp(mesh, options))
+}
+
+/// The bucket width of explorers, in usual widths: it suits the number of vertices that a run
+/// reaches, not that of the mesh.
+fn width(mesh: &Mesh, options: SvgOptions) -> f64 {
+    let vertices = mesh.vertex_count() as f64;
+    (vertices / options.k.map_or(vertices, |k| (k as f64).max(1.0))).sqrt()
+}
 
 /// The direct geodesics from a range of vertices.
 struct DirectGeodesics {
@@ -276,6 +340,36 @@ impl Propagate for SaddleVertexGraph {
         &self.mesh
     }
 
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        if self.mesh.has_junctions() {
+            return None;
+        }
+        if self.explorer.is_none() {
+            self.explorer = Some(PointExplorer::new(&self.mesh, self.options));
+        }
+        let explorer = self.explorer.as_mut()?;
+        let undo = self.points.splice(&mut self.mesh, splice)?;
+        let k = self.options.k;
+        // Exact paths may have to turn at a point beside a sliver, which no point does here.
+        let is_beside_sliver = |(v, _)| self.mesh.is_pseudo_source(v);
+        if k.is_none() && self.points.numbered().any(is_beside_sliver) {
+            self.points.splice(&mut self.mesh, &undo);
+            return None;
+        }
+        explorer.splice(splice)?;
+        for (v, point) in self.points.numbered_mut() {
+            let direct = explorer.around(v, k).iter();
+            point.ways.extend(direct.map(|n| (n.vertex, n.distance)));
+        }
+        // A corner of a new sliver relays paths. No direct geodesic turns there.
+        for v in splice.vertices() {
+            if let Some(relays) = self.relays.get_mut(v.index()) {
+                *relays = k.is_some() || self.mesh.is_pseudo_source(v);
+            }
+        }
+        Some(undo)
+    }
+
     #[inline(never)]
     fn runs(&self) -> CompiledRuns<Self> {
         CompiledRuns::new()
@@ -284,15 +378,18 @@ impl Propagate for SaddleVertexGraph {
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
         probe.enter(Phase::Management);
         probe.add(Counter::GraphBytes, self.bytes() as u64);
-        let mut distances = vec![f64::INFINITY; self.relays.len()];
         self.queue.clear();
-        for &source in sources {
-            distances[source.index()] = 0.0;
-            self.queue.push(0.0, source);
-        }
+        let mut distances = self.points.begin(sources, |d, v| {
+            // Only sources are at 0.
+            if d == 0.0 || self.relays[v.index()] {
+                self.queue.push(d, v);
+            }
+        });
+        let by_ways_only = |_| f64::INFINITY;
         while let Some((d, v)) = self.queue.pop() {
             let bound = self.queue.bound();
-            if P::STOPS && probe.is_reached(bound, |v| distances[v.index()]) {
+            let distance = |v| self.points.distance(&distances, v, by_ways_only);
+            if P::STOPS && probe.is_reached(bound, distance) {
                 probe.end(bound);
                 break;
             }
@@ -317,6 +414,7 @@ impl Propagate for SaddleVertexGraph {
                 }
             }
         }
+        (self.points).finish(&mut distances, |_, _| f64::INFINITY);
         Solution::new(distances)
     }
 }

@@ -389,6 +389,14 @@ impl DefectKind {
         }
     }
 
+    /// Whether the mesh lacks such faces of the model, or has them turned over.
+    pub fn changes_faces(self) -> bool {
+        matches!(
+            self,
+            Self::FlippedFace | Self::RepeatedFace | Self::CollapsedFace
+        )
+    }
+
     /// The name in machine-readable output, such as `non-manifold-edge`.
     pub fn code(self) -> &'static str {
         match self {

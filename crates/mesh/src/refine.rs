@@ -142,7 +142,6 @@ pub struct Insertion {
     splice: Splice,
     vertices: Vec<VertexId>,
     original: Mesh,
-    added: Vec<SurfacePoint>,
     parents: Vec<FaceId>,
 }
 
@@ -164,7 +163,7 @@ impl Insertion {
 
     /// Whether all points are vertices of the mesh, so that nothing changes.
     pub fn is_empty(&self) -> bool {
-        self.added.is_empty()
+        self.splice.points.is_empty()
     }
 
     /// The refined mesh, where `mesh` is the original with [`splice`](Self::splice).
@@ -178,7 +177,7 @@ impl Insertion {
             mesh,
             vertices: self.vertices,
             original: self.original,
-            added: self.added,
+            added: self.splice.points,
             parents: self.parents,
         }
     }
@@ -337,12 +336,11 @@ impl Mesh {
             faces,
             places,
         };
-        let (splice, parents, added) = refinement.build();
+        let (splice, parents) = refinement.build();
         Ok(Insertion {
             splice,
             vertices,
             original: self.clone(),
-            added,
             parents,
         })
     }
@@ -369,9 +367,8 @@ struct Refinement<'m> {
 }
 
 impl Refinement<'_> {
-    /// The change of the mesh, the parents of the added faces, and the points of the added
-    /// vertices.
-    fn build(mut self) -> (Splice, Vec<FaceId>, Vec<SurfacePoint>) {
+    /// The change of the mesh, and the parents of the added faces.
+    fn build(mut self) -> (Splice, Vec<FaceId>) {
         for stops in self.edges.values_mut() {
             // From the tail to the head. Near the head the weight of the tail distinguishes points.
             stops.sort_by(|a, b| {
@@ -446,8 +443,9 @@ impl Refinement<'_> {
             vertices,
             extremes,
             junctions,
+            points: self.places,
         };
-        (splice, parents, self.places)
+        (splice, parents)
     }
 
     /// The corners of `parts`, which are among the `changed` faces, and the extremes of all faces.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::junctions::Junctions;
 use crate::mesh::{Extremes, Mesh, MeshData, NO_TWIN, VertexFlags};
+use crate::point::SurfacePoint;
 
 /// A change of a few faces of a mesh, to be made in place: the new content of these faces and of
 /// their vertices, and the new numbers of faces and vertices.
@@ -23,6 +24,8 @@ pub struct Splice {
     pub(crate) extremes: Extremes,
     /// `None` if they stay the same.
     pub(crate) junctions: Option<Junctions>,
+    /// See [`points`](Self::points).
+    pub(crate) points: Vec<SurfacePoint>,
 }
 
 /// The content of a face.
@@ -86,6 +89,12 @@ impl Splice {
         self.undoes
     }
 
+    /// The points at which vertices are added, in the order of their numbers, on the mesh without
+    /// them. If this [undoes](Self::undoes) another change, the points whose vertices are removed.
+    pub fn points(&self) -> &[SurfacePoint] {
+        &self.points
+    }
+
     /// The faces that change or are added, ascending. Neighbours of a split face are among them.
     pub fn faces(&self) -> impl ExactSizeIterator<Item = FaceId> + Clone {
         self.faces.iter().map(|entry| entry.0)
@@ -129,6 +138,7 @@ impl Mesh {
             vertices: old_vertices.map(|v| (v, VertexData::of(self, v))).collect(),
             extremes: self.data.extremes,
             junctions: (splice.junctions.as_ref()).map(|_| self.data.junctions.clone()),
+            points: splice.points.clone(),
         };
         Arc::make_mut(&mut self.data).write(splice);
         undo

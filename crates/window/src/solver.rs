@@ -223,7 +223,8 @@ pub trait Solver: Send {
     /// mesh, and the change that undoes it. `None` if the algorithm cannot, and nothing changes.
     ///
     /// Runs on the changed mesh are those of a solver that is set up for it, except for widths of
-    /// buckets and the like, on which no distance depends. [`at_points`](crate::at_points) runs a
+    /// buckets and the like, on which no distance depends, and for approximate algorithms, which
+    /// define the distances of added vertices themselves. [`at_points`](crate::at_points) runs a
     /// solver with points inserted.
     fn splice(&mut self, splice: &Splice) -> Option<(Mesh, Splice)> {
         let _ = splice;

@@ -2,12 +2,13 @@
 
 mod stencil;
 
-use geobench_mesh::{Mesh, VertexId};
+use geobench_mesh::{Mesh, Splice, VertexId};
 use geobench_window::queue::mean_edge_length;
 use geobench_window::{CompiledRuns, Counter, Phase, Probe, Propagate, Solution};
 
+use crate::attached::Attached;
 use crate::order::{Tidy, Untidy, VertexQueue};
-use stencil::Stencils;
+use stencil::{Stencil, Stencils};
 
 /// Fast marching on a triangle mesh (Kimmel and Sethian 1998); O(n log n) for n vertices.
 ///
@@ -67,6 +68,10 @@ macro_rules! propagate {
                 &self.march.mesh
             }
 
+            fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+                self.march.splice(splice)
+            }
+
             #[inline(never)]
             fn runs(&self) -> CompiledRuns<Self> {
                 CompiledRuns::new()
@@ -87,6 +92,9 @@ propagate!(FmmUntidy);
 struct March<Q> {
     mesh: Mesh,
     stencils: Stencils,
+    points: Attached,
+    /// For each point, the triangles through which a front arrives there: its faces, split at it.
+    at_points: Vec<Vec<Stencil>>,
     accepted: Vec<bool>,
     queue: Q,
 }
@@ -96,26 +104,57 @@ impl<Q: VertexQueue> March<Q> {
         Self {
             mesh: mesh.clone(),
             stencils: Stencils::new(mesh, unfold),
+            points: Attached::new(mesh),
+            at_points: Vec::new(),
             accepted: Vec::new(),
             queue,
         }
     }
 
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        let undo = self.points.splice(&mut self.mesh, splice)?;
+        let parts = self.points.numbered().map(|(v, point)| {
+            let parts = point
+                .faces
+                .iter()
+                .flat_map(|face| Stencil::of_parts(face, v));
+            parts.collect()
+        });
+        self.at_points = parts.collect();
+        Some(undo)
+    }
+
+    /// The distance of point `i` by the fronts in its faces.
+    fn arrival(&self, i: usize, distances: &[f64]) -> f64 {
+        let arrivals = self.at_points[i]
+            .iter()
+            .map(|stencil| stencil.arrival(stencil.base.map(|v| distances[v.index()])));
+        arrivals.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether the front has passed every point, or is still far from it. In between its distance
+    /// is not final.
+    fn has_passed_points(&self, distances: &[f64]) -> bool {
+        let bases = self.at_points.iter().flatten().flat_map(|part| part.base);
+        let mut corners = bases.map(VertexId::index);
+        corners.all(|v| self.accepted[v] || distances[v].is_infinite())
+    }
+
     fn run<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
         probe.enter(Phase::Propagation);
         let vertices = self.mesh.vertex_count();
-        let mut distances = vec![f64::INFINITY; vertices];
         self.accepted.clear();
         self.accepted.resize(vertices, false);
         self.queue.clear();
-        for &source in sources {
-            distances[source.index()] = 0.0;
-            self.queue.push(0.0, source);
-        }
+        let mut distances = (self.points).begin(sources, |d, v| self.queue.push(d, v));
         while let Some((label, v)) = self.queue.pop() {
-            if P::STOPS && Q::IS_SORTED && probe.is_reached(label, |v| distances[v.index()]) {
-                probe.end(label);
-                break;
+            if P::STOPS && Q::IS_SORTED {
+                let arrival = |i| self.arrival(i, &distances);
+                let distance = |v| self.points.distance(&distances, v, arrival);
+                if probe.is_reached(label, distance) && self.has_passed_points(&distances) {
+                    probe.end(label);
+                    break;
+                }
             }
             if std::mem::replace(&mut self.accepted[v.index()], true) {
                 continue;
@@ -143,6 +182,7 @@ impl<Q: VertexQueue> March<Q> {
                 }
             }
         }
+        (self.points).finish(&mut distances, |i, distances| self.arrival(i, distances));
         Solution::new(distances)
     }
 }

@@ -2,6 +2,8 @@
 
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
+use crate::attached::PointInFace;
+
 /// Most faces that are unfolded for an obtuse corner.
 const MOST_UNFOLDED: usize = 100;
 
@@ -19,6 +21,22 @@ pub(super) struct Stencil {
 }
 
 impl Stencil {
+    /// The parts of a face that a point in it splits; the point, with the number `apex`, is the apex
+    /// of each.
+    pub(super) fn of_parts(point: &PointInFace, apex: VertexId) -> [Self; 3] {
+        let sides = point.corner_distances();
+        [0, 1, 2].map(|k| {
+            let next = (k + 1) % 3;
+            Self {
+                base: [point.corners[k], point.corners[next]],
+                apex,
+                length: point.sides[k],
+                position: point.places[k],
+                sides: [sides[k], sides[next]],
+            }
+        })
+    }
+
     /// The distance of the apex, given those of the ends of the base.
     ///
     /// It is the least sum, over all points of the base, of the point's distance (interpolated

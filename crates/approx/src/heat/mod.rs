@@ -5,9 +5,10 @@ mod intrinsic;
 
 use std::collections::HashSet;
 
-use geobench_mesh::{Mesh, VertexId};
+use geobench_mesh::{Mesh, Splice, VertexId};
 use geobench_window::{CompiledRuns, Counter, Phase, Probe, Propagate, Solution, SolveError};
 
+use crate::attached::{Attached, AttachedPoint, PointInFace};
 use cholesky::{Factor, Pattern};
 use intrinsic::Intrinsic;
 
@@ -74,6 +75,41 @@ pub struct Heat {
     boundary: Vec<bool>,
     factors: Option<Factors>,
     component_count: usize,
+    points: Attached,
+}
+
+/// A source, as heat at vertices: itself, or the corners of its face by barycentric coordinates.
+#[derive(Clone, Copy, Debug)]
+struct HeatSource {
+    corners: [u32; 3],
+    weights: [f64; 3],
+    /// Distances from the corners.
+    ways: [f64; 3],
+}
+
+impl HeatSource {
+    fn at_vertex(v: VertexId) -> Self {
+        Self {
+            corners: [v.raw(); 3],
+            weights: [1.0, 0.0, 0.0],
+            ways: [0.0; 3],
+        }
+    }
+
+    fn in_face(point: &PointInFace) -> Self {
+        Self {
+            corners: point.corners.map(VertexId::raw),
+            weights: point.weights,
+            ways: point.corner_distances(),
+        }
+    }
+
+    /// The corners with their weights, without those of weight 0, and their distances from the
+    /// source.
+    fn parts(&self) -> impl Iterator<Item = (usize, f64, f64)> {
+        let all = (0..3).map(|k| (self.corners[k] as usize, self.weights[k], self.ways[k]));
+        all.filter(|&(_, weight, _)| weight > 0.0)
+    }
 }
 
 #[derive(Debug)]
@@ -155,15 +191,18 @@ impl Heat {
             boundary,
             factors,
             component_count,
+            points: Attached::new(mesh),
         }
     }
 
-    /// The heat after the time of the options. `sources` are in ascending order.
-    fn heat(&self, factors: &Factors, sources: &[VertexId]) -> Vec<f64> {
-        let start = |is_source: &dyn Fn(VertexId) -> bool| {
+    /// The heat after the time of the options.
+    fn heat(&self, factors: &Factors, sources: &[HeatSource]) -> Vec<f64> {
+        let start = |takes: &dyn Fn(usize) -> bool| {
             let mut heat = vec![0.0; self.components.len()];
-            for &source in sources.iter().filter(|&&s| is_source(s)) {
-                heat[source.index()] = SOURCE;
+            for (v, weight, _) in sources.iter().flat_map(HeatSource::parts) {
+                if takes(v) {
+                    heat[v] += SOURCE * weight;
+                }
             }
             heat
         };
@@ -172,7 +211,7 @@ impl Heat {
             insulated.solve(&mut heat);
         }
         if let Some(cold) = &factors.cold {
-            let mut other = start(&|v| !self.boundary[v.index()]);
+            let mut other = start(&|v| !self.boundary[v]);
             if factors.insulated.is_none() {
                 self.heat_beside_boundary(sources, &mut other);
             }
@@ -190,9 +229,10 @@ impl Heat {
 
     /// Puts the heat of sources on the boundary, which stays cold, at the inner vertices of the
     /// first ring around each source that has any. Else no heat would flow from there.
-    fn heat_beside_boundary(&self, sources: &[VertexId], heat: &mut [f64]) {
-        for source in sources.iter().filter(|s| self.boundary[s.index()]) {
-            let mut ring = HashSet::from([source.raw()]);
+    fn heat_beside_boundary(&self, sources: &[HeatSource], heat: &mut [f64]) {
+        let is_outside = |s: &&HeatSource| s.parts().all(|(v, ..)| self.boundary[v]);
+        for source in sources.iter().filter(is_outside) {
+            let mut ring: HashSet<u32> = source.parts().map(|(v, ..)| v as u32).collect();
             loop {
                 let touches = |face: &&FlowFace| face.vertices.iter().any(|v| ring.contains(v));
                 let next = self.faces.iter().filter(touches);
@@ -228,11 +268,17 @@ impl Heat {
 
     /// Shifts the distances of each component so that they are 0 at the sources on average, and
     /// counts those that are negative then and become 0.
-    fn place(&self, found: &[f64], sources: &[VertexId]) -> Solution {
+    ///
+    /// A source in a face is where the distances of its corners suggest: its distance is the mean of
+    /// theirs, less their straight distances from it. Interpolated, it would be too large, since
+    /// distances form the tip of a cone there.
+    fn place(&self, found: &[f64], sources: &[VertexId], heated: &[HeatSource]) -> Solution {
         let mut sums = vec![(0.0, 0.0); self.component_count];
-        for &source in sources {
-            let (sum, count) = &mut sums[self.components[source.index()] as usize];
-            *sum += found[source.index()];
+        for source in heated {
+            let (sum, count) = &mut sums[self.components[source.corners[0] as usize] as usize];
+            for (v, weight, way) in source.parts() {
+                *sum += weight * (found[v] - way / self.unit);
+            }
             *count += 1.0;
         }
         let mut negative = 0;
@@ -249,14 +295,39 @@ impl Heat {
             }
         });
         let mut distances: Vec<f64> = placed.collect();
-        for &source in sources {
+        for &source in sources.iter().filter(|s| s.index() < found.len()) {
             let mean = sums[self.components[source.index()] as usize];
             negative -= usize::from(found[source.index()] - mean.0 / mean.1 < 0.0);
             distances[source.index()] = 0.0;
         }
+        self.extend_to_points(&mut distances, sources);
         let mut solution = Solution::new(distances);
         solution.negative = negative;
         solution
+    }
+
+    /// Appends the distances of the points: interpolated in their faces, or straight from sources
+    /// in the same face.
+    fn extend_to_points(&self, distances: &mut Vec<f64>, sources: &[VertexId]) {
+        let of_point = |(v, point): (VertexId, &AttachedPoint)| {
+            if sources.binary_search(&v).is_ok() {
+                return 0.0;
+            }
+            let source = HeatSource::in_face(&point.faces[0]);
+            let interpolated = source
+                .parts()
+                .map(|(v, weight, _)| weight * distances[v])
+                .sum();
+            let is_source = |&&(end, _): &&(VertexId, f64)| sources.binary_search(&end).is_ok();
+            let straight = point
+                .ways
+                .iter()
+                .filter(is_source)
+                .map(|&(_, length)| length);
+            straight.fold(interpolated, f64::min)
+        };
+        let found: Vec<f64> = self.points.numbered().map(of_point).collect();
+        distances.extend(found);
     }
 }
 
@@ -269,6 +340,10 @@ impl Propagate for Heat {
 
     fn mesh(&self) -> &Mesh {
         &self.mesh
+    }
+
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        self.points.splice(&mut self.mesh, splice)
     }
 
     #[inline(never)]
@@ -284,15 +359,22 @@ impl Propagate for Heat {
     fn propagate<P: Probe>(&mut self, sources: &[VertexId], probe: &mut P) -> Solution {
         probe.enter(Phase::Propagation);
         let Some(factors) = &self.factors else {
-            return Solution::new(vec![f64::INFINITY; self.components.len()]);
+            return Solution::new(vec![f64::INFINITY; self.mesh.vertex_count()]);
         };
         let mut sources = sources.to_vec();
         sources.sort_unstable();
         sources.dedup();
-        let heat = self.heat(factors, &sources);
+        let heated = sources
+            .iter()
+            .map(|&source| match self.points.point(source) {
+                Some((_, point)) => HeatSource::in_face(&point.faces[0]),
+                None => HeatSource::at_vertex(source),
+            });
+        let heated: Vec<HeatSource> = heated.collect();
+        let heat = self.heat(factors, &heated);
         let mut found = self.sinks(&heat);
         factors.poisson.solve(&mut found);
-        let solution = self.place(&found, &sources);
+        let solution = self.place(&found, &sources, &heated);
         probe.add(Counter::Negative, solution.negative as u64);
         solution
     }

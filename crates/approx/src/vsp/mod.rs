@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use geobench_mesh::threads::{self, Threads};
-use geobench_mesh::{FaceId, Mesh, Numbering, VertexId};
+use geobench_mesh::{FaceId, Mesh, Numbering, Splice, VertexId};
 use geobench_window::queue::{Heap, mean_edge_length};
 use geobench_window::{
     CompiledRuns, Counter, Phase, Probe, Propagate, Solution, SolveError, prefetch,
@@ -22,7 +22,8 @@ use face::{BOUNDARY, CORNER, Edge, Face, MOST_FACES, Passage, SADDLE, Source, UN
 /// next face, or bends at an end of the edge if the next face does not see it, and stays there if
 /// it brings the centroid a shorter distance than the source before. Distances of vertices are the
 /// least over their faces. They may be too long or too short, by some 0.2 % in the mean. The number
-/// of threads does not change them.
+/// of threads does not change them. On a mesh with [junctions](Mesh::junction) a point in a face
+/// needs a new set-up.
 ///
 /// ```
 /// use geobench_approx::Vsp;
@@ -132,6 +133,33 @@ impl Propagate for Vsp {
                 threads: self.threads,
             }),
         }
+    }
+
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        // Exits at junctions name faces that would change as well.
+        if self.mesh.has_junctions() || splice.face_count() >= MOST_FACES {
+            return None;
+        }
+        let undo = self.mesh.splice(splice);
+        self.faces.truncate(splice.face_count());
+        self.corners.truncate(splice.face_count());
+        for f in splice.faces() {
+            let half_edges = [0, 1, 2].map(|k| f.half_edge(k));
+            let (numbering, scale) = (&self.numbering, 1.0 / self.mean_edge);
+            let face = Face::new(&self.mesh, half_edges, numbering, scale, |_| BOUNDARY);
+            let corners = self.mesh.face_vertices(f);
+            // Added faces come last, in their order.
+            match numbering.new_face(f).index() {
+                place if place < self.faces.len() => {
+                    (self.faces[place], self.corners[place]) = (face, corners);
+                }
+                _ => {
+                    self.faces.push(face);
+                    self.corners.push(corners);
+                }
+            }
+        }
+        Some(undo)
     }
 
     #[inline(never)]

@@ -1,11 +1,12 @@
 //! Searches for direct geodesics from one vertex after another.
 
-use geobench_mesh::VertexId;
+use geobench_mesh::{Splice, VertexId};
 
 use super::policy::Policy;
 use super::propagation::Continuous;
 use crate::probe::Probe;
 use crate::queue::{Discipline, EventKind};
+use crate::solver::Propagate;
 
 /// A vertex that a direct geodesic reaches.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,18 +45,30 @@ pub struct Explorer<W, Q> {
 
 impl<W: Policy, Q: Discipline> Explorer<W, Q> {
     /// Sets up for the mesh of `solver`; O(faces).
-    pub fn new(mut solver: Continuous<W, Q>) -> Self {
-        let vertices = solver.mesh.vertex_count();
-        solver.surface.reset(vertices);
-        solver.policy.reset();
-        Self {
+    pub fn new(solver: Continuous<W, Q>) -> Self {
+        let mut explorer = Self {
             run: solver,
-            found: NeighbourSearch {
-                places: vec![u32::MAX; vertices],
-                ..NeighbourSearch::default()
-            },
+            found: NeighbourSearch::default(),
             neighbours: Vec::new(),
-        }
+        };
+        explorer.reset();
+        explorer
+    }
+
+    fn reset(&mut self) {
+        let vertices = self.run.mesh.vertex_count();
+        self.run.surface.reset(vertices);
+        self.run.policy.reset();
+        self.found.places.clear();
+        self.found.places.resize(vertices, u32::MAX);
+    }
+
+    /// Makes a change of the mesh, and returns the one that undoes it; `None` if the algorithm
+    /// cannot. See [`Solver::splice`](crate::Solver::splice).
+    pub fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        let undo = Propagate::splice(&mut self.run, splice)?;
+        self.reset();
+        Some(undo)
     }
 
     /// Finds the [neighbours](Self::neighbours) of `v` among the `k` vertices nearest to it, or

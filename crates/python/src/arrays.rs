@@ -12,17 +12,33 @@ use pyo3::types::PyList;
 
 use crate::errors::mesh_error;
 
-/// `value` as an array. Other sequences are converted with `numpy.asarray`.
-pub(crate) fn array_of<'py>(
-    value: &Bound<'py, PyAny>,
-    name: &str,
-) -> PyResult<Bound<'py, PyUntypedArray>> {
-    // What is masked would be read as if it were not.
+/// Refuses masked arrays. What is masked would be read as if it were not.
+fn check_mask(value: &Bound<'_, PyAny>, name: &str) -> PyResult<()> {
     if value.hasattr("mask")? && value.hasattr("filled")? {
         return Err(PyTypeError::new_err(format!(
             "{name}: a masked array; fill or compress it first"
         )));
     }
+    Ok(())
+}
+
+/// The array of an object that has one, such as a table of pandas, whose items are the names of its
+/// columns. Other values are returned as they are.
+pub(crate) fn taken<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    check_mask(value, name)?;
+    let is_array = value.is_instance_of::<PyUntypedArray>();
+    if is_array || !value.hasattr("__array__")? {
+        return Ok(value.clone());
+    }
+    Ok(array_of(value, name)?.into_any())
+}
+
+/// `value` as an array. Other sequences are converted with `numpy.asarray`.
+pub(crate) fn array_of<'py>(
+    value: &Bound<'py, PyAny>,
+    name: &str,
+) -> PyResult<Bound<'py, PyUntypedArray>> {
+    check_mask(value, name)?;
     if let Ok(array) = value.cast::<PyUntypedArray>() {
         return Ok(array.clone());
     }
@@ -156,18 +172,17 @@ pub(crate) fn triangles(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[u
     Err(wrong_type(&array, name, "integers"))
 }
 
-/// Reads distances: an array of one real number per vertex, none of them NaN or negative.
-pub(crate) fn distances(
-    value: &Bound<'_, PyAny>,
-    name: &str,
-    vertices: usize,
-) -> PyResult<Vec<f64>> {
+/// Reads a one-dimensional array of real numbers.
+pub(crate) fn reals(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     let mut array = array_of(value, name)?;
-    if array.ndim() != 1 || array.shape()[0] != vertices {
+    if array.ndim() != 1 {
         return Err(PyValueError::new_err(format!(
-            "{name}: the shape is {}, but ({vertices},) is needed, a distance for each vertex",
+            "{name}: the shape is {}, but one dimension is needed",
             shape_of(&array)
         )));
+    }
+    if array.is_empty() {
+        return Ok(Vec::new());
     }
     if !matches!(array.dtype().kind(), b'f' | b'i' | b'u') {
         return Err(wrong_type(&array, name, "real numbers"));
@@ -176,7 +191,23 @@ pub(crate) fn distances(
         array = converted(&array, "float64")?;
     }
     let array = array.as_any().cast::<PyArray1<f64>>()?;
-    let distances: Vec<f64> = array.readonly().as_array().to_vec();
+    Ok(array.readonly().as_array().to_vec())
+}
+
+/// Reads distances: an array of one real number per vertex, none of them NaN or negative.
+pub(crate) fn distances(
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    vertices: usize,
+) -> PyResult<Vec<f64>> {
+    let array = array_of(value, name)?;
+    if array.ndim() != 1 || array.shape()[0] != vertices {
+        return Err(PyValueError::new_err(format!(
+            "{name}: the shape is {}, but ({vertices},) is needed, a distance for each vertex",
+            shape_of(&array)
+        )));
+    }
+    let distances = reals(array.as_any(), name)?;
     match distances.iter().position(|d| d.is_nan() || *d < 0.0) {
         None => Ok(distances),
         Some(v) => Err(PyValueError::new_err(format!(
@@ -225,7 +256,13 @@ pub(crate) fn count(value: i64, name: &str, least: u32) -> PyResult<usize> {
 /// Reads polygons: a list of sequences of vertex numbers.
 pub(crate) fn polygons(value: &Bound<'_, PyList>, name: &str) -> PyResult<Vec<Vec<u32>>> {
     let each = value.iter().enumerate().map(|(face, corners)| {
-        let corners: Vec<i64> = corners.extract().map_err(|_| {
+        // Bytes and truth values would be read as numbers.
+        let array = array_of(&corners, name)?;
+        let corners: Option<Vec<i64>> = match array.dtype().kind() {
+            b'i' | b'u' => corners.extract().ok(),
+            _ => None,
+        };
+        let corners = corners.ok_or_else(|| {
             PyTypeError::new_err(format!(
                 "{name}: face {face} is no sequence of vertex numbers"
             ))

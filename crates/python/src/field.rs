@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use crate::algorithm::warn;
 use crate::errors::solve_error;
 use crate::interrupt;
-use crate::isolines::{PyIsoline, lines};
+use crate::isolines::{self, PyIsoline, WantedLevels};
 use crate::mesh::PyMesh;
 use crate::path::{PyPath, triples};
 use crate::points::{Finder, PyPoint, core, several, single, together};
@@ -72,13 +72,8 @@ impl PyField {
         })
     }
 
-    pub(crate) fn lines(
-        &self,
-        py: Python<'_>,
-        every: Option<f64>,
-        levels: Option<Vec<f64>>,
-    ) -> PyResult<Vec<PyIsoline>> {
-        lines(py, &self.field, every, levels)
+    pub(crate) fn lines(&self, py: Python<'_>, asked: WantedLevels) -> PyResult<Vec<PyIsoline>> {
+        isolines::lines(py, &self.field, asked)
     }
 
     fn points(&self, py: Python<'_>, points: &Bound<'_, PyAny>) -> PyResult<Vec<SurfacePoint>> {
@@ -228,9 +223,9 @@ impl PyField {
         &self,
         py: Python<'_>,
         every: Option<f64>,
-        levels: Option<Vec<f64>>,
+        levels: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Vec<PyIsoline>> {
-        self.lines(py, every, levels)
+        self.lines(py, isolines::levels(every, levels)?)
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {

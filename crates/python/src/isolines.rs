@@ -9,6 +9,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 
+use crate::arrays;
 use crate::interrupt;
 use crate::path::triples;
 
@@ -148,13 +149,18 @@ impl PyLine {
 }
 
 /// The requested levels: the multiples of a step, or a list.
-enum WantedLevels {
+pub(crate) enum WantedLevels {
     Every(f64),
     These(Vec<f64>),
 }
 
-fn levels(every: Option<f64>, levels: Option<Vec<f64>>) -> PyResult<WantedLevels> {
-    match (every, levels) {
+/// Reads the arguments `every` and `levels`, of which one is given.
+pub(crate) fn levels(
+    every: Option<f64>,
+    levels: Option<&Bound<'_, PyAny>>,
+) -> PyResult<WantedLevels> {
+    let levels = levels.map(|given| arrays::reals(given, "levels"));
+    match (every, levels.transpose()?) {
         (Some(every), None) if every.is_finite() && every > 0.0 => Ok(WantedLevels::Every(every)),
         (Some(every), None) => Err(PyValueError::new_err(format!(
             "every: {every}, but it is a distance above 0, in units of the mesh"
@@ -169,19 +175,12 @@ fn levels(every: Option<f64>, levels: Option<Vec<f64>>) -> PyResult<WantedLevels
     }
 }
 
-/// Refuses levels that are none, before the field is computed.
-pub(crate) fn check_levels(every: Option<f64>, given: Option<&[f64]>) -> PyResult<()> {
-    levels(every, given.map(<[f64]>::to_vec)).map(|_| ())
-}
-
-/// The isolines of `field`, at the multiples of `every` or at the levels `given`.
+/// The isolines of `field` at the levels `asked` for.
 pub(crate) fn lines(
     py: Python<'_>,
     field: &Shared<DistanceField>,
-    every: Option<f64>,
-    given: Option<Vec<f64>>,
+    asked: WantedLevels,
 ) -> PyResult<Vec<PyIsoline>> {
-    let asked = levels(every, given)?;
     let mesh = field.mesh().clone();
     let field = Shared::clone(field);
     let work = move || {

@@ -17,7 +17,7 @@ use crate::arrays;
 use crate::errors::{invalid, mesh_error, unreadable};
 use crate::field::PyField;
 use crate::interrupt;
-use crate::isolines::{PyIsoline, check_levels};
+use crate::isolines::{self, PyIsoline};
 use crate::path::{PyPath, triples};
 use crate::points::{Finder, SharedMesh, core, several, single, warn_user};
 use crate::voronoi::PyVoronoi;
@@ -44,8 +44,8 @@ use crate::voronoi::PyVoronoi;
 ///     the diagonal of the bounding box. Vertices keep their numbers, and copies get the distance of
 ///     the vertex that stands for them. By default a warning says that there are copies.
 /// repair : bool
-///     Whether to leave out unusable faces and to turn faces over. `False` makes what has to be
-///     repaired an error.
+///     Whether to leave out faces that repeat a corner or another face, and to turn faces over.
+///     `False` makes such faces an error; those of polygons and of welded vertices, too.
 ///
 /// Raises
 /// ------
@@ -147,7 +147,7 @@ impl PyMesh {
         let (mesh, report) = made.map_err(|error| invalid(py, &error, ""))?;
         if !repair {
             let repaired = report.summaries().into_iter();
-            let repaired = repaired.filter(|s| s.kind.severity() == Severity::Repaired);
+            let repaired = repaired.filter(|summary| summary.kind.changes_faces());
             let texts: Vec<String> = repaired.map(|summary| summary.text).collect();
             if let Some(first) = texts.first() {
                 return Err(mesh_error(py, format!("repair is needed: {first}"), texts));
@@ -820,10 +820,11 @@ impl PyMesh {
         slf: &Bound<'_, Self>,
         source: &Bound<'_, PyAny>,
         every: Option<f64>,
-        levels: Option<Vec<f64>>,
+        levels: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Vec<PyIsoline>> {
-        check_levels(every, levels.as_deref())?;
-        PyField::new(slf.py(), slf, source)?.lines(slf.py(), every, levels)
+        // Refused before the field is computed.
+        let asked = isolines::levels(every, levels)?;
+        PyField::new(slf.py(), slf, source)?.lines(slf.py(), asked)
     }
 
     /// A new mesh of the same surface with evenly distributed vertices. It is the dual of the
@@ -921,7 +922,15 @@ pub(crate) fn weld_of(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Weld>
     if let Ok(wanted) = value.extract::<bool>() {
         return Ok(wanted.then_some(Weld::COINCIDENT));
     }
-    let weld = Weld::within(value.extract()?);
+    let tolerance = value.extract::<f64>().map_err(|_| {
+        let given = value
+            .repr()
+            .map_or_else(|_| "this".to_owned(), |text| text.to_string());
+        PyTypeError::new_err(format!(
+            "weld: {given} is neither a truth value nor a fraction of the diagonal"
+        ))
+    });
+    let weld = Weld::within(tolerance?);
     weld.map(Some)
         .map_err(|error| PyValueError::new_err(format!("weld: {error}")))
 }

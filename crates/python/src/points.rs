@@ -8,7 +8,7 @@ use geodesics::{Mesh, NearestPoint, PointError, Refined, SurfacePoint, VertexId}
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyString, PyTuple};
+use pyo3::types::{PyBool, PyByteArray, PyBytes, PyMapping, PyMemoryView, PyString, PyTuple};
 
 use crate::arrays;
 
@@ -229,7 +229,7 @@ fn one(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<PointSpec>> {
     if let Ok(point) = value.cast::<PyPoint>() {
         return Ok(Some(point.get().0));
     }
-    if value.is_instance_of::<PyBool>() || value.is_instance_of::<PyString>() {
+    if value.is_instance_of::<PyBool>() || is_no_list(value) {
         return Err(not_a_point(value, name));
     }
     if value.hasattr("__index__")? {
@@ -245,6 +245,16 @@ fn one(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<PointSpec>> {
         return Ok(Some(PointSpec::Vertex(vertex)));
     }
     Ok(None)
+}
+
+/// Whether `value` can be iterated and is no list of points: text, bytes, or a mapping, which yields
+/// its keys.
+fn is_no_list(value: &Bound<'_, PyAny>) -> bool {
+    value.is_instance_of::<PyString>()
+        || value.is_instance_of::<PyBytes>()
+        || value.is_instance_of::<PyByteArray>()
+        || value.is_instance_of::<PyMemoryView>()
+        || value.cast::<PyMapping>().is_ok()
 }
 
 fn not_a_point(value: &Bound<'_, PyAny>, name: &str) -> PyErr {
@@ -266,10 +276,13 @@ pub(crate) fn several(
 ) -> PyResult<Vec<PointSpec>> {
     let points = match one(value, name)? {
         Some(point) => vec![point],
-        None => match in_arrays(value, name, vertices)? {
-            Some(points) => points,
-            None => in_sequence(value, name)?,
-        },
+        None => {
+            let value = &arrays::taken(value, name)?;
+            match in_arrays(value, name, vertices)? {
+                Some(points) => points,
+                None => in_sequence(value, name)?,
+            }
+        }
     };
     if points.is_empty() {
         return Err(PyValueError::new_err(format!(

@@ -1,6 +1,7 @@
 """Error messages name the argument, the vertex or the face."""
 
 import pickle
+import types
 
 import numpy as np
 import pytest
@@ -80,6 +81,14 @@ def test_defects_are_listed():
         (None, TypeError, "source: None is no point"),
         ([], ValueError, "source: empty"),
         ([[0, 1]], TypeError, r"source: \[0, 1\] is no point"),
+        (b"\x00\x01", TypeError, r"source: b'\\x00\\x01' is no point"),
+        (bytearray(b"\x01"), TypeError, "source: bytearray"),
+        (memoryview(b"\x01"), TypeError, "source: <memory"),
+        ({0: 1}, TypeError, "source: {0: 1} is no point"),
+        ([0, b"\x01"], TypeError, r"source: b'\\x01' is no point"),
+        (types.MappingProxyType({0: 1}), TypeError, "source: mappingproxy"),
+        (np.ma.masked_array([0, 1], [False, True]), TypeError, "source: a masked array"),
+        ([np.timedelta64(1)], TypeError, "source: "),
         (np.array([0.5]), TypeError, "source: "),
         (gd.face(9, 0.2, 0.3, 0.5), IndexError, "source: face:9,0.2,0.3,0.5: face 9 does not"),
         (gd.face(0, 0.2, 0.3, 0.6), ValueError, "have the sum 1.1"),
@@ -107,6 +116,54 @@ def test_sources(square, source, error, text):
 def test_options(square, arguments, error, text):
     with pytest.raises(error, match=text):
         square.distance(0, **arguments)
+
+
+def test_texts_bytes_and_mappings_are_no_lists(square):
+    def fails(text, call, *arguments, **named):
+        with pytest.raises((TypeError, ValueError), match=text):
+            call(*arguments, **named)
+
+    for hostile in (b"\x00\x01\x02", {0: 0, 1: 1, 2: 2}, "012"):
+        solver, field = gd.Solver(square), square.field(0)
+        fails("targets: ", square.distance, 0, targets=hostile)
+        fails("sources: ", square.distances, hostile)
+        fails("points: ", square.distance_matrix, hostile)
+        fails("sources: ", square.pairs, hostile, [0])
+        fails("targets: ", solver.pairs, [0], hostile)
+        fails("target: ", square.path, 0, hostile)
+        fails("source: ", square.path, hostile, 0)
+        fails("targets: ", square.paths, 0, hostile)
+        fails("point: ", square.trace, hostile, [1, 0, 0], 1)
+        fails("direction: ", square.trace, 0, hostile, 1)
+        fails("sources: ", square.voronoi, hostile)
+        fails("points: ", square.locate, hostile)
+        fails("positions: ", square.nearest_vertices, [hostile])
+        fails("points: ", field.distance, hostile)
+        fails("points: ", field.gradient, hostile)
+        fails("point: ", field.path, hostile)
+        fails("levels: ", field.isolines, levels=[hostile])
+        fails("source: ", gd.certify, square, hostile)
+        fails("weld: ", gd.Mesh, V, F, weld=hostile)
+        fails("faces: ", gd.Mesh, V, [[0, 1, 2], hostile])
+        fails("faces: ", gd.Mesh, V, [[0, 1, 2, 3], hostile])
+        fails("faces: ", gd.Mesh, V, [hostile, [0, 1, 2, 3]])
+        if not isinstance(hostile, str):
+            fails("sources: ", gd.run, "mmp", square, sources=hostile)
+            fails("algorithms: ", gd.run, hostile, square)
+            fails("models: ", gd.run, "mmp", hostile)
+    fails("levels: ", field.isolines, levels=b"\x01\x02")
+    fails("levels: ", square.isolines, 0, levels={1.0: 2})
+    fails("faces: face 1", gd.Mesh, V, [[0, 1, 2, 3], [False, True, True]])
+
+
+def test_tables_are_their_values(torus):
+    pandas = pytest.importorskip("pandas")
+    # Iterated, a table yields the names of its columns.
+    table = pandas.DataFrame(torus.vertices[[5, 9]])
+    np.testing.assert_array_equal(torus.distance(table), torus.distance([5, 9]))
+    np.testing.assert_array_equal(torus.distance(pandas.Series([5, 9])), torus.distance([5, 9]))
+    near = pandas.Series(torus.distance(0) < 1)
+    np.testing.assert_array_equal(torus.distance(near), torus.distance(near.to_numpy()))
 
 
 def test_other_calls(square, tmp_path):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import operator
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, SupportsIndex, Union
 
 from . import _core
@@ -167,10 +167,17 @@ class Table(Sequence[Row]):
             file.write("\n")
 
 
+def _refuse_mapping(value: Any, name: str) -> None:
+    """Refuses what yields keys or bytes."""
+    if isinstance(value, (Mapping, bytes, bytearray, memoryview)):
+        raise TypeError(f"{name}: {value!r} is no list")
+
+
 def _words(value: Any, name: str) -> str:
     """Joins names by commas. A string is returned as it is."""
     if isinstance(value, str):
         return value
+    _refuse_mapping(value, name)
     try:
         words = list(value)
     except TypeError:
@@ -187,6 +194,7 @@ def _sources(value: Any) -> str:
     """The sources as text of the command line, such as ``"0,edge:4-9,0.25"``."""
     if isinstance(value, str):
         return value
+    _refuse_mapping(value, "sources")
     if isinstance(value, (_core.Point, bool)):
         value = [value]
     else:
@@ -266,6 +274,7 @@ def run(
     """
     if isinstance(models, (str, os.PathLike, _core.Mesh)):
         models = [models]
+    _refuse_mapping(models, "models")
     models = [os.fspath(model) if isinstance(model, os.PathLike) else model for model in models]
     algorithms, sources = _words(algorithms, "algorithms"), _sources(sources)
     command = ["geodesics.run", f"algorithms={algorithms}", f"sources={sources}"]

@@ -168,6 +168,36 @@ impl SurfaceSolver {
         Ok(paths.map(Path::joined))
     }
 
+    /// The [logarithmic map](Paths::log_map) at `source`: for each vertex the point of the plane at
+    /// its distance and in the direction in which a shortest path to it starts; NaN for unreachable
+    /// ones.
+    ///
+    /// ```
+    /// use geodesics::{Mesh, SurfaceSolver};
+    ///
+    /// let mesh = Mesh::generate("sphere,subdiv=3")?;
+    /// let map = SurfaceSolver::new(&mesh).log_map(0)?;
+    /// let farthest = map.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
+    /// assert!((farthest - std::f64::consts::PI).abs() < 0.05);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// If the source is not on the mesh. [`SolveError::NoPaths`] if the algorithm traces no paths.
+    pub fn log_map(
+        &mut self,
+        source: impl Into<SurfacePoint>,
+    ) -> Result<Vec<[f64; 2]>, SolveError> {
+        let source = source.into();
+        let insertion = self.insertion(&[source])?;
+        self.at(insertion, |solver, refined| {
+            let goal = Goal::everything();
+            let paths = Paths::find(solver, &refined.mesh, &refined.vertices, &goal)?;
+            Ok(paths.log_map(&source, refined))
+        })
+    }
+
     fn insertion(&self, points: &[SurfacePoint]) -> Result<Insertion, SolveError> {
         self.mesh.insertion(points).map_err(not_on_the_mesh)
     }

@@ -36,8 +36,10 @@
 //! the one that the solver found first.
 //!
 //! [`line()`] follows a direction instead: the straightest geodesic from a point.
+//! [`Paths::log_map`] gives all vertices the direction in which their path starts.
 
 mod lines;
+mod log_map;
 mod onto;
 mod path;
 mod straightest;

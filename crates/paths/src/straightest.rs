@@ -123,8 +123,18 @@ pub fn line(
     if mesh.face_of(start).is_none() {
         return Err(LineError::NoFace);
     }
+    let ray = towards(mesh, start, direction).ok_or(LineError::Direction { direction })?;
+    follow(mesh, start, ray, length)
+}
+
+/// The line from `start` along `ray`.
+fn follow(
+    mesh: &Mesh,
+    start: &SurfacePoint,
+    mut ray: Heading,
+    length: f64,
+) -> Result<Path, LineError> {
     let mut points = vec![Point::of(mesh, start)];
-    let mut ray = towards(mesh, start, direction).ok_or(LineError::Direction { direction })?;
     let mut left = length;
     while left > 0.0 {
         if points.len() >= MOST_POINTS {
@@ -158,38 +168,56 @@ pub fn line(
     })
 }
 
-/// The ray from `start` whose direction is closest to `direction`; `None` if that is perpendicular to
-/// all faces there or away from them.
-fn towards(mesh: &Mesh, start: &SurfacePoint, direction: [f64; 3]) -> Option<Heading> {
-    // Half-edges in whose frames the start is, its place there, and the angle of the directions into
-    // the face, from that of the half-edge on.
-    let mut rooms: Vec<(HalfEdgeId, [f64; 2], Option<f64>)> = Vec::new();
+/// The directions from a point into one of the faces that contain it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sector {
+    /// The half-edge in whose frame the point and the directions are.
+    pub(crate) h: HalfEdgeId,
+    pub(crate) from: [f64; 2],
+    /// The angle of the directions, from that of the half-edge on; `None` if it is the full one.
+    pub(crate) angle: Option<f64>,
+}
+
+/// The sectors at `start`, counter-clockwise within each fan of faces.
+pub(crate) fn sectors(mesh: &Mesh, start: &SurfacePoint) -> Vec<Sector> {
     match start.place() {
         Place::Face(face, weights) => {
             let h = face.half_edge(0);
             let [l, apex] = [[mesh.length(h), 0.0], mesh.apex(h)];
-            let at = [0, 1].map(|k| weights[1] * l[k] + weights[2] * apex[k]);
-            rooms.push((h, at, None));
+            let from = [0, 1].map(|k| weights[1] * l[k] + weights[2] * apex[k]);
+            let angle = None;
+            vec![Sector { h, from, angle }]
         }
         Place::Edge(h, weights) => {
-            let sides = mesh.along_edge(h);
-            rooms.extend(sides.map(|side| {
+            let of_side = |side| {
                 let weight = weights[usize::from(mesh.tail(side) == mesh.tail(h))];
-                (
-                    side,
-                    [weight * mesh.length(side), 0.0],
-                    Some(std::f64::consts::PI),
-                )
-            }));
+                Sector {
+                    h: side,
+                    from: [weight * mesh.length(side), 0.0],
+                    angle: Some(std::f64::consts::PI),
+                }
+            };
+            mesh.along_edge(h).map(of_side).collect()
         }
         Place::Vertex(v) => {
+            let at_corner = |&h: &HalfEdgeId| Sector {
+                h,
+                from: [0.0; 2],
+                angle: Some(corner_angle(mesh, h)),
+            };
             let outgoing = mesh.outgoing(mesh.kept_vertex(v)).iter();
-            rooms.extend(outgoing.map(|&h| (h, [0.0; 2], Some(corner_angle(mesh, h)))));
+            outgoing.map(at_corner).collect()
         }
     }
+}
+
+/// The ray from `start` whose direction is closest to `direction`; `None` if that is perpendicular to
+/// all faces there or away from them.
+fn towards(mesh: &Mesh, start: &SurfacePoint, direction: [f64; 3]) -> Option<Heading> {
     let size = direction.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let direction = direction.map(|x| x / size);
-    let rays = rooms.into_iter().filter_map(|(h, from, angle)| {
+    let rays = sectors(mesh, start).into_iter().filter_map(|sector| {
+        let Sector { h, from, angle } = sector;
         let [x, y] = in_plane(mesh, h, direction)?;
         let ends = angle.map(|angle| [[1.0, 0.0], [libm::cos(angle), libm::sin(angle)]]);
         let outside = angle.filter(|&angle| {
@@ -336,6 +364,38 @@ impl Heading {
             },
         }
     }
+}
+
+/// The line in the direction at `angle`, in normalised angles from the first sector on.
+#[cfg(test)]
+pub(crate) fn line_at(
+    mesh: &Mesh,
+    start: &SurfacePoint,
+    angle: f64,
+    length: f64,
+) -> Result<Path, LineError> {
+    use std::f64::consts::TAU;
+
+    let sectors = sectors(mesh, start);
+    let all: f64 = sectors.iter().filter_map(|sector| sector.angle).sum();
+    let mut angle = if all > 0.0 {
+        angle.rem_euclid(TAU) * all / TAU
+    } else {
+        angle
+    };
+    for Sector {
+        h,
+        from,
+        angle: own,
+    } in sectors
+    {
+        if own.is_none_or(|own| angle <= own) {
+            let direction = [libm::cos(angle), libm::sin(angle)];
+            return follow(mesh, start, Heading { h, from, direction }, length);
+        }
+        angle -= own.unwrap_or(0.0);
+    }
+    Err(LineError::NoFace)
 }
 
 #[cfg(test)]

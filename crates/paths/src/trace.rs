@@ -169,32 +169,51 @@ impl Paths {
     /// For each vertex the source of its shortest path; `None` if no path leads there. The source
     /// of a source is itself. O(faces crossed by the last lines of all paths).
     pub fn roots(&self) -> Vec<Option<VertexId>> {
+        self.along_lines(|v| v, |&root, _| root)
+    }
+
+    /// A value for each vertex with a path: `first` for those without a last line, the sources, and
+    /// `next` of the value of the vertex from which the last line leads, and of this line, for others.
+    pub(crate) fn along_lines<T: Clone>(
+        &self,
+        first: impl Fn(VertexId) -> T,
+        next: impl Fn(&T, &Path) -> T,
+    ) -> Vec<Option<T>> {
         let mut order: Vec<VertexId> = self.mesh.vertices().collect();
         order.retain(|v| self.distances[v.index()].is_finite());
         let distance = |v: &VertexId| self.distances[v.index()];
         order.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let mut roots = vec![None; self.distances.len()];
+        let mut values: Vec<Option<T>> = vec![None; self.distances.len()];
         // A line may lead from a vertex at the same distance, up to rounding.
         let mut waiting = Vec::new();
         for v in order {
             waiting.push(v);
             while let Some(&last) = waiting.last() {
-                if roots[last.index()].is_some() {
+                if values[last.index()].is_some() {
                     waiting.pop();
                     continue;
                 }
                 let line = self.last_line(last);
-                let from = line.and_then(|line| line.vertices().next());
-                let from = from.filter(|from| *from != last && !waiting.contains(from));
-                match from.map(|from| (from, roots[from.index()])) {
-                    None => roots[last.index()] = Some(last),
-                    Some((_, Some(root))) => roots[last.index()] = Some(root),
-                    Some((from, None)) => waiting.push(from),
-                }
+                let from = line.and_then(|line| {
+                    let from = line.vertices().next()?;
+                    Some((from, line))
+                });
+                let from = from.filter(|(from, _)| *from != last && !waiting.contains(from));
+                let value = match from {
+                    None => first(last),
+                    Some((from, line)) => match &values[from.index()] {
+                        Some(value) => next(value, &line),
+                        None => {
+                            waiting.push(from);
+                            continue;
+                        }
+                    },
+                };
+                values[last.index()] = Some(value);
             }
         }
-        self.mesh.fill_copies(&mut roots);
-        roots
+        self.mesh.fill_copies(&mut values);
+        values
     }
 
     /// The distances of all vertices, in the order of the mesh. A distance is infinite if no path

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use geobench_registry::{self as registry, MOST_THREADS, Selection, SimdChoice};
 use geodesics::mesh::Insertion;
-use geodesics::{Goal, Mesh, Path, PathError, Paths, Solver as Solve, Stop, VertexId};
+use geodesics::{Goal, Mesh, Path, PathError, Paths, SolveError, Solver as Solve, Stop, VertexId};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyImportError, PyMemoryError, PyValueError};
 use pyo3::prelude::*;
@@ -13,8 +13,8 @@ use pyo3::types::PyDict;
 
 use crate::errors::{PrecisionWarning, path_error, solve_error};
 use crate::interrupt;
-use crate::path::PyPath;
-use crate::points::{ResolvedPoints, SharedMesh, several, single, together};
+use crate::path::{PyPath, tuples};
+use crate::points::{Finder, ResolvedPoints, SharedMesh, several, single, together};
 use crate::pool::{Runs, SolverPool, SparseRows, doubt, goal, lock, matrix, nearest, row, sparse};
 
 /// The algorithm with this name and parameters, for example `fwp-mmp{kmax=5000}`.
@@ -356,6 +356,32 @@ impl MeshAlgorithm {
                     .transpose()
             })
             .collect()
+    }
+
+    /// The logarithmic map at a point.
+    pub(crate) fn log_map(
+        &self,
+        py: Python<'_>,
+        source: &Bound<'_, PyAny>,
+    ) -> PyResult<Py<PyArray2<f64>>> {
+        let spec = single(source, "source")?;
+        let source = Finder::new(py, &self.surface).find(spec, "source")?;
+        let insertion = (self.mesh().insertion(&[source]))
+            .map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let stop = Stop::default();
+        let goal = goal(None, None, &stop)?;
+        let pool = Arc::clone(&self.kept);
+        let work = move || -> Result<(Vec<[f64; 2]>, Option<String>), SolveError> {
+            pool.at(insertion, |solver, refined| {
+                let paths = Paths::find(solver, &refined.mesh, &refined.vertices, &goal)?;
+                let doubt = doubt(&refined.mesh, paths.distances());
+                Ok((paths.log_map(&source, refined), doubt))
+            })
+        };
+        let (map, doubt) =
+            interrupt::call(py, self.mesh().face_count(), &stop, work)?.map_err(solve_error)?;
+        warn(py, doubt)?;
+        tuples(py, &map)
     }
 
     /// The shortest path from each point to the next, as one path; if `closed` back to the first.

@@ -15,7 +15,7 @@ use crate::errors::solve_error;
 use crate::interrupt;
 use crate::isolines::{self, PyIsoline, WantedLevels};
 use crate::mesh::PyMesh;
-use crate::path::{PyPath, triples};
+use crate::path::{PyPath, tuples};
 use crate::points::{Finder, PyPoint, core, several, single, together};
 
 /// The exact distance from the nearest source to every point of a surface, with all windows of a
@@ -172,7 +172,7 @@ impl PyField {
             each.collect::<Result<Vec<[f64; 3]>, geodesics::PointError>>()
         });
         let found = found.map_err(|error| PyValueError::new_err(format!("points: {error}")))?;
-        triples(py, &found)
+        tuples(py, &found)
     }
 
     /// The shortest path from the nearest source to a point; `None` if it is unreachable.

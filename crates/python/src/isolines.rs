@@ -11,7 +11,7 @@ use pyo3::types::PyList;
 
 use crate::arrays;
 use crate::interrupt;
-use crate::path::triples;
+use crate::path::tuples;
 
 /// Default deviation of chords from arcs, as a fraction of the distance of the isoline.
 const TOLERANCE: f64 = 1e-3;
@@ -135,7 +135,7 @@ impl PyLine {
         if self.mesh.positions().is_empty() {
             return Err(PyValueError::new_err("the mesh has no positions"));
         }
-        triples(py, &self.line.polyline(&self.mesh, tolerance))
+        tuples(py, &self.line.polyline(&self.mesh, tolerance))
     }
 
     fn __repr__(&self) -> String {

@@ -18,7 +18,7 @@ use crate::errors::{invalid, mesh_error, unreadable};
 use crate::field::PyField;
 use crate::interrupt;
 use crate::isolines::{self, PyIsoline};
-use crate::path::{PyPath, triples};
+use crate::path::{PyPath, tuples};
 use crate::points::{Finder, SharedMesh, core, several, single, warn_user};
 use crate::voronoi::PyVoronoi;
 
@@ -200,8 +200,8 @@ impl PyMesh {
             mesh.file_triangles()
         };
         let state = (
-            triples(py, mesh.positions())?,
-            triples(py, &triangles)?,
+            tuples(py, mesh.positions())?,
+            tuples(py, &triangles)?,
             copies,
             lengths,
             self.name.clone(),
@@ -259,7 +259,7 @@ impl PyMesh {
     /// from lengths.
     #[getter]
     fn vertices(&self, py: Python<'_>) -> PyResult<Py<PyArray2<f64>>> {
-        triples(py, self.mesh().positions())
+        tuples(py, self.mesh().positions())
     }
 
     /// (m, 3) int64: a copy of the corners of the faces. Faces whose orientation was repaired have
@@ -268,7 +268,7 @@ impl PyMesh {
     fn faces(&self, py: Python<'_>) -> PyResult<Py<PyArray2<i64>>> {
         let corners = |face| self.mesh().face_vertices(face).map(|v| i64::from(v.raw()));
         let rows: Vec<[i64; 3]> = self.mesh().faces().map(corners).collect();
-        triples(py, &rows)
+        tuples(py, &rows)
     }
 
     /// int: number of vertices, including isolated ones.
@@ -420,9 +420,9 @@ impl PyMesh {
         let positions: Option<Vec<[f64; 3]>> = places.iter().map(|p| p.2.map(Into::into)).collect();
         let arrays = (
             PyArray1::from_iter(py, places.iter().map(|p| p.0)),
-            triples(py, &weights)?,
+            tuples(py, &weights)?,
             positions
-                .map(|positions| triples(py, &positions))
+                .map(|positions| tuples(py, &positions))
                 .transpose()?,
             PyArray1::from_iter(py, places.iter().map(|p| p.3)),
         );
@@ -736,6 +736,37 @@ impl PyMesh {
         let path = py.detach(|| line(self.mesh(), &start, direction, length));
         let path = path.map_err(|error| PyValueError::new_err(error.to_string()))?;
         PyPath::new(py, self.mesh(), &path)
+    }
+
+    /// The logarithmic map at a point: where each vertex is in the plane around `source`, at its
+    /// distance and in the direction in which a shortest path to it starts.
+    ///
+    /// Parameters
+    /// ----------
+    /// source : int or Point
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray, shape (n, 2), float64
+    ///     The origin for the source, NaN for unreachable vertices. If several paths are shortest, one
+    ///     of them counts. Angles are counter-clockwise, from an edge or side at the source; at a
+    ///     vertex inside the surface they are normalised to a full turn (Polthier and Schmies).
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> import numpy as np
+    /// >>> places = gd.generate("grid,n=4").log_map(gd.face(5, 0.2, 0.3, 0.5))
+    /// >>> np.linalg.norm(places[0] - places[24]).round(6)
+    /// np.float64(5.656854)
+    #[pyo3(signature = (source, *, algorithm = None))]
+    fn log_map(
+        &self,
+        py: Python<'_>,
+        source: &Bound<'_, PyAny>,
+        algorithm: Option<&str>,
+    ) -> PyResult<Py<PyArray2<f64>>> {
+        self.algorithm(algorithm)?.log_map(py, source)
     }
 
     /// The shortest paths from the nearest source to each target, from one search: a list with a

@@ -75,22 +75,22 @@ impl PyPath {
         let barycentric: Vec<[f64; 3]> = in_file.collect();
         Ok(Self {
             length: path.length,
-            points: triples(py, &path.polyline(mesh))?,
+            points: tuples(py, &path.polyline(mesh))?,
             faces: PyArray1::from_iter(py, faces).unbind(),
-            barycentric: triples(py, &barycentric)?,
+            barycentric: tuples(py, &barycentric)?,
             vertices: PyArray1::from_iter(py, vertices).unbind(),
             count: path.points.len(),
         })
     }
 }
 
-/// A new `(n, 3)` array with a copy of `rows`.
-pub(crate) fn triples<T: numpy::Element + Copy>(
+/// A new `(n, N)` array with a copy of `rows`.
+pub(crate) fn tuples<T: numpy::Element + Copy, const N: usize>(
     py: Python<'_>,
-    rows: &[[T; 3]],
+    rows: &[[T; N]],
 ) -> PyResult<Py<PyArray2<T>>> {
     let flat = PyArray1::from_slice(py, rows.as_flattened());
-    let array = flat.reshape([rows.len(), 3]);
+    let array = flat.reshape([rows.len(), N]);
     Ok(array
         .map_err(|error| PyValueError::new_err(error.to_string()))?
         .unbind())

@@ -305,6 +305,31 @@ impl PySolver {
         self.algorithm.paths(py, source, targets, "targets")
     }
 
+    /// The logarithmic map at a point: where each vertex is in the plane around `source`, at its
+    /// distance and in the direction in which a shortest path to it starts.
+    ///
+    /// Parameters
+    /// ----------
+    /// source : int or Point
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray, shape (n, 2), float64
+    ///     The origin for the source, NaN for unreachable vertices. If several paths are shortest, one
+    ///     of them counts. Angles are counter-clockwise, from an edge or side at the source; at a
+    ///     vertex inside the surface they are normalised to a full turn (Polthier and Schmies).
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> import numpy as np
+    /// >>> places = gd.Solver(gd.generate("grid,n=4")).log_map(12)
+    /// >>> np.linalg.norm(places[0] - places[24]).round(6)
+    /// np.float64(5.656854)
+    fn log_map(&self, py: Python<'_>, source: &Bound<'_, PyAny>) -> PyResult<Py<PyArray2<f64>>> {
+        self.algorithm.log_map(py, source)
+    }
+
     /// Distances from the nearest source, and counts of the operations of the search.
     ///
     /// Parameters

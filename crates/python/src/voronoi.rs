@@ -16,7 +16,7 @@ use crate::arrays;
 use crate::errors::solve_error;
 use crate::interrupt;
 use crate::mesh::PyMesh;
-use crate::path::triples;
+use crate::path::tuples;
 use crate::points::{PyPoint, ResolvedPoints, core, together};
 
 /// A geodesic Voronoi diagram. Its cells are the regions of a surface with the same nearest source.
@@ -196,7 +196,7 @@ impl PyArc {
         let position = |i| self.diagram.position(arc.face, place(i));
         let points: Option<Vec<[f64; 3]>> = (0..=parts).map(position).collect();
         let points = points.ok_or_else(|| PyValueError::new_err("the mesh has no positions"))?;
-        triples(py, &points)
+        tuples(py, &points)
     }
 
     fn __repr__(&self) -> String {

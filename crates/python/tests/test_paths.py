@@ -203,3 +203,26 @@ def test_lines_on_a_plane_and_a_cube():
 def test_what_is_no_line_is_an_error(direction, length, message):
     with pytest.raises(ValueError, match=message):
         gd.generate("grid,n=2").trace(gd.face(0, 0.2, 0.3, 0.5), direction, length)
+
+
+@pytest.mark.parametrize("source", [7, gd.edge(0, 1, 0.3), gd.face(9, 0.2, 0.5, 0.3)])
+def test_the_log_map_of_a_plane_is_a_motion(source):
+    grid = gd.generate("grid,n=6,jitter=0.2,seed=2")
+    solver = gd.Solver(grid)
+    places = solver.log_map(source)
+    assert places.shape == (grid.n_vertices, 2)
+    np.testing.assert_allclose(np.hypot(*places.T), solver.distance(source), rtol=1e-12)
+    plane = grid.vertices[:, :2]
+    apart = np.linalg.norm(plane[:, None] - plane, axis=2)
+    np.testing.assert_allclose(np.linalg.norm(places[:, None] - places, axis=2), apart, atol=1e-9)
+    np.testing.assert_array_equal(grid.log_map(source), places)
+
+
+def test_a_log_map_has_one_source_and_an_algorithm_with_paths():
+    grid = gd.generate("grid,n=4")
+    with pytest.raises(TypeError, match="source: "):
+        grid.log_map([0, 1])
+    with pytest.raises(ValueError, match="traces no paths"):
+        grid.log_map(0, algorithm="heat")
+    apart = gd.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [9, 9, 9]], [[0, 1, 2]])
+    assert np.isnan(apart.log_map(0)[3]).all() and (apart.log_map(0)[0] == 0).all()

@@ -201,13 +201,13 @@ impl Paths {
                 let from = from.filter(|(from, _)| *from != last && !waiting.contains(from));
                 let value = match from {
                     None => first(last),
-                    Some((from, line)) => match &values[from.index()] {
-                        Some(value) => next(value, &line),
-                        None => {
+                    Some((from, line)) => {
+                        let Some(value) = &values[from.index()] else {
                             waiting.push(from);
                             continue;
-                        }
-                    },
+                        };
+                        next(value, &line)
+                    }
                 };
                 values[last.index()] = Some(value);
             }

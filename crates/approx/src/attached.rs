@@ -28,6 +28,7 @@ pub(crate) struct PointInFace {
     face: FaceId,
     pub(crate) corners: [VertexId; 3],
     /// Barycentric coordinates.
+    #[cfg(feature = "heat")]
     pub(crate) weights: [f64; 3],
     /// Lengths of the sides; side k starts at corner k.
     pub(crate) sides: [f64; 3],
@@ -47,6 +48,7 @@ impl PointInFace {
         Self {
             face,
             corners: mesh.face_vertices(face),
+            #[cfg(feature = "heat")]
             weights,
             sides,
             places: [0, 1, 2].map(place),

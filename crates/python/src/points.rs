@@ -274,15 +274,13 @@ pub(crate) fn several(
     name: &str,
     vertices: usize,
 ) -> PyResult<Vec<PointSpec>> {
-    let points = match one(value, name)? {
-        Some(point) => vec![point],
-        None => {
-            let value = &arrays::taken(value, name)?;
-            match in_arrays(value, name, vertices)? {
-                Some(points) => points,
-                None => in_sequence(value, name)?,
-            }
-        }
+    if let Some(point) = one(value, name)? {
+        return Ok(vec![point]);
+    }
+    let value = &arrays::taken(value, name)?;
+    let points = match in_arrays(value, name, vertices)? {
+        Some(points) => points,
+        None => in_sequence(value, name)?,
     };
     if points.is_empty() {
         return Err(PyValueError::new_err(format!(

@@ -393,7 +393,7 @@ impl DefectKind {
     pub fn changes_faces(self) -> bool {
         matches!(
             self,
-            Self::FlippedFace | Self::RepeatedFace | Self::CollapsedFace
+            Self::FlippedFace | Self::RepeatedFace | Self::CollapsedFace | Self::ShortFace
         )
     }
 

@@ -44,8 +44,9 @@ use crate::voronoi::PyVoronoi;
 ///     the diagonal of the bounding box. Vertices keep their numbers, and copies get the distance of
 ///     the vertex that stands for them. By default a warning says that there are copies.
 /// repair : bool
-///     Whether to leave out faces that repeat a corner or another face, and to turn faces over.
-///     `False` makes such faces an error; those of polygons and of welded vertices, too.
+///     Whether to leave out repeated corners of polygons and faces that repeat a corner or another
+///     face or have fewer than three corners, and to turn faces over. `False` makes such faces an
+///     error, also where welding makes them.
 ///
 /// Raises
 /// ------
@@ -134,6 +135,13 @@ impl PyMesh {
         let positions = arrays::positions(&vertices, "vertices")?;
         let mut soup = if let Ok(polygons) = faces.cast::<PyList>() {
             let polygons = arrays::polygons(polygons, "faces")?;
+            if !repair && let Some(text) = repeated_corner(&polygons) {
+                return Err(mesh_error(
+                    py,
+                    format!("repair is needed: {text}"),
+                    vec![text],
+                ));
+            }
             py.detach(|| io::polygons(positions, polygons))
                 .map_err(|error| mesh_error(py, error.to_string(), Vec::new()))?
         } else {
@@ -944,6 +952,22 @@ impl PyMesh {
 /// A face, barycentric coordinates in it, the position, and the distance from the position that was
 /// given.
 type Located = (i64, (f64, f64, f64), Option<(f64, f64, f64)>, f64);
+
+/// What would be dropped of the first polygon that names a vertex twice in a row.
+fn repeated_corner(polygons: &[Vec<u32>]) -> Option<String> {
+    let outlines = polygons
+        .iter()
+        .enumerate()
+        .filter(|(_, outline)| outline.len() > 2);
+    let mut pairs = outlines.flat_map(|(face, outline)| {
+        let next = outline.iter().cycle().skip(1);
+        outline.iter().zip(next).map(move |(a, b)| (face, a, b))
+    });
+    let (face, v, _) = pairs.find(|(_, a, b)| a == b)?;
+    Some(format!(
+        "face {face} names vertex {v} twice in a row, one of which is dropped"
+    ))
+}
 
 /// Reads the argument `weld`: none, a truth value or a tolerance.
 pub(crate) fn weld_of(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Weld>> {

@@ -964,9 +964,7 @@ fn repeated_corner(polygons: &[Vec<u32>]) -> Option<String> {
         outline.iter().zip(next).map(move |(a, b)| (face, a, b))
     });
     let (face, v, _) = pairs.find(|(_, a, b)| a == b)?;
-    Some(format!(
-        "face {face} names vertex {v} twice in a row, one of which is dropped"
-    ))
+    Some(format!("face {face} names vertex {v} twice in a row"))
 }
 
 /// Reads the argument `weld`: none, a truth value or a tolerance.

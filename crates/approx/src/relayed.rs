@@ -5,21 +5,21 @@ use geobench_ich::Splitting;
 use geobench_mesh::Mesh;
 use geobench_mmp::{Carrier, Retention, Trimming};
 use geobench_window::VertexFilter;
-use geobench_window::continuous::{Continuous, Relaying};
+use geobench_window::continuous::Continuous;
 use geobench_window::queue::{Discipline, HeapQueue};
 
 /// [`mmp_approx`] on one mesh: MMP with windows replaced by vertices, taken from a heap unless `Q`
 /// is another queue.
-pub type MmpApprox<Q = HeapQueue> = Continuous<Relaying<Trimming>, Q>;
+pub type MmpApprox<Q = HeapQueue> = Continuous<Trimming, Q, true>;
 
 /// [`avtp`] on one mesh: ICH in the order of VTP, with windows replaced by vertices.
-pub type Avtp = Continuous<Relaying<Splitting>, VertexOrder>;
+pub type Avtp = Continuous<Splitting, VertexOrder, true>;
 
 /// Sets up MMP for `mesh` with distances that are at most 1 + `epsilon` times the exact ones, and
 /// never less; O(faces).
 ///
 /// Every vertex sends windows, and is preferred to the windows that passed it, as
-/// [`Continuous::with_error`] defines. The number of windows on an edge then depends on `epsilon`
+/// [`Continuous::relaying`] defines. The number of windows on an edge then depends on `epsilon`
 /// and does not grow with the distance. Windows that the wavefront has passed are evicted.
 ///
 /// ```
@@ -42,11 +42,11 @@ pub fn mmp_approx(mesh: &Mesh, epsilon: f64) -> MmpApprox {
 /// [`mmp_approx`] with windows taken from `queue`; O(faces).
 pub fn mmp_approx_from<Q: Discipline>(mesh: &Mesh, epsilon: f64, queue: Q) -> MmpApprox<Q> {
     let policy = Trimming::new(mesh, Carrier::HalfEdge).retaining(Retention::Wavefront);
-    Continuous::new(mesh, Relaying(policy), queue).with_error(epsilon)
+    Continuous::relaying(mesh, policy, queue, epsilon)
 }
 
 /// Sets up an approximate form of VTP-CH for `mesh`, with the bound of [`mmp_approx`]; O(faces).
 pub fn avtp(mesh: &Mesh, epsilon: f64) -> Avtp {
     let policy = Splitting::new(mesh, VertexFilter::On);
-    Continuous::new(mesh, Relaying(policy), VertexOrder::new(mesh)).with_error(epsilon)
+    Continuous::relaying(mesh, policy, VertexOrder::new(mesh), epsilon)
 }

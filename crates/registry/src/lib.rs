@@ -98,13 +98,13 @@ pub fn find(name: &str) -> Option<&'static Algorithm> {
 }
 
 /// A solver that takes one window at a time, with its threshold and vector instructions.
-fn single<W: Policy, Q: Discipline>(
-    solver: Continuous<W, Q>,
+fn single<W: Policy, Q: Discipline, const RELAYS: bool>(
+    solver: Continuous<W, Q, RELAYS>,
     mesh: &Mesh,
     values: &Values,
 ) -> Box<dyn Solver>
 where
-    Continuous<W, Q>: Solver + 'static,
+    Continuous<W, Q, RELAYS>: Solver + 'static,
 {
     let solver = solver.with_threshold(parameter::threshold_width(mesh, values));
     Box::new(solver.with_instructions(values.instructions()))

@@ -10,14 +10,12 @@ mod explorer;
 mod lookahead;
 mod policy;
 mod propagation;
-mod relaying;
 mod surface;
 
 pub use edge::{Behind, EdgeView};
 pub use explorer::{Explorer, Neighbour};
 pub use policy::{Arrival, Child, Dequeued, Policy};
 pub use propagation::Continuous;
-pub use relaying::Relaying;
 pub use surface::Surface;
 
 #[cfg(doc)]

@@ -128,9 +128,6 @@ pub trait Policy: Send {
     /// Bytes that a waiting window takes.
     const WINDOW_BYTES: usize;
 
-    /// Whether all vertices relay paths, [approximately](super::Relaying).
-    const RELAYS: bool = false;
-
     /// Whether it passes windows that arrive at a [gate](crate::Faces::with_gates) on to the
     /// half-edges beyond.
     const JUNCTIONS: bool = false;

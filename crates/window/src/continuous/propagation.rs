@@ -8,8 +8,6 @@ use geobench_mesh::{HalfEdgeId, Mesh, Splice, VertexId};
 use super::edge::EdgeView;
 use super::lookahead::Lookahead;
 use super::policy::{Arrival, Child, Dequeued, Policy};
-#[cfg(doc)]
-use super::relaying::Relaying;
 use super::surface::Surface;
 use crate::counters::Counter;
 use crate::crossing::{Crossing, length_past_end};
@@ -39,7 +37,9 @@ const COUNTERS: &[Counter] = &[
 /// be compared with costs more than it saves.
 const AHEAD: usize = 5;
 
-/// An algorithm that takes one window at a time: `policy` under `queue`, on one mesh.
+/// An algorithm that takes one window at a time: `policy` under `queue`, on one mesh. With `RELAYS`,
+/// every vertex relays paths and is preferred to the windows that passed it
+/// ([`relaying`](Self::relaying)).
 ///
 /// ```
 /// use geobench_ich::Splitting;
@@ -57,7 +57,7 @@ const AHEAD: usize = 5;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Continuous<W, Q> {
+pub struct Continuous<W, Q, const RELAYS: bool = false> {
     runs: CompiledRuns<Self>,
     pub(super) mesh: Mesh,
     pub(super) surface: Surface,
@@ -68,13 +68,47 @@ pub struct Continuous<W, Q> {
     /// Children narrower than this are dropped.
     threshold: f64,
     /// The fraction ε/(1+ε) of a straight path that the value of its end vertex omits; see
-    /// [`with_error`](Self::with_error).
+    /// [`relaying`](Self::relaying).
     advantage: f64,
 }
 
 impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     /// Sets up for `mesh`; O(faces).
     pub fn new(mesh: &Mesh, policy: W, queue: Q) -> Self {
+        Self::set_up(mesh, policy, queue)
+    }
+}
+
+impl<W: Policy, Q: Discipline> Continuous<W, Q, true> {
+    /// Sets up for `mesh` with an error of at most `epsilon`, for which fewer windows are needed;
+    /// O(faces). Distances are at most 1 + `epsilon` times the exact ones, and never less. An
+    /// `epsilon` that is not positive counts as 0.
+    ///
+    /// A run keeps a *value* V of each vertex. The source has the value 0. A straight path of
+    /// length d from a vertex r gives vertex v the value V(r) + d/(1+ε), and windows from r start
+    /// with σ = V(r). Windows and vertices are compared as in an exact algorithm, by V(r) + d. So a
+    /// vertex beats a window that has passed it on a long enough path, and the windows of the
+    /// vertex replace it.
+    ///
+    /// *Never less:* (1+ε)·V(v) is at least the length of some path to v.
+    ///
+    /// *At most 1 + ε times as long:* let d(r, q) be the exact distance. Let r be the vertex of
+    /// least V(r) + d(r, q), of several the nearest to q. Assume that the path from r to q turns
+    /// first at r', or that its window is dropped in favour of one of r'. Then V(r') + d(r', q) is
+    /// no more, up to rounding, and r' is nearer or the sum is less, which contradicts the choice
+    /// of r. So the path is straight and its window reaches q. Hence V(q) ≤ V(r) + d(r, q)/(1+ε) ≤
+    /// V(r) + d(r, q) ≤ d(s, q) for every source s.
+    pub fn relaying(mesh: &Mesh, policy: W, queue: Q, epsilon: f64) -> Self {
+        let epsilon = if epsilon > 0.0 { epsilon } else { 0.0 };
+        Self {
+            advantage: epsilon / (1.0 + epsilon),
+            ..Self::set_up(mesh, policy, queue)
+        }
+    }
+}
+
+impl<W: Policy, Q: Discipline, const RELAYS: bool> Continuous<W, Q, RELAYS> {
+    fn set_up(mesh: &Mesh, policy: W, queue: Q) -> Self {
         Self {
             runs: CompiledRuns::new(),
             mesh: mesh.clone(),
@@ -98,33 +132,6 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         }
     }
 
-    /// Bounds the error of a [relaying](Relaying) policy: distances are at most 1 + `epsilon` times
-    /// the exact ones, and never less. Other policies stay exact. An `epsilon` that is not positive
-    /// counts as 0.
-    ///
-    /// A run keeps a *value* V of each vertex. The source has the value 0. A straight path of
-    /// length d from a vertex r gives vertex v the value V(r) + d/(1+ε), and windows from r start
-    /// with σ = V(r). Windows and vertices are compared as in an exact algorithm, by V(r) + d. So a
-    /// vertex beats a window that has passed it on a long enough path, and the windows of the
-    /// vertex replace it.
-    ///
-    /// *Never less:* (1+ε)·V(v) is at least the length of some path to v.
-    ///
-    /// *At most 1 + ε times as long:* let d(r, q) be the exact distance. Let r be the vertex of
-    /// least V(r) + d(r, q), of several the nearest to q. Assume that the path from r to q turns
-    /// first at r', or that its window is dropped in favour of one of r'. Then V(r') + d(r', q) is
-    /// no more, up to rounding, and r' is nearer or the sum is less, which contradicts the choice
-    /// of r. So the path is straight and its window reaches q. Hence V(q) ≤ V(r) + d(r, q)/(1+ε) ≤
-    /// V(r) + d(r, q) ≤ d(s, q) for every source s.
-    #[must_use]
-    pub fn with_error(self, epsilon: f64) -> Self {
-        let epsilon = if epsilon > 0.0 { epsilon } else { 0.0 };
-        Self {
-            advantage: epsilon / (1.0 + epsilon),
-            ..self
-        }
-    }
-
     /// The factor 1 + ε from values to distances.
     fn scale(&self) -> f64 {
         (1.0 - self.advantage).recip()
@@ -134,7 +141,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     /// `sigma`.
     #[inline(always)]
     fn value(&self, d: f64, sigma: f64) -> f64 {
-        if W::RELAYS {
+        if RELAYS {
             d - (d - sigma) * self.advantage
         } else {
             d
@@ -144,7 +151,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     /// Whether paths may turn at `v`.
     #[inline(always)]
     fn turns_at(&self, v: VertexId) -> bool {
-        W::RELAYS || self.mesh.is_pseudo_source(v)
+        RELAYS || self.mesh.is_pseudo_source(v)
     }
 
     /// Uses `instructions`, or narrower ones if the processor lacks them. The default is the widest
@@ -191,7 +198,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         let (surface, scale) = (&self.surface, self.scale());
         let distance = |v| {
             let value = surface.distance(v);
-            if W::RELAYS { value * scale } else { value }
+            if RELAYS { value * scale } else { value }
         };
         self.end_check.advance(1);
         self.queue.ends(label, &mut self.end_check, distance, probe)
@@ -238,7 +245,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     fn length_past_end(&self, h: HalfEdgeId, d: f64, window: impl Fn(&Self) -> Window) -> f64 {
         let [tail, head, _] = self.surface.faces().corners(h);
         let ends = [tail, head].map(|v| self.surface.distance(v));
-        if W::RELAYS || ends[0].max(ends[1]) <= d {
+        if RELAYS || ends[0].max(ends[1]) <= d {
             return d;
         }
         let frame = self.surface.faces().frame(h);
@@ -462,7 +469,7 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
         let crossings = self.lookahead.crossings();
         let covers_apex = crossings.covers_apex(lane);
         let (apex, d) = (crossings.apex(lane), crossings.apex_distance(lane));
-        let value = if W::RELAYS {
+        let value = if RELAYS {
             self.value(d, crossings.window(lane).sigma)
         } else {
             d
@@ -596,8 +603,8 @@ impl<W: Policy, Q: Discipline> Continuous<W, Q> {
     }
 }
 
-impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
-    const JUNCTIONS: bool = W::JUNCTIONS;
+impl<W: Policy, Q: Discipline, const RELAYS: bool> Propagate for Continuous<W, Q, RELAYS> {
+    const JUNCTIONS: bool = W::JUNCTIONS && !RELAYS;
 
     fn counters() -> Vec<Counter> {
         [COUNTERS, W::COUNTERS, Q::COUNTERS].concat()
@@ -636,7 +643,7 @@ impl<W: Policy, Q: Discipline> Propagate for Continuous<W, Q> {
             probe.renumber(mesh, |v| v, |v, i| faces.number(mesh.outgoing(v)[i]));
         }
         let mut distances = self.surface.take_distances();
-        if W::RELAYS {
+        if RELAYS {
             let scale = self.scale();
             for d in &mut distances {
                 *d *= scale;

@@ -9,7 +9,7 @@ use geobench_voronoi::{BorderArc, Diagram, NO_SOURCE};
 use serde::Serialize;
 
 use crate::polylines::Polylines;
-use crate::vtp::{Array, PolyData};
+use crate::vtk_xml::{Array, PolyData};
 use crate::{FileFormat, SourceLabel, json_line, no_coordinates};
 
 /// A diagram with its origin.

@@ -4,7 +4,7 @@ use geobench_mesh::io::PlyWriter;
 use geobench_mesh::{Mesh, VertexId, threads};
 use serde::Serialize;
 
-use crate::vtp::{Array, ArrayValues, PolyData, vtk_title};
+use crate::vtk_xml::{Array, ArrayValues, PolyData, vtk_title};
 use crate::{FileFormat, SourceLabel, json_line, no_coordinates};
 
 /// Distances with their origin.

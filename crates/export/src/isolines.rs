@@ -8,7 +8,7 @@ use geobench_window::{FrontWindow, WavefrontMoment};
 use serde::Serialize;
 
 use crate::polylines::Polylines;
-use crate::vtp::Array;
+use crate::vtk_xml::Array;
 use crate::{FileFormat, SourceLabel, json_line, no_coordinates};
 
 /// The isolines of a distance field.

@@ -16,7 +16,7 @@ pub mod picture;
 mod polylines;
 pub mod svg;
 pub mod temporary;
-mod vtp;
+mod vtk_xml;
 
 pub use format::{
     FileFormat, STANDARD, UnknownEnding, ending_of, json_line, json_lines, no_coordinates,

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::distances::csv_word;
 use crate::polylines::Polylines;
-use crate::vtp::Array;
+use crate::vtk_xml::Array;
 use crate::{FileFormat, SourceLabel, json_line, no_coordinates};
 
 /// Paths to several targets, with their origin.

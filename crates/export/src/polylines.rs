@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::vtp::{Array, ArrayValues, CellKind, PolyData, vtk_title};
+use crate::vtk_xml::{Array, ArrayValues, CellKind, PolyData, vtk_title};
 
 /// Polylines with scalars.
 #[derive(Clone, Debug, Default)]

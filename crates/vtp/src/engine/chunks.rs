@@ -95,17 +95,6 @@ pub(crate) struct Chunk {
 
 const _: () = assert!(size_of::<Chunk>() == 64);
 
-/// How a chunk passes an apex.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ChunkPassage {
-    /// All of it on the left.
-    Left,
-    /// All of it on the right.
-    Right,
-    /// The header does not tell.
-    Open,
-}
-
 impl Chunk {
     /// A point of the frame of the edge in that of the chunk.
     #[inline(always)]
@@ -126,23 +115,22 @@ impl Chunk {
         [c * x - s * y, s * x + c * y]
     }
 
-    /// How the chunk passes the `apex`, which is in its own frame.
+    /// The side of the apex at `[x, y]` in the frame of the chunk on which all of it passes, left
+    /// (0) or right (1); `None` if the header does not tell.
     #[inline(always)]
-    pub(crate) fn passage(&self, [x, y]: [f64; 2]) -> ChunkPassage {
+    pub(crate) fn passage(&self, [x, y]: [f64; 2]) -> Option<usize> {
         let [low, high] = self.heights.map(f64::from);
         if self.doubtful || !(low <= y && y <= high) {
-            return ChunkPassage::Open;
+            return None;
         }
         let [left, right] = [self.left, self.right].map(|[x, slope]| {
             let (x, slope) = (f64::from(x), f64::from(slope));
             x + slope * y
         });
         if right < x {
-            ChunkPassage::Left
-        } else if x < left {
-            ChunkPassage::Right
+            Some(0)
         } else {
-            ChunkPassage::Open
+            (x < left).then_some(1)
         }
     }
 
@@ -199,17 +187,10 @@ impl Chunk {
     #[inline(always)]
     fn extend(&mut self, more: &Bounds) {
         let at = |[x, slope]: [f32; 2], y: f64| f64::from(x) + f64::from(slope) * y;
-        let [low, high] = more.heights;
         let bounds = Bounds {
             heights: more.heights,
-            left: [
-                at(self.left, low).min(more.left[0]),
-                at(self.left, high).min(more.left[1]),
-            ],
-            right: [
-                at(self.right, low).max(more.right[0]),
-                at(self.right, high).max(more.right[1]),
-            ],
+            left: [0, 1].map(|i| at(self.left, more.heights[i]).min(more.left[i])),
+            right: [0, 1].map(|i| at(self.right, more.heights[i]).max(more.right[i])),
         };
         self.bound(&bounds);
     }
@@ -301,10 +282,10 @@ impl ChunkStore {
         }
     }
 
-    /// Keeps the memory of a list without chunks.
+    /// Keeps the memory of a list whose `chunks` have moved on.
     #[inline(always)]
-    pub(crate) fn spare(&mut self, chunks: Vec<Chunk>) {
-        debug_assert!(chunks.is_empty());
+    pub(crate) fn spare(&mut self, mut chunks: Vec<Chunk>) {
+        chunks.clear();
         self.spare.push(chunks);
     }
 
@@ -358,7 +339,7 @@ impl ChunkStore {
     #[inline(always)]
     pub(crate) fn prefetch_bodies(&self, list: u32, apex: [f64; 2]) {
         for chunk in self.of(list) {
-            if chunk.passage(chunk.inside(apex)) == ChunkPassage::Open {
+            if chunk.passage(chunk.inside(apex)).is_none() {
                 let lines = usize::from(chunk.len).div_ceil(CacheLine::LANES);
                 let body = &self.lines[chunk.body as usize * BODY..][..BODY];
                 for column in 0..COLUMNS {
@@ -395,13 +376,11 @@ impl ChunkStore {
     /// whether they could be, all or none: a source may be too close to the edge.
     pub(crate) fn bring(&mut self, windows: Columns<'_>, l: f64, chunks: &mut Vec<Chunk>) -> bool {
         let rows = || (0..windows.len()).map(|i| windows.row(i));
-        if !rows().all(|row| Directions::of(row).is_some_and(|d| d.shorter > NEAREST * l)) {
+        let directions = |row| Directions::of(row).filter(|d| d.shorter > NEAREST * l);
+        if !rows().all(|row| directions(row).is_some()) {
             return false;
         }
-        for row in rows() {
-            let Some(directions) = Directions::of(row) else {
-                return false;
-            };
+        for (row, directions) in rows().zip(rows().filter_map(directions)) {
             let [.., px, py, sigma] = row;
             let joins = |chunk: &Chunk| {
                 let slopes = directions.rays.map(|d| chunk.direction_inside(d));
@@ -670,11 +649,9 @@ mod tests {
                 let apex = chunk.inside(apex);
                 let [left, right] = look::<Scalar>((), store.columns(chunk), apex, 0.0).sides;
                 let passage = chunk.passage(apex);
-                passed[passage as usize] += 1;
-                match passage {
-                    ChunkPassage::Left => assert_eq!(right, 0),
-                    ChunkPassage::Right => assert_eq!(left, 0),
-                    ChunkPassage::Open => {}
+                passed[passage.unwrap_or(2)] += 1;
+                if let Some(side) = passage {
+                    assert_eq!([right, left][side], 0);
                 }
             }
         }

@@ -10,7 +10,7 @@ use geobench_window::simd::{CacheLine, Lanes, SimdProgram};
 use geobench_window::{Phase, Probe, Way, Window};
 
 use super::{Improvement, SurfaceState, Wavefront};
-use crate::engine::chunks::{Chunk, ChunkPassage, ChunkStore, ROOM, unit};
+use crate::engine::chunks::{Chunk, ChunkStore, ROOM, unit};
 use crate::engine::kernels::chunks::{ChunkPart, Sight, look};
 use crate::engine::kernels::{AllowedAngle, BestPath, Gate, LOSES, Triangle};
 use crate::engine::layout::{MeshLayout, NO_TWIN, half_edge, next, parts, prev};
@@ -64,7 +64,8 @@ pub(super) struct Staying {
     /// The lists that have crossed since the last decision, and their windows.
     lists: usize,
     windows: usize,
-    passages: Vec<ChunkPassage>,
+    /// How the chunks of the list [pass](Chunk::passage) the apex.
+    passages: Vec<Option<usize>>,
     opened: Vec<Opened>,
     cuts: Vec<Cut>,
     slopes: [CacheLine; ROOM / CacheLine::LANES],
@@ -103,26 +104,17 @@ impl Staying {
 
     /// All windows that stay, each in the frame of its edge.
     pub(super) fn windows(&self, layout: &MeshLayout) -> impl Iterator<Item = Window> {
-        let lists = self
-            .store
-            .lists()
-            .iter()
-            .filter(|list| !list.chunks.is_empty());
-        lists.flat_map(move |list| {
-            let l = layout.length(list.h);
-            let rows = list
-                .chunks
-                .iter()
-                .flat_map(move |chunk| self.store.rows(chunk, l));
-            rows.map(as_window)
-        })
+        let lists = self.store.lists().iter();
+        let chunks = lists.flat_map(|list| list.chunks.iter().map(move |chunk| (list.h, chunk)));
+        let rows = chunks.flat_map(move |(h, chunk)| self.store.rows(chunk, layout.length(h)));
+        rows.map(as_window)
     }
 
     /// Removes the chunks of `list`.
     pub(super) fn abandon(&mut self, list: u32) {
-        let mut chunks = self.store.take(list);
-        for chunk in chunks.drain(..) {
-            self.store.drop(&chunk);
+        let chunks = self.store.take(list);
+        for chunk in &chunks {
+            self.store.drop(chunk);
         }
         self.store.spare(chunks);
     }
@@ -159,34 +151,23 @@ impl Staying {
         chunks: &[Chunk],
         gate: &Gate,
     ) -> Option<usize> {
-        let Staying {
-            store,
-            passages,
-            opened,
-            cuts,
-            ..
-        } = self;
-        passages.clear();
-        opened.clear();
-        cuts.clear();
+        self.passages.clear();
+        self.opened.clear();
+        self.cuts.clear();
         let small = chunks.len() == 1 && chunks[0].len <= SMALL;
         let (mut best, mut distance) = (None, f64::INFINITY);
         for (i, chunk) in chunks.iter().enumerate() {
             let apex = chunk.inside(gate.apex);
-            let passage = if small {
-                ChunkPassage::Open
-            } else {
-                chunk.passage(apex)
-            };
-            passages.push(passage);
-            if passage == ChunkPassage::Open {
+            let passage = if small { None } else { chunk.passage(apex) };
+            self.passages.push(passage);
+            if passage.is_none() {
                 let blur = chunk.blur(gate.longest);
-                let sight = look::<L>(simd, store.columns(chunk), apex, blur);
+                let sight = look::<L>(simd, self.store.columns(chunk), apex, blur);
                 if sight.distance < distance {
                     distance = sight.distance;
-                    best = Some(opened.len());
+                    best = Some(self.opened.len());
                 }
-                opened.push(Opened {
+                self.opened.push(Opened {
                     chunk: i,
                     apex,
                     sight,
@@ -200,22 +181,13 @@ impl Staying {
     /// Applies rule 1 to the windows with rays on both sides of the apex. The shortest path to it,
     /// `path`, is that of the opened chunk `best`.
     fn apply_rule_1(&mut self, chunks: &[Chunk], gate: &Gate, best: usize, path: &BestPath) {
-        let Staying {
-            store,
-            opened,
-            cuts,
-            ..
-        } = self;
-        let own = opened[best];
+        let own = self.opened[best];
         let size = gate.l + own.sight.distance;
         let own_blur = chunks[own.chunk].blur(gate.longest);
-        for (i, opened) in opened.iter_mut().enumerate() {
+        for (i, opened) in self.opened.iter_mut().enumerate() {
             let mut parted = opened.parted;
             if i == best {
                 parted &= !(1 << own.sight.best);
-            }
-            if parted == 0 {
-                continue;
             }
             let chunk = &chunks[opened.chunk];
             let blur = own_blur + chunk.blur(gate.longest);
@@ -223,7 +195,7 @@ impl Staying {
             while parted != 0 {
                 let window = parted.trailing_zeros() as usize;
                 parted &= parted - 1;
-                let row = store.row(chunk, window, gate.l);
+                let row = self.store.row(chunk, window, gate.l);
                 // Rounding has left nothing of a narrow window on the edge.
                 if row[1] <= row[0] {
                     continue;
@@ -234,9 +206,9 @@ impl Staying {
                         AllowedAngle::None => opened.sight.sides[side] &= !(1 << window),
                         AllowedAngle::Until(limit) => {
                             let [x, y] = chunk.inside([limit, 0.0]);
-                            let [px, py, ..] = store.columns(chunk).row(window);
+                            let [px, py, ..] = self.store.columns(chunk).row(window);
                             if py < y {
-                                cuts.push(Cut {
+                                self.cuts.push(Cut {
                                     opened: i,
                                     window,
                                     side,
@@ -250,55 +222,41 @@ impl Staying {
         }
     }
 
-    /// Sends `chunks` into the lists `behind` both exits of `triangle`. `reach` bounds useful paths at
-    /// the tail, the apex and the head.
+    /// Sends `chunks` into the lists `behind` both exits of `triangle`, unless there is no face
+    /// (`open`). `reach` bounds useful paths at the tail, the apex and the head.
     #[inline(always)]
     fn send<L: Lanes>(
         &mut self,
         simd: L::Token,
         chunks: &mut [Chunk],
-        behind: &mut ListsBehind,
+        behind: &mut [Vec<Chunk>; 2],
+        open: [bool; 2],
         triangle: &Triangle,
         reach: [f64; 3],
     ) {
-        let Self {
-            store,
-            passages,
-            opened,
-            cuts,
-            slopes,
-            ..
-        } = self;
-        let mut opened = opened.iter().enumerate();
-        for (chunk, passage) in chunks.iter_mut().zip(passages) {
-            let was_dead = std::mem::take(&mut behind.dead);
-            let passed = match passage {
-                ChunkPassage::Left => Some(0),
-                ChunkPassage::Right => Some(1),
-                ChunkPassage::Open => None,
-            };
-            if let Some(side) = passed {
-                if behind.open[side] {
+        let waited_on_left = behind[0].len();
+        // Whether the last part for the right has died as a whole.
+        let mut dead = false;
+        let mut opened = self.opened.iter().enumerate();
+        for (chunk, &passage) in chunks.iter_mut().zip(&self.passages) {
+            let was_dead = std::mem::take(&mut dead);
+            if let Some(side) = passage {
+                if open[side] {
                     chunk.doubtful = was_dead && side == 1;
-                    store.push::<L>(simd, &mut behind.chunks[side], chunk, side, triangle);
+                    (self.store).push::<L>(simd, &mut behind[side], chunk, side, triangle);
                 } else {
-                    store.drop(chunk);
+                    self.store.drop(chunk);
                 }
                 continue;
             }
             let Some((number, of)) = opened.next() else {
                 break;
             };
-            let mut sides = of.sight.sides;
-            for (windows, open) in sides.iter_mut().zip(behind.open) {
-                if !open {
-                    *windows = 0;
-                }
-            }
+            let sides = [0, 1].map(|side| if open[side] { of.sight.sides[side] } else { 0 });
             // The larger part stays in its body.
             let larger = usize::from(sides[0].count_ones() < sides[1].count_ones());
             if sides[larger] == 0 {
-                store.drop(chunk);
+                self.store.drop(chunk);
                 continue;
             }
             let from = *chunk;
@@ -309,9 +267,10 @@ impl Staying {
                     continue;
                 }
                 let mut cut = 0;
-                for c in cuts.iter().filter(|c| c.opened == number && c.side == side) {
+                let cuts = self.cuts.iter();
+                for c in cuts.filter(|c| c.opened == number && c.side == side) {
                     cut |= 1 << c.window;
-                    let line = &mut slopes[c.window / CacheLine::LANES];
+                    let line = &mut self.slopes[c.window / CacheLine::LANES];
                     line.0[c.window % CacheLine::LANES] = c.slope;
                 }
                 let [start, end] = [corners[side], corners[side + 1]];
@@ -322,7 +281,7 @@ impl Staying {
                     parted: of.parted,
                     apex: of.apex,
                     cut,
-                    slopes,
+                    slopes: &self.slopes,
                     start,
                     along: [end[0] - start[0], end[1] - start[1]],
                     length,
@@ -335,25 +294,25 @@ impl Staying {
                 let mut to = if side == larger {
                     from
                 } else {
-                    store.another(&from)
+                    self.store.another(&from)
                 };
-                store.leave::<L>(simd, &from, &mut to, &part);
+                self.store.leave::<L>(simd, &from, &mut to, &part);
                 left_over[side] = Some(to);
             }
             for (side, part) in left_over.into_iter().enumerate() {
                 let Some(part) = part else {
                     continue;
                 };
-                let list = &mut behind.chunks[side];
+                let list = &mut behind[side];
                 if part.len > 0 {
-                    store.push::<L>(simd, list, &part, side, triangle);
+                    self.store.push::<L>(simd, list, &part, side, triangle);
                     continue;
                 }
                 // What has died is on the outside; its neighbours may die as well.
-                store.drop(&part);
+                self.store.drop(&part);
                 if side == 1 {
-                    behind.dead = true;
-                } else if list.len() > behind.before
+                    dead = true;
+                } else if list.len() > waited_on_left
                     && let Some(last) = list.last_mut()
                 {
                     last.doubtful = true;
@@ -361,17 +320,6 @@ impl Staying {
             }
         }
     }
-}
-
-/// The lists behind both exits of a face.
-struct ListsBehind {
-    chunks: [Vec<Chunk>; 2],
-    /// Whether there are faces.
-    open: [bool; 2],
-    /// The number of chunks that waited on the left before.
-    before: usize,
-    /// Whether the last part for the right has died as a whole.
-    dead: bool,
 }
 
 impl Wavefront {
@@ -443,12 +391,12 @@ impl Wavefront {
     /// Appends the windows of `chunks` to those of `list` in the usual form, on an edge of length
     /// `l`. Returns the list.
     #[cold]
-    fn give_up_chunks(&mut self, mut list: u32, l: f64, mut chunks: Vec<Chunk>) -> u32 {
-        for chunk in chunks.drain(..) {
-            let rows = self.staying.store.rows(&chunk, l);
+    fn give_up_chunks(&mut self, mut list: u32, l: f64, chunks: Vec<Chunk>) -> u32 {
+        for chunk in &chunks {
+            let rows = self.staying.store.rows(chunk, l);
             let rows: Vec<[f64; COLUMNS]> = rows.filter(|[b0, b1, ..]| b0 < b1).collect();
             list = self.store.append_rows(list, &rows);
-            self.staying.store.drop(&chunk);
+            self.staying.store.drop(chunk);
         }
         self.staying.store.spare(chunks);
         list
@@ -537,35 +485,30 @@ impl Wavefront {
         let ends = [gate.ends[0], state.distance(apex), gate.ends[1]];
         let blur = blur(gate.longest);
         let reach = ends.map(|d| d * LOSES + blur);
-        let lists = exits.map(|exit| {
-            if exit == NO_TWIN {
-                return NO_LIST;
-            }
+        let open = exits.map(|exit| exit != NO_TWIN);
+        let mut behind = exits.map(|exit| {
             let (f, k) = parts(exit);
-            state.list(f, k)
+            let list = if exit == NO_TWIN {
+                NO_LIST
+            } else {
+                state.list(f, k)
+            };
+            self.staying.store.take(list)
         });
-        let mut behind = ListsBehind {
-            chunks: lists.map(|list| self.staying.store.take(list)),
-            open: exits.map(|exit| exit != NO_TWIN),
-            dead: false,
-            before: 0,
-        };
-        behind.before = behind.chunks[0].len();
-        (self.staying).send::<L>(simd, &mut chunks, &mut behind, &triangle, reach);
-        chunks.clear();
+        (self.staying).send::<L>(simd, &mut chunks, &mut behind, open, &triangle, reach);
         self.staying.store.spare(chunks);
-        for (side, chunks) in behind.chunks.into_iter().enumerate() {
+        for (exit, chunks) in exits.into_iter().zip(behind) {
             if chunks.is_empty() {
                 self.staying.store.spare(chunks);
                 continue;
             }
-            let (f, k) = parts(exits[side]);
+            let (f, k) = parts(exit);
             let mut list = state.list(f, k);
             if list == NO_LIST {
                 list = self.store.reserve(NO_LIST, 1);
                 state.set_list(f, k, list);
             }
-            self.staying.store.put(list, exits[side], chunks);
+            self.staying.store.put(list, exit, chunks);
             self.make_ready(state, f, k);
         }
         self.staying.count(windows);

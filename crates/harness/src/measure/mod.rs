@@ -2,6 +2,7 @@
 
 pub mod conditions;
 pub mod host;
+pub mod mann_whitney;
 pub mod memory;
 pub mod number;
 pub mod statistics;

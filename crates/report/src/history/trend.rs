@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use geobench_harness::measure::statistics::{mann_whitney, summarise};
+use geobench_harness::measure::mann_whitney::mann_whitney;
+use geobench_harness::measure::statistics::summarise;
 use geobench_harness::schema::Status;
 use serde::Serialize;
 

@@ -19,8 +19,9 @@ use std::collections::{BTreeMap, HashMap};
 use std::fmt;
 
 use geobench_harness::figures::CLAIMED;
+use geobench_harness::measure::mann_whitney::mann_whitney;
 use geobench_harness::measure::number::group;
-use geobench_harness::measure::statistics::{mann_whitney, median, paired_ratio, unpaired_ratio};
+use geobench_harness::measure::statistics::{median, paired_ratio, unpaired_ratio};
 use geobench_harness::schema::{Cell, CellId, ResultFile, SourceLabel, Status, changed_program};
 use geobench_registry::UsageError;
 use geobench_window::{Counter, Counters};

@@ -1,5 +1,6 @@
 //! Straightest geodesics: the line in a given direction.
 
+use geobench_mesh::vector::{cross_2d, dot, norm, scale, sub};
 use geobench_mesh::{HalfEdgeId, Mesh, Place, SurfacePoint, VertexId};
 use thiserror::Error;
 
@@ -55,19 +56,6 @@ enum LineExit {
     Vertex(HalfEdgeId),
     /// Through this half-edge of the face, at the fraction of the way from its tail.
     Edge(HalfEdgeId, f64),
-}
-
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-/// Above 0 if `b` is to the left of `a`.
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0] - b[0], a[1] - b[1]]
 }
 
 fn unit(a: [f64; 2]) -> [f64; 2] {
@@ -239,22 +227,18 @@ fn towards(mesh: &Mesh, start: &SurfacePoint, direction: [f64; 3]) -> Option<Hea
 
 /// A vector in space, projected to the plane of the face of `h`, in the frame of `h`.
 fn in_plane(mesh: &Mesh, h: HalfEdgeId, vector: [f64; 3]) -> Option<[f64; 2]> {
-    let at = |v: VertexId| mesh.positions().get(v.index());
+    let at = |v: VertexId| mesh.positions().get(v.index()).copied();
     let (tail, head, apex) = (
         at(mesh.tail(h))?,
         at(mesh.head(h))?,
         at(mesh.apex_vertex(h))?,
     );
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let minus = |a: &[f64; 3], b: &[f64; 3]| [0, 1, 2].map(|k| a[k] - b[k]);
-    let unit = |a: [f64; 3]| {
-        let length = dot(a, a).sqrt();
-        a.map(|x| x / length)
-    };
-    let e1 = unit(minus(head, tail));
-    let up = minus(apex, tail);
+    // Without area: NaN.
+    let unit = |a: [f64; 3]| a.map(|x| x / norm(a));
+    let e1 = unit(sub(head, tail));
+    let up = sub(apex, tail);
     let along = dot(up, e1);
-    let e2 = unit([0, 1, 2].map(|k| up[k] - along * e1[k]));
+    let e2 = unit(sub(up, scale(e1, along)));
     let found = [dot(vector, e1), dot(vector, e2)];
     found.iter().all(|x| x.is_finite()).then_some(found)
 }
@@ -278,8 +262,8 @@ impl Heading {
         let corners = [[0.0; 2], [mesh.length(h), 0.0], mesh.apex(h)];
         let longest = sides.map(|side| mesh.length(side)).into_iter();
         let snap = SNAP * longest.fold(0.0, f64::max);
-        let ways = corners.map(|corner| dot(minus(corner, from), direction));
-        let offs = corners.map(|corner| cross(direction, minus(corner, from)));
+        let ways = corners.map(|corner| dot(sub(corner, from), direction));
+        let offs = corners.map(|corner| cross_2d(direction, sub(corner, from)));
         let ahead = (0..3).filter(|&k| ways[k] > snap);
         let hit = ahead.clone().filter(|&k| offs[k].abs() <= snap);
         if let Some(k) = hit.min_by(|&a, &b| ways[a].total_cmp(&ways[b])) {
@@ -304,8 +288,8 @@ impl Heading {
         let corners = [[0.0; 2], [mesh.length(self.h), 0.0], mesh.apex(self.h)];
         let k = (0..3).find(|&k| [self.h, self.h.next(), self.h.prev()][k] == h);
         let k = k.unwrap_or(0);
-        let along = unit(minus(corners[(k + 1) % 3], corners[k]));
-        [dot(along, self.direction), cross(along, self.direction)]
+        let along = unit(sub(corners[(k + 1) % 3], corners[k]));
+        [dot(along, self.direction), cross_2d(along, self.direction)]
     }
 
     /// The ray in the face behind `h`, which it leaves at `t`; `None` at the boundary.

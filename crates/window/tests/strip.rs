@@ -1,5 +1,6 @@
 //! Windows carried through strips of triangles folded in space, against lengths measured there.
 
+use geobench_mesh::vector::{cross, norm, sub, unit};
 use geobench_mesh::{HalfEdgeId, Mesh, TriangleSoup, VertexId};
 use geobench_window::{Crossing, Faces, Side, Window, spawn_window};
 use proptest::prelude::*;
@@ -8,26 +9,6 @@ type Point = [f64; 3];
 
 fn add(a: Point, b: Point, t: f64) -> Point {
     [0, 1, 2].map(|i| a[i] + t * b[i])
-}
-
-fn sub(a: Point, b: Point) -> Point {
-    add(a, b, -1.0)
-}
-
-fn cross(a: Point, b: Point) -> Point {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-fn norm(a: Point) -> f64 {
-    a.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-fn unit(a: Point) -> Point {
-    a.map(|x| x / norm(a))
 }
 
 /// One more triangle of a strip: on which exit of the last one it lies, where its apex stands

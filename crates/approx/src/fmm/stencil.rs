@@ -1,5 +1,6 @@
 //! The triangles through which a front arrives, unfolded at obtuse corners.
 
+use geobench_mesh::vector::{cross_2d, dot, sub};
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
 use crate::attached::PointInFace;
@@ -141,7 +142,7 @@ impl Corner {
     fn split(&self, mesh: &Mesh) -> Option<[Stencil; 2]> {
         let apex = self.position;
         let ends = [[0.0; 2], [self.length, 0.0]];
-        let [to_tail, to_head] = ends.map(|end| minus(end, apex));
+        let [to_tail, to_head] = ends.map(|end| sub(end, apex));
         if dot(to_tail, to_head) >= 0.0 {
             return None;
         }
@@ -156,7 +157,7 @@ impl Corner {
                 return None;
             }
             let place = unfolded(tail, head, mesh.apex(g), mesh.length(g));
-            let ray = minus(place, apex);
+            let ray = sub(place, apex);
             if dot(ray, to_tail) <= 0.0 {
                 crossed = g.next();
                 tail = place;
@@ -190,7 +191,7 @@ impl Corner {
 /// The apex of a face to the left of the edge from `tail` to `head`. `length` is the length of the
 /// edge, and `apex` the position of the apex in its frame.
 fn unfolded(tail: [f64; 2], head: [f64; 2], apex: [f64; 2], length: f64) -> [f64; 2] {
-    let along = minus(head, tail).map(|x| x / length);
+    let along = sub(head, tail).map(|x| x / length);
     [
         tail[0] + along[0] * apex[0] - along[1] * apex[1],
         tail[1] + along[1] * apex[0] + along[0] * apex[1],
@@ -199,24 +200,13 @@ fn unfolded(tail: [f64; 2], head: [f64; 2], apex: [f64; 2], length: f64) -> [f64
 
 /// Length of the base, and position of `apex` in its frame; `None` if the base has no length.
 fn in_frame(from: [f64; 2], to: [f64; 2], apex: [f64; 2]) -> Option<(f64, [f64; 2])> {
-    let base = minus(to, from);
+    let base = sub(to, from);
     let length = length(base);
     let along = base.map(|x| x / length);
-    let to_apex = minus(apex, from);
-    let position = [
-        dot(to_apex, along),
-        along[0] * to_apex[1] - along[1] * to_apex[0],
-    ];
+    let to_apex = sub(apex, from);
+    let position = [dot(to_apex, along), cross_2d(along, to_apex)];
     let is_usable = length > 0.0 && position.iter().all(|x| x.is_finite());
     is_usable.then_some((length, [position[0], position[1].abs()]))
-}
-
-fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
 }
 
 fn length(a: [f64; 2]) -> f64 {

@@ -4,9 +4,10 @@ use geobench_mesh::TriangleSoup;
 use geobench_mesh::generate::{
     FAMILIES, GenerateError, MAX_FACES, Modifiers, add_noise, midpoint_subdivide,
 };
+use geobench_mesh::vector::{dot, sub};
 
 use crate::model;
-use crate::surface::{assert_close, dot, measure, minus};
+use crate::surface::{assert_close, measure};
 
 #[test]
 fn subdivision_keeps_old_vertices_and_the_surface() {
@@ -126,7 +127,7 @@ fn noise_works_at_any_scale() {
         let before = soup.clone();
         add_noise(&mut soup, 0.1, 1);
         let moved = soup.positions.iter().zip(&before.positions).map(|(p, q)| {
-            let step = minus(*p, *q).map(|x| x / scale);
+            let step = sub(*p, *q).map(|x| x / scale);
             dot(step, step).sqrt()
         });
         for (step, p) in moved.zip(&plain.positions) {

@@ -3,10 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use geobench_mesh::generate::{FAMILIES, GenerateError, Spec};
+use geobench_mesh::vector::{dot, sub};
 use geobench_mesh::{Mesh, MeshMeasures, TriangleSoup, VertexId};
 
 use crate::model;
-use crate::surface::{assert_close, dot, measure, minus};
+use crate::surface::{assert_close, measure};
 
 /// Spec, Euler characteristic, number of boundary edges.
 const SHAPES: &[(&str, i64, usize)] = &[
@@ -132,7 +133,7 @@ fn jittered_plates_do_not_fold() {
         let soup = model(spec);
         for t in &soup.triangles {
             let [a, b, c] = t.map(|v| soup.positions[v as usize]);
-            let (u, v) = (minus(b, a), minus(c, a));
+            let (u, v) = (sub(b, a), sub(c, a));
             assert!(u[0] * v[1] - u[1] * v[0] > 0.0, "{spec}: {t:?}");
         }
         let flat = measure(spec, &model(spec.split(",jitter").next().expect("some")));
@@ -222,7 +223,7 @@ fn the_knot_does_not_touch_itself() {
     let mut nearest = f64::INFINITY;
     for i in 0..n {
         for j in i + n / 6..n.min(i + n - n / 6) {
-            let d = minus(soup.positions[i], soup.positions[j]);
+            let d = sub(soup.positions[i], soup.positions[j]);
             nearest = nearest.min(dot(d, d).sqrt());
         }
     }

@@ -2,7 +2,8 @@
 
 use std::collections::HashSet;
 
-use geobench_mesh::{Mesh, TriangleSoup};
+use geobench_mesh::vector::{cross, dot, norm, sub};
+use geobench_mesh::{DisjointSets, Mesh, TriangleSoup};
 
 /// Global facts about a soup that is an oriented manifold without isolated vertices.
 pub(crate) struct Surface {
@@ -20,7 +21,7 @@ pub(crate) struct Surface {
 pub(crate) fn measure(name: &str, soup: &TriangleSoup) -> Surface {
     let p = |v: u32| soup.positions[v as usize];
     let mut directed = HashSet::new();
-    let mut joined: Vec<u32> = (0..soup.positions.len() as u32).collect();
+    let mut parts = DisjointSets::new(soup.positions.len());
     let (mut area, mut volume) = (0.0, 0.0);
     for t in &soup.triangles {
         for k in 0..3 {
@@ -30,20 +31,18 @@ pub(crate) fn measure(name: &str, soup: &TriangleSoup) -> Surface {
                 "{name}: edge {from}-{to} twice"
             );
             assert!(p(from) != p(to), "{name}: zero-length edge {from}-{to}");
-            let (a, b) = (root(&mut joined, from), root(&mut joined, to));
-            joined[a as usize] = b;
+            parts.union(from, to);
         }
         let [a, b, c] = t.map(p);
-        let normal = cross(minus(b, a), minus(c, a));
-        let twice_area = dot(normal, normal).sqrt();
+        let normal = cross(sub(b, a), sub(c, a));
+        let twice_area = norm(normal);
         assert!(twice_area > 0.0, "{name}: triangle {t:?} has no area");
         area += twice_area / 2.0;
         volume += dot(a, normal) / 6.0;
     }
     let used: HashSet<u32> = soup.triangles.iter().flatten().copied().collect();
     assert_eq!(used.len(), soup.positions.len(), "{name}: unused vertices");
-    let roots: HashSet<u32> = used.iter().map(|&v| root(&mut joined, v)).collect();
-    assert_eq!(roots.len(), 1, "{name}: components");
+    assert_eq!(parts.count(), 1, "{name}: components");
     assert!(soup.positions.as_flattened().iter().all(|x| x.is_finite()));
     let boundary_edges = directed
         .iter()
@@ -64,30 +63,6 @@ pub(crate) fn measure(name: &str, soup: &TriangleSoup) -> Surface {
 
 fn count(n: usize) -> i64 {
     n.try_into().expect("small models")
-}
-
-fn root(joined: &mut [u32], mut v: u32) -> u32 {
-    while joined[v as usize] != v {
-        joined[v as usize] = joined[joined[v as usize] as usize];
-        v = joined[v as usize];
-    }
-    v
-}
-
-pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(crate) fn cross(u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
-    [
-        u[1] * v[2] - u[2] * v[1],
-        u[2] * v[0] - u[0] * v[2],
-        u[0] * v[1] - u[1] * v[0],
-    ]
 }
 
 /// Asserts that `a` and `b` differ by at most `tolerance` of `b`.

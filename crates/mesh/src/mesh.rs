@@ -417,6 +417,12 @@ impl Mesh {
         })
     }
 
+    /// The angle at the tail of `h` in its face, in radians.
+    pub fn corner_angle(&self, h: HalfEdgeId) -> f64 {
+        let [x, y] = self.apex(h);
+        libm::atan2(y, x)
+    }
+
     /// Sum of the corner angles at `v` in radians, over all fans; 0 for an isolated vertex.
     #[inline]
     pub fn total_angle(&self, v: VertexId) -> f64 {

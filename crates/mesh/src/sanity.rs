@@ -134,11 +134,7 @@ impl Mesh {
             if end.map_or(start.is_some(), |next| next != first) {
                 return Err(not_its_fans());
             }
-            let corner = |h: &HalfEdgeId| {
-                let [x, y] = self.apex(*h);
-                libm::atan2(y, x)
-            };
-            let angle: f64 = fan.iter().map(corner).sum();
+            let angle: f64 = fan.iter().map(|&h| self.corner_angle(h)).sum();
             let straight = if start.is_none() { PI } else { 2.0 * PI };
             boundary |= start.is_none()
                 && [first, fan[size - 1].prev()]

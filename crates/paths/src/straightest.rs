@@ -191,7 +191,7 @@ pub(crate) fn sectors(mesh: &Mesh, start: &SurfacePoint) -> Vec<Sector> {
             let at_corner = |&h: &HalfEdgeId| Sector {
                 h,
                 from: [0.0; 2],
-                angle: Some(corner_angle(mesh, h)),
+                angle: Some(mesh.corner_angle(h)),
             };
             let outgoing = mesh.outgoing(mesh.kept_vertex(v)).iter();
             outgoing.map(at_corner).collect()
@@ -241,12 +241,6 @@ fn in_plane(mesh: &Mesh, h: HalfEdgeId, vector: [f64; 3]) -> Option<[f64; 2]> {
     let e2 = unit(sub(up, scale(e1, along)));
     let found = [dot(vector, e1), dot(vector, e2)];
     found.iter().all(|x| x.is_finite()).then_some(found)
-}
-
-/// The angle of the face of `h` at the tail of `h`.
-fn corner_angle(mesh: &Mesh, h: HalfEdgeId) -> f64 {
-    let [x, y] = mesh.apex(h);
-    libm::atan2(y, x)
 }
 
 /// The next half-edge from the tail of `h`, counter-clockwise.
@@ -307,17 +301,17 @@ impl Heading {
     /// sides; `None` at the boundary.
     fn around_vertex(&self, mesh: &Mesh, h: HalfEdgeId) -> Option<Self> {
         let [x, y] = self.direction_from(mesh, h);
-        let mut all = corner_angle(mesh, h);
+        let mut all = mesh.corner_angle(h);
         let mut at = next_around(mesh, h)?;
         while at != h {
-            all += corner_angle(mesh, at);
+            all += mesh.corner_angle(at);
             at = next_around(mesh, at)?;
         }
         // Counter-clockwise from the way back.
-        let mut angle = libm::atan2(-y, -x).clamp(0.0, corner_angle(mesh, h)) + 0.5 * all;
+        let mut angle = libm::atan2(-y, -x).clamp(0.0, mesh.corner_angle(h)) + 0.5 * all;
         let mut at = h;
-        while angle > corner_angle(mesh, at) {
-            angle -= corner_angle(mesh, at);
+        while angle > mesh.corner_angle(at) {
+            angle -= mesh.corner_angle(at);
             at = next_around(mesh, at)?;
         }
         Some(Self {
@@ -490,7 +484,7 @@ mod tests {
                     let apex = cone.apex(h);
                     let within = libm::atan2(up * apex[1], one * cone.length(h) + up * apex[0]);
                     let around = cone.outgoing(tip).iter().take_while(|&&other| other != h);
-                    around.map(|&h| corner_angle(&cone, h)).sum::<f64>() + within
+                    around.map(|&h| cone.corner_angle(h)).sum::<f64>() + within
                 };
                 let turned = (back(&last) - back(&path.points[0])).abs();
                 let half = 0.5 * cone.total_angle(tip);

@@ -24,19 +24,13 @@ pub(super) struct Tangents<'a> {
     scale: f64,
 }
 
-/// The angle at the tail of `h` in its face.
-fn corner_angle(mesh: &Mesh, h: HalfEdgeId) -> f64 {
-    let [x, y] = mesh.apex(h);
-    libm::atan2(y, x)
-}
-
 impl<'a> Tangents<'a> {
     pub(super) fn new(mesh: &'a Mesh, vertex: VertexId) -> Self {
         let mut total = 0.0;
         let mut angles = Vec::new();
         for &h in mesh.outgoing(vertex) {
             angles.push(total);
-            total += corner_angle(mesh, h);
+            total += mesh.corner_angle(h);
         }
         let is_whole = !mesh.is_boundary(vertex) && total > 0.0;
         Self {
@@ -66,7 +60,7 @@ impl<'a> Tangents<'a> {
             let mut edges = mesh.outgoing(self.vertex).iter().zip(&self.angles);
             edges.find_map(|(&h, &angle)| match v {
                 v if v == mesh.head(h) => Some(angle),
-                v if v == mesh.apex_vertex(h) => Some(angle + corner_angle(mesh, h)),
+                v if v == mesh.apex_vertex(h) => Some(angle + mesh.corner_angle(h)),
                 _ => None,
             })
         };

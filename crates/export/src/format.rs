@@ -94,11 +94,7 @@ pub fn json_lines(document: &impl serde::Serialize) -> anyhow::Result<String> {
 }
 
 /// `document` as one line of JSON.
-///
-/// # Errors
-///
-/// When `document` has a map with keys that are no strings.
-pub fn json_line(document: &impl serde::Serialize) -> anyhow::Result<Vec<u8>> {
+pub(crate) fn json_line(document: &impl serde::Serialize) -> anyhow::Result<Vec<u8>> {
     let mut bytes = serde_json::to_vec(document)?;
     bytes.push(b'\n');
     Ok(bytes)

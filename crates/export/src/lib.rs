@@ -18,8 +18,9 @@ pub mod svg;
 pub mod temporary;
 mod vtk_xml;
 
+pub(crate) use format::json_line;
 pub use format::{
-    FileFormat, STANDARD, UnknownEnding, ending_of, json_line, json_lines, no_coordinates,
+    FileFormat, STANDARD, UnknownEnding, ending_of, json_lines, no_coordinates,
     set_standard_output_form,
 };
 pub use label::SourceLabel;

@@ -87,7 +87,7 @@ impl Corpus {
     }
 
     /// The model with the hash of `record`.
-    pub fn of_record(&self, record: &ModelRecord) -> Option<&CorpusModel> {
+    pub(crate) fn of_record(&self, record: &ModelRecord) -> Option<&CorpusModel> {
         let hash = record.sha256.as_ref()?;
         self.models.iter().find(|model| model.sha256 == *hash)
     }
@@ -139,12 +139,12 @@ impl Corpus {
 
 impl CorpusModel {
     /// Whether a generator makes it.
-    pub fn is_generated(&self) -> bool {
+    pub(crate) fn is_generated(&self) -> bool {
         Spec::is_spec(&self.address)
     }
 
     /// Whether it is from somewhere. The others are made by a rule, of which some are files.
-    pub fn is_real(&self) -> bool {
+    pub(crate) fn is_real(&self) -> bool {
         self.address.contains("://")
     }
 }

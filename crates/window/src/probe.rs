@@ -160,7 +160,7 @@ pub struct Count {
 
 impl Count {
     /// One that also finds `fronts`.
-    pub fn watching(fronts: Fronts) -> Self {
+    pub(crate) fn watching(fronts: Fronts) -> Self {
         Self {
             wavefront: WavefrontSampler::watching(fronts),
             ..Self::default()

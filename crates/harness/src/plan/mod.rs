@@ -236,13 +236,13 @@ impl Plan {
     }
 
     /// The algorithms that run on `model`.
-    pub fn algorithms_on(&self, model: &ModelRecord) -> impl Iterator<Item = &Selection> {
+    pub(crate) fn algorithms_on(&self, model: &ModelRecord) -> impl Iterator<Item = &Selection> {
         let all = self.algorithms.iter();
         all.filter(|one| !self.leaves_out(one.label(), model))
     }
 
     /// The reference on `model`. Another one takes the place of a default that is left out.
-    pub fn reference_on(&self, model: &ModelRecord) -> Reference {
+    pub(crate) fn reference_on(&self, model: &ModelRecord) -> Reference {
         match &self.reference {
             Reference::Algorithm(one)
                 if one.is_optional() && self.leaves_out(one.label(), model) =>

@@ -308,7 +308,7 @@ fn votes(cells: &[Cell]) -> Vec<Vote> {
 /// outside the cluster of the reference get the sizes of both clusters. The cell of the reference
 /// gets a description of all clusters, unless its own has the majority. If all answers agree,
 /// nothing changes.
-pub fn explain(cells: &mut [Cell]) {
+pub(crate) fn explain(cells: &mut [Cell]) {
     let votes = votes(cells);
     let Some(ballot) = Ballot::of(&votes) else {
         return;

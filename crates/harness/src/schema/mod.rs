@@ -302,7 +302,7 @@ pub struct GroupRecord {
 
 impl GroupRecord {
     /// The algorithms that have no cells on `model`.
-    pub fn left_out_of(&self, model: &ModelRecord) -> &[String] {
+    pub(crate) fn left_out_of(&self, model: &ModelRecord) -> &[String] {
         if model.junctions.is_some() {
             &self.left_out_at_junctions
         } else {

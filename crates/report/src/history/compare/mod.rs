@@ -673,7 +673,7 @@ impl Measure {
 
     /// Whether only an increase is worse. Any change of a counter means that the algorithm works
     /// differently.
-    pub const fn is_cost(self) -> bool {
+    const fn is_cost(self) -> bool {
         matches!(self, Self::Instructions | Self::Memory(_))
     }
 }

@@ -106,7 +106,7 @@ impl ComparisonRule {
 
 impl ComparisonRule {
     /// Whether a figure of which less is better has decreased beyond the limit.
-    pub fn is_surpassed(&self, old: f64, new: f64) -> bool {
+    pub(crate) fn is_surpassed(&self, old: f64, new: f64) -> bool {
         self.subject.is_cost() && old > 0.0 && (old - new) / old > self.limit
     }
 }

@@ -161,17 +161,20 @@ impl<'a, const N: usize> Columns<'a, N> {
     }
 }
 
-/// A block of `N` columns, for writing.
+/// A block of `N` columns, for writing. `MORE` lines follow behind the last column.
 #[derive(Debug)]
-pub struct Block<'a, const N: usize> {
+pub struct Block<'a, const N: usize, const MORE: u64 = 0> {
     start: *mut f64,
     /// As in [`Columns`].
     stride: usize,
     lines: PhantomData<&'a mut [CacheLine]>,
 }
 
-impl<'a, const N: usize> Block<'a, N> {
-    /// `N` columns of `column` lines each, at the start of `lines`.
+/// A block with one more line behind it, so that loads may start one row later.
+pub type PaddedBlock<'a, const N: usize> = Block<'a, N, 1>;
+
+impl<'a, const N: usize, const MORE: u64> Block<'a, N, MORE> {
+    /// `N` columns of `column` lines each and the lines behind them, at the start of `lines`.
     ///
     /// # Panics
     ///
@@ -179,7 +182,7 @@ impl<'a, const N: usize> Block<'a, N> {
     #[inline(always)]
     pub fn new(lines: &'a mut [CacheLine], column: u32) -> Self {
         Self {
-            stride: stride_of::<N>(lines.len(), column, 0),
+            stride: stride_of::<N>(lines.len(), column, MORE),
             start: lines.as_mut_ptr().cast(),
             lines: PhantomData,
         }
@@ -214,6 +217,25 @@ impl<'a, const N: usize> Block<'a, N> {
             stride: self.stride,
             len,
             lines: PhantomData,
+        }
+    }
+}
+
+impl<const N: usize> PaddedBlock<'_, N> {
+    /// The first `len` rows, to be filtered in place.
+    ///
+    /// # Panics
+    ///
+    /// If columns are shorter than `len`.
+    #[inline(always)]
+    pub fn in_place(&mut self, len: usize) -> InPlace<'_, N> {
+        assert!(len <= self.stride, "columns are shorter than the list");
+        InPlace {
+            start: self.start,
+            stride: self.stride,
+            len,
+            kept: 0,
+            block: PhantomData,
         }
     }
 }
@@ -253,48 +275,6 @@ impl<const N: usize> Sink<'_, N> {
         // SAFETY: each column has room for the chosen rows.
         unsafe { store(self.start.add(self.len), self.stride, mask, rows) };
         self.len = len;
-    }
-}
-
-/// A block of `N` columns with one more line behind it, so that loads may start one row later.
-#[derive(Debug)]
-pub struct PaddedBlock<'a, const N: usize> {
-    start: *mut f64,
-    /// As in [`Columns`]; a line follows behind the last column.
-    stride: usize,
-    lines: PhantomData<&'a mut [CacheLine]>,
-}
-
-impl<'a, const N: usize> PaddedBlock<'a, N> {
-    /// `N` columns of `column` lines each and one more line, at the start of `lines`.
-    ///
-    /// # Panics
-    ///
-    /// If there are fewer lines.
-    #[inline(always)]
-    pub fn new(lines: &'a mut [CacheLine], column: u32) -> Self {
-        Self {
-            stride: stride_of::<N>(lines.len(), column, 1),
-            start: lines.as_mut_ptr().cast(),
-            lines: PhantomData,
-        }
-    }
-
-    /// The first `len` rows, to be filtered in place.
-    ///
-    /// # Panics
-    ///
-    /// If columns are shorter than `len`.
-    #[inline(always)]
-    pub fn in_place(&mut self, len: usize) -> InPlace<'_, N> {
-        assert!(len <= self.stride, "columns are shorter than the list");
-        InPlace {
-            start: self.start,
-            stride: self.stride,
-            len,
-            kept: 0,
-            block: PhantomData,
-        }
     }
 }
 

@@ -5,7 +5,7 @@ use geobench_window::queue::MinHeap;
 use geobench_window::trimming::KeptWindows;
 
 use crate::engine::layout::{half_edge, parts};
-use crate::engine::store::{Block, COLUMNS, Columns, NO_LIST, WindowStore};
+use crate::engine::store::{COLUMNS, Columns, NO_LIST, WindowStore};
 
 /// The side on which a window left the face below its half-edge.
 ///
@@ -37,7 +37,8 @@ struct FaceLists {
 #[derive(Clone, Debug)]
 pub(crate) struct Front {
     places: Vec<FaceLists>,
-    store: WindowStore,
+    /// The windows of all lists.
+    pub(crate) store: WindowStore,
     /// The number of this step; `before` is that of the last step of the previous run.
     step: u32,
     before: u32,
@@ -299,34 +300,6 @@ impl Front {
         self.store.put(list, len, window);
         self.arrive(h, arrival, list, len + 1);
         (list, len)
-    }
-
-    /// The store of all lists.
-    pub(crate) fn store(&self) -> &WindowStore {
-        &self.store
-    }
-
-    /// The store of all lists.
-    pub(crate) fn store_mut(&mut self) -> &mut WindowStore {
-        &mut self.store
-    }
-
-    /// Number of windows in a list.
-    #[inline]
-    pub(crate) fn len(&self, list: u32) -> usize {
-        self.store.len(list)
-    }
-
-    /// The blocks of two different lists; empty for [`NO_LIST`].
-    #[inline]
-    pub(crate) fn blocks(&mut self, lists: [u32; 2]) -> [Block<'_>; 2] {
-        self.store.blocks(lists)
-    }
-
-    /// The windows of a list.
-    #[inline]
-    pub(crate) fn columns(&self, list: u32) -> Columns<'_> {
-        self.store.columns(list)
     }
 
     /// Prefetches the state of `face`.

@@ -233,7 +233,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
         if !S::BY_VERTEX && !self.front.contains(parts(h).0) {
             let gate = self.layout.gate(h, [f64::INFINITY; 2]);
             let program = Least {
-                list: self.front.columns(list),
+                list: self.front.store.columns(list),
                 start,
                 gate: &gate,
                 keep: &mut self.active.keep,
@@ -368,7 +368,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                     .reserve(exit, arrivals[side], bound[side], alone[side]);
             }
         }
-        let before = lists.map(|list| self.front.len(list));
+        let before = lists.map(|list| self.front.store.len(list));
         let triangle = face.triangle(corner);
         let (carried, after) = {
             let rule = self.exits.enter(&ListCrossing {
@@ -381,7 +381,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 layout: &self.layout,
                 simd: self.simd,
             });
-            let blocks = self.front.blocks(lists);
+            let blocks = self.front.store.blocks(lists);
             let mut targets = blocks.map(|block| Target {
                 block,
                 len: 0,
@@ -402,9 +402,9 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
             after,
         };
         probe.enter(Phase::Management);
-        sent.admit(&mut self.kept, self.front.store_mut());
+        sent.admit(&mut self.kept, &mut self.front.store);
         if B::COUNTS {
-            let store = self.front.store();
+            let store = &self.front.store;
             let deepest = sent.record_levels(&mut self.levels, store, h, &triangle);
             probe.raise(Counter::Levels, u64::from(deepest));
         }

@@ -2,20 +2,12 @@
 //! are distances.
 
 use geobench_approx::{Boundary, Dijkstra, Fmm, FmmUntidy, Heat, HeatOptions, Vsp};
-use geobench_mesh::{Mesh, TriangleSoup, VertexId};
-use geobench_oracle::{Geometry, Model, zoo};
+use geobench_mesh::{Mesh, VertexId};
+use geobench_oracle::{Model, zoo};
 use geobench_window::Solver;
 
-fn mesh_of(model: &Model) -> Mesh {
-    let triangles = model.triangles.clone();
-    let built = match &model.geometry {
-        Geometry::Positions(positions) => {
-            Mesh::from_soup(TriangleSoup::new(positions.clone(), triangles))
-        }
-        Geometry::Lengths(lengths) => Mesh::from_lengths(model.vertex_count, &triangles, lengths),
-    };
-    built.unwrap().0
-}
+#[path = "../../oracle/tests/support/mesh.rs"]
+mod oracle_mesh;
 
 fn solvers(mesh: &Mesh) -> Vec<(String, Box<dyn Solver>)> {
     let mut all: Vec<(String, Box<dyn Solver>)> = Vec::new();
@@ -46,7 +38,7 @@ fn solvers(mesh: &Mesh) -> Vec<(String, Box<dyn Solver>)> {
 }
 
 fn check(model: &Model) {
-    let mesh = mesh_of(model);
+    let mesh = oracle_mesh::mesh_of(model).unwrap();
     let last = VertexId::new(mesh.vertex_count() as u32 - 1);
     let first = VertexId::new(model.sources[0]);
     for (name, mut solver) in solvers(&mesh) {

@@ -16,9 +16,12 @@ use geobench_ich::ich;
 use geobench_mesh::generate::generate;
 use geobench_mesh::{Mesh, TriangleSoup, VertexId, io};
 use geobench_mmp::{NearestLists, Retention, mmp, mmp_batched, mmp_fast};
-use geobench_oracle::{Geometry, Model, zoo};
+use geobench_oracle::zoo;
 use geobench_window::{Counter, Solver, VertexFilter};
 use proptest::prelude::*;
+
+#[path = "../../oracle/tests/support/mesh.rs"]
+mod oracle_mesh;
 
 /// A difference that rounding explains, relative to the distance.
 const ROUNDING: f64 = 1e-12;
@@ -195,24 +198,11 @@ fn small_surfaces_of_every_kind() {
     let lists = [on, off].into_iter().flat_map(defaults);
     let recipes: Vec<Recipe> = lists.chain(odd).flatten().collect();
     for model in zoo::small() {
-        let mesh = mesh_of(&model);
+        let mesh = oracle_mesh::mesh_of(&model).unwrap();
         for &source in model.sources.iter().take(3) {
             compare(&model.name, &mesh, source, &recipes);
         }
     }
-}
-
-fn mesh_of(model: &Model) -> Mesh {
-    let triangles = model.triangles.clone();
-    let built = match &model.geometry {
-        Geometry::Positions(positions) => {
-            Mesh::from_soup(TriangleSoup::new(positions.clone(), triangles))
-        }
-        Geometry::Lengths(lengths) => Mesh::from_lengths(model.vertex_count, &triangles, lengths),
-    };
-    built
-        .unwrap_or_else(|error| panic!("{}: {error}", model.name))
-        .0
 }
 
 fn shared(model: &str) -> Option<Mesh> {

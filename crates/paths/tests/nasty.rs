@@ -9,7 +9,8 @@ use std::path::PathBuf;
 use geobench_mesh::{Mesh, SplitMix64, TriangleSoup};
 use geobench_oracle::nasty::{self, Kind};
 
-use crate::judged::{check, mesh_of, report};
+use crate::judged::oracle_mesh::mesh_of;
+use crate::judged::{check, report};
 
 /// The number in the environment variable `name`, for more seeds than by default.
 fn number(name: &str, default: u64) -> u64 {
@@ -21,7 +22,7 @@ fn nasty_meshes() {
     let mut failures = Vec::new();
     for seed in number("FROM", 0)..number("TO", 250) {
         let model = nasty::mesh(seed).model;
-        if let Some(mesh) = mesh_of(&model) {
+        if let Ok(mesh) = mesh_of(&model) {
             check(&model.name, &mesh, &model.sources, &mut failures);
         }
     }
@@ -34,7 +35,7 @@ fn meshes_with_junctions() {
     for &kind in Kind::JOINED {
         for seed in number("FROM", 0)..number("TO", 30) {
             let model = kind.mesh(seed).model;
-            if let Some(mesh) = mesh_of(&model) {
+            if let Ok(mesh) = mesh_of(&model) {
                 check(&model.name, &mesh, &model.sources, &mut failures);
             }
         }

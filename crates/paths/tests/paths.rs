@@ -9,7 +9,8 @@ use geobench_paths::{PathPlace, Paths, TraceError};
 use geobench_vtp::VtpFast;
 use geobench_window::Goal;
 
-use crate::judged::{check, mesh_of, report, solvers};
+use crate::judged::oracle_mesh::mesh_of;
+use crate::judged::{check, report, solvers};
 
 #[test]
 fn paths_are_straight_and_as_long_as_the_distances() {

@@ -3,10 +3,13 @@
 // Each test file uses its part.
 #![allow(dead_code)]
 
-use geobench_mesh::{Mesh, TriangleSoup, VertexId};
+use geobench_mesh::{Mesh, VertexId};
 use geobench_mmp::mmp;
-use geobench_oracle::{Geometry, Model, distances, nasty, rounded, zoo};
+use geobench_oracle::{Model, distances, nasty, rounded, zoo};
 use geobench_window::{Solver, precision};
+
+#[path = "../../../oracle/tests/support/mesh.rs"]
+mod oracle_mesh;
 
 /// A mesh with sources and the exact distances from them.
 pub(crate) struct Case {
@@ -56,14 +59,7 @@ fn of_seed(seed: u64) -> Option<Case> {
 }
 
 fn mesh_of(model: &Model) -> Option<Mesh> {
-    let triangles = model.triangles.clone();
-    let built = match &model.geometry {
-        Geometry::Positions(positions) => {
-            Mesh::from_soup(TriangleSoup::new(positions.clone(), triangles))
-        }
-        Geometry::Lengths(lengths) => Mesh::from_lengths(model.vertex_count, &triangles, lengths),
-    };
-    let mesh = built.ok().map(|(mesh, _)| mesh);
+    let mesh = oracle_mesh::mesh_of(model).ok();
     mesh.filter(|mesh| !mesh.has_junctions())
 }
 

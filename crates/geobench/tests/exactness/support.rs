@@ -4,10 +4,13 @@ use std::any::Any;
 use std::fmt::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use geobench_mesh::{Mesh, Tolerance, TriangleSoup, VertexId};
-use geobench_oracle::{Geometry, Model};
+use geobench_mesh::{Mesh, Tolerance, VertexId};
+use geobench_oracle::Model;
 use geobench_registry::{Algorithm, Selection, select};
 use geobench_window::Solver;
+
+#[path = "../../../oracle/tests/support/mesh.rs"]
+mod oracle_mesh;
 
 /// The tolerance for rounding in all but the hardest comparisons.
 pub(crate) const ROUNDING: f64 = 1e-12;
@@ -121,17 +124,7 @@ fn panic_message(panic: &(dyn Any + Send)) -> &str {
 ///
 /// When the mesh is refused. The message has the reason.
 pub(crate) fn mesh_of(model: &Model) -> Mesh {
-    let triangles = model.triangles.clone();
-    let built = match &model.geometry {
-        Geometry::Positions(positions) => {
-            Mesh::from_soup(TriangleSoup::new(positions.clone(), triangles))
-        }
-        Geometry::Lengths(lengths) => Mesh::from_lengths(model.vertex_count, &triangles, lengths),
-    };
-    match built {
-        Ok((mesh, _)) => mesh,
-        Err(refused) => panic!("{}: {refused}", model.name),
-    }
+    oracle_mesh::mesh_of(model).unwrap_or_else(|refused| panic!("{}: {refused}", model.name))
 }
 
 /// Collected failures, so that one run of a test reports all of them.

@@ -7,28 +7,17 @@ use geobench_fwp::{
     vtp_mmp_batched,
 };
 use geobench_ich::{ch, ich};
-use geobench_mesh::{Mesh, TriangleSoup, VertexId};
+use geobench_mesh::{Mesh, VertexId};
 use geobench_mmp::{mmp, mmp_edge, mmp_fast};
-use geobench_oracle::{Geometry, Model};
 use geobench_paths::Paths;
 use geobench_vtp::{EdgeBased, Ftp, Opvtp, Pvtp, Vtp, VtpExhaustive, VtpFast, VtpTrimming};
 use geobench_window::{Goal, SolveError, Solver, precision};
 
+#[path = "../../../oracle/tests/support/mesh.rs"]
+pub(crate) mod oracle_mesh;
 mod path;
 
 pub(crate) use path::{judge, surface};
-
-/// The mesh of `model`; `None` if it is refused.
-pub(crate) fn mesh_of(model: &Model) -> Option<Mesh> {
-    let triangles = model.triangles.clone();
-    let built = match &model.geometry {
-        Geometry::Positions(positions) => {
-            Mesh::from_soup(TriangleSoup::new(positions.clone(), triangles))
-        }
-        Geometry::Lengths(lengths) => Mesh::from_lengths(model.vertex_count, &triangles, lengths),
-    };
-    built.ok().map(|(mesh, _)| mesh)
-}
 
 pub(crate) fn solvers(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver>)> {
     let mut all: Vec<(&'static str, Box<dyn Solver>)> = vec![

@@ -1,11 +1,13 @@
 //! Whole runs on small surfaces.
 
 mod diagram;
+#[path = "../../../oracle/tests/support/mesh.rs"]
+mod oracle_mesh;
 mod propagation;
 mod remesh;
 
-use geobench_mesh::{Mesh, SplitMix64, TriangleSoup, VertexId};
-use geobench_oracle::{Geometry, Model};
+use geobench_mesh::{Mesh, SplitMix64, VertexId};
+use geobench_oracle::Model;
 use geobench_vtp::VtpFast;
 use geobench_window::Solver;
 
@@ -14,14 +16,7 @@ pub(super) const ROUNDING: f64 = 1e-12;
 
 /// The mesh of `model`; `None` if it has a defect that no program accepts.
 pub(super) fn try_mesh_of(model: &Model) -> Option<Mesh> {
-    let triangles = model.triangles.clone();
-    let built = match &model.geometry {
-        Geometry::Positions(positions) => {
-            Mesh::from_soup(TriangleSoup::new(positions.clone(), triangles))
-        }
-        Geometry::Lengths(lengths) => Mesh::from_lengths(model.vertex_count, &triangles, lengths),
-    };
-    let mesh = built.ok().map(|(mesh, _)| mesh);
+    let mesh = oracle_mesh::mesh_of(model).ok();
     mesh.filter(|mesh| !mesh.has_junctions())
 }
 

@@ -259,18 +259,22 @@ impl LoadedModelCheck<'_> {
         Ok(())
     }
 
-    /// Whether to skip `algorithm`: it is not named, and the model has more faces than it solves in
-    /// about a minute.
-    fn is_too_slow(&self, algorithm: &Selection) -> bool {
+    /// Why `algorithm` is left out: it is not named, and the model has more faces than it solves in
+    /// about a minute, or junctions that it does not cross.
+    fn why_left_out(&self, algorithm: &Selection) -> Option<&'static str> {
         let faces = self.record.faces.unwrap_or(0);
         let comfortable = algorithm.algorithm().comfortable_faces;
-        algorithm.is_optional() && comfortable.is_some_and(|most| faces > most)
-    }
-
-    /// Whether to skip `algorithm`: it is not named, and does not cross the junctions of the model.
-    fn crosses_too_little(&self, algorithm: &Selection) -> bool {
         let has_junctions = self.record.junctions.is_some();
-        algorithm.is_optional() && has_junctions && !algorithm.crosses_junctions()
+        if !algorithm.is_optional() {
+            None
+        } else if comfortable.is_some_and(|most| faces > most) {
+            Some("the model has too many faces for it; name it with --algo to run it")
+        } else {
+            (has_junctions && !algorithm.crosses_junctions()).then_some(
+                "it crosses no edges with more than two faces and no surface that cannot be \
+                 oriented",
+            )
+        }
     }
 
     /// The distances from `source` that are stored beside the model; `None` if there are none, or
@@ -355,14 +359,7 @@ impl LoadedModelCheck<'_> {
             if interrupt::requested() {
                 break;
             }
-            if self.is_too_slow(algorithm) {
-                let why = "the model has too many faces for it; name it with --algo to run it";
-                self.tell_left_out(algorithm, source, why)?;
-                continue;
-            }
-            if self.crosses_too_little(algorithm) {
-                let why = "it crosses no edges with more than two faces and no surface that cannot \
-                           be oriented";
+            if let Some(why) = self.why_left_out(algorithm) {
                 self.tell_left_out(algorithm, source, why)?;
                 continue;
             }

@@ -69,8 +69,6 @@ mod trim;
 mod variants;
 mod wavefront;
 
-#[doc(hidden)]
-pub use engine::bench_support;
 pub use exits::{AcrossTheFace, AnyExit, EveryPath, Exits, OneAngleTwoSides};
 pub use fast::{FastOptions, VtpFast};
 pub use merge::{Merge, OrderFree, OrderPreserving};

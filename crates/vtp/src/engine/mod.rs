@@ -5,8 +5,6 @@
 #![allow(clippy::inline_always)]
 
 pub(crate) mod active_list;
-#[doc(hidden)]
-pub mod bench_support;
 pub(crate) mod buckets;
 pub(crate) mod chunks;
 pub(crate) mod coalesce;

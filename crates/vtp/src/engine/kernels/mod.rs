@@ -16,6 +16,8 @@ pub(crate) mod exits;
 mod filter;
 mod measure;
 mod settle;
+#[cfg(test)]
+mod tests;
 mod trim;
 
 pub(crate) use carry::{Carried, Target, Triangle, carry};

@@ -1,14 +1,13 @@
-//! The kernels on synthetic lists, for the benches of this crate. Not part of the public interface.
+//! The kernels on synthetic lists.
 
 use geobench_window::simd::{Instructions, Lanes, Simd, SimdProgram};
 
-use super::kernels::{self, BestPath, Cuts, Gate, Measured, Target, Triangle};
-use super::store::{COLUMNS, NO_LIST, WindowStore};
+use super::{BestPath, Cuts, Gate, Measured, Target, Triangle, carry, compare, measure};
+use crate::engine::store::{COLUMNS, NO_LIST, WindowStore};
 use crate::precision::blur;
 
 /// A list in front of an equilateral triangle, with room for the children.
-#[derive(Debug)]
-pub struct KernelBench {
+struct SyntheticList {
     simd: Simd,
     store: WindowStore,
     lists: [u32; 4],
@@ -21,8 +20,8 @@ pub struct KernelBench {
 }
 
 /// A kernel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kernel {
+#[derive(Clone, Copy)]
+enum Kernel {
     /// Rules 2 and 3 on a copy of the list.
     Compare,
     /// The vertex filter and the shortest path to the apex.
@@ -31,9 +30,9 @@ pub enum Kernel {
     Carry,
 }
 
-impl KernelBench {
+impl SyntheticList {
     /// A list of `len` windows. Uses `instructions`, or narrower ones if the processor lacks them.
-    pub fn new(len: usize, instructions: Instructions) -> Self {
+    fn new(len: usize, instructions: Instructions) -> Self {
         let mut store = WindowStore::new();
         let lists = [len, len, len, len].map(|n| store.reserve(NO_LIST, n));
         // Neighbours overlap by half of their width; their sources lie side by side.
@@ -54,7 +53,7 @@ impl KernelBench {
             store.put(lists[0], i, window);
         }
         let height = 0.75_f64.sqrt();
-        let mut bench = Self {
+        let mut case = Self {
             simd: Simd::new(instructions),
             store,
             lists,
@@ -75,21 +74,18 @@ impl KernelBench {
             cuts: Cuts::default(),
             found: None,
         };
-        bench.run(Kernel::Measure);
-        bench
+        case.run(Kernel::Measure);
+        case
     }
 
     /// Runs `kernel` once; returns the number of resulting windows.
-    pub fn run(&mut self, kernel: Kernel) -> usize {
-        self.simd.run(RunKernel {
-            bench: self,
-            kernel,
-        })
+    fn run(&mut self, kernel: Kernel) -> usize {
+        self.simd.run(RunKernel { case: self, kernel })
     }
 }
 
 struct RunKernel<'a> {
-    bench: &'a mut KernelBench,
+    case: &'a mut SyntheticList,
     kernel: Kernel,
 }
 
@@ -98,41 +94,40 @@ impl SimdProgram for RunKernel<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, simd: L::Token) -> usize {
-        let bench = self.bench;
-        let len = bench.windows.len();
-        let [list, copy, left, right] = bench.lists;
+        let case = self.case;
+        let len = case.windows.len();
+        let [list, copy, left, right] = case.lists;
         match self.kernel {
             Kernel::Compare => {
-                for (i, &window) in bench.windows.iter().enumerate() {
-                    bench.store.put(copy, i, window);
+                for (i, &window) in case.windows.iter().enumerate() {
+                    case.store.put(copy, i, window);
                 }
-                let block = bench.store.padded_block(copy);
-                kernels::compare::<L>(simd, block, len, blur(bench.gate.l), &mut bench.cuts)
+                let block = case.store.padded_block(copy);
+                compare::<L>(simd, block, len, blur(case.gate.l), &mut case.cuts)
             }
             Kernel::Measure => {
-                let list = bench.store.first(list, len);
-                let found =
-                    kernels::measure::<L, true>(simd, list, 0, &bench.gate, &mut bench.keep);
-                bench.found = Some(found);
+                let list = case.store.first(list, len);
+                let found = measure::<L, true>(simd, list, 0, &case.gate, &mut case.keep);
+                case.found = Some(found);
                 found.kept
             }
             Kernel::Carry => {
-                let Some(found) = bench.found else {
+                let Some(found) = case.found else {
                     return 0;
                 };
-                let [block, left, right] = bench.store.blocks([list, left, right]);
+                let [block, left, right] = case.store.blocks([list, left, right]);
                 let list = block.columns(len);
-                let best = BestPath::of(list, found.best, &bench.gate, found.distance);
+                let best = BestPath::of(list, found.best, &case.gate, found.distance);
                 let [mut left, mut right] = [left, right].map(|block| Target {
                     block,
                     len: 0,
                     open: true,
                 });
-                kernels::carry::<L, BestPath>(
+                carry::<L, BestPath>(
                     simd,
                     list,
-                    &bench.keep,
-                    &bench.triangle,
+                    &case.keep,
+                    &case.triangle,
                     &best,
                     0.0,
                     [&mut left, &mut right],
@@ -143,25 +138,19 @@ impl SimdProgram for RunKernel<'_> {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn all_instructions_bring_the_same_windows_through_every_kernel() {
-        for len in [1, 7, 8, 9, 100] {
-            let results = Instructions::ALL.map(|instructions| {
-                let mut bench = KernelBench::new(len, instructions);
-                let counts =
-                    [Kernel::Compare, Kernel::Measure, Kernel::Carry].map(|k| bench.run(k));
-                assert_eq!(counts[1], len);
-                assert!(counts[2] >= len, "{counts:?}");
-                // The windows that the comparison has kept are the first of its list.
-                let copy = bench.lists[1];
-                bench.store.set_len(copy, counts[0]);
-                (counts, bench.store.windows().collect::<Vec<_>>())
-            });
-            assert!(results.iter().all(|r| *r == results[0]), "{len}");
-        }
+#[test]
+fn all_instructions_bring_the_same_windows_through_every_kernel() {
+    for len in [1, 7, 8, 9, 100] {
+        let results = Instructions::ALL.map(|instructions| {
+            let mut case = SyntheticList::new(len, instructions);
+            let counts = [Kernel::Compare, Kernel::Measure, Kernel::Carry].map(|k| case.run(k));
+            assert_eq!(counts[1], len);
+            assert!(counts[2] >= len, "{counts:?}");
+            // The windows that the comparison has kept are the first of its list.
+            let copy = case.lists[1];
+            case.store.set_len(copy, counts[0]);
+            (counts, case.store.windows().collect::<Vec<_>>())
+        });
+        assert!(results.iter().all(|r| *r == results[0]), "{len}");
     }
 }

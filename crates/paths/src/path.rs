@@ -107,6 +107,23 @@ impl Point {
 
 /// A path over the surface: a shortest path, several that follow each other, or a
 /// [`line`](crate::line).
+///
+/// ```
+/// use geobench_mesh::Mesh;
+/// use geobench_paths::{Path, Paths};
+/// use geobench_vtp::VtpFast;
+/// use geobench_window::Goal;
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let mut solver = VtpFast::new(&mesh);
+/// // From one corner of the square to the next, and on to the opposite one.
+/// let one = Paths::find(&mut solver, &mesh, 0, &Goal::targets([4]))?.to(4.into())?;
+/// let other = Paths::find(&mut solver, &mesh, 4, &Goal::targets([24]))?.to(24.into())?;
+/// let path = Path::joined(one.into_iter().chain(other));
+/// assert!((path.length - 8.0).abs() < 1e-12);
+/// assert_eq!(path.polyline(&mesh)[0], mesh.positions()[0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
     /// Length, in the units of the mesh.

@@ -16,6 +16,18 @@ use crate::wave::{ArrivalMode, COUNTERS, WaveState};
 /// Windows of both directions of an edge are trimmed together, as in
 /// [`WindowVtp`](crate::WindowVtp). So both algorithms leave the same windows at the borders of
 /// cells.
+///
+/// ```
+/// use geobench_mesh::{Mesh, VertexId};
+/// use geobench_voronoi::{FieldSolver, Lct11};
+///
+/// let mesh = Mesh::generate("grid,n=4")?;
+/// let mut solver = Lct11::new(&mesh);
+/// let field = solver.field(&[0, 24].map(VertexId::new))?;
+/// // Vertices 0 and 24 are opposite corners; vertex 1 is beside the first one.
+/// assert_eq!((field.labels()[1], field.labels()[23]), (0, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Lct11<Q = HeapQueue> {
     runs: CompiledRuns<Self>,

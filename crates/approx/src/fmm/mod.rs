@@ -23,6 +23,18 @@ use stencil::{Stencil, Stencils};
 ///
 /// The error is about proportional to the length of the edges. Distances may be too long or too
 /// short.
+///
+/// ```
+/// use geobench_approx::Fmm;
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("sphere,subdiv=3")?; // Of radius 1.
+/// let distances = Fmm::new(&mesh, true).distances_from(0)?;
+/// let farthest = distances.into_iter().fold(0.0, f64::max);
+/// assert!((farthest - std::f64::consts::PI).abs() < 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Fmm {
     march: March<Tidy>,

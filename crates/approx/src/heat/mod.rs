@@ -63,6 +63,21 @@ const SOURCE: f64 = f64::from_bits((1023 + 900) << 52);
 ///
 /// Distances are smooth. Their error is about the length of an edge, and they may be too long or
 /// too short. They are 0 at the sources.
+///
+/// ```
+/// use geobench_approx::{Heat, HeatOptions};
+/// use geobench_mesh::Mesh;
+/// use geobench_window::Solver;
+///
+/// let mesh = Mesh::generate("sphere,subdiv=3")?; // Of radius 1.
+/// let mut solver = Heat::new(&mesh, HeatOptions::default());
+/// for source in [0, 7] {
+///     let distances = solver.distances_from(source)?;
+///     let farthest = distances.into_iter().fold(0.0, f64::max);
+///     assert!((farthest - std::f64::consts::PI).abs() < 0.1);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Heat {
     mesh: Mesh,

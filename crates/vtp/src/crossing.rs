@@ -80,34 +80,14 @@ impl<P: Pairs, T: PruningTally> SimdProgram for Inspect<'_, P, T> {
     }
 }
 
-/// Propagates the active list across its face.
+/// Propagates the active list across its face. It has been measured, and the targets have room for
+/// the windows that the measurement counted.
 pub(crate) struct Carry<'a, 'b, R> {
-    active: &'a ActiveList,
-    triangle: &'a Triangle,
-    rule: &'a R,
-    threshold: f64,
-    targets: &'a mut [Target<'b>; 2],
-}
-
-impl<'a, 'b, R> Carry<'a, 'b, R> {
-    /// For the measured list in `active`. The targets must have room for the windows counted by the
-    /// measurement.
-    #[inline]
-    pub(crate) fn new(
-        active: &'a ActiveList,
-        triangle: &'a Triangle,
-        rule: &'a R,
-        threshold: f64,
-        targets: &'a mut [Target<'b>; 2],
-    ) -> Self {
-        Self {
-            active,
-            triangle,
-            rule,
-            threshold,
-            targets,
-        }
-    }
+    pub(crate) active: &'a ActiveList,
+    pub(crate) triangle: &'a Triangle,
+    pub(crate) rule: &'a R,
+    pub(crate) threshold: f64,
+    pub(crate) targets: &'a mut [Target<'b>; 2],
 }
 
 impl<R: Rule> SimdProgram for Carry<'_, '_, R> {

@@ -391,8 +391,13 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 targets[side].len = before[side];
                 targets[side].open = exits[side] != NO_TWIN;
             }
-            let program = Carry::new(&self.active, &triangle, &rule, self.threshold, &mut targets);
-            let carried = self.simd.run(program);
+            let carried = self.simd.run(Carry {
+                active: &self.active,
+                triangle: &triangle,
+                rule: &rule,
+                threshold: self.threshold,
+                targets: &mut targets,
+            });
             (carried, targets.map(|target| target.len))
         };
         let mut sent = Sent {

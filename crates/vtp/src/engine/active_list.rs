@@ -4,7 +4,7 @@ use geobench_window::Window;
 use geobench_window::simd::{CacheLine, Lanes};
 
 use super::kernels::{Cuts, Gate, Measured, gather, measure};
-use super::store::{Block, COLUMNS, Columns, PaddedBlock};
+use super::store::{Block, COLUMNS, Columns, PaddedBlock, as_window};
 
 /// A list taken from its half-edge, in its own block, with the scratch memory of the passes over
 /// it.
@@ -80,14 +80,7 @@ impl ActiveList {
     /// Window number `i`.
     #[inline]
     pub(crate) fn window(&self, i: usize) -> Window {
-        let [b0, b1, px, py, sigma] = self.columns().row(i);
-        Window {
-            b0,
-            b1,
-            px,
-            py,
-            sigma,
-        }
+        as_window(self.columns().row(i))
     }
 
     /// All windows.

@@ -15,9 +15,8 @@ use geobench_mesh::{FaceId, HalfEdgeId, Mesh};
 
 use crate::ball::Ball;
 use crate::difference::{CLOSE, Chord, Distance, RoundedDistance, peak};
-use crate::envelope::{EnvelopePiece, WindowData, piece};
-use crate::field::{EdgeField, ExactPiece, FaceSide, PieceBlock, SidePiece, canonical};
-use crate::interval::{greater, lesser};
+use crate::field::{EdgeField, ExactPiece, FaceSide, SidePiece};
+use crate::interval::greater;
 use crate::shape::{Border, FaceShape, LeastDistance, RoundedTransform, SideTransform, excess};
 
 /// A link of a chain: segments across a face between two nodes, of which a shortest path may take
@@ -45,17 +44,17 @@ pub(crate) struct ChainLink {
 /// these factors; its error is at most 300 u of the size. A distance to a given image has an error
 /// of at most 4 u of it. Differences and tangents add a few more. The sum is below 1000 u, or
 /// 1.2e-13.
-const MARGIN: f64 = 1e-11;
+pub(crate) const MARGIN: f64 = 1e-11;
 
 /// Sizes of faces for which no square overflows, or underflows by more than the margin covers.
-const SIZES: std::ops::Range<f64> = 1e-130..1e130;
+pub(crate) const SIZES: std::ops::Range<f64> = 1e-130..1e130;
 
 /// The greatest number of links that are kept, 16 bytes each. With more, violations are added up by
 /// distance instead of along chains.
 const MOST_LINKS: usize = 1 << 26;
 
 /// Vectors shorter than this fraction of the margin have no reliable direction.
-const TINY: f64 = 0.1;
+pub(crate) const TINY: f64 = 0.1;
 
 /// The radius of the neighbourhood of a vertex, as a fraction of its shortest edge. The points in
 /// it form one node with the vertex, because segments of almost no length lead around it in all
@@ -235,112 +234,16 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// A violation above this fraction of the size of a face is repaired.
-pub(crate) const REPAIR: f64 = 1e-14;
-
-/// A window by which points of an edge have less than their distance, by more than rounding.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ShorterWindow {
-    /// The canonical half-edge.
-    pub(crate) edge: HalfEdgeId,
-    pub(crate) window: EnvelopePiece,
-    /// How much less at most.
-    pub(crate) by: f64,
-    /// The least that is more than rounding.
-    pub(crate) least: f64,
-}
-
-/// Adds the windows that lead through `face` to its sides and are shorter there. In rounded
-/// arithmetic.
-pub(crate) fn shorter_windows(
-    field: &EdgeField<'_>,
-    face: FaceId,
-    sides: &mut [FaceSide; 3],
-    found: &mut Vec<ShorterWindow>,
-) {
-    let mesh = field.mesh;
-    let shape = FaceShape::of(mesh, face);
-    let lengths = shape.lengths.map(Ball::middle);
-    for (k, side) in (0..).zip(&mut *sides) {
-        side.set(field, face.half_edge(k), lengths[k as usize]);
-    }
-    let size = FaceSize::of(sides, lengths).all;
-    if !SIZES.contains(&size) {
-        return;
-    }
-    let least = REPAIR * size;
-    let mut compare = |k: usize, distance: &RoundedDistance, bounds: [f64; 2]| {
-        let is_clear = |chord: &Chord| chord.is_below(distance, -least);
-        let overlaps = |from: f64, to: f64| from < bounds[1] && to > bounds[0];
-        let blocks = sides[k].blocks().iter().filter(|block| {
-            let [first, last] = [block.first, block.end - 1].map(|i| &sides[k].pieces[i]);
-            overlaps(first.from, last.to) && !is_clear(&block.chord)
-        });
-        let pieces = blocks.flat_map(|block| &sides[k].pieces[block.first..block.end]);
-        let above = pieces
-            .filter(|p| overlaps(p.from, p.to) && !is_clear(&p.chord))
-            .map(|p| p.height_above(distance, bounds));
-        let by = above.fold(f64::NEG_INFINITY, greater);
-        if by > least {
-            let h = face.half_edge(k as u32);
-            let window = WindowData {
-                interval: bounds,
-                image: distance.image,
-                sigma: distance.sigma,
-            };
-            let (edge, is_turned) = canonical(mesh, h);
-            let window = piece(&window, lengths[k], is_turned);
-            found.push(ShorterWindow {
-                edge,
-                window,
-                by,
-                least,
-            });
-        }
-    };
-    for k in 0..3 {
-        for pair in sides[k].pieces.windows(2) {
-            let (left, right) = (pair[0].at_ends()[1], pair[1].at_ends()[0]);
-            if (left - right).abs() > least {
-                let along = RoundedDistance {
-                    image: [pair[0].to, 0.0],
-                    sigma: lesser(left, right),
-                };
-                compare(k, &along, [0.0, lengths[k]]);
-            }
-        }
-        for step in [1, 2] {
-            let near = shape.transform(k, step).rounded(TINY * MARGIN * size);
-            if !near.is_finite() {
-                return;
-            }
-            let there = (k + step) % 3;
-            for piece in &sides[k].pieces {
-                // See [`SidePair::compare_all`].
-                let straight = near.straight(&piece.distance);
-                let is_clear = |whole: PieceBlock| whole.chord.is_below(&straight, -least);
-                if sides[there].whole.is_none_or(is_clear) {
-                    continue;
-                }
-                let reaches = near.reaches(piece, straight);
-                for part in 0..3 {
-                    compare(there, reaches.distance(part), reaches.bounds(part));
-                }
-            }
-        }
-    }
-}
-
 /// What rounding errors in a face are relative to.
-struct FaceSize {
+pub(crate) struct FaceSize {
     /// The greatest distance on the sides plus their lengths.
-    all: f64,
+    pub(crate) all: f64,
     /// The greatest distance of a point of a side from its image, plus the lengths of the sides.
     reach: f64,
 }
 
 impl FaceSize {
-    fn of(sides: &[FaceSide; 3], lengths: [f64; 3]) -> Self {
+    pub(crate) fn of(sides: &[FaceSide; 3], lengths: [f64; 3]) -> Self {
         let (mut all, mut reach) = (0.0, 0.0);
         for piece in sides.iter().flat_map(|side| &side.pieces) {
             let most = greater(piece.at_ends()[0], piece.at_ends()[1]);
@@ -757,7 +660,7 @@ mod tests {
 
     use super::*;
     use crate::Claim;
-    use crate::envelope::EnvelopePiece;
+    use crate::envelope::{EnvelopePiece, WindowData};
 
     /// Face 11996 of the scan igea, source vertex 0, and two of its pieces. The paths that bend at
     /// the end of the first piece reach exactly the end of the second, where the straight ones

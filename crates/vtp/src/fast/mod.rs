@@ -48,6 +48,25 @@ impl Default for FastOptions {
     }
 }
 
+impl FastOptions {
+    /// With instructions that the processor has.
+    pub(crate) fn available(self) -> Self {
+        Self {
+            instructions: self.instructions.or_narrower(),
+            ..self
+        }
+    }
+
+    /// The numbers of vertices and faces.
+    pub(crate) fn numbering(&self, mesh: &Mesh) -> Numbering {
+        if self.renumber {
+            Numbering::breadth_first(mesh)
+        } else {
+            Numbering::same()
+        }
+    }
+}
+
 /// VTP on one thread with every improvement that keeps it exact ([`FastOptions`]), on one mesh.
 ///
 /// See [`Vtp`](crate::Vtp) for the algorithm of the paper. Time and space are those of VTP.
@@ -85,21 +104,13 @@ impl VtpFast {
 
     /// Sets up for `mesh`; O(faces).
     pub fn with_options(mesh: &Mesh, options: FastOptions) -> Self {
-        let instructions = options.instructions.or_narrower();
-        let mut numbering = if options.renumber {
-            Numbering::breadth_first(mesh)
-        } else {
-            Numbering::same()
-        };
+        let mut numbering = options.numbering(mesh);
         let mut state = SerialState::new(mesh, &numbering);
         let stays = options.stay > 0 && state.layout.light_shadows(mesh, &numbering);
         numbering.keep_new_vertices();
         Self {
             mesh: mesh.clone(),
-            options: FastOptions {
-                instructions,
-                ..options
-            },
+            options: options.available(),
             coalesces: options.coalesce && state.layout().has_many_flat_vertices(),
             numbering,
             wavefront: Wavefront::new(

@@ -74,21 +74,13 @@ impl Pvtp {
     /// As [`new`](Self::new), with other options.
     pub fn with_options(mesh: &Mesh, threads: usize, options: FastOptions) -> Self {
         let threads = threads.clamp(1, MOST_THREADS);
-        let instructions = options.instructions.or_narrower();
-        let mut numbering = if options.renumber {
-            Numbering::breadth_first(mesh)
-        } else {
-            Numbering::same()
-        };
+        let mut numbering = options.numbering(mesh);
         let layout = MeshLayout::new(mesh, &numbering);
         let placement = Placement::new(mesh, &numbering, threads);
         numbering.keep_new_vertices();
         Self {
             mesh: mesh.clone(),
-            options: FastOptions {
-                instructions,
-                ..options
-            },
+            options: options.available(),
             numbering,
             workers: workers(threads, &layout, &options),
             shared: Shared::new(layout, &options, threads, placement),
@@ -189,20 +181,11 @@ impl<P: Probe, const COALESCE: bool> SimdProgram for ThreadTask<'_, P, COALESCE>
 }
 
 impl Propagate for Pvtp {
+    /// Those of [`VtpFast`] without levels: handed-over windows have none.
     fn counters() -> Vec<Counter> {
-        vec![
-            Counter::Propagated,
-            Counter::Parents,
-            Counter::Children,
-            Counter::Spawned,
-            Counter::Filtered,
-            Counter::PeakWindows,
-            Counter::WindowBytes,
-            Counter::QueuePushes,
-            Counter::QueuePeak,
-            Counter::Iterations,
-            Counter::PseudoSources,
-        ]
+        let mut all = <VtpFast as Propagate>::counters();
+        all.retain(|&counter| counter != Counter::Levels);
+        all
     }
 
     fn mesh(&self) -> &Mesh {

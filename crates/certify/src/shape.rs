@@ -240,8 +240,7 @@ impl RoundedTransform {
 /// arithmetic.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LeastDistance {
-    /// By the paths that bend at the end of the piece, by the straight ones, and by those that bend
-    /// at its beginning.
+    /// Distances by paths (0) bent at the end of the piece, (1) straight, (2) bent at its start.
     distances: [RoundedDistance; 3],
     /// The abscissas at which the three parts begin and end.
     bounds: [f64; 4],

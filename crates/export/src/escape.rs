@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_a_heading_or_a_list_and_nobody_is_called() {
+    fn headings_lists_and_mentions_are_escaped() {
         for (text, escaped) in [
             ("# head", "\\# head"),
             ("  - item", "\\- item"),

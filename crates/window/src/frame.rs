@@ -262,12 +262,12 @@ pub struct Faces {
     first_gate: u32,
     /// For each gate the half-edges beyond it, and where those of the next gate start.
     gates: Vec<u32>,
-    beyond: Vec<Entrance>,
+    beyond: Vec<HalfEdgeBeyond>,
 }
 
 /// A half-edge through which windows go on beyond a [gate](Faces::beyond).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Entrance {
+pub struct HalfEdgeBeyond {
     /// The half-edge.
     pub half_edge: HalfEdgeId,
     /// Whether it has the direction opposite to that of the gate, so that windows are
@@ -275,7 +275,7 @@ pub struct Entrance {
     pub mirrored: bool,
 }
 
-impl Entrance {
+impl HalfEdgeBeyond {
     /// A window at the gate, whose length is `l`, in the frame of this half-edge; `None` if
     /// rounding leaves nothing of it.
     pub fn carry(&self, window: &Window, l: f64) -> Option<Window> {
@@ -344,7 +344,7 @@ impl Faces {
             };
             self.half_edges.push(record);
             let others = mesh.junction(h).iter().filter(|&&other| other != h);
-            self.beyond.extend(others.map(|&other| Entrance {
+            self.beyond.extend(others.map(|&other| HalfEdgeBeyond {
                 half_edge: self.numbering.new_half_edge(other),
                 mirrored: mesh.tail(other) == mesh.tail(h),
             }));
@@ -381,7 +381,7 @@ impl Faces {
 
     /// The half-edges of the other faces at a junction, if `h` is a
     /// [gate](Self::with_gates), else `None`.
-    pub fn beyond(&self, h: HalfEdgeId) -> Option<&[Entrance]> {
+    pub fn beyond(&self, h: HalfEdgeId) -> Option<&[HalfEdgeBeyond]> {
         let gate = h.raw().checked_sub(self.first_gate)? as usize;
         let [start, end] = [gate, gate + 1].map(|i| self.gates[i] as usize);
         Some(&self.beyond[start..end])
@@ -452,7 +452,7 @@ impl Faces {
             let [tail, head, _] = self.corners(h);
             [tail, head]
         };
-        match self.beyond(h).and_then(<[Entrance]>::first) {
+        match self.beyond(h).and_then(<[HalfEdgeBeyond]>::first) {
             Some(first) if first.mirrored => {
                 let [tail, head] = ends(first.half_edge);
                 [head, tail]

@@ -49,7 +49,7 @@ pub use counters::{Counter, Counters};
 pub use crossing::{Crossing, length_past_end};
 pub use crossings::{CrossedChild, Crossings, LANES};
 pub use filter::{VertexFilter, is_beaten_from_ends};
-pub use frame::{EdgePath, Entrance, Exit, ExitEdge, FaceView, Faces, Frame, Side};
+pub use frame::{EdgePath, Exit, ExitEdge, FaceView, Faces, Frame, HalfEdgeBeyond, Side};
 pub use goal::{EndCheck, Goal, Stop};
 pub use origins::{Origin, Origins, Way};
 pub use phases::{PhaseProbe, PhaseSampler, Phases};

@@ -1,4 +1,4 @@
-//! Joins the rounds of a benchmark that was started once for each round.
+//! Pools repeated runs into one result.
 //!
 //! To compare two versions of a program, each is started for one round at a time, in turns: old,
 //! new, old, new. This module joins the rounds of one version into one result file, with a sample

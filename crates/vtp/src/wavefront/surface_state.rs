@@ -4,12 +4,10 @@ use crate::engine::layout::MeshLayout;
 
 /// The faces, the lists of one wavefront that wait on them, and the known distances.
 pub(crate) trait SurfaceState {
-    /// Whether the levels of windows are counted. They are not where windows arrive from other
-    /// wavefronts, whose levels are unknown.
+    /// Whether tree levels are counted. False in parallel runs: handed-over windows have no level.
     const COUNTS_LEVELS: bool;
 
-    /// Whether windows may stay in unfolded planes. They may not where they are handed over to other
-    /// wavefronts.
+    /// Whether windows may stay in unfolded planes. False in parallel runs: handed over are columns.
     const STAYS: bool;
 
     /// The faces and vertices.

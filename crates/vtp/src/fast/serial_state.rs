@@ -41,9 +41,7 @@ impl SerialState {
 }
 
 impl SurfaceState for SerialState {
-    const COUNTS_LEVELS: bool = true;
-
-    const STAYS: bool = true;
+    const IS_ALONE: bool = true;
 
     #[inline(always)]
     fn layout(&self) -> &MeshLayout {

@@ -102,9 +102,7 @@ impl ThreadView<'_> {
 }
 
 impl SurfaceState for ThreadView<'_> {
-    const COUNTS_LEVELS: bool = false;
-
-    const STAYS: bool = false;
+    const IS_ALONE: bool = false;
 
     #[inline(always)]
     fn layout(&self) -> &MeshLayout {

@@ -513,7 +513,7 @@ impl Wavefront {
         let len = self.store.len(list);
         debug_assert!(list != NO_LIST);
         self.store.put(list, len, window);
-        if P::COUNTS && F::COUNTS_LEVELS {
+        if P::COUNTS && F::IS_ALONE {
             self.levels.start(spawn.exit, [px, py], d);
         }
         state.set_list(target, k, self.store.set_len(list, len + 1));
@@ -570,7 +570,7 @@ impl Wavefront {
                 }
                 break;
             };
-            if F::STAYS && self.staying.is_on() {
+            if F::IS_ALONE && self.staying.is_on() {
                 self.prefetch_face(state, place + 14);
                 self.prefetch_beyond(state, place + 10);
                 self.prefetch_chunks(state, place + 6);
@@ -615,7 +615,7 @@ impl Wavefront {
         let (f, corner) = parts(h);
         let (after, before) = (next(corner), prev(corner));
         let mut list = state.take_list(f, corner);
-        if F::STAYS && !P::COUNTS && !COALESCE {
+        if F::IS_ALONE && !P::COUNTS && !COALESCE {
             match self.cross_staying::<L, F, P>(simd, state, h, list, probe) {
                 Some(usual) => list = usual,
                 None => return,
@@ -693,7 +693,7 @@ impl Wavefront {
         }
         probe.enter(Phase::Management);
         self.store.set_len(list, 0);
-        if P::COUNTS && F::COUNTS_LEVELS {
+        if P::COUNTS && F::IS_ALONE {
             self.levels.forget(h);
         }
         probe.raise(Counter::PeakWindows, self.store.waiting() as u64);
@@ -751,7 +751,7 @@ impl Wavefront {
         };
         let children = sent.children();
         probe.enter(Phase::Management);
-        if P::COUNTS && F::COUNTS_LEVELS {
+        if P::COUNTS && F::IS_ALONE {
             let deepest = sent.record_levels(&mut self.levels, &self.store, h, triangle);
             probe.raise(Counter::Levels, u64::from(deepest));
         }

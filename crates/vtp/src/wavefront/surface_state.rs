@@ -4,11 +4,9 @@ use crate::engine::layout::MeshLayout;
 
 /// The faces, the lists of one wavefront that wait on them, and the known distances.
 pub(crate) trait SurfaceState {
-    /// Whether tree levels are counted. False in parallel runs: handed-over windows have no level.
-    const COUNTS_LEVELS: bool;
-
-    /// Whether windows may stay in unfolded planes. False in parallel runs: handed over are columns.
-    const STAYS: bool;
+    /// Whether this is the only wavefront. Where others are, windows are handed over as columns and
+    /// without their tree levels: levels are not counted, and windows do not stay in unfolded planes.
+    const IS_ALONE: bool;
 
     /// The faces and vertices.
     fn layout(&self) -> &MeshLayout;

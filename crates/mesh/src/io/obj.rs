@@ -1,7 +1,8 @@
 //! Wavefront OBJ.
 //!
-//! Only `v` and `f` statements are read. Everything else is skipped: groups, objects, materials,
-//! texture coordinates, normals, points, lines, curves. No other file is opened.
+//! Only `v` and `f` statements are read, and `fo`, the former name of `f`. Everything else is
+//! skipped: groups, objects, materials, texture coordinates, normals, points, lines, curves. No
+//! other file is opened; a `call` of one, whose vertices would be missing, is an error.
 
 use std::borrow::Cow;
 
@@ -26,11 +27,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
 fn read_statements(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     let (mut positions, mut faces) = (Vec::new(), FaceList::default());
     let mut corners = Vec::new();
-    for (line, statement) in Statements::new(bytes) {
+    let mut statements = Statements::new(bytes);
+    while let Some((line, statement)) = statements.next() {
         let mut words = words(&statement);
         match words.next() {
             Some(b"v") => positions.push(position(line, words, &mut faces)?),
-            Some(b"f") => {
+            Some(b"f" | b"fo") => {
                 corners.clear();
                 for word in words {
                     let corner = corner(word, positions.len());
@@ -51,7 +53,8 @@ fn read_statements(bytes: &[u8]) -> Result<FileMesh, Flaw> {
                     ),
                 ));
             }
-            _ => {}
+            Some(word) => statements.check_skipped(line, word)?,
+            None => {}
         }
     }
     Ok(FileMesh { positions, faces })
@@ -128,6 +131,8 @@ pub(super) struct Statements<'a> {
     number: u64,
     /// What is left of it.
     rest: &'a [u8],
+    /// The first line that continues the last statement and looks like a vertex or a face.
+    hidden: Option<u64>,
 }
 
 impl<'a> Statements<'a> {
@@ -136,7 +141,29 @@ impl<'a> Statements<'a> {
             lines: NumberedLines::new(bytes),
             number: 0,
             rest: &[],
+            hidden: None,
         }
+    }
+
+    /// Checks that no vertex and no face is lost with the last statement, which is at `line`,
+    /// starts with `keyword` and is skipped. A backslash at the end of a name, as in `usemtl
+    /// C:\maps\`, is not meant to continue it.
+    pub(super) fn check_skipped(&self, line: u64, keyword: &[u8]) -> Result<(), Flaw> {
+        if keyword == b"call" {
+            let problem = "call reads another file, which is not read; put its statements here";
+            return Err(Flaw::line(line, problem));
+        }
+        let Some(hidden) = self.hidden else {
+            return Ok(());
+        };
+        Err(Flaw::line(
+            hidden,
+            format!(
+                "the backslash at the end of the line before makes this line a part of the statement \
+                 {}, which is skipped; remove the backslash or this line",
+                shown(keyword)
+            ),
+        ))
     }
 
     /// The next line without comments.
@@ -158,12 +185,16 @@ impl<'a> Iterator for Statements<'a> {
     fn next(&mut self) -> Option<Self::Item> {
         let mut statement = Cow::Borrowed(self.code()?);
         let number = self.number;
+        self.hidden = None;
         while statement.ends_with(b"\\") {
             let joined = statement.to_mut();
             joined.pop();
             joined.push(b' ');
             if let Some(line) = self.code() {
                 joined.extend_from_slice(line);
+                if matches!(words(line).next(), Some(b"v" | b"f")) {
+                    self.hidden = self.hidden.or(Some(self.number));
+                }
             }
         }
         Some((number, statement))

@@ -60,8 +60,10 @@ fn piece(bytes: &[u8]) -> Option<Statements> {
                 triangles.push([corner(&mut rest)?, corner(&mut rest)?, corner(&mut rest)?]);
                 end_line(&mut rest)?;
             }
-            // `v` or `f` followed by something unusual: left to the full reader.
+            // `v` or `f` followed by something unusual, and what may be `fo` or `call`: left to the
+            // full reader.
             (b'v' | b'f', second) if !second.is_some_and(u8::is_ascii_lowercase) => return None,
+            (b'f', Some(b'o')) | (b'c', Some(b'a')) => return None,
             (b'a'..=b'z' | b'#' | b'\n' | b'\r', _) => {
                 let end = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
                 let (line, next) = rest.split_at(end);
@@ -260,6 +262,8 @@ mod tests {
             "v",
             "f#",
             "v#1 2 3",
+            "fo 1 2 3",
+            "call a.obj",
         ];
         for line in odd {
             assert!(

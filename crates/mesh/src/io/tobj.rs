@@ -18,7 +18,8 @@ use super::text::words;
 pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     let (mut every_vertex, mut vertices) = (String::from("f"), 0);
     let mut statements = Vec::new();
-    for (_, statement) in Statements::new(bytes) {
+    let mut code = Statements::new(bytes);
+    while let Some((line, statement)) = code.next() {
         let mut words: Vec<&[u8]> = words(&statement).collect();
         match words.first() {
             Some(&b"v") => {
@@ -31,7 +32,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
                 }
             }
             Some(&b"f") => {}
-            _ => continue,
+            Some(&b"fo") => words[0] = b"f",
+            Some(keyword) => {
+                code.check_skipped(line, keyword)?;
+                continue;
+            }
+            None => continue,
         }
         statements.push(b'\n');
         statements.extend_from_slice(&words.join(&b' '));

@@ -90,6 +90,39 @@ fn a_vertex_that_is_no_statement_is_not_skipped() {
 }
 
 #[test]
+fn a_skipped_statement_hides_no_vertex_and_no_face() {
+    let faces = "f 1 2 3\nf 1 3 4\nf 1 4 5\n";
+    // A backslash that ends a name, as programs on Windows write it.
+    for before in ["g a\\", "usemtl C:\\maps\\  ", "mtllib \\\\\n\\"] {
+        let text = format!("{before}\n{}{faces}", vertices("v ", " ", ""));
+        let error = parse(Format::Obj, &text).unwrap_err().to_string();
+        let line = before.lines().count() + 1;
+        assert!(
+            error.starts_with(&format!("test: line {line}: the backslash")),
+            "{error}"
+        );
+        assert!(crate::tobj(text).is_err());
+        let text = format!("{}{before}\n{faces}", vertices("v ", " ", ""));
+        assert!(parse(Format::Obj, text).is_err());
+    }
+    // In a comment, and where the next line has no keyword.
+    is_fan(
+        Format::Obj,
+        format!("# C:\\\n{}g a \\\nb\n{faces}", vertices("v ", " ", "")),
+    );
+    // The former name of a face, and another file.
+    let former = vertices("v ", " ", "") + &faces.replace("f ", "fo ");
+    is_fan(Format::Obj, &former);
+    assert_eq!(crate::tobj(&former).unwrap().triangles, FACES);
+    let error = parse(Format::Obj, former + "call b.obj\n").unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("test: line 9: call reads another")
+    );
+}
+
+#[test]
 fn off_is_free_of_lines() {
     let [numbers, faces] = [
         vertices("", " ", ""),

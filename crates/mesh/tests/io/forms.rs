@@ -203,7 +203,31 @@ fn text_ply_is_free_of_lines() {
         notes(&soup),
         ["line 10: more numbers than the header declares; they are ignored"]
     );
-    assert!(parse(Format::Ply, header + &numbers + "3 0 1 2\n3 0 2 3\n3 0 3\n").is_err());
+    assert!(
+        parse(
+            Format::Ply,
+            header.clone() + &numbers + "3 0 1 2\n3 0 2 3\n3 0 3\n"
+        )
+        .is_err()
+    );
+    // A face that lacks a corner takes none of the next lines.
+    let error = parse(
+        Format::Ply,
+        header + &numbers + "4 0 1 2\n3 0 2 3\n3 3 2 4\n",
+    )
+    .unwrap_err();
+    assert!(
+        error.to_string().contains("line 15: the line ends before"),
+        "{error}"
+    );
+    // Four vertices with a number more and a triangle, or four without and a polygon.
+    let header = ply("uchar int", "face 1").replace("vertex 5", "vertex 4");
+    let text = header + "0 0 0 9\n2 0 0 9\n0 2 0 9\n7 0 1 2\n3 0 1 2\n";
+    let error = parse(Format::Ply, text).unwrap_err();
+    assert!(
+        error.to_string().contains("line 10: \"9\" follows"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -27,11 +27,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
         Encoding::Text => {
             let read = |layout| read_elements(elements, Text::new(lines.clone(), layout));
             read(Layout::Lines).or_else(|flaw| {
-                let other = read(Layout::Free).or_else(|_| read(Layout::LinesWithMore));
-                other
-                    .ok()
-                    .filter(|mesh| mesh.faces.has_surface())
-                    .ok_or(flaw)
+                let others = [Layout::Free, Layout::LinesWithMore].map(read);
+                let others = others.into_iter().flatten();
+                let mut others = others.filter(|mesh: &FileMesh| mesh.faces.has_surface());
+                // Two meanings are none.
+                match (others.next(), others.next()) {
+                    (Some(mesh), None) => Ok(mesh),
+                    _ => Err(flaw),
+                }
             })
         }
         Encoding::LittleEndian => read_elements(elements, Binary::<false>::new(rest, bytes.len())),

@@ -161,7 +161,9 @@ impl Payload for Text<'_> {
     }
 
     fn finish(&mut self) -> Result<Option<u64>, Flaw> {
-        self.words.skip_line();
+        if self.layout != Layout::Free {
+            self.words.skip_line();
+        }
         let Some(word) = self.words.next() else {
             return Ok(self.more);
         };

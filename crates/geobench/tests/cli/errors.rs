@@ -109,6 +109,7 @@ fn models_that_are_not_there() {
     let sandbox = Sandbox::with_square();
     std::fs::create_dir(sandbox.path("empty")).unwrap();
     sandbox.write("notes.txt", "");
+    sandbox.write("square.off.bz2", "");
     for (arguments, message) in [
         (
             "run nope.obj",
@@ -123,7 +124,14 @@ fn models_that_are_not_there() {
             "run empty",
             "empty: no mesh file in this directory or below it; they end in .obj, .ply",
         ),
-        ("run notes.txt", "notes.txt: not a mesh file by its ending"),
+        (
+            "run notes.txt",
+            "notes.txt: the ending does not tell a mesh format; use .obj, .ply",
+        ),
+        (
+            "run square.off.bz2",
+            "square.off.bz2: it is compressed by bzip2, which is not read; unpack it first (bzip2 -d)",
+        ),
         (
             "run gen:spere",
             "gen:spere: unknown model family `spere`, did you mean",

@@ -137,10 +137,8 @@ pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelErr
                 ..ModelRef::file(path.to_owned())
             });
         } else {
-            return Err(ModelError::Unreadable(format!(
-                "{argument}: not a mesh file by its ending; use {}",
-                mesh_io::READABLE
-            )));
+            let problem = mesh_io::problem_of_ending(path);
+            return Err(ModelError::Unreadable(format!("{argument}: {problem}")));
         }
     }
     make_names_unique(&mut models);
@@ -167,7 +165,7 @@ fn search(directory: &Path, found: &mut Vec<PathBuf>) {
         if is_directory {
             search(&path, found);
         }
-        let is_mesh = mesh_io::is_mesh_file(&path);
+        let is_mesh = mesh_io::is_mesh_file(&path) || mesh_io::is_packed(&path);
         if is_mesh && (!is_directory || found.len() == before) {
             found.push(path);
         }
@@ -688,6 +686,8 @@ mod tests {
         fs::create_dir(path("d.off")).unwrap();
         fs::write(path("d.off/e.off"), FACE).unwrap();
         rustix::fs::mkfifoat(rustix::fs::CWD, path("f.off"), 0o600.into()).unwrap();
+        fs::write(path("g.off.xz"), FACE).unwrap();
+        fs::write(path("h.zip"), FACE).unwrap();
         let models = collect(&[root.path().display().to_string()]).unwrap();
         let outcomes = models.iter().map(|model| {
             let loaded = model.load(DecompressionLimit::default());
@@ -701,6 +701,7 @@ mod tests {
             ("c", "a directory, and no mesh file is in it"),
             ("e", ""),
             ("f", "not a regular file"),
+            ("g.off", "it is compressed by xz"),
         ]) {
             assert_eq!(*name, wanted);
             assert!(problem.contains(text), "{name}: {problem}");

@@ -30,10 +30,7 @@ pub enum FileError {
         source: io::Error,
     },
     /// The file extension belongs to no format that can be read.
-    #[error(
-        "{path}: the ending does not tell a mesh format; use {}",
-        super::READABLE
-    )]
+    #[error("{path}: {}", super::problem_of_ending(.path))]
     UnknownFormat {
         /// The path asked for.
         path: PathBuf,

@@ -29,6 +29,7 @@ mod gltf;
 mod gzip;
 mod obj;
 mod off;
+mod packing;
 mod ply;
 mod quick_obj;
 mod scene;
@@ -187,6 +188,18 @@ pub fn is_mesh_file(path: &Path) -> bool {
     Format::of_file(path).is_some()
 }
 
+/// Whether the name of `path` is that of a mesh file in a form of compression that is not read, such
+/// as `horse.obj.xz`.
+pub fn is_packed(path: &Path) -> bool {
+    packing::problem_of_name(path).is_some()
+}
+
+/// Why a file with this name is not read, in words: its ending belongs to no format.
+pub fn problem_of_ending(path: &Path) -> String {
+    packing::problem_of_name(path)
+        .unwrap_or_else(|| format!("the ending does not tell a mesh format; use {READABLE}"))
+}
+
 /// The files that [`read`] reads beside that at `path`: the buffers that a glTF file names, and the
 /// data of GIFTI files. None for other formats, and where the file cannot be read.
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {
@@ -333,23 +346,16 @@ impl ReadOptions {
         if bytes.is_empty() {
             return Err(FileError::Empty { path: owned() });
         }
-        let in_utf16 = || FileError::Malformed {
+        let malformed = |place, problem| FileError::Malformed {
             path: owned(),
-            place: FilePosition::File,
-            problem: "its text is in UTF-16; save it as UTF-8 (iconv -f UTF-16 -t UTF-8)"
-                .to_owned(),
+            place,
+            problem,
         };
         // Binary STL may begin with any bytes.
-        if format != Format::Stl && is_utf16(bytes) {
-            return Err(in_utf16());
-        }
-        if bytes.starts_with(b"version https://git-lfs.github.com/spec/v1") {
-            return Err(FileError::Malformed {
-                path: owned(),
-                place: FilePosition::File,
-                problem: "this is a pointer of Git LFS; its data was not fetched: git lfs pull"
-                    .to_owned(),
-            });
+        if format != Format::Stl
+            && let Some(problem) = foreign_form(bytes, format)
+        {
+            return Err(malformed(FilePosition::File, problem));
         }
         let mesh = match (format, self.obj_reader) {
             (Format::Obj, ObjReader::Direct) => obj::read(bytes),
@@ -367,20 +373,33 @@ impl ReadOptions {
         };
         let soup = mesh.and_then(|mesh| mesh.into_soup(self.weld));
         soup.map_err(|Flaw { place, mut problem }| {
-            if is_utf16(bytes) {
-                return in_utf16();
+            if let Some(problem) = foreign_form(bytes, format) {
+                return malformed(FilePosition::File, problem);
             }
             if let Some(other) = Format::from_content(bytes).filter(|&other| other != format) {
                 problem.push_str(" (it starts like a file in ");
                 problem.push_str(other.name());
                 problem.push_str(" format: correct its ending)");
             }
-            FileError::Malformed {
-                path: owned(),
-                place,
-                problem: shortened(problem),
-            }
+            malformed(place, shortened(problem))
         })
+    }
+}
+
+/// What `bytes` are if no file in `format` begins like them: text in wide characters, a pointer to
+/// data, or a form of compression that is not read. In words, with a remedy.
+fn foreign_form(bytes: &[u8], format: Format) -> Option<String> {
+    let in_wide_text =
+        |name: &str| format!("its text is in {name}; save it as UTF-8 (iconv -f {name} -t UTF-8)");
+    if is_utf32(bytes) {
+        Some(in_wide_text("UTF-32"))
+    } else if is_utf16(bytes) {
+        Some(in_wide_text("UTF-16"))
+    } else if bytes.starts_with(b"version https://git-lfs.github.com/spec/v1") {
+        let problem = "this is a pointer of Git LFS; its data was not fetched: git lfs pull";
+        Some(problem.to_owned())
+    } else {
+        packing::problem_of_content(bytes, format)
     }
 }
 
@@ -406,6 +425,17 @@ fn is_utf16(bytes: &[u8]) -> bool {
     has_mark
         || bytes.len() >= 16 && pairs.clone().all(|&[a, b]| is_ascii(a) && b == 0)
         || bytes.len() >= 16 && pairs.clone().all(|&[a, b]| a == 0 && is_ascii(b))
+}
+
+/// Whether `bytes` begin as text in UTF-32, as [`is_utf16`] does.
+fn is_utf32(bytes: &[u8]) -> bool {
+    let has_mark = bytes.starts_with(b"\xff\xfe\0\0") || bytes.starts_with(b"\0\0\xfe\xff");
+    let mut units = bytes.as_chunks::<4>().0.iter().take(4);
+    let is_ascii = |b: u8| (1..0x80).contains(&b);
+    let is_character = |&[a, b, c, d]: &[u8; 4]| {
+        [b, c, d] == [0; 3] && is_ascii(a) || [a, b, c] == [0; 3] && is_ascii(d)
+    };
+    has_mark || bytes.len() >= 16 && units.all(is_character)
 }
 
 /// What follows the name of the hemisphere in the name of `path`.

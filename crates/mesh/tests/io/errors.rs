@@ -33,6 +33,10 @@ fn what_cannot_be_opened() {
          as lh.white";
     check("cow.txt", Some(b"OFF"), unknown);
     check("cow", Some(b"OFF"), unknown);
+    check("a.zip", Some(b"PK"), unknown);
+    let packed = "it is compressed by xz, which is not read; unpack it first (xz -d), or compress it \
+                  with gzip";
+    check("cow.off.XZ", Some(b"x"), packed);
     for name in ["a.obj", "a.ply", "a.off", "a.stl"] {
         check(name, Some(b""), "the file is empty; write it anew");
     }

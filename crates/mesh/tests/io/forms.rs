@@ -430,6 +430,44 @@ fn text_in_utf_16_is_named() {
 }
 
 #[test]
+fn text_in_utf_32_and_compressed_files_are_named() {
+    let text = vertices("v ", " ", "") + "f 1 2 3\n";
+    let of = |convert: fn(u32) -> [u8; 4]| -> Vec<u8> {
+        text.chars().flat_map(|c| convert(c.into())).collect()
+    };
+    let (little, big) = (of(u32::to_le_bytes), of(u32::to_be_bytes));
+    for format in [
+        Format::Obj,
+        Format::Off,
+        Format::Ply,
+        Format::Stl,
+        Format::Vtk,
+    ] {
+        let is_named = |bytes: &[u8], name: &str| {
+            let error = parse(format, bytes).unwrap_err().to_string();
+            assert!(error.contains(name), "{error}");
+        };
+        for bytes in [
+            &little[..],
+            &big,
+            &[b"\xff\xfe\0\0", &little[..]].concat(),
+            &[b"\0\0\xfe\xff", &big[..]].concat(),
+        ] {
+            is_named(bytes, "its text is in UTF-32; save it as UTF-8");
+        }
+        // Archives without compression have the text of their files in them.
+        for (start, name) in [
+            (&b"\xfd7zXZ\0"[..], "compressed by xz"),
+            (&b"BZh91AY&SY"[..], "compressed by bzip2"),
+            (&b"\x28\xb5\x2f\xfd"[..], "compressed by Zstandard"),
+            (&b"PK\x03\x04"[..], "compressed by ZIP"),
+        ] {
+            is_named(&[start, text.as_bytes()].concat(), name);
+        }
+    }
+}
+
+#[test]
 fn a_polygon_may_repeat_its_first_corner() {
     let text = vertices("v ", " ", "") + "f 1 2 3 1\nf 1 3 4 1\nf 1 4 5 1\n";
     assert_eq!(is_fan(Format::Obj, text).file_faces, [0, 1, 2]);

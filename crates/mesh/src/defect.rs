@@ -228,6 +228,8 @@ pub enum FileForm {
     MoreNumbers,
     /// The header of a binary STL counts no triangles, but some follow; they are read.
     NoCount,
+    /// A text STL begins without `solid`.
+    NoSolid,
     /// A text STL ends without `endsolid`.
     NoEnd,
     /// A count beside a list is not that of its elements; all are read.
@@ -240,6 +242,7 @@ impl fmt::Display for FileForm {
             Self::TwoCoordinates => "a vertex has two coordinates; the third is 0",
             Self::MoreNumbers => "more numbers than the header declares; they are ignored",
             Self::NoCount => "the header counts no triangles; those that follow are read",
+            Self::NoSolid => "a facet comes before the first solid",
             Self::NoEnd => "the file ends without endsolid",
             Self::OtherCount => "a count is not that of the elements that are there; all are read",
         })

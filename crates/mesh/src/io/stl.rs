@@ -8,7 +8,7 @@
 
 use super::error::{FilePosition, Flaw};
 use super::faces::{FaceList, FileMesh};
-use super::text::{NumberedLines, Tokens, coordinates, number, shown};
+use super::text::{NumberedLines, Tokens, coordinates, number, shown, words};
 use crate::defect::FileForm;
 use crate::weld::PlaceTable;
 
@@ -33,14 +33,15 @@ pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
 /// Whether the file is binary. Many binary files start with `solid`, so the size decides, and then
 /// a byte that text does not contain.
 fn is_binary(bytes: &[u8]) -> bool {
-    if let Some(count) = declared_count(bytes)
-        && HEADER as u64 + TRIANGLE as u64 * u64::from(count) == bytes.len() as u64
-    {
+    if declared_count(bytes).is_some_and(|count| has_triangles(bytes, count)) {
         return true;
     }
     let lines = NumberedLines::new(bytes).map(|(_, line)| line.trim_ascii_start());
     let mut content = lines.filter(|line| !line.is_empty() && !line.starts_with(b"#"));
-    let says_text = content.next().is_some_and(|line| starts(line, "solid"));
+    let says_text = content.next().is_some_and(|line| {
+        let first = words(line).next();
+        starts(line, "solid") || first.is_some_and(|word| is(word, "facet"))
+    });
     !says_text || text_of(bytes).iter().take(2 * HEADER).any(|&b| b == 0)
 }
 
@@ -50,6 +51,28 @@ fn text_of(mut bytes: &[u8]) -> &[u8] {
         bytes = text;
     }
     bytes
+}
+
+/// Whether a binary file ends behind `count` triangles.
+fn has_triangles(bytes: &[u8], count: u32) -> bool {
+    HEADER as u64 + TRIANGLE as u64 * u64::from(count) == bytes.len() as u64
+}
+
+/// Whether a binary file ends behind `count` triangles, each with as many bytes of attributes as its
+/// last two bytes say.
+fn has_attributes(bytes: &[u8], count: u32) -> bool {
+    let mut rest = &bytes[HEADER..];
+    for _ in 0..count {
+        let Some((triangle, after)) = rest.split_first_chunk::<TRIANGLE>() else {
+            return false;
+        };
+        let length = u16::from_le_bytes([triangle[48], triangle[49]]);
+        match after.get(usize::from(length)..) {
+            Some(after) => rest = after,
+            None => return false,
+        }
+    }
+    rest.is_empty()
 }
 
 /// The number of triangles of a binary file.
@@ -64,6 +87,19 @@ fn read_binary(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     })?;
     let there = (bytes.len() - HEADER) / TRIANGLE;
     if (there as u64) < u64::from(count) {
+        // A count without a byte below that of a tab is one of 150 million triangles or more.
+        if bytes.iter().take(HEADER).all(|&byte| byte >= b'\t') {
+            let first = words(bytes).next().unwrap_or_default();
+            return Err(Flaw::line(
+                1,
+                format!("expected solid, found {}", shown(first)),
+            ));
+        }
+        if has_triangles(bytes, count.swap_bytes()) {
+            return Err(Flaw::file(
+                "its numbers have the high byte first, and those of STL the low byte; save it again",
+            ));
+        }
         return Err(Flaw {
             place: FilePosition::Element {
                 kind: "triangle",
@@ -74,6 +110,11 @@ fn read_binary(bytes: &[u8]) -> Result<FileMesh, Flaw> {
                 "the file ends within it, though the header declares {count} triangles; fetch it again"
             ),
         });
+    }
+    if !has_triangles(bytes, count) && count > 0 && has_attributes(bytes, count) {
+        return Err(Flaw::file(
+            "attributes follow each of its triangles, which are not read; save it without",
+        ));
     }
     // Padding may follow. Whole triangles would be lost silently.
     let more = there as u64 - u64::from(count);
@@ -108,12 +149,13 @@ fn read_binary(bytes: &[u8]) -> Result<FileMesh, Flaw> {
 
 /// Reads a text file, word by word: programs differ in their lines. The keywords `outer loop`,
 /// `endloop` and `endfacet` may be one word or two, the name of a solid may follow `endsolid`
-/// without a blank, and `endfacet` may be missing. Between facets and solids there may be comments.
+/// without a blank, and `endfacet` or all lines `solid` may be missing. Between facets and solids
+/// there may be comments.
 fn read_text(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     let mut words = Tokens::new(NumberedLines::new(text_of(bytes)), false);
     // A triangle takes some 100 bytes of text.
     let mut weld = CornerWeld::with_capacity(bytes.len() / 100);
-    let mut open = false;
+    let (mut open, mut has_solid) = (false, false);
     while let Some(word) = words.next() {
         if starts(word, "endsolid")
             || is(word, "end") && words.peek().is_some_and(|w| starts(w, "solid"))
@@ -122,10 +164,14 @@ fn read_text(bytes: &[u8]) -> Result<FileMesh, Flaw> {
             open = false;
         } else if is(word, "solid") {
             skip_name(&mut words);
-            open = true;
+            (open, has_solid) = (true, true);
         } else if open && is(word, "color") || word.starts_with(b"#") {
             words.skip_line();
-        } else if open && is(word, "facet") {
+        } else if is(word, "facet") && (open || !has_solid) {
+            if !open {
+                weld.mesh.faces.note_form(words.line(), FileForm::NoSolid);
+                open = true;
+            }
             weld.push(facet(&mut words)?);
         } else {
             let wanted = if open { "facet or endsolid" } else { "solid" };

@@ -434,6 +434,22 @@ fn broken_stl() {
         "triangle 1 (byte 134): the file ends within it, though the header declares 2 triangles; \
          fetch it again",
     );
+    // What is no STL at all, the other order of bytes, and a byte of attributes for each triangle.
+    fails(
+        format!("<html> {}", "x".repeat(100)).as_bytes(),
+        "line 1: expected solid, found \"<html>\"",
+    );
+    let mut swapped = binary.clone();
+    swapped[80..84].reverse();
+    fails(
+        &swapped,
+        "its numbers have the high byte first, and those of STL the low byte; save it again",
+    );
+    let triangle = |i: usize| [&binary[84 + 50 * i..132 + 50 * i], &[1, 0, 7]].concat();
+    fails(
+        &[&binary[..84], &triangle(0), &triangle(1)].concat(),
+        "attributes follow each of its triangles, which are not read; save it without",
+    );
 }
 
 #[test]

@@ -286,7 +286,14 @@ fn stl_in_words() {
     }
     let soup = is_fan(Format::Stl, format!("solid\n{usual}"));
     assert_eq!(notes(&soup), ["line 22: the file ends without endsolid"]);
+    let soup = is_fan(Format::Stl, format!("# facets\n{usual}endsolid\n"));
+    let note = "line 2: a facet comes before the first solid";
+    assert_eq!(notes(&soup), [note]);
+    let soup = is_fan(Format::Stl, format!("\n {}", usual.to_uppercase()));
+    let end = "line 22: the file ends without endsolid";
+    assert_eq!(notes(&soup), [note, end]);
     for text in [
+        format!("solid\n{}endsolid\n{usual}", facets("endloop")),
         format!("solid\n{usual}facet"),
         format!("solid\n{}endsolid\n", facets("endfacet")),
         format!(

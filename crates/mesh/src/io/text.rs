@@ -40,6 +40,11 @@ impl<'a> NumberedLines<'a> {
         lines
     }
 
+    /// The byte that ends a line.
+    pub(super) fn ending(&self) -> u8 {
+        self.ending
+    }
+
     /// The bytes after the line returned last.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.rest

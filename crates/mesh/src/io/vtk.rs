@@ -30,8 +30,19 @@ pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
                 )));
             }
             data_set = Some(kind);
+        } else if is("FIELD") {
+            reader.skip_field()?;
         } else if data_set.is_none() {
             return Err(reader.flaw(format!("expected DATASET, found {}", shown(word))));
+        } else if is("POINTS") && !piece.positions.is_empty()
+            || is("CELLS") && cells.is_some()
+            || is("CELL_TYPES") && types.is_some()
+        {
+            let problem = format!(
+                "{} comes a second time; make a file of each data set",
+                shown(word)
+            );
+            return Err(reader.flaw(problem));
         } else if is("POINTS") {
             let count = reader.count()?;
             let kind = reader.number_type()?;
@@ -54,8 +65,6 @@ pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
             types = Some(reader.indices(count, NumberType::I32)?);
         } else if is("METADATA") {
             reader.skip_paragraph();
-        } else if is("FIELD") {
-            reader.skip_field()?;
         } else if is("POINT_DATA") || is("CELL_DATA") {
             // Attributes come last.
             break;
@@ -146,6 +155,8 @@ struct VtkCursor<'a> {
     bytes: &'a [u8],
     at: usize,
     is_binary: bool,
+    /// The byte that ends a line.
+    ending: u8,
 }
 
 impl<'a> VtkCursor<'a> {
@@ -159,6 +170,7 @@ impl<'a> VtkCursor<'a> {
                 0
             },
             is_binary: false,
+            ending: text::NumberedLines::before_data(bytes).ending(),
         };
         let first = reader.line();
         if !first.to_ascii_lowercase().starts_with(b"# vtk datafile") {
@@ -183,7 +195,7 @@ impl<'a> VtkCursor<'a> {
 
     /// An error at this place.
     fn flaw(&self, problem: impl Into<String>) -> Flaw {
-        let lines = self.bytes[..self.at].split(|&b| b == b'\n').count();
+        let lines = self.bytes[..self.at].split(|&b| b == self.ending).count();
         let place = if self.is_binary {
             FilePosition::Byte(self.at as u64)
         } else {
@@ -198,7 +210,7 @@ impl<'a> VtkCursor<'a> {
     /// The rest of the line.
     fn line(&mut self) -> &'a [u8] {
         let rest = self.rest();
-        let end = rest.iter().position(|&b| b == b'\n');
+        let end = rest.iter().position(|&b| b == self.ending);
         self.at += end.map_or(rest.len(), |end| end + 1);
         rest[..end.unwrap_or(rest.len())].trim_ascii()
     }
@@ -231,6 +243,10 @@ impl<'a> VtkCursor<'a> {
 
     fn number_type(&mut self) -> Result<NumberType, Flaw> {
         let word = self.needed("a type of numbers")?;
+        self.type_named(word)
+    }
+
+    fn type_named(&self, word: &[u8]) -> Result<NumberType, Flaw> {
         Ok(match &*word.to_ascii_lowercase() {
             b"char" | b"vtktypeint8" => NumberType::I8,
             b"unsigned_char" | b"vtktypeuint8" => NumberType::U8,
@@ -362,15 +378,50 @@ impl<'a> VtkCursor<'a> {
                 self.needed("the name of an array")?;
             }
             let [components, tuples] = [self.count()?, self.count()?];
-            let kind = self.number_type()?;
             let count = components.saturating_mul(tuples);
+            let word = self.needed("a type of numbers")?;
+            let is = |name: &str| word.eq_ignore_ascii_case(name.as_bytes());
+            if is("string") || is("utf8_string") {
+                self.skip_strings(count)?;
+                continue;
+            }
+            let (packed, kind) = if is("bit") {
+                (count.div_ceil(8), NumberType::U8)
+            } else {
+                (count, self.type_named(word)?)
+            };
             if self.is_binary {
-                self.binary(count, kind)?;
+                self.binary(packed, kind)?;
                 continue;
             }
             for _ in 0..count {
                 self.needed("a number")?;
             }
+        }
+        Ok(())
+    }
+
+    /// Skips strings, which begin on the next line: in text a line each, else their bytes behind
+    /// their length, whose first two bits tell how many bytes it has.
+    fn skip_strings(&mut self, count: usize) -> Result<(), Flaw> {
+        self.line();
+        for string in 0..count {
+            let rest = self.rest();
+            if !self.is_binary && !rest.is_empty() {
+                self.line();
+                continue;
+            }
+            let end = rest.first().and_then(|first| {
+                let size = [8, 4, 2, 1][usize::from(first >> 6)];
+                let start = u64::from(first & 0x3f);
+                let more = rest.get(1..size)?.iter();
+                let length = more.fold(start, |length, &byte| length << 8 | u64::from(byte));
+                usize::try_from(length).ok()?.checked_add(size)
+            });
+            let end = end.filter(|&end| end <= rest.len()).ok_or_else(|| {
+                self.flaw(format!("the file ends within string {string} of {count}"))
+            })?;
+            self.at += end;
         }
         Ok(())
     }

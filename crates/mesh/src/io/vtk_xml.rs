@@ -100,7 +100,13 @@ impl Arrays<'_> {
     /// A piece of the file.
     fn piece(&mut self, node: Node<'_, '_>, is_poly: bool) -> Result<FileMesh, Flaw> {
         let mut piece = FileMesh::default();
-        let points = child(node, "Points").and_then(|points| child(points, "DataArray"));
+        let arrays = child(node, "Points").map(|points| children(points, "DataArray"));
+        let mut arrays = arrays.into_iter().flatten();
+        let points = arrays.next();
+        if let Some(more) = arrays.next() {
+            let problem = "a second array of points, perhaps of another time; save one of them";
+            return Err(flaw(more, problem));
+        }
         if let Some(points) = points {
             let numbers = self.floats(points)?;
             let (positions, rest) = numbers.as_chunks();

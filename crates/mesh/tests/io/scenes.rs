@@ -535,6 +535,72 @@ fn metadata_may_follow_each_array_of_a_field() {
     assert_eq!(soup.triangles, [[0, 1, 2]]);
 }
 
+/// Text and binary, with lines of any system; fields may come before the data set.
+#[test]
+fn fields_of_vtk_with_strings_and_bits_are_skipped() {
+    let long = "x".repeat(300);
+    let numbers =
+        |numbers: &[i32]| -> Vec<u8> { numbers.iter().flat_map(|n| n.to_be_bytes()).collect() };
+    let points = numbers(&[0, 0, 0, 1, 0, 0, 0, 1, 10]);
+    let cell = numbers(&[3, 0, 1, 2]);
+    for end in ["\n", "\r\n", "\r"] {
+        let lines = |text: &str| text.replace('\n', end).into_bytes();
+        let text = "# vtk DataFile Version 4.2\nx\nASCII\nFIELD a 1\nb 1 9 bit\n1 0 1 0 1 0 1 0 1\n\
+             DATASET POLYDATA\nFIELD FieldData 2\nname 1 3 string\nPOINTS\n\nd%20e f\n\
+             b 1 2 vtkIdType\n1 0\nPOINTS 3 int\n0 0 0 1 0 0 0 1 10\nPOLYGONS 1 4\n3 0 1 2\n";
+        let binary = [
+            lines(
+                "# vtk DataFile Version 4.2\nx\nBINARY\nDATASET POLYDATA\nFIELD f 2\nb 1 9 bit\n",
+            ),
+            b"\xff\x01".to_vec(),
+            lines("\nname 3 1 string\n"),
+            [&b"\xc3abc\xc0\x81\x2c"[..], long.as_bytes()].concat(),
+            lines("\nPOINTS 3 int\n"),
+            points.clone(),
+            lines("\nPOLYGONS 1 4\n"),
+            cell.clone(),
+        ];
+        for file in [lines(text), binary.concat()] {
+            let soup = parse(Format::Vtk, file).unwrap();
+            assert_eq!(soup.positions[2], [0.0, 1.0, 10.0]);
+            assert_eq!(soup.triangles, [[0, 1, 2]]);
+        }
+    }
+    for (string, kind) in [("c", "ASCII"), ("\u{3}", "BINARY")] {
+        let file =
+            format!("# vtk DataFile Version 4.2\nx\n{kind}\nFIELD f 1\na 1 3 string\n{string}");
+        fails(Format::Vtk, file, "the file ends within string");
+    }
+}
+
+#[test]
+fn a_second_set_of_points_replaces_nothing() {
+    let points = "POINTS 3 int\n0 0 0 1 0 0 0 1 0\n";
+    let cells = "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\n";
+    let header = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\n";
+    for (more, keyword) in [
+        (points, "POINTS"),
+        (cells, "CELLS"),
+        ("CELL_TYPES 1\n5\n", "CELL_TYPES"),
+    ] {
+        let message = format!("\"{keyword}\" comes a second time");
+        fails(
+            Format::Vtk,
+            format!("{header}{points}{cells}{more}"),
+            &message,
+        );
+    }
+    let array = "<DataArray type=\"Float32\">0 0 0 1 0 0 0 1 0</DataArray>";
+    fails(
+        Format::VtkXml,
+        format!(
+            "<VTKFile type=\"PolyData\"><PolyData><Piece><Points>{array}{array}</Points></Piece>\
+             </PolyData></VTKFile>"
+        ),
+        "a second array of points",
+    );
+}
+
 #[test]
 fn gltf_reads_quantised_and_sparse_positions() {
     let file = gltf("{\"mesh\":0}", "[0]", "").replace(

@@ -216,6 +216,11 @@ pub enum Defect {
         /// How many meshes are parts of the model.
         parts: u32,
     },
+    /// Noted: meshes have skins or morphs, which are not applied: they have their shape at rest.
+    Unposed {
+        /// How many.
+        meshes: u32,
+    },
 }
 
 /// A departure from a file format that has one meaning only.
@@ -281,6 +286,7 @@ pub enum DefectKind {
     UnplacedVertex,
     FileForm,
     Parts,
+    Unposed,
 }
 
 impl Defect {
@@ -314,6 +320,7 @@ impl Defect {
             Self::UnplacedVertex { .. } => DefectKind::UnplacedVertex,
             Self::FileForm { .. } => DefectKind::FileForm,
             Self::Parts { .. } => DefectKind::Parts,
+            Self::Unposed { .. } => DefectKind::Unposed,
         }
     }
 
@@ -351,7 +358,7 @@ impl Defect {
             | Self::PinchedVertex { vertex, .. }
             | Self::IsolatedVertex { vertex }
             | Self::UnplacedVertex { vertex } => [vertex, 0],
-            Self::Parts { parts } => [parts, 0],
+            Self::Parts { parts: count } | Self::Unposed { meshes: count } => [count, 0],
             Self::FileForm { line, .. } => [(line >> 32) as u32, line as u32],
         };
         (self.kind(), elements)
@@ -388,7 +395,8 @@ impl DefectKind {
             | Self::IsolatedVertex
             | Self::UnplacedVertex
             | Self::FileForm
-            | Self::Parts => Severity::Noted,
+            | Self::Parts
+            | Self::Unposed => Severity::Noted,
         }
     }
 
@@ -430,6 +438,7 @@ impl DefectKind {
             Self::UnplacedVertex => "unplaced-vertex",
             Self::FileForm => "file-form",
             Self::Parts => "parts",
+            Self::Unposed => "unposed",
         }
     }
 }
@@ -438,9 +447,11 @@ impl DefectKind {
 impl fmt::Display for Defect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoVertices | Self::NoFaces | Self::WeldedVertices { .. } | Self::Parts { .. } => {
-                Ok(())
-            }
+            Self::NoVertices
+            | Self::NoFaces
+            | Self::WeldedVertices { .. }
+            | Self::Parts { .. }
+            | Self::Unposed { .. } => Ok(()),
             Self::TooLarge {
                 vertices,
                 triangles,

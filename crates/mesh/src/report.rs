@@ -147,8 +147,9 @@ fn summarize(defects: &[Defect]) -> DefectSummary {
     let kind = defects[0].kind();
     let count = match &defects[0] {
         Defect::SeveralComponents { triangles } => triangles.len(),
-        Defect::WeldedVertices { count } => *count as usize,
-        Defect::Parts { parts } => *parts as usize,
+        Defect::WeldedVertices { count }
+        | Defect::Parts { parts: count }
+        | Defect::Unposed { meshes: count } => *count as usize,
         Defect::CoincidentVertices { exact, near, .. } => match exact {
             0 => *near as usize,
             exact => *exact as usize,
@@ -283,6 +284,10 @@ fn headline(kind: DefectKind, count: usize) -> String {
             "mesh of the file",
             "meshes of the file are parts of one model",
         ),
+        DefectKind::Unposed => (
+            "mesh has a skin or a morph, which is not applied",
+            "meshes have skins or morphs, which are not applied",
+        ),
     };
     format!("{count} {}", if count == 1 { one } else { many })
 }
@@ -331,6 +336,7 @@ fn advice(kind: DefectKind, defects: &[Defect]) -> String {
         | DefectKind::PinchedVertex
         | DefectKind::SeveralComponents
         | DefectKind::Parts
+        | DefectKind::Unposed
         | DefectKind::IsolatedVertex
         | DefectKind::UnplacedVertex => "",
     }

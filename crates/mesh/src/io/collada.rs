@@ -13,7 +13,7 @@ use roxmltree::Node;
 
 use super::error::Flaw;
 use super::faces::FileMesh;
-use super::scene::{Affine, Assembly, DEEPEST, too_deep};
+use super::scene::{Affine, Assembly, DEEPEST, NOT_AFFINE, too_deep};
 use super::xml::{self, attribute, child, children, descendants, flaw, needed};
 use crate::defect::FileForm;
 
@@ -104,6 +104,7 @@ impl<'a, 'd> ColladaFile<'a, 'd> {
                     }
                     "instance_controller" => {
                         let controller = self.target(element, "url")?;
+                        self.scene.note_unposed();
                         self.controller(controller, &transform)?;
                     }
                     "instance_node" => {
@@ -128,7 +129,7 @@ impl<'a, 'd> ColladaFile<'a, 'd> {
             }
             if let Some(skin) = child(node, "skin") {
                 if let Some(shape) = child(skin, "bind_shape_matrix") {
-                    transform = transform.after(&Affine::from_rows(&fixed(shape)?));
+                    transform = transform.after(&matrix(shape)?);
                 }
                 node = self.target(skin, "source")?;
             } else if let Some(morph) = child(node, "morph") {
@@ -331,7 +332,7 @@ impl<'a, 'd> ColladaFile<'a, 'd> {
 /// The transform of an element, if it is one.
 fn step(element: Node<'_, '_>) -> Result<Option<Affine>, Flaw> {
     Ok(Some(match element.tag_name().name() {
-        "matrix" => Affine::from_rows(&fixed(element)?),
+        "matrix" => matrix(element)?,
         "translate" => Affine::shift(fixed(element)?),
         "scale" => Affine::scale(fixed(element)?),
         "rotate" => {
@@ -344,6 +345,11 @@ fn step(element: Node<'_, '_>) -> Result<Option<Affine>, Flaw> {
         }
         _ => return Ok(None),
     }))
+}
+
+/// The transform of the matrix in an element.
+fn matrix(element: Node<'_, '_>) -> Result<Affine, Flaw> {
+    Affine::from_rows(&fixed(element)?).ok_or_else(|| flaw(element, NOT_AFFINE))
 }
 
 /// The N numbers of an element.

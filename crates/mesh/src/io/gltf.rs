@@ -15,10 +15,13 @@ use super::beside;
 use super::error::Flaw;
 use super::faces::FileMesh;
 use super::gzip::usual_decompression_limit;
-use super::scene::{Affine, Assembly, DEEPEST, too_deep};
+use super::scene::{Affine, Assembly, DEEPEST, NOT_AFFINE, too_deep};
 
 /// Extensions without which there are no positions.
 const COMPRESSED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+
+/// The extension of nodes that place copies of their mesh.
+const INSTANCES: &str = "EXT_mesh_gpu_instancing";
 
 /// How far the square of the length of a unit quaternion may be from 1.
 const MOST_ROUNDING: f64 = 1e-3;
@@ -101,7 +104,7 @@ fn is_harmless(extension: &str) -> bool {
         "KHR_materials_",
         "KHR_texture_",
         "KHR_lights_",
-        "KHR_techniques_webgl",
+        "KHR_technique",
         "KHR_xmp",
         "KHR_animation_pointer",
         "KHR_audio",
@@ -145,7 +148,11 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Flaw> {
     if kind != b"JSON" {
         return Err(Flaw::file("its first chunk is not JSON"));
     }
-    let at = (20 + json.len()).next_multiple_of(4);
+    // The length of a chunk is to include its padding. Some programs pad nothing, others do not count
+    // the padding.
+    let end = 20 + json.len();
+    let is_next = |at: &usize| bytes.get(at + 4..at + 8) == Some(&b"BIN\0"[..]);
+    let at = Some(end).filter(is_next).unwrap_or(end.next_multiple_of(4));
     let second = chunk(at);
     if second.is_none() && bytes.len() >= at + 8 {
         return Err(Flaw::file(format!(
@@ -241,6 +248,14 @@ impl GltfFile<'_> {
             if let Some(mesh) = mesh.map_err(|p| Flaw::file(format!("node {number}: {p}")))? {
                 if let Entry::Vacant(place) = pieces.entry(mesh) {
                     place.insert(self.mesh(mesh)?);
+                }
+                if !node["extensions"][INSTANCES].is_null() {
+                    return Err(Flaw::file(format!(
+                        "node {number}: its copies ({INSTANCES}) are not read; save it without"
+                    )));
+                }
+                if is_posed(node, &list(json, "meshes")[mesh]) {
+                    self.scene.note_unposed();
                 }
                 self.scene
                     .place(&pieces[&mesh], &transform, &format!("mesh {mesh}"))?;
@@ -508,6 +523,20 @@ struct Rows {
     count: usize,
 }
 
+/// Whether a skin or a morph changes the shape of a mesh that a node places.
+fn is_posed(node: &Value, mesh: &Value) -> bool {
+    let weights = match list(node, "weights") {
+        [] => list(mesh, "weights"),
+        own => own,
+    };
+    let has_targets = |primitive: &Value| {
+        let mut targets = list(primitive, "targets").iter();
+        targets.any(|target| !target["POSITION"].is_null())
+    };
+    let is_morphed = weights.iter().any(|weight| weight.as_f64() != Some(0.0));
+    !node["skin"].is_null() || is_morphed && list(mesh, "primitives").iter().any(has_targets)
+}
+
 /// The whole numbers of a list.
 fn indices(value: &Value, name: &str) -> Vec<usize> {
     let numbers = list(value, name).iter().filter_map(Value::as_u64);
@@ -520,7 +549,8 @@ fn indices(value: &Value, name: &str) -> Vec<usize> {
 fn transform_of(node: &Value, number: usize) -> Result<Affine, Flaw> {
     let name = format!("node {number}");
     if let Some(matrix) = fixed(node, "matrix", &name)? {
-        return Ok(Affine::from_columns(&matrix));
+        return Affine::from_columns(&matrix)
+            .ok_or_else(|| Flaw::file(format!("{name}: {NOT_AFFINE}")));
     }
     let mut transform = Affine::IDENTITY;
     if let Some(shift) = fixed(node, "translation", &name)? {

@@ -165,6 +165,11 @@ impl Format {
         })
     }
 
+    /// Whether files are XML documents, which may be in UTF-16.
+    fn is_xml(self) -> bool {
+        matches!(self, Self::VtkXml | Self::Collada | Self::Gifti)
+    }
+
     /// The usual name of the format.
     pub fn name(self) -> &'static str {
         match self {
@@ -393,7 +398,7 @@ fn foreign_form(bytes: &[u8], format: Format) -> Option<String> {
         |name: &str| format!("its text is in {name}; save it as UTF-8 (iconv -f {name} -t UTF-8)");
     if is_utf32(bytes) {
         Some(in_wide_text("UTF-32"))
-    } else if is_utf16(bytes) {
+    } else if is_utf16(bytes) && !format.is_xml() {
         Some(in_wide_text("UTF-16"))
     } else if bytes.starts_with(b"version https://git-lfs.github.com/spec/v1") {
         let problem = "this is a pointer of Git LFS; its data was not fetched: git lfs pull";

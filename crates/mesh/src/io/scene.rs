@@ -16,14 +16,23 @@ impl Affine {
         [0.0, 0.0, 1.0, 0.0],
     ]);
 
-    /// The transform of the matrix with these rows. The last row is not used.
-    pub(super) fn from_rows(rows: &[f64; 16]) -> Self {
-        Self([0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| rows[4 * row + column])))
+    /// The transform of the matrix with these rows; `None` if the last row is not 0, 0, 0, 1. By
+    /// others some programs divide, and in a matrix whose columns are written as rows, shifts are
+    /// there.
+    pub(super) fn from_rows(rows: &[f64; 16]) -> Option<Self> {
+        // Rounding to a few digits, as in a text.
+        const ROUNDED: f64 = 1e-5;
+        let last = rows[12..].iter().zip([0.0, 0.0, 0.0, 1.0]);
+        let is_affine = last
+            .map(|(x, wanted)| (x - wanted).abs())
+            .all(|off| off <= ROUNDED);
+        is_affine
+            .then(|| Self([0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| rows[4 * row + column]))))
     }
 
-    /// The transform of the matrix with these columns. The last row is not used.
-    pub(super) fn from_columns(columns: &[f64; 16]) -> Self {
-        Self([0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| columns[4 * column + row])))
+    /// As [`from_rows`](Self::from_rows), of the matrix with these columns.
+    pub(super) fn from_columns(columns: &[f64; 16]) -> Option<Self> {
+        Self::from_rows(&std::array::from_fn(|i| columns[4 * (i % 4) + i / 4]))
     }
 
     /// A shift.
@@ -102,6 +111,10 @@ impl Affine {
 /// The most levels of nodes within nodes. Deeper ones may be a circle.
 pub(super) const DEEPEST: usize = 1000;
 
+/// What is wrong with a matrix that is no transform.
+pub(super) const NOT_AFFINE: &str =
+    "the last row of its matrix is not 0 0 0 1, and programs differ on what it means then";
+
 /// The flaw of nodes that are deeper than [`DEEPEST`].
 pub(super) fn too_deep(what: &str) -> Flaw {
     Flaw::file(format!(
@@ -116,6 +129,8 @@ pub(super) struct Assembly {
     parts: u32,
     /// How many meshes without faces were placed.
     without_faces: u32,
+    /// How many of the placed meshes have skins or morphs.
+    unposed: u32,
     /// How many more bytes the placed meshes may take.
     room: u64,
 }
@@ -128,6 +143,7 @@ impl Assembly {
             all: FileMesh::default(),
             parts: 0,
             without_faces: 0,
+            unposed: 0,
             room,
         }
     }
@@ -140,6 +156,11 @@ impl Assembly {
     /// Notes a departure from the format in `line`.
     pub(super) fn note_form(&mut self, line: u64, form: FileForm) {
         self.all.faces.note_form(line, form);
+    }
+
+    /// Notes that a placed mesh has a skin or a morph.
+    pub(super) fn note_unposed(&mut self) {
+        self.unposed += 1;
     }
 
     /// Allows `bytes` more.
@@ -213,6 +234,10 @@ impl Assembly {
         if self.parts > 1 {
             self.all.faces.note(Defect::Parts { parts: self.parts });
         }
+        if self.unposed > 0 {
+            let meshes = self.unposed;
+            self.all.faces.note(Defect::Unposed { meshes });
+        }
         Ok(self.all)
     }
 }
@@ -232,6 +257,16 @@ mod tests {
         // Half a turn about the axis that is up.
         let seen = Affine::look_at([5.0, 0.0, 0.0], [5.0, 0.0, 9.0], [0.0, 2.0, 0.0]);
         assert_eq!(seen.of([1.0, 2.0, 3.0]), [4.0, 2.0, -3.0]);
+        let mut matrix = [0.0; 16];
+        (matrix[3], matrix[12], matrix[15]) = (7.0, 1e-6, 0.999_999);
+        assert_eq!(
+            Affine::from_rows(&matrix).unwrap().of([0.0; 3]),
+            [7.0, 0.0, 0.0]
+        );
+        // As columns it has its shift in the last row.
+        assert_eq!(Affine::from_columns(&matrix), None);
+        matrix[15] = 2.0;
+        assert_eq!(Affine::from_rows(&matrix), None);
         let both = Affine::shift([1.0, 0.0, 0.0]).after(&Affine::scale([2.0; 3]));
         assert_eq!(both.of([1.0, 2.0, 3.0]), [3.0, 4.0, 6.0]);
     }

@@ -1,7 +1,8 @@
 //! 3MF: a ZIP archive with objects in XML, which items of a build place.
 //!
 //! Objects of components and models in other files of the archive (production extension) are read.
-//! Colours, materials and beams are ignored. Units are not converted.
+//! Colours and materials are ignored, and so are beams and slices, unless the file says that it needs
+//! them. Units are not converted.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
@@ -15,6 +16,9 @@ use super::error::Flaw;
 use super::faces::FileMesh;
 use super::scene::{Affine, Assembly, DEEPEST, too_deep};
 use super::xml::{self, child, children, descendants, flaw, needed};
+
+/// Parts of the names of extensions without which the surface is the same.
+const HARMLESS: [&str; 3] = ["/material/", "/production/", "/trianglesets/"];
 
 /// The model of most archives.
 const USUAL: &str = "3D/3dmodel.model";
@@ -42,6 +46,7 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<FileMesh, Flaw> {
         scene: Assembly::new(room),
     };
     for (name, document) in &documents {
+        check_extensions(document.root_element()).map_err(|flaw| within(name, flaw))?;
         for object in descendants(document.root_element(), "object") {
             if let Some(id) = object.attribute("id") {
                 model.objects.insert((*name, id), object);
@@ -58,6 +63,19 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<FileMesh, Flaw> {
         .place(&main, &items)
         .map_err(|flaw| within(&main, flaw))?;
     model.scene.into_mesh()
+}
+
+/// Checks that the surface is the same without the extensions that a model needs.
+fn check_extensions(model: Node<'_, '_>) -> Result<(), Flaw> {
+    let prefixes = model.attribute("requiredextensions").unwrap_or_default();
+    for prefix in prefixes.split_ascii_whitespace() {
+        let name = model.lookup_namespace_uri(Some(prefix)).unwrap_or(prefix);
+        if !HARMLESS.iter().any(|part| name.contains(part)) {
+            let problem = format!("it needs the extension {name}, which is not read");
+            return Err(flaw(model, format!("{problem}; save it without")));
+        }
+    }
+    Ok(())
 }
 
 /// A flaw in a part of the archive.
@@ -180,7 +198,11 @@ impl<'a, 'd> BuildItems<'a, 'd> {
             let ((part, id), object) =
                 found.ok_or_else(|| flaw(node, format!("there is no object {id} in {part}")))?;
             let transform = outer.after(&transform_of(node)?);
-            if let Some(mesh) = child(object, "mesh") {
+            let mesh = child(object, "mesh");
+            if mesh.is_none() && child(object, "components").is_none() {
+                return Err(flaw(object, "has neither a mesh nor components"));
+            }
+            if let Some(mesh) = mesh {
                 if let Entry::Vacant(place) = self.pieces.entry((part, id)) {
                     place.insert(piece(mesh)?);
                 }

@@ -112,7 +112,15 @@ pub(super) fn numbers<T: FromStr>(node: Node<'_, '_>) -> Result<Vec<T>, Flaw> {
         .map(|word| (word, word.parse()));
     words
         .map(|(word, number)| {
-            number.map_err(|_| flaw(node, format!("{} is not a number", shown(word.as_bytes()))))
+            number.map_err(|_| {
+                let is_number = word.parse::<f64>().is_ok();
+                let kind = if is_number {
+                    "whole number from 0"
+                } else {
+                    "number"
+                };
+                flaw(node, format!("{} is not a {kind}", shown(word.as_bytes())))
+            })
         })
         .collect()
 }

@@ -290,6 +290,118 @@ fn gltf_reads_without_harmless_extensions_only() {
 }
 
 #[test]
+fn a_matrix_is_a_transform_or_an_error() {
+    let nodes = "{\"mesh\":0,\"matrix\":[1,0,0,5,0,1,0,0,0,0,1,0,0,0,0,1]}";
+    let problem = "the last row of its matrix is not 0 0 0 1";
+    fails(
+        Format::Gltf,
+        gltf(nodes, "[0]", ""),
+        &format!("node 0: {problem}"),
+    );
+    // Columns in place of rows, and a scale in the last number.
+    for last in ["5 0 0 1", "0 0 0 2"] {
+        let matrix = format!("<matrix>1 0 0 0 0 1 0 0 0 0 1 0 {last}</matrix>");
+        let nodes = format!("<node>{matrix}<instance_geometry url=\"#g\"/></node>");
+        fails(
+            Format::Collada,
+            collada(&nodes),
+            &format!("<matrix>: {problem}"),
+        );
+    }
+}
+
+#[test]
+fn skins_and_morphs_are_noted_and_copies_by_an_extension_refused() {
+    let unposed = |soup: TriangleSoup| soup.notes.contains(&Defect::Unposed { meshes: 1 });
+    let read = |node: &str| parse(Format::Gltf, gltf(node, "[0]", ""));
+    assert!(!unposed(read("{\"mesh\":0}").unwrap()));
+    assert!(unposed(read("{\"mesh\":0,\"skin\":0}").unwrap()));
+    for (weight, is_noted) in [("0", false), ("0.5", true)] {
+        let nodes = format!("{{\"mesh\":0,\"weights\":[{weight}]}}");
+        let target = "{\"targets\":[{\"POSITION\":0}],\"attributes";
+        let file = gltf(&nodes, "[0]", "").replace("{\"attributes", target);
+        assert_eq!(unposed(parse(Format::Gltf, file).unwrap()), is_noted);
+    }
+    let skin = "<library_controllers><controller id=\"c\"><skin source=\"#g\"/></controller>\
+                </library_controllers><library_visual_scenes>";
+    let file = collada("<node><instance_controller url=\"#c\"/></node>");
+    let file = file.replace("<library_visual_scenes>", skin);
+    assert!(unposed(parse(Format::Collada, file).unwrap()));
+    let copies = "{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{}}}";
+    let error = read(copies).unwrap_err().to_string();
+    assert!(error.contains("node 0: its copies"), "{error}");
+}
+
+#[test]
+fn three_mf_reads_without_harmless_extensions_only() {
+    let model = |name: &str| {
+        three_mf_of(&format!(
+            "<model xmlns:x=\"http://schemas.microsoft.com/3dmanufacturing/{name}\" \
+             requiredextensions=\"x\"><resources><object id=\"7\">{TRIANGLE}</object>\
+             </resources><build><item objectid=\"7\"/></build></model>"
+        ))
+    };
+    for name in [
+        "material/2015/02",
+        "production/2015/06",
+        "trianglesets/2021/07",
+    ] {
+        assert!(parse(Format::ThreeMf, model(name)).is_ok(), "{name}");
+    }
+    fails(
+        Format::ThreeMf,
+        model("beamlattice/2017/02"),
+        "it needs the extension http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02",
+    );
+    fails(
+        Format::ThreeMf,
+        three_mf_of(
+            "<model><resources><object id=\"7\"><shape/></object></resources><build>\
+             <item objectid=\"7\"/></build></model>",
+        ),
+        "<object> \"7\": has neither a mesh nor components",
+    );
+}
+
+#[test]
+fn xml_may_be_in_utf_16() {
+    let file = collada("<node><instance_geometry url=\"#g\"/></node>");
+    let bytes: Vec<u8> = file.encode_utf16().flat_map(u16::to_be_bytes).collect();
+    for file in [&bytes[..], &[b"\xfe\xff", &bytes[..]].concat()] {
+        let soup = parse(Format::Collada, file).unwrap();
+        assert_eq!(soup.triangles, [[0, 1, 2]]);
+    }
+    fails(
+        Format::Collada,
+        file.replace("0 1 2<", "0 1 -2<"),
+        "<p>: \"-2\" is not a whole number from 0",
+    );
+}
+
+/// The length of a chunk is to include blanks that make it a multiple of four.
+#[test]
+fn the_json_of_a_binary_gltf_may_have_any_length() {
+    let samples = scene_samples::all();
+    let mut samples = samples.iter().map(|sample| &sample.2);
+    let bytes = samples.find(|bytes| bytes.starts_with(b"glTF")).unwrap();
+    let whole = parse(Format::Gltf, bytes).unwrap();
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let (json, rest) = bytes[20..].split_at(length);
+    let mut json = json.trim_ascii_end().to_vec();
+    while json.len() % 4 != 2 {
+        json.insert(json.len() - 1, b' ');
+    }
+    for uncounted in [&b""[..], b"  "] {
+        let word = |length: usize| (length as u32).to_le_bytes();
+        let total = word(20 + json.len() + uncounted.len() + rest.len());
+        let json_length = word(json.len());
+        let header = [&b"glTF\x02\0\0\0"[..], &total, &json_length, b"JSON"].concat();
+        let file = [&header[..], &json, uncounted, rest].concat();
+        assert_eq!(parse(Format::Gltf, file).unwrap(), whole);
+    }
+}
+
+#[test]
 fn a_binary_gltf_that_is_cut_off_is_named() {
     let samples = scene_samples::all();
     let sample = samples

@@ -15,8 +15,12 @@ use super::faces::FileMesh;
 use super::scene::{Affine, Assembly};
 use super::xml::{self, children, flaw, needed};
 
-/// The encoding of arrays in files beside.
-const EXTERNAL: &str = "ExternalFileBinary";
+/// The encodings of arrays, by the names of the format and those of its C library, which are in
+/// files, too.
+const TEXT: [&str; 2] = ["ASCII", "GIFTI_ENCODING_ASCII"];
+const BASE64: [&str; 2] = ["Base64Binary", "GIFTI_ENCODING_B64BIN"];
+const COMPRESSED: [&str; 2] = ["GZipBase64Binary", "GIFTI_ENCODING_B64GZ"];
+const EXTERNAL: [&str; 2] = ["ExternalFileBinary", "GIFTI_ENCODING_EXTBIN"];
 
 /// The files beside one at `path` with these `bytes` that hold its data.
 pub(super) fn data_files(bytes: &[u8], path: &Path) -> Vec<PathBuf> {
@@ -25,7 +29,10 @@ pub(super) fn data_files(bytes: &[u8], path: &Path) -> Vec<PathBuf> {
         return Vec::new();
     };
     let arrays = children(document.root_element(), "DataArray");
-    let external = arrays.filter(|array| array.attribute("Encoding") == Some(EXTERNAL));
+    let external = arrays.filter(|array| {
+        let encoding = array.attribute("Encoding");
+        encoding.is_some_and(|encoding| EXTERNAL.contains(&encoding))
+    });
     let names = external.filter_map(|array| array.attribute("ExternalFileName"));
     names
         .filter_map(|name| beside::place(path, name.trim()))
@@ -86,8 +93,8 @@ fn triples<T: Copy + std::str::FromStr>(
         return Err(flaw(array, format!("has {columns} columns, not 3")));
     }
     let data = || xml::child(array, "Data").ok_or_else(|| flaw(array, "has no data"));
-    let encoding = array.attribute("Encoding").unwrap_or("ASCII");
-    let numbers: Vec<T> = if encoding == "ASCII" {
+    let encoding = array.attribute("Encoding").unwrap_or(TEXT[0]);
+    let numbers: Vec<T> = if TEXT.contains(&encoding) {
         xml::numbers(data()?)?
     } else {
         let kind = match array.attribute("DataType").unwrap_or_default() {
@@ -110,28 +117,30 @@ fn triples<T: Copy + std::str::FromStr>(
             )
         };
         let coded = || from_base64(xml::content(data()?).as_bytes()).ok_or_else(damaged);
-        let bytes = match encoding {
-            "Base64Binary" => coded()?,
-            EXTERNAL => {
-                let length = rows.saturating_mul(3 * kind.size());
-                external(array, path, length as u64)?
+        let bytes = if BASE64.contains(&encoding) {
+            coded()?
+        } else if EXTERNAL.contains(&encoding) {
+            let length = rows.saturating_mul(3 * kind.size());
+            external(array, path, length as u64)?
+        } else if COMPRESSED.contains(&encoding) {
+            let mut bytes = Vec::new();
+            if !inflate(&coded()?[..], room, &mut bytes) {
+                return Err(damaged());
             }
-            "GZipBase64Binary" => {
-                let mut bytes = Vec::new();
-                if !inflate(&coded()?[..], room, &mut bytes) {
-                    return Err(damaged());
-                }
-                bytes
-            }
-            other => {
-                let problem = "save it with the data in base64";
-                return Err(flaw(
-                    array,
-                    format!("the encoding {other:?} is not read; {problem}"),
-                ));
-            }
+            bytes
+        } else {
+            let problem = "save it with the data in base64";
+            return Err(flaw(
+                array,
+                format!("the encoding {encoding:?} is not read; {problem}"),
+            ));
         };
-        let is_little = array.attribute("Endian") != Some("BigEndian");
+        let is_little = !is_second(
+            array,
+            "Endian",
+            ["LittleEndian", "GIFTI_ENDIAN_LITTLE"],
+            ["BigEndian", "GIFTI_ENDIAN_BIG"],
+        )?;
         let numbers = bytes.chunks_exact(kind.size()).enumerate();
         let numbers = numbers.map(|(i, bytes)| {
             number(bytes, kind, is_little)
@@ -146,11 +155,32 @@ fn triples<T: Copy + std::str::FromStr>(
             format!("has {count} numbers for {rows} rows of 3"),
         ));
     }
-    if array.attribute("ArrayIndexingOrder") == Some("ColumnMajorOrder") {
+    let is_by_columns = is_second(
+        array,
+        "ArrayIndexingOrder",
+        ["RowMajorOrder", "GIFTI_IND_ORD_ROW_MAJOR"],
+        ["ColumnMajorOrder", "GIFTI_IND_ORD_COL_MAJOR"],
+    )?;
+    if is_by_columns {
         let at = |row, column| numbers[column * rows + row];
         return Ok((0..rows).map(|row| [0, 1, 2].map(|k| at(row, k))).collect());
     }
     Ok(numbers.as_chunks().0.to_vec())
+}
+
+/// Whether an attribute has the second of two values, each of which has two names. The first is the
+/// default.
+fn is_second(
+    array: Node<'_, '_>,
+    name: &str,
+    first: [&str; 2],
+    second: [&str; 2],
+) -> Result<bool, Flaw> {
+    match array.attribute(name).unwrap_or_default().trim() {
+        value if value.is_empty() || first.contains(&value) => Ok(false),
+        value if second.contains(&value) => Ok(true),
+        value => Err(flaw(array, format!("{name}={value:?} is unknown"))),
+    }
 }
 
 /// The data of an array in a file beside, of `length` bytes or less.

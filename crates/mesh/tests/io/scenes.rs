@@ -364,6 +364,40 @@ fn three_mf_reads_without_harmless_extensions_only() {
 }
 
 #[test]
+fn gifti_has_two_names_for_each_form() {
+    let array = |intent: &str, rows: usize, form: &str, data: &str| {
+        format!(
+            "<DataArray Intent=\"NIFTI_INTENT_{intent}\" Dim0=\"{rows}\" Dim1=\"3\" {form}>\
+             <Data>{data}</Data></DataArray>"
+        )
+    };
+    let triangle = array("TRIANGLE", 1, "Encoding=\"GIFTI_ENCODING_ASCII\"", "0 1 2");
+    let points = |form: &str, data: &str| {
+        let form = format!("DataType=\"NIFTI_TYPE_FLOAT32\" {form}");
+        let points = array("POINTSET", 3, &form, data);
+        parse(Format::Gifti, format!("<GIFTI>{points}{triangle}</GIFTI>"))
+    };
+    let expected = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+    let data = "AAAAAAAAAAAAAAAAP4AAAAAAAAAAAAAAAAAAAEAAAAAAAAAA";
+    for (encoding, order) in [
+        ("Base64Binary", "BigEndian"),
+        ("GIFTI_ENCODING_B64BIN", "GIFTI_ENDIAN_BIG"),
+    ] {
+        let form = format!("Encoding=\"{encoding}\" Endian=\"{order}\"");
+        assert_eq!(points(&form, data).unwrap().positions, expected);
+        let error = points(&form.replace("Endian=\"", "Endian=\"x"), data).unwrap_err();
+        assert!(error.to_string().contains("is unknown"), "{error}");
+    }
+    for order in ["ColumnMajorOrder", "GIFTI_IND_ORD_COL_MAJOR"] {
+        let form = format!("ArrayIndexingOrder=\"{order}\"");
+        assert_eq!(
+            points(&form, "0 1 0 0 0 2 0 0 0").unwrap().positions,
+            expected
+        );
+    }
+}
+
+#[test]
 fn xml_may_be_in_utf_16() {
     let file = collada("<node><instance_geometry url=\"#g\"/></node>");
     let bytes: Vec<u8> = file.encode_utf16().flat_map(u16::to_be_bytes).collect();

@@ -148,8 +148,8 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Flaw> {
     if kind != b"JSON" {
         return Err(Flaw::file("its first chunk is not JSON"));
     }
-    // The length of a chunk is to include its padding. Some programs pad nothing, others do not count
-    // the padding.
+    // The length of a chunk is to include its padding. Some programs pad nothing, others do not
+    // count the padding.
     let end = 20 + json.len();
     let is_next = |at: &usize| bytes.get(at + 4..at + 8) == Some(&b"BIN\0"[..]);
     let at = Some(end).filter(is_next).unwrap_or(end.next_multiple_of(4));

@@ -193,8 +193,8 @@ pub fn is_mesh_file(path: &Path) -> bool {
     Format::of_file(path).is_some()
 }
 
-/// Whether the name of `path` is that of a mesh file in a form of compression that is not read, such
-/// as `horse.obj.xz`.
+/// Whether the name of `path` is that of a mesh file in a form of compression that is not read,
+/// such as `horse.obj.xz`.
 pub fn is_packed(path: &Path) -> bool {
     packing::problem_of_name(path).is_some()
 }

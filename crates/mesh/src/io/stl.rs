@@ -58,8 +58,8 @@ fn has_triangles(bytes: &[u8], count: u32) -> bool {
     HEADER as u64 + TRIANGLE as u64 * u64::from(count) == bytes.len() as u64
 }
 
-/// Whether a binary file ends behind `count` triangles, each with as many bytes of attributes as its
-/// last two bytes say.
+/// Whether a binary file ends behind `count` triangles, each with as many bytes of attributes as
+/// its last two bytes say.
 fn has_attributes(bytes: &[u8], count: u32) -> bool {
     let mut rest = &bytes[HEADER..];
     for _ in 0..count {

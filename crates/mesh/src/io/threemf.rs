@@ -1,8 +1,8 @@
 //! 3MF: a ZIP archive with objects in XML, which items of a build place.
 //!
 //! Objects of components and models in other files of the archive (production extension) are read.
-//! Colours and materials are ignored, and so are beams and slices, unless the file says that it needs
-//! them. Units are not converted.
+//! Colours and materials are ignored, and so are beams and slices, unless the file says that it
+//! needs them. Units are not converted.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};

@@ -131,6 +131,10 @@ impl<Q: Discipline> Propagate for Lct11<Q> {
         &self.wave.mesh
     }
 
+    fn refusal(mesh: &Mesh) -> Option<SolveError> {
+        SolveError::diagram_at_junctions(mesh)
+    }
+
     fn runs(&self) -> CompiledRuns<Self> {
         self.runs
     }

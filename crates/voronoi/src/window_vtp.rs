@@ -342,6 +342,10 @@ impl Propagate for WindowVtp {
         &self.wave.mesh
     }
 
+    fn refusal(mesh: &Mesh) -> Option<SolveError> {
+        SolveError::diagram_at_junctions(mesh)
+    }
+
     #[inline(never)]
     fn runs(&self) -> CompiledRuns<Self> {
         CompiledRuns::new()

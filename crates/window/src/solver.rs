@@ -79,14 +79,14 @@ pub enum SolveError {
     #[error(
         "edges with more than two faces, which Voronoi diagrams and remeshing do not cross: split \
          the surface there (give each sheet vertices of its own, or leave out --weld), or use the \
-         commands distance, path or isolines"
+         commands distance, path or isolines, whose usual algorithm crosses them"
     )]
     DiagramAtManyFaces,
     /// The mesh cannot be oriented, and diagrams need an orientation.
     #[error(
         "a surface that cannot be oriented, on which Voronoi diagrams and remeshing do not work: \
          cut it open (give both sides of a cut vertices of their own, or leave out --weld), or use \
-         the commands distance, path or isolines"
+         the commands distance, path or isolines, whose usual algorithm solves it"
     )]
     DiagramNotOrientable,
     /// A source or target is a point that this mesh does not have.
@@ -381,6 +381,11 @@ pub trait Propagate: Send {
         None
     }
 
+    /// Why the algorithm does not solve `mesh`; `None` if it does.
+    fn refusal(mesh: &Mesh) -> Option<SolveError> {
+        SolveError::at_junctions(mesh).filter(|_| !Self::JUNCTIONS)
+    }
+
     /// Checks that set-up got all that a run needs. Most algorithms need nothing that can fail.
     ///
     /// # Errors
@@ -480,7 +485,7 @@ impl<T: Propagate> Solver for T {
         let mesh = self.mesh().clone();
         check_sources(mesh.vertex_count(), sources)?;
         check_goal(mesh.vertex_count(), goal)?;
-        if let Some(error) = SolveError::at_junctions(&mesh).filter(|_| !T::JUNCTIONS) {
+        if let Some(error) = T::refusal(&mesh) {
             return Err(error);
         }
         self.check()?;

@@ -44,8 +44,8 @@ pub(crate) fn _mesh(
 }
 
 /// Reads a mesh from a file in OBJ, PLY, OFF, STL, VTK (`.vtk`, `.vtp`, `.vtu`), glTF, 3MF, COLLADA,
-/// GIFTI or FreeSurfer format, with or without gzip compression. `weld` is that of `Mesh`; STL files have no vertex numbers, so that their coincident
-/// vertices always are one.
+/// GIFTI or FreeSurfer format, with or without gzip compression. `weld` is that of `Mesh`, with its
+/// warning; STL files have no vertex numbers, so that their coincident vertices always are one.
 ///
 /// Raises
 /// ------
@@ -77,7 +77,8 @@ pub(crate) fn read(
     let soup = py
         .detach(|| options.read(&path))
         .map_err(|error| unreadable(py, &error))?;
-    PyMesh::new(py, soup, stem(&path), &path.display().to_string())
+    let place = path.display().to_string();
+    PyMesh::new(py, soup, stem(&path), &place, weld.is_none())
 }
 
 /// Generates a mesh from a description: a family, and its keys with their values. The same
@@ -127,5 +128,5 @@ pub(crate) fn generated(py: Python<'_>, spec: &str) -> PyResult<PyMesh> {
     let parsed: generate::Spec = spec.parse().map_err(wrong)?;
     let soup = py.detach(|| generate::generate(&parsed)).map_err(wrong)?;
     let name = spec.strip_prefix("gen:").unwrap_or(spec);
-    PyMesh::new(py, soup, name.to_owned(), spec)
+    PyMesh::new(py, soup, name.to_owned(), spec, false)
 }

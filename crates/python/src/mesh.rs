@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use geobench_harness::measure::number::counted;
-use geodesics::mesh::{DefectKind, FaceId, MeshMeasures, Report, Severity, Tolerance};
+use geodesics::mesh::{Defect, DefectKind, FaceId, MeshMeasures, Report, Severity, Tolerance};
 use geodesics::{
     Mesh, PointError, RemeshOptions, Stop, SurfacePoint, TriangleSoup, VertexId, Weld, io, line,
 };
@@ -71,14 +71,20 @@ pub(crate) struct PyMesh {
 }
 
 impl PyMesh {
+    /// A mesh of `soup`, which is from `place`. A warning tells of vertices at one place, if it
+    /// `warns`.
     pub(crate) fn new(
         py: Python<'_>,
         soup: TriangleSoup,
         name: String,
         place: &str,
+        warns: bool,
     ) -> PyResult<Self> {
         let made = py.detach(|| Mesh::from_soup(soup));
         let (mesh, report) = made.map_err(|error| invalid(py, &error, place))?;
+        if warns {
+            warn_of_copies(py, &report, place)?;
+        }
         Ok(Self::of(mesh, &report, name))
     }
 
@@ -161,13 +167,8 @@ impl PyMesh {
                 return Err(mesh_error(py, format!("repair is needed: {first}"), texts));
             }
         }
-        if weld.is_none()
-            && let mut known = report.summaries().into_iter()
-            && let Some(twice) = known.find(|s| s.kind == DefectKind::CoincidentVertices)
-        {
-            let hint = "no path crosses a seam between them; weld=True makes them one, weld=False \
-                        leaves them";
-            warn_user(py, "vertices", &[format!("{}; {hint}", twice.text)])?;
+        if weld.is_none() {
+            warn_of_copies(py, &report, "vertices")?;
         }
         Ok(Self::of(mesh, &report, name.to_owned()))
     }
@@ -965,6 +966,25 @@ fn repeated_corner(polygons: &[Vec<u32>]) -> Option<String> {
     });
     let (face, v, _) = pairs.find(|(_, a, b)| a == b)?;
     Some(format!("face {face} names vertex {v} twice in a row"))
+}
+
+/// A `UserWarning` on vertices at the place of another, if `report` has any. `name` is where they are
+/// from.
+fn warn_of_copies(py: Python<'_>, report: &Report, name: &str) -> PyResult<()> {
+    let weld = report.defects.iter().find_map(|defect| match defect {
+        Defect::CoincidentVertices { near: 0, .. } => Some("True".to_owned()),
+        Defect::CoincidentVertices { tolerance, .. } => Some(format!("{tolerance:e}")),
+        _ => None,
+    });
+    let mut known = report.summaries().into_iter();
+    let twice = known.find(|summary| summary.kind == DefectKind::CoincidentVertices);
+    let (Some(weld), Some(twice)) = (weld, twice) else {
+        return Ok(());
+    };
+    let text = twice.text;
+    let hint = "no path crosses a seam between them";
+    let note = format!("{text}; {hint}; weld={weld} makes them one, weld=False leaves them");
+    warn_user(py, name, &[note])
 }
 
 /// Reads the argument `weld`: none, a truth value or a tolerance.

@@ -411,7 +411,7 @@ impl PyVoronoi {
             .collect();
         let soup = self.diagram.dual().triangulation(corners);
         let soup = soup.map_err(|error| PyValueError::new_err(error.to_string()))?;
-        PyMesh::new(py, soup, "dual".to_owned(), "the dual")
+        PyMesh::new(py, soup, "dual".to_owned(), "the dual", false)
     }
 
     fn __len__(&self) -> usize {

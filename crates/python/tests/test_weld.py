@@ -1,5 +1,7 @@
 """Vertices at one place."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -35,8 +37,14 @@ def test_a_tolerance_is_a_fraction_of_the_size(tmp_path):
         with pytest.raises(ValueError, match="weld"):
             gd.Mesh(moved, FACES, weld=wrong)
     path = tmp_path / "moved.obj"
-    gd.Mesh(moved, FACES).write(path)
-    np.testing.assert_allclose(gd.read(path, weld=1e-6).distance(1), EXPECTED)
+    with pytest.warns(UserWarning, match="vertices: .*; weld=1e-[67] makes them one"):
+        gd.Mesh(moved, FACES).write(path)
+    with pytest.warns(UserWarning, match="moved.obj: .*; weld=1e-[67] makes them one"):
+        gd.read(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert np.isinf(gd.read(path, weld=False).distance(1)[5])
+        np.testing.assert_allclose(gd.read(path, weld=1e-6).distance(1), EXPECTED)
 
 
 def test_numbers_of_faces_are_those_of_the_array():

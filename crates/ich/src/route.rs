@@ -42,7 +42,7 @@ impl Routes {
         let next = Route(number(self.numbers.len() + 1));
         let route = *self.numbers.entry((route, h)).or_insert(next);
         let (window, l) = (*window, surface.faces().length(h));
-        Some(entrances.iter().filter_map(move |entrance| {
+        Some(entrances.filter_map(move |entrance| {
             let carried = entrance.carry(&window, l)?;
             Some((entrance.half_edge, carried, route))
         }))

@@ -22,6 +22,28 @@ fn meshes() -> [Mesh; 2] {
     ]
 }
 
+/// What is kept of an edge grows with its faces, not with their pairs: gigabytes here.
+#[test]
+fn an_edge_may_have_many_faces() {
+    const SHEETS: u32 = 20_000;
+    let apex = |i: u32| [0.5, f64::from(i).cos(), f64::from(i).sin()];
+    let mut positions = vec![[0.0; 3], [1.0, 0.0, 0.0]];
+    positions.extend((0..SHEETS).map(apex));
+    // Every second sheet is wound the other way.
+    let sheet = |i: u32| {
+        if i % 2 == 0 {
+            [0, 1, i + 2]
+        } else {
+            [1, 0, i + 2]
+        }
+    };
+    let mesh = Mesh::new(positions, (0..SHEETS).map(sheet).collect()).unwrap();
+    let found = usual(&mesh).build(&mesh).solve(&[VertexId::new(2)]);
+    let distances = found.unwrap().distances;
+    assert!(distances[3..].iter().all(|d| (d - 2.0).abs() < 1e-12));
+    assert!((distances[0] - 1.25_f64.sqrt()).abs() < 1e-12);
+}
+
 #[test]
 fn algorithms_solve_meshes_with_junctions_or_say_that_they_do_not() {
     for mesh in meshes() {

@@ -260,9 +260,14 @@ pub struct Faces {
     numbering: Numbering,
     /// The first gate. Gates follow the half-edges.
     first_gate: u32,
-    /// For each gate the half-edges beyond it, and where those of the next gate start.
-    gates: Vec<u32>,
-    beyond: Vec<HalfEdgeBeyond>,
+    /// Whether there are gates, if the mesh has junctions.
+    has_gates: bool,
+    /// For each gate the place of its half-edge in `sides`, and where its junction starts and ends
+    /// there.
+    gates: Vec<[u32; 3]>,
+    /// The half-edges along junctions, junction after junction, as seen from the gate of the first
+    /// one.
+    sides: Vec<HalfEdgeBeyond>,
 }
 
 /// A half-edge through which windows go on beyond a [gate](Faces::beyond).
@@ -309,8 +314,9 @@ impl Faces {
             first_gate: half_edges.len() as u32,
             half_edges,
             numbering,
+            has_gates: false,
             gates: Vec::new(),
-            beyond: Vec::new(),
+            sides: Vec::new(),
         }
     }
 
@@ -328,8 +334,28 @@ impl Faces {
     }
 
     fn add_gates(&mut self, mesh: &Mesh) {
-        self.gates.push(0);
+        self.has_gates = true;
+        // Where the junction of each half-edge starts.
+        let mut starts: Vec<usize> = Vec::with_capacity(mesh.junction_sides().len());
         for h in mesh.junction_sides() {
+            // The first half-edge of a junction comes before the others.
+            let junction = mesh.junction(h);
+            let first = junction[0];
+            let start = match mesh.junction_side(first) {
+                Some(place) if first != h => starts[place],
+                _ => self.sides.len(),
+            };
+            if first == h {
+                self.sides
+                    .extend(junction.iter().map(|&side| HalfEdgeBeyond {
+                        half_edge: self.numbering.new_half_edge(side),
+                        mirrored: mesh.tail(side) == mesh.tail(first),
+                    }));
+            }
+            starts.push(start);
+            let own = start + junction.partition_point(|&side| side < h);
+            let end = start + junction.len();
+            self.gates.push([own, start, end].map(|place| place as u32));
             let gate = self.half_edges.len() as u32;
             let own = &mut self.half_edges[self.numbering.new_half_edge(h).index()];
             own.exit_edge.twin = gate;
@@ -343,19 +369,12 @@ impl Faces {
                 ..*own
             };
             self.half_edges.push(record);
-            let others = mesh.junction(h).iter().filter(|&&other| other != h);
-            self.beyond.extend(others.map(|&other| HalfEdgeBeyond {
-                half_edge: self.numbering.new_half_edge(other),
-                mirrored: mesh.tail(other) == mesh.tail(h),
-            }));
-            self.gates.push(self.beyond.len() as u32);
         }
     }
 
     /// Follows a change of the mesh, which is `mesh` now. Takes time in the size of the change, and
     /// with [gates](Self::with_gates) in their number.
     pub fn splice(&mut self, mesh: &Mesh, splice: &Splice) {
-        let has_gates = !self.gates.is_empty();
         self.half_edges.truncate(self.first_gate as usize);
         self.first_gate = mesh.half_edge_count() as u32;
         let none = HalfEdge {
@@ -373,18 +392,23 @@ impl Faces {
             self.half_edges[first..first + 3].copy_from_slice(&records);
         }
         self.gates.clear();
-        self.beyond.clear();
-        if has_gates {
+        self.sides.clear();
+        if self.has_gates {
             self.add_gates(mesh);
         }
     }
 
     /// The half-edges of the other faces at a junction, if `h` is a
     /// [gate](Self::with_gates), else `None`.
-    pub fn beyond(&self, h: HalfEdgeId) -> Option<&[HalfEdgeBeyond]> {
+    pub fn beyond(&self, h: HalfEdgeId) -> Option<impl Iterator<Item = HalfEdgeBeyond>> {
         let gate = h.raw().checked_sub(self.first_gate)? as usize;
-        let [start, end] = [gate, gate + 1].map(|i| self.gates[i] as usize);
-        Some(&self.beyond[start..end])
+        let [own, start, end] = self.gates[gate].map(|place| place as usize);
+        let others = (start..end).filter(move |&side| side != own);
+        // Of two half-edges, both or neither have the direction of the first.
+        Some(others.map(move |side| HalfEdgeBeyond {
+            mirrored: self.sides[side].mirrored == self.sides[own].mirrored,
+            ..self.sides[side]
+        }))
     }
 
     /// The number here of half-edge `h` of the mesh.
@@ -452,7 +476,7 @@ impl Faces {
             let [tail, head, _] = self.corners(h);
             [tail, head]
         };
-        match self.beyond(h).and_then(<[HalfEdgeBeyond]>::first) {
+        match self.beyond(h).and_then(|mut entrances| entrances.next()) {
             Some(first) if first.mirrored => {
                 let [tail, head] = ends(first.half_edge);
                 [head, tail]

@@ -337,10 +337,10 @@ impl<Q: Discipline> RunState<Q> {
     #[cold]
     fn arrive_late<P: Probe>(&mut self, h: HalfEdgeId, batch: &Batch, probe: &mut P) -> u64 {
         let before = batch.windows.len();
-        if let Some(entrances) = self.surface.faces().beyond(h) {
+        let entrances: Option<Vec<_>> = self.surface.faces().beyond(h).map(Iterator::collect);
+        if let Some(entrances) = entrances {
             // A path may enter any of the faces, and from which of the others a shorter path has
             // come does not matter. So the lists there are merged separately.
-            let entrances = entrances.to_vec();
             let edge = self.surface.edge(h);
             // As beside thin faces, the filter is always on. Windows that turn back into another
             // sheet would go all the way back.

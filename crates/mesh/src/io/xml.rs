@@ -1,6 +1,7 @@
 //! XML documents: their elements, numbers in them, and places for messages.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::str::FromStr;
 
 use roxmltree::{Document, Node, ParsingOptions};
@@ -32,6 +33,10 @@ pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
 /// The most attributes of an element. The parser compares each name with all others.
 const MOST_ATTRIBUTES: usize = 1000;
 
+/// The most prefixes of names in a document. For each element that declares one, the parser
+/// compares all that are declared around it.
+const MOST_PREFIXES: usize = 100;
+
 /// The elements of a document. Definitions of entities, by which a small file can become a large
 /// text, are refused: no format of meshes needs them.
 pub(super) fn parse(text: &str) -> Result<Document<'_>, Flaw> {
@@ -40,12 +45,21 @@ pub(super) fn parse(text: &str) -> Result<Document<'_>, Flaw> {
             "it defines entities, which are not read; write them out",
         ));
     }
-    let attributes = |part: &str| ["=\"", "='"].map(|sign| part.matches(sign).count());
-    let count = |part| attributes(part).iter().sum::<usize>();
+    let is_value = |rest: &&str| rest.trim_start().starts_with(['"', '\'']);
+    let count = |part: &str| part.split('=').skip(1).filter(is_value).count();
     if text.split('<').any(|part| count(part) > MOST_ATTRIBUTES) {
         return Err(Flaw::file(format!(
             "an element has more than {MOST_ATTRIBUTES} attributes, which no format of meshes needs"
         )));
+    }
+    let mut prefixes = HashSet::new();
+    for rest in text.split("xmlns:").skip(1) {
+        prefixes.insert(rest.split('=').next().unwrap_or_default().trim_end());
+        if prefixes.len() > MOST_PREFIXES {
+            return Err(Flaw::file(format!(
+                "its names have more than {MOST_PREFIXES} prefixes, which no format of meshes needs"
+            )));
+        }
     }
     let options = ParsingOptions {
         allow_dtd: true,

@@ -483,7 +483,12 @@ fn bombs_and_deep_documents_are_refused() {
         let attributes: Vec<String> = (0..100_000).map(|i| format!(" a{i}='1'")).collect();
         let attributes = attributes.concat();
         let wide = format!("<GIFTI><a{attributes}/></GIFTI>");
+        fails(format, &wide, "an element has more than 1000 attributes");
+        let wide = wide.replace('=', " =\n");
         fails(format, wide, "an element has more than 1000 attributes");
+        let nested = (0..2000).map(|i| format!("<a xmlns:a{i}='x' xmlns:b{i}='y'>"));
+        let nested: Vec<String> = nested.collect();
+        fails(format, nested.concat(), "more than 100 prefixes");
     }
     // A message quotes little of a file.
     let long = "é".repeat(100_000);

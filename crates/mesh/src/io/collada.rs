@@ -268,8 +268,8 @@ impl<'a, 'd> ColladaFile<'a, 'd> {
             .attribute("count")
             .map(|text| text.trim().parse::<usize>());
         if count.is_some_and(|count| count != Ok(there)) {
-            let line = node.document().text_pos_at(node.range().start).row;
-            self.scene.note_form(line.into(), FileForm::OtherCount);
+            let line = || u64::from(node.document().text_pos_at(node.range().start).row);
+            self.scene.note_form(FileForm::OtherCount, line);
         }
     }
 

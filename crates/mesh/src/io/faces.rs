@@ -52,11 +52,16 @@ impl FaceList {
     /// Notes a departure from the format in `line`; 0 in binary data. Only the first of each kind
     /// is kept.
     pub(super) fn note_form(&mut self, line: u64, form: FileForm) {
-        let is_known =
-            |note: &Defect| matches!(note, Defect::FileForm { form: known, .. } if *known == form);
-        if !self.notes.iter().any(is_known) {
+        if !self.has_form(form) {
             self.note(Defect::FileForm { line, form });
         }
+    }
+
+    /// Whether a departure of this kind is noted.
+    pub(super) fn has_form(&self, form: FileForm) -> bool {
+        let is_known =
+            |note: &Defect| matches!(note, Defect::FileForm { form: known, .. } if *known == form);
+        self.notes.iter().any(is_known)
     }
 
     pub(super) fn note(&mut self, note: Defect) {

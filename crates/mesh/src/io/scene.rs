@@ -153,9 +153,12 @@ impl Assembly {
         self.pay(64)
     }
 
-    /// Notes a departure from the format in `line`.
-    pub(super) fn note_form(&mut self, line: u64, form: FileForm) {
-        self.all.faces.note_form(line, form);
+    /// Notes a departure from the format in the line that `line` finds, which may take a pass over
+    /// the file. Only the first of each kind is kept.
+    pub(super) fn note_form(&mut self, form: FileForm, line: impl FnOnce() -> u64) {
+        if !self.all.faces.has_form(form) {
+            self.all.faces.note_form(line(), form);
+        }
     }
 
     /// Notes that a placed mesh has a skin or a morph.

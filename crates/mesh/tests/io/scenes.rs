@@ -954,6 +954,15 @@ fn collada_notes_counts_that_differ() {
     let strips = collada("<node><instance_geometry url=\"#g\"/></node>")
         .replace("<trifans>", "<trifans count=\"1\">");
     assert!(parse(Format::Collada, strips).unwrap().notes.is_empty());
+    // Finding a line takes a pass over the file: minutes if for each of these counts.
+    let file = collada("<node><instance_geometry url=\"#g\"/></node>");
+    let list = "<trifans count=\"7\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>\
+                <p>0 1 2</p></trifans>";
+    let many = file.replace("<trifans>", &(list.repeat(100_000) + "<trifans>"));
+    let soup = parse(Format::Collada, many).unwrap();
+    let form = FileForm::OtherCount;
+    assert_eq!(soup.notes, [Defect::FileForm { line: 1, form }]);
+    assert_eq!(soup.triangles.len(), 100_001);
 }
 
 /// What is no number was passed over, so that another surface was read.

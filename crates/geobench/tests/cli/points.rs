@@ -680,6 +680,8 @@ fn runs_start_in_the_largest_component() {
     assert_eq!(result["models"][0]["largest_component"], largest);
     let said = sandbox.succeed("run parts.off --algo mmp,vtp --repeat 1 --source 0");
     assert!(!said.contains("the largest of"), "{said}");
+    let note = "connected with the source: 3 of 8 vertices; 2 components";
+    assert!(said.contains(note), "{said}");
     sandbox.succeed(
         "run parts.off --source 1,largest --sources-together --algo mmp --repeat 1 -o t.json",
     );

@@ -96,7 +96,7 @@ pub(super) fn part(group: &GroupCells<'_>, model: &ModelRecord) -> Part {
         .map(|figure| figure_row(figure, &columns, model.vertices))
         .collect();
     let mut notes = notes(cells, model.vertices);
-    notes.extend(note_on_largest(cells, model));
+    notes.extend(note_on_component(cells, model));
     notes.extend(group.record.note_on_left_out(model).map(Note::new));
     if let Some((row, note)) = ratio_times(group, &model.name, &columns) {
         rows.push(row);
@@ -289,16 +289,29 @@ fn note_on_doubt(cells: &[&Cell]) -> Option<String> {
     ))
 }
 
-/// A note on a source that is the first vertex of the largest of several components.
-fn note_on_largest(cells: &[&Cell], model: &ModelRecord) -> Option<Note> {
+/// A note on how much of a model with several components is connected with the source, which may be
+/// the first vertex of the largest one.
+fn note_on_component(cells: &[&Cell], model: &ModelRecord) -> Option<Note> {
     let LargestComponent { first, vertices } = model.largest_component?;
+    let components = grouped(model.components.unwrap_or(0));
+    let all = model.vertices.unwrap_or(0);
     let is_it = |cell: &&Cell| cell.source.as_ref().and_then(SourceLabel::vertex) == Some(first);
-    (!cells.is_empty() && cells.iter().all(is_it)).then(|| {
-        Note::new(format!(
-            "source {first} is in the largest of {} components, with {} of {} vertices",
-            grouped(model.components.unwrap_or(0)),
+    if !cells.is_empty() && cells.iter().all(is_it) {
+        return Some(Note::new(format!(
+            "source {first} is in the largest of {components} components, with {} of {} vertices",
             grouped(vertices),
-            grouped(model.vertices.unwrap_or(0))
+            grouped(all)
+        )));
+    }
+    let counts = || cells.iter().filter_map(|cell| cell.check.unreachable);
+    let unreachable = counts().next().filter(|&count| count > 0)?;
+    let is_known = cells.iter().all(|cell| cell.goal.is_none());
+    let is_alike = counts().all(|count| count == unreachable);
+    (is_known && is_alike).then(|| {
+        Note::new(format!(
+            "connected with the source: {} of {} vertices; {components} components",
+            grouped(all.saturating_sub(unreachable)),
+            grouped(all)
         ))
     })
 }

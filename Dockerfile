@@ -2,7 +2,7 @@
 #
 #   docker build -t geobench . && docker run --rm geobench
 #   docker run --rm -v "$PWD:/work" -w /work geobench geobench run model.obj
-FROM rust:1-bookworm AS build
+FROM rust:1.95-bookworm AS build
 WORKDIR /source
 COPY . .
 RUN cargo build --release --locked --bin geobench && strip target/release/geobench

@@ -87,7 +87,7 @@ fn renew(page: &str, names: &mut BTreeSet<String>) -> String {
     renewed + rest
 }
 
-/// A part in Markdown by its name: what it shows, and of what.
+/// A part in Markdown by its name: a kind, and for most kinds a command or an algorithm.
 fn part(name: &str) -> String {
     let algorithm = |name| registry::find(name).unwrap();
     match name.split_once(' ') {
@@ -150,7 +150,7 @@ fn options(command: &str) -> String {
     tables.collect::<Vec<_>>().join("\n")
 }
 
-/// The options that only some commands have, of one of them, in the order of its help.
+/// The options of a command in the order of its help, without those that all commands have.
 fn arguments(command: &str) -> Vec<Arg> {
     let mut program = crate::program();
     program.build();

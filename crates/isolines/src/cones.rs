@@ -248,9 +248,8 @@ impl FaceCones {
         nearest.map(|(i, _)| i)
     }
 
-    /// The cones that give corner `i` a distance, without that of the corner itself, which has no
-    /// direction there: the distance, the centre, and by the sine of which angle the ray to the
-    /// corner comes from outside the face.
+    /// The rays to corner `i` from the centres of all cones but its own: distance, centre, and the
+    /// sine of the angle by which the ray is outside the angle of the corner, 0 if it is inside.
     pub(crate) fn rays_to_corner(&self, i: usize) -> impl Iterator<Item = (f64, Point, f64)> {
         let [x, next, last] = [0, 1, 2].map(|k| self.corners[(i + k) % 3]);
         let unit = move |to: Point| {

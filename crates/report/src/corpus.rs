@@ -143,7 +143,8 @@ impl CorpusModel {
         Spec::is_spec(&self.address)
     }
 
-    /// Whether it is from somewhere. The others are made by a rule, of which some are files.
+    /// Whether the model was published elsewhere: its address is a URL. The others are generated, or
+    /// files that were made by a rule.
     pub(crate) fn is_real(&self) -> bool {
         self.address.contains("://")
     }

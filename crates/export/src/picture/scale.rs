@@ -140,7 +140,7 @@ impl ColourBar {
     }
 }
 
-/// Text that is centred above a point of its baseline.
+/// A text, centred on a point of its baseline.
 fn write(svg: &mut Svg, [x, y]: [f64; 2], text: &str) {
     let attributes = [
         ("class", "m".to_owned()),
@@ -155,7 +155,7 @@ fn write(svg: &mut Svg, [x, y]: [f64; 2], text: &str) {
 const CELL: f64 = 0.1125 * FONT;
 const ADVANCE: f64 = 5.6 * CELL;
 
-/// The strokes of a text that is centred above a point of its baseline.
+/// The strokes of a text, centred on a point of its baseline.
 fn letters(text: &str, [middle, baseline]: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
     let width = ADVANCE * text.chars().count() as f64;
     let left = middle - 0.5 * (width - ADVANCE + 4.0 * CELL);

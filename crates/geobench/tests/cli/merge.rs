@@ -207,7 +207,7 @@ fn a_dash_is_standard_input_and_output() {
     let run = "run - --input-format off --algo mmp --repeat 1 --quiet -o - --output-format json";
     let json = piped(run, &square);
     assert!(json.starts_with("{\n  \"schema\""), "{json}");
-    // Its name is that which the user wrote, and not that of a temporary file.
+    // The name is the one that the user wrote, and not that of a temporary file.
     let result: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(result["models"][0]["path"], "-");
     let shown = piped("info - --input-format off", &square);

@@ -133,8 +133,7 @@ impl<'r> GroupCells<'r> {
         self.approximate.contains(algorithm)
     }
 
-    /// Whether an algorithm may be the fastest: it is exact, and its times are no claims that nothing
-    /// confirms.
+    /// Whether an algorithm may be the fastest: it is exact, and its times are measured or confirmed.
     pub(crate) fn may_be_best(&self, algorithm: &str) -> bool {
         !self.is_approximate(algorithm) && !self.claimed.contains(algorithm)
     }

@@ -13,7 +13,7 @@ use crate::table::results;
 const HEATS: [f64; Entry::HOTTEST as usize - 1] = [1.05, 1.5, 2.5, 5.0, 10.0];
 
 /// The matrix of `group`. Its foot has the geometric means of the ratios over the models that all
-/// algorithms with a time solved. `None` for fewer than two algorithms, and without any time.
+/// algorithms with a time solved. `None` for fewer than two algorithms, or if no cell has a time.
 ///
 /// The best of a row is the fastest exact algorithm, or the fastest if the group has no exact one.
 /// Times that are claims are not the best. A row without a best has no ratios, and one with nothing
@@ -75,14 +75,14 @@ pub(crate) fn matrix(group: &GroupCells<'_>) -> Option<Table> {
     Some(table)
 }
 
-/// The best of the times of a model; `None` if none of them may be it.
+/// The best time of a model; `None` if no algorithm with a time may be the best.
 fn best(times: &[Option<f64>], may_be_best: &[bool]) -> Option<f64> {
     let candidates = times.iter().zip(may_be_best).filter(|(_, may)| **may);
     candidates.filter_map(|(time, _)| *time).reduce(f64::min)
 }
 
-/// The ratios of the times of a model to the best of them, as in the other tables and in the
-/// headline: medians over the rounds. None if no time is the best.
+/// The ratios of the times of a model to the best one, as in the other tables and in the headline:
+/// medians over the rounds. `None` without a best time.
 fn ratios(
     group: &GroupCells<'_>,
     model: &str,
@@ -101,7 +101,7 @@ fn ratios(
         .collect()
 }
 
-/// The marks of a row: `best` is marked if there is another value that may be it.
+/// The marks of a row: `best` is marked if two values or more may be the best.
 fn marks(values: &[Option<f64>], best: Option<f64>, may_be_best: &[bool]) -> Vec<Mark> {
     let both = || values.iter().zip(may_be_best);
     let is_compared = both()
@@ -149,7 +149,7 @@ fn foot(ratios: &[Vec<Option<f64>>], may_be_best: &[bool]) -> Option<Part> {
         geometric_mean(&ratios)
     };
     let means: Vec<Option<f64>> = (0..counts.len()).map(mean).collect();
-    // The mean of what is the best everywhere.
+    // An algorithm that is the best on all models has the mean 1.
     let marked = marks(&means, Some(1.0), may_be_best);
     let entries = means.iter().zip(marked).map(|(mean, mark)| match mean {
         Some(mean) => heated(ratio(*mean), *mean, mark),

@@ -89,7 +89,7 @@ pub(crate) struct Chunk {
     right: [f32; 2],
     body: u32,
     pub(crate) len: u16,
-    /// Whether a neighbour has died: the filter may delete windows here as well.
+    /// Whether the filter has deleted a neighbour of the windows; it may delete these as well.
     pub(crate) doubtful: bool,
 }
 
@@ -213,7 +213,7 @@ pub(crate) struct ChunkStore {
     lines: Vec<CacheLine>,
     free: Vec<u32>,
     lists: Vec<ChunkList>,
-    /// Memory for lists.
+    /// Empty vectors, for the chunks of further lists.
     spare: Vec<Vec<Chunk>>,
 }
 
@@ -313,7 +313,7 @@ impl ChunkStore {
             .map_or(&[], |list| &list.chunks)
     }
 
-    /// Tells that `old` has become `new`.
+    /// Gives the chunks of list `old` the number `new`.
     #[inline(always)]
     pub(crate) fn rename(&mut self, old: u32, new: u32) {
         if self.holds(old) {
@@ -451,7 +451,7 @@ impl ChunkStore {
         list.push(chunk);
     }
 
-    /// Brings a part of `from` through an exit into `to`, whose body is the same or another.
+    /// Moves a part of `from` through an exit into `to`, which may have the same body.
     #[inline(always)]
     pub(crate) fn leave<L: Lanes>(
         &mut self,
@@ -507,8 +507,8 @@ impl ChunkStore {
     }
 }
 
-/// A vector of length 1, but for rounding, of exactly that length: frames are turned by it again and
-/// again.
+/// A vector of unit length up to rounding, normalised: frames are turned many times, and errors of
+/// the length multiply.
 #[inline(always)]
 pub(crate) fn unit([x, y]: [f64; 2]) -> [f64; 2] {
     let inverse = 1.5 - 0.5 * (x * x + y * y);

@@ -23,7 +23,7 @@ pub(crate) const NO_TWIN: u32 = u32::MAX;
 /// can be coalesced is checked for each pair.
 const FLATNESS: f64 = 1e-8;
 
-/// If more than one vertex in this many has a shadow, none is lit.
+/// Vertices that [have shadows](has_shadow) send windows if they are at most one in this many.
 const DARK: usize = 64;
 
 /// Length of the longest side of a face, in typical lengths, above which its lists cross when their

@@ -235,7 +235,7 @@ impl Staying {
         reach: [f64; 3],
     ) {
         let waited_on_left = behind[0].len();
-        // Whether the last part for the right has died as a whole.
+        // Whether the last part for the right has been deleted as a whole.
         let mut dead = false;
         let mut opened = self.opened.iter().enumerate();
         for (chunk, &passage) in chunks.iter_mut().zip(&self.passages) {
@@ -308,7 +308,7 @@ impl Staying {
                     self.store.push::<L>(simd, list, &part, side, triangle);
                     continue;
                 }
-                // What has died is on the outside; its neighbours may die as well.
+                // Windows are deleted from the outside; the neighbours of these may be next.
                 self.store.drop(&part);
                 if side == 1 {
                     dead = true;

@@ -51,6 +51,7 @@ pub fn read_all(paths: &[PathBuf]) -> anyhow::Result<Vec<(String, ResultFile)>> 
 pub fn parse(path: &Path, text: &str) -> anyhow::Result<ResultFile> {
     /// The one field that all versions of the schema have.
     #[derive(Deserialize)]
+    #[serde(expecting = "an object")]
     struct Head {
         schema: Option<serde_json::Value>,
     }
@@ -105,6 +106,7 @@ mod tests {
         assert!(error.starts_with("/no/such.json: cannot be read: "));
         assert!(refused("").starts_with("r.json: not a result file: EOF"));
         assert!(refused("[]").starts_with("r.json: not a result file: invalid"));
+        assert!(refused("0").contains("expected an object at line 1"));
         assert!(refused("{}").contains("it has no field `schema`; give a .json file"));
         for (schema, shown) in [("\"geobench/2\"", "geobench/2"), ("7", "7")] {
             assert_eq!(

@@ -309,6 +309,50 @@ fn a_claim_above_the_time_from_outside_is_an_error_of_the_program() {
 }
 
 #[test]
+fn a_set_up_is_no_longer_than_the_time_there_was_for_it() {
+    let sandbox = Sandbox::with_square();
+    let distances = r"printf '0,0\n1,1\n2,1.4142135623730951\n3,1\n'";
+    for (name, seconds, code) in [("boast", "1e6", 1), ("none", "0", 0)] {
+        // Protocol 2 claims the set-up while it loads, protocol 1 with the solve.
+        let two = format!(
+            "while read -r request file; do\ncase $request in\n\
+             load) echo '{{\"setup_seconds\": {seconds}}}' ;;\n\
+             solve) echo '{{\"seconds\": 0}}' ;;\n\
+             write) {distances} > \"$file\"; echo '{{}}' ;;\n\
+             *) echo '{{}}' ;;\nesac\ndone\n"
+        );
+        let once = format!(
+            "{distances} > \"$1\"; echo '{{\"seconds\": 0, \"setup_seconds\": {seconds}}}'\n"
+        );
+        sandbox.write("two.sh", &two);
+        sandbox.write("once.sh", &once);
+        sandbox.write(
+            "peers.toml",
+            "[ext.two]\nprotocol = 2\ncommand = ['sh', 'two.sh']\n\
+             [ext.once]\nprotocol = 'once'\ncommand = ['sh', 'once.sh', '{output}']\n",
+        );
+        let call = sandbox.call(
+            "run square.off --ext peers.toml --algo mmp,ext:two,ext:once --repeat 1 --warmup 0 \
+             --rows time,setup -o r.json",
+        );
+        assert_eq!(call.code, code, "{name}: {}", call.stderr);
+        for cell in &sandbox.json("r.json")["cells"].as_array().unwrap()[1..] {
+            if code == 0 {
+                assert_eq!(cell["time"]["setup"], 0.0, "{cell}");
+                let note = "set-up of outside programs: as they claim it";
+                assert!(call.stdout.contains(note), "{}", call.stdout);
+            } else {
+                let message = cell["message"].as_str().unwrap();
+                assert!(
+                    message.starts_with("broke the protocol: `setup_seconds` is 1e6, but there"),
+                    "{message}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
 fn claims_without_a_check_are_marked_in_every_output() {
     let sandbox = sandbox();
     let files = "-o r.json -o r.csv -o r.md -o r.tex -o r.bmf.json -o r.gab.json";

@@ -91,11 +91,16 @@ pub(super) fn part(group: &GroupCells<'_>, model: &ModelRecord) -> Part {
             &mut figures,
         );
     }
+    let shows_setup = figures.iter().any(|figure| figure.key == "setup");
     let mut rows: Vec<_> = figures
         .into_iter()
         .map(|figure| figure_row(figure, &columns, model.vertices))
         .collect();
     let mut notes = notes(cells, model.vertices);
+    let has_setup = |cell: &&Cell| cell.algorithm.starts_with("ext:") && cell.time.setup.is_some();
+    if shows_setup && cells.iter().any(has_setup) {
+        notes.push(Note::new(SETUP_OF_OUTSIDE));
+    }
     notes.extend(note_on_component(cells, model));
     notes.extend(group.record.note_on_left_out(model).map(Note::new));
     if let Some((row, note)) = ratio_times(group, &model.name, &columns) {
@@ -192,6 +197,10 @@ fn figure_row(figure: &Figure, columns: &[Vec<&Cell>], vertices: Option<u64>) ->
 fn is_claimed(cells: &[&Cell]) -> bool {
     cells.iter().any(|cell| cell.time.unconfirmed)
 }
+
+/// The note on the set-up of external programs.
+const SETUP_OF_OUTSIDE: &str = "set-up of outside programs: as they claim it, and at most the time \
+    of the answer; else the time to load the model";
 
 /// The mark of a time whose interval is wider than the wanted precision.
 const IMPRECISE: &str = "~";

@@ -710,9 +710,20 @@ impl ModelChild {
         doing: &str,
     ) -> Result<(Reply, Duration), Failure> {
         let reply = self.process.ask(request, longest);
-        let reply = reply.and_then(|(reply, time)| match (reply.own_key(), &self.outside) {
-            (Some(key), Some(_)) => Err(ChildError::Protocol(no_such_key(key))),
-            _ => Ok((reply, time)),
+        let reply = reply.and_then(|(reply, time)| {
+            let problem = self.outside.as_ref().and_then(|outside| {
+                let whole = match outside.program.protocol {
+                    Protocol::Two => time,
+                    // The set-up came before the request.
+                    _ => self.started.elapsed(),
+                };
+                let own_key = reply.own_key().map(no_such_key);
+                own_key.or_else(|| set_up_beyond(&reply, whole))
+            });
+            match problem {
+                Some(problem) => Err(ChildError::Protocol(problem)),
+                None => Ok((reply, time)),
+            }
         });
         reply.map_err(|error| match (error, &self.outside) {
             (ChildError::Refused(why), Some(Outside { program, .. })) => {
@@ -722,6 +733,13 @@ impl ModelChild {
             (error, _) => error.failure(doing),
         })
     }
+}
+
+/// The error of a claimed set-up that is longer than `whole`, the time in which it took place.
+fn set_up_beyond(reply: &Reply, whole: Duration) -> Option<String> {
+    let (seconds, whole) = (reply.setup_seconds?, whole.as_secs_f64());
+    (seconds > whole * (1.0 + CLOCKS))
+        .then(|| format!("`setup_seconds` is {seconds:e}, but there were only {whole:e} s for it"))
 }
 
 impl Outside {

@@ -1,7 +1,7 @@
 //! External programs.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 use std::sync::Arc;
 
@@ -100,9 +100,9 @@ pub const PLACEHOLDERS: [&str; 4] = ["{model}", "{source}", "{threads}", "{outpu
 
 /// The values of the placeholders of a command.
 #[derive(Clone, Debug)]
-pub struct Call<'c> {
+pub struct Call {
     /// The model, an OBJ file.
-    pub model: &'c Path,
+    pub model: PathBuf,
     /// The source vertex, counted from 0.
     pub source: u32,
     /// Number of threads that the program may use.
@@ -124,7 +124,7 @@ impl Program {
     }
 
     /// A process command from `words`, with the placeholders filled in.
-    pub fn command(&self, words: &[String], call: &Call<'_>) -> Command {
+    pub fn command(&self, words: &[String], call: &Call) -> Command {
         let fill = |word: &String| {
             let values = [
                 call.model.display().to_string(),
@@ -277,7 +277,7 @@ mod tests {
             files: Vec::new(),
         };
         let call = Call {
-            model: Path::new("/tmp/m.obj"),
+            model: "/tmp/m.obj".into(),
             source: 7,
             threads: 2,
             output: "/tmp/d.csv".into(),
@@ -289,6 +289,6 @@ mod tests {
             arguments,
             ["/tmp/m.obj", "-s7", "2", "--to=/tmp/d.csv", "0.5"]
         );
-        assert_eq!(command.get_current_dir(), Some(Path::new("/here")));
+        assert_eq!(command.get_current_dir(), Some("/here".as_ref()));
     }
 }

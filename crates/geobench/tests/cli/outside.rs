@@ -165,6 +165,33 @@ fn whatever_an_outside_program_does_costs_its_own_row() {
     insta::assert_snapshot!(rows.join(" "));
 }
 
+#[test]
+fn a_program_that_spoils_the_model_costs_its_own_row() {
+    let sandbox = sandbox();
+    let mut peers = sandbox.read("peers.toml");
+    for (name, does) in [
+        ("alters", "echo 'v 9 9 9' >> \"$1\""),
+        ("removes", "rm -r \"$(dirname \"$1\")\""),
+    ] {
+        sandbox.write(&format!("{name}.sh"), &format!("{does}; exit 3"));
+        let command = format!("command = ['sh', '{name}.sh', '{{model}}']");
+        let table = format!("[ext.{name}]\nprotocol = 'once'\n{command}\n");
+        peers.push_str(&table);
+    }
+    sandbox.write("peers.toml", &peers);
+    let call = sandbox.call(
+        "run square.off --ext peers.toml --algo vtp,ext:alters,ext:removes,ext:honest --repeat 2 \
+         --timeout 60s --quiet -o r.json",
+    );
+    assert_eq!(call.code, 1, "{}", call.stderr);
+    let file = sandbox.json("r.json");
+    let cells = file["cells"].as_array().unwrap();
+    let status: Vec<&Value> = cells.iter().map(|cell| &cell["status"]).collect();
+    assert_eq!(status, ["ok", "crashed", "crashed", "ok"]);
+    // The number of vertices that the last program read.
+    assert_eq!(sandbox.read("log").lines().nth(1), Some("4"));
+}
+
 /// A solver under protocol 2 in Python. Its options say how long it works and what it claims.
 const VERSION_2: &str = r#"
 import json, sys, time

@@ -31,8 +31,10 @@
 //! less the median time to answer a `ping`.
 
 use std::collections::BTreeMap;
+use std::fs;
+use std::os::unix::fs::MetadataExt;
 use std::os::unix::process::CommandExt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -184,12 +186,14 @@ struct Outside {
     note: Option<String>,
 }
 
-/// Temporary folder with the model and the distances.
+/// Temporary folder with the model, and with a folder for each program.
 struct ExchangeFolder {
     folder: TempDir,
     /// The model as an OBJ file, with unchanged vertex numbers. If the source is not a vertex, the
-    /// model has an additional one.
+    /// model has an additional one. The folders of programs have links to it.
     model: PathBuf,
+    /// The state of that file after it was written.
+    written: Option<FileState>,
     /// The mesh in that file.
     mesh: Mesh,
     source: VertexId,
@@ -198,7 +202,7 @@ struct ExchangeFolder {
 }
 
 impl ExchangeFolder {
-    /// Writes `model` for a run from `source`.
+    /// An empty folder for a run on `model` from `source`.
     fn new(
         model: &ModelRef,
         vertices: usize,
@@ -214,24 +218,19 @@ impl ExchangeFolder {
                 --sources-together, or the program";
             return Err(refused(message.to_owned()));
         };
-        let crashed = |error: anyhow::Error| {
-            let message = format!("the model cannot be handed over: {error}");
-            Failure::new(Status::Crashed, message)
-        };
         let folder = tempfile::Builder::new().prefix("geobench-").tempdir();
-        let folder = folder.map_err(|error| crashed(error.into()))?;
+        let folder = folder.map_err(|error| not_handed_over(&error.into()))?;
         temporary::register(folder.path());
-        let (mesh, _) = model.mesh_within(limit).map_err(|e| crashed(e.into()))?;
+        let loaded = model.mesh_within(limit);
+        let (mesh, _) = loaded.map_err(|error| not_handed_over(&error.into()))?;
         let found = Locator::new(&mesh).locate(point);
         let found = found.map_err(|error| refused(error.to_string()))?;
         let refined = mesh.with_points(&[found.point]);
         let refined = refined.map_err(|error| refused(error.to_string()))?;
-        let path = folder.path().join("model.obj");
-        let written = mesh_io::write(&path, &refined.mesh.to_soup());
-        written.map_err(|error| crashed(error.into()))?;
         Ok(Self {
+            model: folder.path().join("model.obj"),
             folder,
-            model: path,
+            written: None,
             source: refined.vertices[0],
             mesh: refined.mesh,
             note: found.note(),
@@ -240,18 +239,60 @@ impl ExchangeFolder {
 }
 
 impl ExchangeFolder {
-    /// The values of the placeholders in the commands of a program.
-    fn call(&self, program: &Program, step: &Step<'_>) -> Call<'_> {
+    /// The values of the placeholders in the commands of a program. Its folder is its own: what it
+    /// does to the files there affects no other program.
+    fn call(&mut self, program: &Program, step: &Step<'_>) -> Result<Call, Failure> {
         // Parameter values may contain slashes.
         let plain = |c: char| if c.is_alphanumeric() { c } else { '_' };
         let name: String = program.name.chars().map(plain).collect();
-        Call {
-            model: &self.model,
+        let folder = self.folder.path().join(name);
+        let model = folder.join("model.obj");
+        let provided = self.provide(&folder, &model);
+        provided.map_err(|error| not_handed_over(&error))?;
+        Ok(Call {
+            model,
             source: self.source.raw(),
             threads: step.algorithm.threads(),
-            output: self.folder.path().join(format!("{name}.csv")),
-        }
+            output: folder.join("distances.csv"),
+        })
     }
+
+    /// Links the model to the path `link` in `folder`, unless it is there unchanged.
+    fn provide(&mut self, folder: &Path, link: &Path) -> anyhow::Result<()> {
+        if self.is_as_written(link) {
+            return Ok(());
+        }
+        fs::create_dir_all(folder)?;
+        let _ = fs::remove_file(link);
+        if !self.is_as_written(&self.model) {
+            // A program may have written to it through its link.
+            let _ = fs::remove_file(&self.model);
+            mesh_io::write(&self.model, &self.mesh.to_soup())?;
+            self.written = file_state(&self.model);
+        }
+        // Not all file systems have links.
+        fs::hard_link(&self.model, link).or_else(|_| fs::copy(&self.model, link).map(drop))?;
+        Ok(())
+    }
+
+    fn is_as_written(&self, path: &Path) -> bool {
+        self.written.is_some() && self.written == file_state(path)
+    }
+}
+
+/// Inode, length and time of the last change (seconds, nanoseconds) of a file.
+type FileState = (u64, u64, i64, i64);
+
+/// The state of a file; `None` if there is none.
+fn file_state(path: &Path) -> Option<FileState> {
+    let found = fs::symlink_metadata(path).ok()?;
+    Some((found.ino(), found.len(), found.mtime(), found.mtime_nsec()))
+}
+
+/// The failure of a row whose program cannot be given the model.
+fn not_handed_over(error: &anyhow::Error) -> Failure {
+    let message = format!("the model cannot be handed over: {error}");
+    Failure::new(Status::Crashed, message)
 }
 
 impl<'b> ChildPool<'b> {
@@ -350,8 +391,8 @@ impl<'b> ChildPool<'b> {
         Ok(child)
     }
 
-    /// The files for external programs, written on first use.
-    fn handover(&mut self, step: &Step<'_>) -> Result<&ExchangeFolder, Failure> {
+    /// The files for external programs, made on first use.
+    fn handover(&mut self, step: &Step<'_>) -> Result<&mut ExchangeFolder, Failure> {
         Ok(match &mut self.handover {
             Some(handover) => handover,
             none => {
@@ -374,11 +415,11 @@ impl<'b> ChildPool<'b> {
         step: &Step<'_>,
     ) -> Result<ModelChild, Failure> {
         let handover = self.handover(step)?;
-        let call = handover.call(program, step);
+        let call = handover.call(program, step)?;
         let command = program.command(&program.command, &call);
         let outside = Outside {
             program: program.clone(),
-            model: handover.model.clone(),
+            model: call.model,
             source: call.source,
             output: call.output,
             setup_seconds: None,
@@ -400,8 +441,8 @@ impl<'b> ChildPool<'b> {
         if words.is_empty() {
             return Ok(());
         }
-        let handover = self.handover(step)?;
-        let command = program.command(words, &handover.call(program, step));
+        let call = self.handover(step)?.call(program, step)?;
+        let command = program.command(words, &call);
         let process = self.options.process(command);
         let done = process.and_then(|mut process| {
             if doing == CLEANING_UP {
@@ -560,7 +601,7 @@ impl ModelChild {
         &mut self,
         timeout: Timeout,
         vertices: usize,
-        output: &std::path::Path,
+        output: &Path,
     ) -> Result<Observation, Failure> {
         self.process
             .finish()
@@ -745,6 +786,6 @@ fn set_up_beyond(reply: &Reply, whole: Duration) -> Option<String> {
 impl Outside {
     /// Removes the file of distances of an earlier run.
     fn forget(&self) {
-        let _ = std::fs::remove_file(&self.output);
+        let _ = fs::remove_file(&self.output);
     }
 }

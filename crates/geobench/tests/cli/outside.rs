@@ -500,6 +500,24 @@ fn lines_without_a_request_and_keys_of_own_children_break_the_protocol() {
 }
 
 #[test]
+fn a_message_quotes_the_beginning_of_a_long_refusal() {
+    let sandbox = Sandbox::with_square();
+    let why = "x".repeat(3000);
+    let script = format!("while read -r _; do echo '{{\"refused\": \"{why}\"}}'; done");
+    sandbox.write("wordy.sh", &script);
+    let table = "[ext.wordy]\nprotocol = 2\ncommand = ['sh', 'wordy.sh']\n";
+    sandbox.write("peers.toml", table);
+    let call =
+        sandbox.call("run square.off --ext peers.toml --algo mmp,ext:wordy --quiet -o r.json");
+    assert_eq!(call.code, 2, "{}", call.stderr);
+    let message = &sandbox.json("r.json")["cells"][1]["message"];
+    assert_eq!(
+        *message,
+        format!("ext:wordy refused: {}...", "x".repeat(400))
+    );
+}
+
+#[test]
 fn a_command_is_timed_from_start_to_end_with_its_parameters() {
     let sandbox = Sandbox::with_square();
     let script = r#"[ "$(cat ready)" = yes ] || exit 1

@@ -6,13 +6,14 @@
 use std::time::Duration;
 
 use geobench_mesh::did_you_mean;
-use geobench_window::Counters;
+use geobench_window::{Counter, Counters};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::exec::{Observation, Pass};
 use crate::measure::memory::Peaks;
 use crate::schema::{ModelRecord, SourceLabel};
+use crate::usage::quoted;
 
 /// Request to an outside program with `protocol = "session"`. Its command names the model and the
 /// source.
@@ -116,9 +117,12 @@ impl Reply {
     ///
     /// If it is not one JSON object, or a key or a value is not allowed.
     pub(crate) fn parse(line: &[u8]) -> Result<Self, ReplyError> {
-        let is_object = serde_json::from_slice::<serde_json::Map<String, Value>>(line).is_ok();
-        if !is_object {
-            return Err(ReplyError::NoObject);
+        let object = serde_json::from_slice::<serde_json::Map<String, Value>>(line);
+        let object = object.map_err(|_| ReplyError::NoObject)?;
+        if let Some(Value::Object(counters)) = object.get("counters")
+            && let Some(unknown) = counters.keys().find(|name| !is_counter(name))
+        {
+            return Err(ReplyError::Key(no_such_counter(unknown)));
         }
         let mut json = serde_json::Deserializer::from_slice(line);
         let reply: Self = serde_path_to_error::deserialize(&mut json).map_err(|error| {
@@ -127,10 +131,13 @@ impl Reply {
             ReplyError::Key(match unknown_key(&problem) {
                 Some(problem) => problem,
                 // The position in a line says no more than the key.
-                None => format!(
-                    "`{at}`: {}",
-                    problem.split(" at line ").next().unwrap_or("")
-                ),
+                None => {
+                    let problem = problem.split(" at line ").next().unwrap_or("");
+                    match at.as_str() {
+                        "." => problem.to_owned(),
+                        at => format!("`{at}`: {problem}"),
+                    }
+                }
             })
         })?;
         for (key, seconds) in [
@@ -196,7 +203,7 @@ pub(crate) enum ReplyError {
 /// The message for an unknown key; `None` if `problem` of serde is another one.
 fn unknown_key(problem: &str) -> Option<String> {
     let name = problem.strip_prefix("unknown field `")?.split('`').next()?;
-    Some(no_such_key(&name.chars().take(40).collect::<String>()))
+    Some(no_such_key(&quoted(name)))
 }
 
 /// The message for a key that outside programs may not use.
@@ -205,6 +212,26 @@ pub(crate) fn no_such_key(name: &str) -> String {
         "there is no key `{name}`{}; known are {}",
         did_you_mean(name, &KEYS),
         KEYS.join(", ")
+    )
+}
+
+/// The names that `counters` may have.
+fn counter_names() -> impl Iterator<Item = &'static str> {
+    let counts = Counter::ALL.iter().map(|counter| counter.key());
+    counts.chain([Counters::WAVEFRONT_DEVIATION])
+}
+
+fn is_counter(name: &str) -> bool {
+    counter_names().any(|known| known == name)
+}
+
+/// The message for an unknown counter.
+fn no_such_counter(name: &str) -> String {
+    let name = quoted(name);
+    let known: Vec<&str> = counter_names().collect();
+    format!(
+        "there is no counter `{name}`{}; `geobench algos --counters` lists them",
+        did_you_mean(&name, &known)
     )
 }
 
@@ -285,8 +312,6 @@ pub(crate) mod counters {
 
 #[cfg(test)]
 mod tests {
-    use geobench_window::Counter;
-
     use super::*;
     use crate::schema::{PhaseSeconds, WavefrontSample};
 
@@ -393,6 +418,15 @@ mod tests {
             wrong(r#"{"sec": 1}"#),
             "there is no key `sec`, did you mean `seconds`?; known are seconds, setup_seconds, \
              rss_peak_bytes, heap_peak_bytes, counters, refused, ready"
+        );
+        assert_eq!(
+            wrong(r#"{"seconds": 1, "counters": {"propogated": 7}}"#),
+            "there is no counter `propogated`, did you mean `propagated`?; `geobench algos \
+             --counters` lists them"
+        );
+        assert_eq!(
+            wrong(r#"{"seconds": 1, "seconds": 2}"#),
+            "duplicate field `seconds`"
         );
         assert_eq!(wrong(r#"{"seconds": -1}"#), "`seconds`: -1 is no time");
         assert_eq!(

@@ -123,8 +123,12 @@ pub(crate) fn first_field(line: &str) -> (Cow<'_, str>, Option<&str>) {
 
 /// The start of a text that a message quotes.
 pub(crate) fn quoted(text: &str) -> Cow<'_, str> {
-    const MOST: usize = 60;
-    match text.char_indices().nth(MOST) {
+    beginning(text, 60)
+}
+
+/// At most the first `most` characters of a text.
+pub(crate) fn beginning(text: &str, most: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(most) {
         Some((end, _)) => format!("{}...", &text[..end]).into(),
         None => text.into(),
     }

@@ -18,6 +18,7 @@ use crate::exec::limits::{Limits, MemoryLimit, Timeout};
 use crate::exec::protocol::{Reply, ReplyError};
 use crate::exec::{Failure, affinity, interrupt};
 use crate::schema::Status;
+use crate::usage::quoted;
 
 /// Interval of memory checks. The data limit bounds what a child can allocate in between.
 const LOOK: Duration = Duration::from_millis(10);
@@ -368,7 +369,7 @@ const BYTES: usize = 2000;
 const LINES: usize = 3;
 
 /// Maximum number of characters shown.
-const CHARACTERS: usize = 400;
+pub(super) const CHARACTERS: usize = 400;
 
 /// The end of a byte stream. Displays its last lines joined into one.
 #[derive(Debug, Default)]
@@ -471,13 +472,8 @@ impl ChildError {
 
 /// The beginning of a line, for messages.
 fn shortened(line: &[u8]) -> String {
-    const MOST: usize = 60;
-    let text = String::from_utf8_lossy(&line[..line.len().min(4 * MOST)]);
-    let text = text.trim();
-    match text.char_indices().nth(MOST) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text.to_owned(),
-    }
+    let text = String::from_utf8_lossy(&line[..line.len().min(CHARACTERS)]);
+    quoted(text.trim()).into_owned()
 }
 
 impl ExitReport {

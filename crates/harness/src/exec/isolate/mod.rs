@@ -53,13 +53,14 @@ use crate::exec::{Backend, Components, Failure, Observation, Pass, Refusal, Sess
 use crate::measure::memory::Peaks;
 use crate::measure::statistics::{CLOCKS, median};
 use crate::schema::{ModelRecord, SourceLabel, Status};
+use crate::usage::beginning;
 
 mod answer;
 mod cell;
 mod child;
 mod system;
 
-use child::{ChildError, ChildProcess};
+use child::{CHARACTERS, ChildError, ChildProcess};
 use geobench_registry::{Call, Program, Protocol};
 
 pub use cell::cell;
@@ -768,6 +769,7 @@ impl ModelChild {
         });
         reply.map_err(|error| match (error, &self.outside) {
             (ChildError::Refused(why), Some(Outside { program, .. })) => {
+                let why = beginning(&why, CHARACTERS);
                 let message = format!("ext:{} refused: {why}", program.name);
                 Failure::new(Status::Refused, message)
             }

@@ -500,6 +500,24 @@ fn lines_without_a_request_and_keys_of_own_children_break_the_protocol() {
 }
 
 #[test]
+fn a_program_that_leaves_a_descendant_behind_has_ended() {
+    let sandbox = Sandbox::with_square();
+    // The descendant keeps the standard output of the program open.
+    let script = "while read -r request; do\ncase $request in\n\
+        solve*) sleep 600 & exit 3 ;;\n*) echo '{}' ;;\nesac\ndone\n";
+    sandbox.write("leaves.sh", script);
+    let table = "[ext.leaves]\nprotocol = 2\ncommand = ['sh', 'leaves.sh']\n";
+    sandbox.write("peers.toml", table);
+    let run = "run square.off --ext peers.toml --algo mmp,ext:leaves --timeout 60s --quiet";
+    let call = sandbox.call(&format!("{run} -o r.json"));
+    assert_eq!(call.code, 1, "{}", call.stderr);
+    assert_eq!(
+        sandbox.json("r.json")["cells"][1]["message"],
+        "ended with exit status 3 without an answer (solving)"
+    );
+}
+
+#[test]
 fn a_message_quotes_the_beginning_of_a_long_refusal() {
     let sandbox = Sandbox::with_square();
     let why = "x".repeat(3000);

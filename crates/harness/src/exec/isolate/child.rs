@@ -23,6 +23,10 @@ use crate::usage::quoted;
 /// Interval of memory checks. The data limit bounds what a child can allocate in between.
 const LOOK: Duration = Duration::from_millis(10);
 
+/// Interval at which the parent looks whether a child has ended. A descendant may keep the standard
+/// output of the child open.
+const ALIVE: Duration = Duration::from_secs(1);
+
 /// Time that a child has to exit after closing standard output.
 const GRACE: Duration = Duration::from_secs(1);
 
@@ -219,7 +223,10 @@ impl ChildProcess {
                 return Err(ChildError::garbage(&self.received));
             }
             self.wait(deadline)?;
-            if !self.receive()? {
+            // What it wrote before its end can be read after it.
+            let has_ended = self.has_ended();
+            let is_open = self.receive()?;
+            if !is_open || has_ended && self.received.len() == searched {
                 return Err(ChildError::Closed);
             }
         }
@@ -252,7 +259,7 @@ impl ChildProcess {
             self.peak();
         }
         let look = (memory.0.is_some() || self.watched).then_some(LOOK);
-        self.sleep([left, look].into_iter().flatten().min())?;
+        self.sleep([left, look, Some(ALIVE)].into_iter().flatten().min())?;
         self.listen_to_errors();
         Ok(())
     }

@@ -112,8 +112,8 @@ pub struct BuiltReport {
     document: Document,
 }
 
-/// The largest result that is embedded in the page, in bytes.
-const MOST_EMBEDDED: usize = 4 << 20;
+/// The largest file of numbers that is embedded in the page, in bytes.
+const MOST_EMBEDDED: usize = 1 << 20;
 
 /// Builds the report on `inputs`.
 ///
@@ -224,7 +224,12 @@ fn of_result(
         head.push(SectionItem::Warnings(warnings));
     }
     head.push(SectionItem::Text(environment::summary(result)));
-    head.push(SectionItem::Links(raw_numbers(input)));
+    head.push(match raw_numbers(input) {
+        links if links.is_empty() => SectionItem::Text(format!(
+            "The raw numbers, in {name}, are too large for this page."
+        )),
+        links => SectionItem::Links(links),
+    });
     let mut all = vec![Section {
         id: format!("{prefix}result"),
         heading: name,

@@ -406,6 +406,21 @@ fn many_models_share_lanes() {
 }
 
 #[test]
+fn charts_of_very_many_models_show_the_first() {
+    let names: Vec<String> = (0..400).map(|i| format!("model {i}")).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let records = run_mock(&plan(&names, "mmp,vtp", "0"), &MockBackend::default());
+    let report = report_on(result(records), &options());
+    let svg = file(&report, Form::Svg, "g1-time.svg");
+    assert_eq!(svg.matches("class=\"lane\"").count(), 300);
+    assert!(svg.contains(">first 300 of 400 models; Time (s)</text>"));
+    let svg = file(&report, Form::Svg, "g1-phases.svg");
+    assert!(svg.contains(">first 150 of 400 models; Time, "));
+    let csv = file(&report, Form::Csv, "g1-time.csv");
+    assert_eq!(csv.lines().count(), 1 + 400 * 2);
+}
+
+#[test]
 fn the_papers_ratios_stand_beside_ours() {
     let records = run_mock(
         &plan(&["horse"], "mmp,ich,vtp,fwp-ch", "0"),

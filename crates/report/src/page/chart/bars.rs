@@ -4,7 +4,7 @@ use geobench_export::svg::{Svg, fitted, px, width_of};
 
 use super::axis::{Axis, Scale};
 use super::dots::significant;
-use super::{Datum, LINE, WIDEST_NAME, WIDTH, axis_below, open_group};
+use super::{Datum, LINE, MOST_ROWS, WIDEST_NAME, WIDTH, axis_below, label_of_part, open_group};
 
 /// The number of parts of a bar, each with its own pattern.
 pub(crate) const PARTS: usize = 3;
@@ -43,7 +43,15 @@ impl Bars {
     /// Draws the chart and returns its height. `id` makes the ids of patterns unique in the page.
     pub(super) fn draw(&self, svg: &mut Svg, id: &str) -> f64 {
         patterns(svg, id);
-        let bars = || self.groups.iter().flat_map(|group| &group.bars);
+        let mut rows = 0;
+        let groups = self.groups.iter().take_while(|group| {
+            rows += group.bars.len();
+            rows <= MOST_ROWS
+        });
+        // The first group is drawn, however many bars it has.
+        let drawn = groups.count().max(1);
+        let groups = &self.groups[..drawn.min(self.groups.len())];
+        let bars = || groups.iter().flat_map(|group| &group.bars);
         let widest = bars().map(|bar| width_of(&bar.label)).fold(0.0, f64::max);
         let left = widest.min(WIDEST_NAME) + 12.0;
         let notes = bars()
@@ -60,10 +68,11 @@ impl Bars {
         }
         let top = 24.0;
         let height = |group: &BarGroup| LINE + 7.0 + LINE * group.bars.len() as f64;
-        let bottom = top + self.groups.iter().map(height).sum::<f64>();
-        axis_below(svg, &scale, &self.axis.label, [top, bottom]);
+        let bottom = top + groups.iter().map(height).sum::<f64>();
+        let label = label_of_part(&self.axis.label, groups.len(), self.groups.len());
+        axis_below(svg, &scale, &label, [top, bottom]);
         let mut y = top;
-        for group in &self.groups {
+        for group in groups {
             open_group(svg, None, Some(&group.title));
             svg.text([4.0, y + 12.0], "b", &fitted(&group.title, WIDTH - 20.0));
             y += LINE + 2.0;

@@ -5,8 +5,8 @@ use geobench_export::svg::{Svg, fitted, px, width_of};
 
 use super::axis::{Axis, Scale};
 use super::{
-    ChartPoint, Datum, LINE, WIDEST_NAME, WIDTH, axis_below, draw_marker, draw_whisker, legend,
-    marker_class, open_group,
+    ChartPoint, Datum, LINE, MOST_ROWS, WIDEST_NAME, WIDTH, axis_below, draw_marker, draw_whisker,
+    label_of_part, legend, marker_class, open_group,
 };
 use crate::table::group::distinct;
 
@@ -130,10 +130,10 @@ impl Dots {
         bottom + 34.0
     }
 
-    /// The same chart with one lane for each band, and a legend of the markers. Samples are left
-    /// out.
+    /// The same chart with one lane for each of the first bands, and a legend of the markers. Samples
+    /// are left out.
     fn merged(&self) -> Self {
-        let lanes = self.bands.iter().map(|band| {
+        let lanes = self.bands.iter().take(MOST_ROWS).map(|band| {
             let absent: Vec<String> = band
                 .lanes
                 .iter()
@@ -152,12 +152,16 @@ impl Dots {
             }
         });
         let names = self.points().map(|p| (p.style, p.hollow, p.name.clone()));
+        let lanes: Vec<Lane> = lanes.collect();
         Self {
-            axis: self.axis.clone(),
+            axis: Axis {
+                label: label_of_part(&self.axis.label, lanes.len(), self.bands.len()),
+                ..self.axis.clone()
+            },
             reference: self.reference,
             bands: vec![Band {
                 title: String::new(),
-                lanes: lanes.collect(),
+                lanes,
             }],
             legend: distinct(self.legend.iter().cloned().chain(names)),
         }

@@ -1,12 +1,14 @@
 //! Line charts and scatter plots over two axes, such as times over the numbers of faces.
 
+use std::collections::HashSet;
+
 use geobench_export::svg::{Svg, fitted, width_of};
 
 use super::axis::{Axis, Scale};
 use super::dots::significant;
 use super::{
-    Datum, LINE, WIDTH, axis_below, draw_marker, draw_ticks, draw_whisker, legend, marker_class,
-    open_group, polyline,
+    Datum, LINE, MOST_ROWS, WIDTH, axis_below, draw_marker, draw_ticks, draw_whisker, legend,
+    marker_class, open_group, polyline,
 };
 use crate::table::group::{Estimate, by_key};
 
@@ -224,9 +226,16 @@ impl Lines {
         } else {
             1
         };
+        let is_crowded = places.len() > MOST_ROWS;
+        let mut taken = HashSet::new();
         for (i, (at, point)) in places.into_iter().enumerate() {
-            let has_marker = i % every == 0;
-            if !has_marker && point.value.interval.is_none() {
+            // Of many markers, one is drawn of those that cover each other.
+            let covers = 4.0;
+            let square = at.map(|place| (place / covers) as i64);
+            let is_hidden = is_crowded && !series.joined && !taken.insert(square);
+            let has_marker = i % every == 0 && !is_hidden;
+            let interval = point.value.interval.filter(|_| has_marker || !is_crowded);
+            if !has_marker && interval.is_none() {
                 continue;
             }
             let model = Some(point.model.as_str()).filter(|model| !model.is_empty());
@@ -238,7 +247,7 @@ impl Lines {
                 let ends = [-deviation, deviation].map(|d| [x.clamped(point.x + d), at[1]]);
                 draw_whisker(svg, series.style, ends);
             }
-            if let Some(ends) = point.value.interval {
+            if let Some(ends) = interval {
                 let ends = ends.map(|end| [at[0], y.clamped(end)]);
                 draw_whisker(svg, series.style, ends);
             }

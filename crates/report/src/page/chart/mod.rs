@@ -5,6 +5,7 @@
 //! every part of a bar a pattern.
 
 use geobench_export::svg::{self, Svg, fitted, px, width_of};
+use geobench_harness::measure::number::grouped;
 
 use super::picture::ModelPicture;
 use crate::table::group::Estimate;
@@ -25,6 +26,19 @@ pub(crate) use trend::{PlottedCommit, Trend};
 /// Width of all charts, in pixels at their natural size: that of a phone in portrait mode, so that
 /// text has 12 px there.
 pub(crate) const WIDTH: f64 = 336.0;
+
+/// The most rows of a chart and the most markers of a series, which bound the size of a page. The
+/// data of the chart has all.
+const MOST_ROWS: usize = 300;
+
+/// The label of the axis of a chart with the first `drawn` of `all` models.
+fn label_of_part(label: &str, drawn: usize, all: usize) -> String {
+    if drawn < all {
+        format!("first {drawn} of {} models; {label}", grouped(all as u64))
+    } else {
+        label.to_owned()
+    }
+}
 
 /// Height of a line of text.
 pub(super) const LINE: f64 = 16.0;

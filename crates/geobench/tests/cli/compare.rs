@@ -36,7 +36,11 @@ fn another_count_is_status_1_if_a_rule_says_so() {
     let count = &mut changed["cells"][0]["counters"]["propagated"];
     *count = (count.as_u64().unwrap() + 1).into();
     sandbox.write("b.json", &changed.to_string());
-    assert_eq!(sandbox.call("compare a.json b.json").code, 0);
+    let without = sandbox.succeed("compare a.json b.json");
+    assert!(
+        without.contains("no rules, so that no figure is judged; times"),
+        "{without}"
+    );
     let outcome = sandbox.call("compare a.json b.json --fail-on propagated=0,time=10%");
     assert_eq!(outcome.code, 1);
     assert!(outcome.stdout.contains("1 of 4 cells is worse"));

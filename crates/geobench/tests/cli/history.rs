@@ -102,6 +102,13 @@ fn the_newest_commit_is_held_against_the_noise_of_others() {
     let worse = gate("main~15..main~4 --fail-on time=5%,propagated=0");
     assert_eq!(worse.code, 1, "{}{}", worse.stdout, worse.stderr);
     assert!(worse.stdout.contains("! [time=5%]"), "{}", worse.stdout);
+    let without = gate("main~15..main~4");
+    assert_eq!(without.code, 0, "{}", without.stderr);
+    assert!(
+        without.stdout.contains("no rules: no figure is judged"),
+        "{}",
+        without.stdout
+    );
     let error = gate("nothing..main").stderr;
     assert!(error.contains("not a range of commits"), "{error}");
     let few = gate("main~1..main --fail-on time=5%");

@@ -201,6 +201,9 @@ pub fn gate(
             None => notes.push(format!("{}: not in the new record", cell.cell)),
         }
     }
+    if learning.is_none() && rules.iter().next().is_none() {
+        notes.push("no rules: no figure is judged, only whether cells end well".to_owned());
+    }
     Ok(GateReport {
         schema: SCHEMA,
         commit: newest.commit.clone(),

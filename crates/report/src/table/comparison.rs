@@ -288,10 +288,10 @@ fn method(comparison: &FileComparison) -> String {
         "times are compared as wholes, for the runs did not take turns, with 95 % intervals"
     };
     let rules = match comparison.rules.join(",") {
-        rules if rules.is_empty() => "no rules".to_owned(),
-        rules => format!("rules: {rules}"),
+        rules if rules.is_empty() => "no rules, so that no figure is judged".to_owned(),
+        rules => format!("rules: {rules} (! is worse)"),
     };
-    format!("{rules} (! is worse); {times}")
+    format!("{rules}; {times}")
 }
 
 fn worse(comparison: &FileComparison) -> Vec<String> {

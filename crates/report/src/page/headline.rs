@@ -230,16 +230,34 @@ impl Comparison {
             // The ranking is by all pairs, of which each has its own models.
             return self.reversed().in_words(slower, faster, false);
         }
-        let factor = format!("{factor} [{}, {}]", ratio(low), ratio(high));
         if low <= 1.0 {
-            format!(
+            let factor = format!("{factor} [{}, {}]", ratio(low), ratio(high));
+            return format!(
                 "No difference between {faster} and {slower}: {faster} is {factor} times as \
                  fast{models}."
+            );
+        }
+        let factor = format!("{factor} [{}, {}]", above_one(low), above_one(high));
+        if of_next {
+            let on_average = if self.slower_on() > 0 {
+                " on average"
+            } else {
+                ""
+            };
+            format!(
+                "{faster} is fastest{on_average}, {factor} times as fast as the next, \
+                 {slower}{models}."
             )
-        } else if of_next {
-            format!("{faster} is fastest, {factor} times as fast as the next, {slower}{models}.")
         } else {
             format!("{faster} is {factor} times as fast as {slower}{models}.")
+        }
+    }
+
+    /// The number of models, of several, on which it is the slower one.
+    fn slower_on(&self) -> usize {
+        match &self.ratios[..] {
+            [_] => 0,
+            all => all.iter().filter(|ratio| **ratio < 1.0).count(),
         }
     }
 
@@ -260,9 +278,8 @@ impl Comparison {
             Some([low, high]) if models > 1 => format!(", {} to {}", ratio(low), ratio(high)),
             _ => String::new(),
         };
-        let slower = match self.ratios.iter().filter(|ratio| **ratio < 1.0).count() {
+        let slower = match self.slower_on() {
             0 => String::new(),
-            _ if models == 1 => String::new(),
             lost => format!("; slower on {lost}"),
         };
         match &self.growth {
@@ -283,6 +300,16 @@ impl Comparison {
             None if models == 1 => format!(", on the only model{solved}"),
             None => format!(" (geometric mean over {models} models{solved}{range}{slower})"),
         }
+    }
+}
+
+/// A ratio above 1, which is not shown as 1.
+fn above_one(value: f64) -> String {
+    let text = ratio(value);
+    if text == "1.00" {
+        format!("{value:.4}")
+    } else {
+        text
     }
 }
 

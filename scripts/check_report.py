@@ -481,6 +481,9 @@ def main():
     browser.open(1000, "light", "print")
     seen = browser.run(OVERFLOWING)
     browser.wrong(*(f"sticks out: {what}" for what in seen["out"]))
+    browser.wrong(*(f"cut off in print: {what}" for what in browser.run(
+        "return [...document.querySelectorAll('.scroll')].filter(e => e.scrollHeight > e.clientHeight + 2)"
+        ".map(e => e.querySelector('table').id);")))
     browser.expect("controls are not printed", browser.run(
         "return [...document.querySelectorAll('nav, .filters, .menu')]"
         ".every(e => getComputedStyle(e).display === 'none');"))

@@ -246,7 +246,8 @@ impl Scale {
     }
 }
 
-/// The label of a tick, with `k`, `M` or `G` for large values.
+/// The label of a tick, with `k`, `M` or `G` for large values; very large and very small ones have
+/// an exponent.
 pub(crate) fn label(value: f64) -> String {
     let size = value.abs();
     let (scaled, unit) = match size {
@@ -259,7 +260,7 @@ pub(crate) fn label(value: f64) -> String {
         let digits = digits.trim_end_matches('0');
         digits.trim_end_matches('.').to_owned()
     };
-    if size > 0.0 && size < 1e-4 {
+    if size >= 1e12 || size > 0.0 && size < 1e-4 {
         let text = format!("{value:.2e}");
         let (digits, exponent) = text.split_once('e').unwrap_or((text.as_str(), "0"));
         return format!("{}e{exponent}", trimmed(digits));
@@ -294,6 +295,7 @@ mod tests {
         assert_eq!(labels([0.0, 400.0]), all);
         // On a vertical axis, labels are stacked.
         assert_eq!(labels([100.0, 0.0]), all);
+        assert_eq!([2e9, 1e14, 1.5e-7].map(label), ["2G", "1e14", "1.5e-7"]);
     }
 
     #[test]

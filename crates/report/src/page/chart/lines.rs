@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use geobench_export::svg::{Svg, fitted, width_of};
 
-use super::axis::{Axis, Scale};
+use super::axis::{Axis, Scale, label};
 use super::dots::significant;
 use super::{
     Datum, LINE, MOST_ROWS, WIDTH, axis_below, draw_marker, draw_ticks, draw_whisker, legend,
@@ -111,16 +111,18 @@ impl Lines {
             let [low, high] = value.interval.unwrap_or([value.value; 2]);
             [low, value.value, high]
         });
+        let y = Scale::new(&self.y, ys.chain(self.reference), [bottom, top], false);
+        let labels = y.ticks().0.into_iter().map(|tick| width_of(&label(tick)));
+        let left = labels.fold(46.0, f64::max);
         let x = Scale::new(
             &self.x,
             points().map(|point| point.x),
-            [52.0, WIDTH - 14.0],
+            [left + 6.0, WIDTH - 14.0],
             false,
         );
-        let y = Scale::new(&self.y, ys.chain(self.reference), [bottom, top], false);
         svg.text([4.0, top - 9.0], "t", &fitted(&self.y.label, WIDTH - 8.0));
         let ends = |place| [[x.start(), place], [x.end(), place]];
-        draw_ticks(svg, &y, ends, "e", |place| [46.0, place + 3.8]);
+        draw_ticks(svg, &y, ends, "e", |place| [left, place + 3.8]);
         svg.line("axis", [x.start(), top], [x.start(), bottom]);
         if let Some(place) = self.reference.and_then(|value| y.place(value)) {
             svg.line("one", [x.start(), place], [x.end(), place]);

@@ -187,7 +187,11 @@ fn draw_ticks(
         if let Some(place) = scale.place(tick) {
             let [from, to] = ends(place);
             svg.line("grid", from, to);
-            svg.text(label(place), class, &axis::label(tick));
+            let (text, [x, y]) = (axis::label(tick), label(place));
+            // A centred label at an end of the axis stays in the chart.
+            let half = width_of(&text) / 2.0;
+            let x = if class == "m" { x.min(WIDTH - half) } else { x };
+            svg.text([x, y], class, &text);
         }
     }
 }

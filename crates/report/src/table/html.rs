@@ -46,7 +46,17 @@ pub(crate) fn table(html: &mut String, table: &Table) {
             .head
             .replace(" (", "\u{a0}(")
             .replace(" %", "\u{a0}%");
-        format!("<th scope=\"col\"{class}>{}</th>", escape(&head))
+        let head = escape(&head);
+        if table.columns_are_algorithms {
+            // A narrow column breaks a label at its parameters.
+            let head = head.replace('{', "{<wbr>").replace(',', ",<wbr>");
+            format!(
+                "<th scope=\"col\"{class}>{}</th>",
+                head.replace('=', "=<wbr>")
+            )
+        } else {
+            format!("<th scope=\"col\"{class}>{head}</th>")
+        }
     });
     row(html, heads);
     html.push_str("</thead>\n");
@@ -149,5 +159,16 @@ mod tests {
             "{html}"
         );
         assert!(html.contains(">1,000</td>"), "{html}");
+        let columns = Column::of(["Model"], ["fwp-mmp{kmax=5000,bucket=2}"]);
+        let matrix = Table {
+            columns_are_algorithms: true,
+            ..Table::new(columns, Vec::new())
+        };
+        let mut html = String::new();
+        table(&mut html, &matrix);
+        assert!(
+            html.contains(">fwp-mmp{<wbr>kmax=<wbr>5000,<wbr>bucket=<wbr>2}</th>"),
+            "{html}"
+        );
     }
 }

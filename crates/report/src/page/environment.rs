@@ -120,6 +120,12 @@ fn plain(value: &Value) -> String {
         Value::String(text) => text.clone(),
         Value::Bool(true) => "yes".to_owned(),
         Value::Bool(false) => "no".to_owned(),
+        Value::Number(number) if number.is_f64() => {
+            let hundredths = number
+                .as_f64()
+                .map(|number| (100.0 * number).round() / 100.0);
+            hundredths.unwrap_or_default().to_string()
+        }
         value => value.to_string(),
     }
 }
@@ -190,6 +196,7 @@ mod tests {
         let mut facts = Vec::new();
         let value = serde_json::json!({
             "turbo": false, "governor": "performance", "cpus": [0, 1], "none": null,
+            "load_end": 1.7744,
         });
         flatten("conditions", &value, &mut facts);
         let lines: Vec<String> = facts.iter().map(|(k, v)| format!("{k}: {v}")).collect();
@@ -198,6 +205,7 @@ mod tests {
             [
                 "Conditions, cpus: 0, 1",
                 "Conditions, governor: performance",
+                "Conditions, load end: 1.77",
                 "Conditions, turbo: no"
             ]
         );

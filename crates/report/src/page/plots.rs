@@ -1,6 +1,7 @@
 //! The plots of a group.
 
 use geobench_harness::figures::{Figure, figures, time};
+use geobench_harness::measure::number::with_unit;
 use geobench_harness::schema::{Cell, ModelRecord, PhaseSeconds, Status, WavefrontSample};
 
 use super::chart::{
@@ -165,7 +166,10 @@ fn phases(group: &GroupCells<'_>, setting: Setting<'_>) -> Option<Plot> {
                     label,
                     algorithm,
                     parts: parts.map(|part| 100.0 * part / slowest),
-                    note: format!("{:.3} s", parts.iter().sum::<f64>()),
+                    note: match parts.iter().sum::<f64>() {
+                        short if short < 0.1 => with_unit(short),
+                        seconds => format!("{seconds:.3} s"),
+                    },
                     failed: false,
                 },
                 None => Bar {

@@ -1,6 +1,6 @@
 //! The table of the figures of a group, its notes, and the table of models.
 
-use geobench_harness::measure::number::grouped;
+use geobench_harness::measure::number::{grouped, seconds};
 use geobench_harness::schema::{ModelRecord, ResultFile};
 
 use crate::table::group::{GroupCells, by_key, distinct};
@@ -167,8 +167,8 @@ pub(crate) fn models(id: &str, result: &ResultFile) -> Table {
         ("Genus", |m| m.genus.map(grouped)),
         ("Saddles", |m| m.saddles.map(grouped)),
         ("Anisotropy g", |m| m.anisotropy.map(|g| format!("{g:.3}"))),
-        ("Load (s)", |m| m.load_seconds.map(|s| format!("{s:.3}"))),
-        ("Build (s)", |m| m.build_seconds.map(|s| format!("{s:.3}"))),
+        ("Load (s)", |m| m.load_seconds.map(|s| seconds(s, 9))),
+        ("Build (s)", |m| m.build_seconds.map(|s| seconds(s, 9))),
         ("SHA-256", |m| {
             Some(m.sha256.as_ref()?.chars().take(12).collect())
         }),

@@ -138,7 +138,7 @@ pub(crate) fn beginning(text: &str, most: usize) -> Cow<'_, str> {
 ///
 /// # Errors
 ///
-/// When the directory cannot be read.
+/// When the directory cannot be read, or one of them is a folder, a pipe or a device.
 pub fn files_in(directory: &Path, ending: &str) -> anyhow::Result<Vec<PathBuf>> {
     let failed = || format!("{}: cannot be read", directory.display());
     let mut paths = Vec::new();
@@ -149,6 +149,8 @@ pub fn files_in(directory: &Path, ending: &str) -> anyhow::Result<Vec<PathBuf>> 
             .extension()
             .is_some_and(|e| e.eq_ignore_ascii_case(ending));
         if has_ending && !name.starts_with('.') {
+            let is_other = path.metadata().is_ok_and(|found| !found.is_file());
+            anyhow::ensure!(!is_other, "{}: not a regular file", path.display());
             paths.push(path);
         }
     }
@@ -180,6 +182,20 @@ mod tests {
         let error = read_text(Path::new("/dev/zero")).unwrap_err().to_string();
         assert!(error.contains("larger than 1.0 MiB"), "{error}");
         assert_eq!(read_text(Path::new("/dev/null")).unwrap(), "");
+    }
+
+    #[test]
+    fn files_of_a_directory_are_regular() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = |name: &str| directory.path().join(name);
+        std::fs::write(path("b.json"), "{}").unwrap();
+        std::fs::write(path("a.JSON"), "{}").unwrap();
+        std::fs::write(path("a.txt"), "").unwrap();
+        let found = files_in(directory.path(), "json").unwrap();
+        assert_eq!(found, [path("a.JSON"), path("b.json")]);
+        std::os::unix::fs::symlink("/dev/zero", path("z.json")).unwrap();
+        let error = files_in(directory.path(), "json").unwrap_err().to_string();
+        assert!(error.ends_with("z.json: not a regular file"), "{error}");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use std::io::{self, IsTerminal, Write};
 
+use anyhow::Context;
 use clap::ValueEnum;
 use geobench_export::escape::{for_terminal, printable};
 use geobench_export::output::write_standard_output;
@@ -53,7 +54,7 @@ fn is_dumb() -> bool {
 ///
 /// If standard output is full.
 pub(crate) fn print(text: &str) -> anyhow::Result<()> {
-    Ok(write_standard_output(for_terminal(text, false).as_bytes())?)
+    write_out(&for_terminal(text, false))
 }
 
 /// Writes rendered text to standard output in one call: a table, or text that programs read. On a
@@ -65,11 +66,14 @@ pub(crate) fn print(text: &str) -> anyhow::Result<()> {
 /// As [`print()`].
 pub(crate) fn print_rendered(text: &str) -> anyhow::Result<()> {
     if io::stdout().is_terminal() {
-        write_standard_output(for_terminal(text, true).as_bytes())?;
+        write_out(&for_terminal(text, true))
     } else {
-        write_standard_output(text.as_bytes())?;
+        write_out(text)
     }
-    Ok(())
+}
+
+fn write_out(text: &str) -> anyhow::Result<()> {
+    write_standard_output(text.as_bytes()).context("standard output: cannot be written")
 }
 
 /// Writes an error to standard error as a single line.

@@ -431,6 +431,23 @@ fn standard_output_is_no_file_that_is_read() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn a_full_standard_output_is_named() {
+    let full = fs::OpenOptions::new().write(true).open("/dev/full");
+    let output = Command::new(cargo_bin("geobench"))
+        .arg("suites")
+        .stdout(full.unwrap())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        said.starts_with("geobench: error: standard output: cannot be written: No space"),
+        "{said}"
+    );
+}
+
+#[test]
 fn only_a_store_of_results_is_replaced_by_another() {
     let sandbox = sandbox();
     let run = "run square.off --algo vtp --repeat 1 --isolate none --quiet -o a.json";

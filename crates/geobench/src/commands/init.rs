@@ -98,15 +98,20 @@ pub(crate) fn init(options: &InitOptions) -> anyhow::Result<Verdict> {
             }
         );
     }
-    let mut said = Vec::new();
+    // All folders first, so that nothing is written if one cannot be made.
+    let mut outputs = Vec::new();
     for file in &FILES {
         let path = Path::new(file.path);
         if let Some(directory) = path.parent() {
             let made = fs::create_dir_all(directory);
             made.with_context(|| format!("{}: cannot be made", directory.display()))?;
         }
+        outputs.push(OutputFile::prepare(path)?);
+    }
+    let mut said = Vec::new();
+    for (file, output) in FILES.iter().zip(&outputs) {
         let text = file.text.replace("{action}", &options.action);
-        OutputFile::prepare(path)?.write(text.as_bytes())?;
+        output.write(text.as_bytes())?;
         said.push(format!("{}: {}\n", file.path, file.shows));
     }
     if options.action.starts_with("OWNER/") {

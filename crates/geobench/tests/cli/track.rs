@@ -91,6 +91,16 @@ fn pull_request(sandbox: &Sandbox, file: &str, from: &str, to: &str) {
 #[test]
 fn init_writes_files_that_work_and_replaces_none() {
     let sandbox = Sandbox::new();
+    // One folder cannot be made.
+    sandbox.write(".github", "a file");
+    let message = sandbox.refuse("init");
+    assert!(
+        message.contains(".github/workflows: cannot be made"),
+        "{message}"
+    );
+    assert!(!sandbox.path("benchmarks/suite.toml").exists());
+    std::fs::remove_file(sandbox.path(".github")).unwrap();
+    std::fs::remove_dir(sandbox.path("benchmarks")).unwrap();
     let listed = sandbox.succeed("init --list");
     assert_eq!(listed.lines().count(), 4);
     assert!(!listed.contains("exists"), "{listed}");

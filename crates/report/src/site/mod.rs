@@ -14,6 +14,7 @@ mod records;
 #[cfg(test)]
 mod tests;
 
+use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::Path;
 
@@ -21,7 +22,7 @@ use anyhow::Context as _;
 use geobench_export::output::{OutputFile, check_files};
 
 use self::measured::Measurement;
-use self::pages::{PAGES, Pages, TREND, model_address, program_address, prose};
+use self::pages::{PAGES, Pages, TREND, program_address, prose, short_hash};
 pub use self::records::SiteRecords;
 use crate::corpus::Corpus;
 use crate::page::document::{Document, Section};
@@ -46,11 +47,16 @@ impl StaticSite {
         trend: Option<String>,
     ) -> anyhow::Result<Self> {
         let all = Measurement::all(records);
+        let mut named = HashMap::new();
+        for one in &all {
+            named.entry(one.key()).or_insert(one.model);
+        }
         let context = Pages {
             records,
             corpus,
             programs: pages::public()?,
             all: &all,
+            named,
             has_trend: trend.is_some(),
         };
         let mut site = Self { pages: Vec::new() };
@@ -82,13 +88,16 @@ impl StaticSite {
             let (title, sections) = program::page(&context, name);
             add(&program_address(name), &title, sections);
         }
+        let mut names = HashSet::new();
         for model in context.models() {
             let name = context.name_of(model);
-            add(
-                &model_address(model, context.corpus),
-                name,
-                model::page(&context, model),
-            );
+            let title = if names.insert(name) {
+                name.to_owned()
+            } else {
+                format!("{name} ({})", short_hash(model))
+            };
+            let address = context.model_address(model);
+            add(&address, &title, model::page(&context, model));
         }
         for one in &judged {
             let title = format!("{}: {}", one.paper, one.title);

@@ -1,6 +1,7 @@
 //! What pages share: the records, names and addresses of programs and models, tables of
 //! measurements.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use geobench_export::escape::xml as escape;
@@ -49,6 +50,8 @@ pub(super) struct Pages<'r> {
     pub(super) corpus: &'r Corpus,
     pub(super) programs: Vec<PublicProgram>,
     pub(super) all: &'r [Measurement<'r>],
+    /// The first record of each model, by its key: records may name a model differently.
+    pub(super) named: HashMap<&'r str, &'r ModelRecord>,
     pub(super) has_trend: bool,
 }
 
@@ -92,14 +95,9 @@ pub(super) fn program_address(program: &str) -> String {
     format!("program-{}", slug(program))
 }
 
-/// The name of the page of a model. Models outside of the corpus may share a name, so their hash is
-/// added.
-pub(super) fn model_address(model: &ModelRecord, corpus: &Corpus) -> String {
-    if let Some(known) = corpus.of_record(model) {
-        return format!("model-{}", slug(&known.name));
-    }
-    let hash: String = key(model).chars().take(8).collect();
-    format!("model-{}-{}", slug(&model.name), slug(&hash))
+/// The start of the hash of a model.
+pub(super) fn short_hash(model: &ModelRecord) -> String {
+    key(model).chars().take(8).collect()
 }
 
 impl<'r> Pages<'r> {
@@ -139,12 +137,7 @@ impl<'r> Pages<'r> {
 
     /// A record of each model, those of the corpus first and in its order.
     pub(super) fn models(&self) -> Vec<&'r ModelRecord> {
-        let mut models: Vec<&ModelRecord> = Vec::new();
-        for one in self.all {
-            if models.iter().all(|known| key(known) != one.key()) {
-                models.push(one.model);
-            }
-        }
+        let mut models: Vec<&ModelRecord> = self.named.values().copied().collect();
         let place = |model: &&ModelRecord| {
             let hash = model.sha256.as_ref();
             let place = self
@@ -152,14 +145,36 @@ impl<'r> Pages<'r> {
                 .models
                 .iter()
                 .position(|m| Some(&m.sha256) == hash);
-            (place.unwrap_or(usize::MAX), model.name.clone(), model.faces)
+            let hash = key(model).to_owned();
+            (
+                place.unwrap_or(usize::MAX),
+                model.name.clone(),
+                model.faces,
+                hash,
+            )
         };
         models.sort_by_key(place);
         models
     }
 
-    /// The name of a model: that of the corpus, or else of its record.
+    /// The record that names a model.
+    fn first_of(&self, model: &'r ModelRecord) -> &'r ModelRecord {
+        self.named.get(key(model)).copied().unwrap_or(model)
+    }
+
+    /// The name of the page of a model. Models outside of the corpus may share a name, so their
+    /// hash is added.
+    pub(super) fn model_address(&self, model: &'r ModelRecord) -> String {
+        if let Some(known) = self.corpus.of_record(model) {
+            return format!("model-{}", slug(&known.name));
+        }
+        let name = slug(&self.first_of(model).name);
+        format!("model-{name}-{}", slug(&short_hash(model)))
+    }
+
+    /// The name of a model: that of the corpus, or else of its first record.
     pub(super) fn name_of(&self, model: &'r ModelRecord) -> &'r str {
+        let model = self.first_of(model);
         let known = self.corpus.of_record(model);
         known.map_or(&model.name, |known| &known.name)
     }
@@ -194,7 +209,7 @@ impl<'r> Pages<'r> {
     }
 
     pub(super) fn model_entry(&self, model: &'r ModelRecord) -> Entry {
-        let address = format!("{}.html", model_address(model, self.corpus));
+        let address = format!("{}.html", self.model_address(model));
         Entry::linked(self.name_of(model), address)
     }
 

@@ -5,7 +5,7 @@ use geobench_harness::measure::number::{counted, scientific};
 use geobench_harness::schema::Status;
 
 use super::measured::{Measurement, key};
-use super::pages::{Pages, model_address, section};
+use super::pages::{Pages, section};
 use crate::page::document::{Section, SectionItem};
 use crate::table::group::{by_key, distinct};
 use crate::table::{Column, Entry, Mark, Table};
@@ -287,7 +287,7 @@ pub(super) fn wrong(context: &Pages<'_>) -> Vec<Section> {
             )
         };
         let name = context.name_of(model);
-        let address = format!("{}.html", model_address(model, context.corpus));
+        let address = format!("{}.html", context.model_address(model));
         let right = of_model()
             .next()
             .map_or_else(String::new, |one| proof(context, one));

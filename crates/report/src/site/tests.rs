@@ -101,6 +101,21 @@ fn records_of_several_programs_become_a_site() {
         fs::write(path, text).unwrap();
     };
     write("one.json", &serde_json::to_string(&result).unwrap());
+    // Other records name a model differently, or have another model of its name.
+    let mut models = result.models.iter();
+    let place = models.position(|model| model.name != result.cells[0].model);
+    let place = place.unwrap();
+    let mut renamed = result.clone();
+    for cell in &mut renamed.cells {
+        if cell.model == result.models[place].name {
+            "renamed".clone_into(&mut cell.model);
+        }
+    }
+    "renamed".clone_into(&mut renamed.models[place].name);
+    write("renamed.json", &serde_json::to_string(&renamed).unwrap());
+    let mut changed = result.clone();
+    changed.models[place].sha256 = Some("f".repeat(64));
+    write("changed.json", &serde_json::to_string(&changed).unwrap());
     write("below/one.json", &serde_json::to_string(&result).unwrap());
     write("other.json", "{\"schema\": \"other/1\"}");
     let cpu = result.host.cpu.clone().unwrap_or_default();

@@ -14,10 +14,11 @@
 //! uses one child for all algorithms of the suite, and a new one after a failure.
 //!
 //! **Limits** ([`crate::exec::limits`]). The parent sleeps in `poll` until a reply, the deadline or
-//! a signal, and looks each second whether the child has ended. With a memory limit it wakes every 10 ms to read the resident memory of the child and
-//! its descendants: two or three files of `/proc`, without a lock in the child. Between two checks
-//! `RLIMIT_DATA` bounds the damage, at twice the limit. It is not set to the limit itself, because
-//! it counts reserved memory, and a growing vector reserves more than it touches.
+//! a signal, and looks each second whether the child has ended. With a memory limit it wakes every
+//! 10 ms to read the resident memory of the child and its descendants: two or three files of
+//! `/proc`, without a lock in the child. Between two checks `RLIMIT_DATA` bounds the damage, at
+//! twice the limit. It is not set to the limit itself, because it counts reserved memory, and a
+//! growing vector reserves more than it touches.
 //!
 //! **End.** A child leads a process group. The group is killed as a whole, and with it the
 //! processes that the child started in other groups (`system`). A child ends with its parent: by

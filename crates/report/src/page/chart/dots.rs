@@ -130,8 +130,8 @@ impl Dots {
         bottom + 34.0
     }
 
-    /// The same chart with one lane for each of the first bands, and a legend of the markers. Samples
-    /// are left out.
+    /// The same chart with one lane for each of the first bands, and a legend of the markers.
+    /// Samples are left out.
     fn merged(&self) -> Self {
         let lanes = self.bands.iter().take(MOST_ROWS).map(|band| {
             let absent: Vec<String> = band

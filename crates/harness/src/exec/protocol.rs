@@ -128,16 +128,14 @@ impl Reply {
         let reply: Self = serde_path_to_error::deserialize(&mut json).map_err(|error| {
             let problem = error.inner().to_string();
             let at = error.path().to_string();
-            ReplyError::Key(match unknown_key(&problem) {
-                Some(problem) => problem,
-                // The position in a line says no more than the key.
-                None => {
-                    let problem = problem.split(" at line ").next().unwrap_or("");
-                    match at.as_str() {
-                        "." => problem.to_owned(),
-                        at => format!("`{at}`: {problem}"),
-                    }
-                }
+            if let Some(problem) = unknown_key(&problem) {
+                return ReplyError::Key(problem);
+            }
+            // The position in a line says no more than the key.
+            let problem = problem.split(" at line ").next().unwrap_or("");
+            ReplyError::Key(match at.as_str() {
+                "." => problem.to_owned(),
+                at => format!("`{at}`: {problem}"),
             })
         })?;
         for (key, seconds) in [

@@ -149,43 +149,7 @@ pub fn gate(
             }
             None => {}
         }
-        for measure in Measure::all() {
-            let Some(rule) = rules.on(Subject::Figure(measure)) else {
-                continue;
-            };
-            let name = measure.name();
-            let [base, new] = [last, &cell].map(|cell| cell.figures.get(name).copied());
-            if base.is_none() && new.is_none() && !measure.is_due(&cell.cell.algorithm) {
-                continue;
-            }
-            let differ = measure == Measure::Instructions
-                && last.instructions_simd.is_some()
-                && last.instructions_simd != cell.instructions_simd;
-            let (ratio, broken, improved) = match (base, new) {
-                (Some(base), Some(new)) if !differ => {
-                    let ratio = if base == new { 1.0 } else { new / base };
-                    (
-                        Some(ratio),
-                        rule.is_broken(base, new),
-                        rule.is_surpassed(base, new),
-                    )
-                }
-                // A rule on a figure that is missing or does not compare is broken, or the gate
-                // would stay open.
-                _ => (None, true, false),
-            };
-            lines.push(GateLine {
-                cell: cell.cell.clone(),
-                figure: name,
-                base,
-                new,
-                ratio,
-                ci95: None,
-                noise: None,
-                broken: broken.then(|| rule.to_string()),
-                improved: improved.then(|| rule.to_string()),
-            });
-        }
+        lines.extend(Measure::all().filter_map(|measure| figure(measure, last, cell, rules)));
     }
     notes.extend(note_on_unsolved(&unsolved));
     let last = base.last().map_or(&[][..], |record| &record.cells);
@@ -211,6 +175,49 @@ pub fn gate(
         base: base.iter().map(|r| r.short().to_owned()).collect(),
         lines,
         notes,
+    })
+}
+
+/// The line on a figure of `cell` against that of the last record of the base, if there is a rule
+/// on it.
+fn figure(
+    measure: Measure,
+    last: &CellRecord,
+    cell: &CellRecord,
+    rules: &Rules,
+) -> Option<GateLine> {
+    let rule = rules.on(Subject::Figure(measure))?;
+    let name = measure.name();
+    let [base, new] = [last, cell].map(|cell| cell.figures.get(name).copied());
+    if base.is_none() && new.is_none() && !measure.is_due(&cell.cell.algorithm) {
+        return None;
+    }
+    let differ = measure == Measure::Instructions
+        && last.instructions_simd.is_some()
+        && last.instructions_simd != cell.instructions_simd;
+    let (ratio, broken, improved) = match (base, new) {
+        (Some(base), Some(new)) if !differ => {
+            let ratio = if base == new { 1.0 } else { new / base };
+            (
+                Some(ratio),
+                rule.is_broken(base, new),
+                rule.is_surpassed(base, new),
+            )
+        }
+        // A rule on a figure that is missing or does not compare is broken, or the gate would stay
+        // open.
+        _ => (None, true, false),
+    };
+    Some(GateLine {
+        cell: cell.cell.clone(),
+        figure: name,
+        base,
+        new,
+        ratio,
+        ci95: None,
+        noise: None,
+        broken: broken.then(|| rule.to_string()),
+        improved: improved.then(|| rule.to_string()),
     })
 }
 

@@ -31,7 +31,7 @@ fn an_edge_may_have_many_faces() {
     positions.extend((0..SHEETS).map(apex));
     // Every second sheet is wound the other way.
     let sheet = |i: u32| {
-        if i % 2 == 0 {
+        if i.is_multiple_of(2) {
             [0, 1, i + 2]
         } else {
             [1, 0, i + 2]

@@ -186,8 +186,8 @@ fn fixed<const N: usize>(value: &Value, name: &str, of: &str) -> Result<Option<[
     if value[name].is_null() {
         return Ok(None);
     }
-    let numbers: Vec<f64> = list(value, name).iter().filter_map(Value::as_f64).collect();
-    let numbers = numbers.try_into().map(Some);
+    let numbers: Option<Vec<f64>> = list(value, name).iter().map(Value::as_f64).collect();
+    let numbers = numbers.unwrap_or_default().try_into().map(Some);
     numbers.map_err(|_| Flaw::file(format!("{of}: {name} has not {N} numbers")))
 }
 

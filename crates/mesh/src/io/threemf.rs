@@ -226,7 +226,8 @@ fn transform_of(node: Node<'_, '_>) -> Result<Affine, Flaw> {
     let Some(text) = node.attribute("transform") else {
         return Ok(Affine::IDENTITY);
     };
-    let numbers: Vec<f64> = text.split_ascii_whitespace().flat_map(str::parse).collect();
+    let numbers = text.split_ascii_whitespace().map(str::parse::<f64>);
+    let numbers: Vec<f64> = numbers.collect::<Result<_, _>>().unwrap_or_default();
     let [a, b, c, d, e, f, g, h, i, x, y, z] = numbers[..] else {
         return Err(flaw(node, "its transform has not twelve numbers"));
     };

@@ -310,6 +310,32 @@ fn a_matrix_is_a_transform_or_an_error() {
     }
 }
 
+/// A word that is no number was passed over.
+#[test]
+fn a_transform_is_of_numbers_only() {
+    for numbers in [
+        "1 0 0 0 1 0 0 0 1 5 0",
+        "x 1 0 0 0 1 0 0 0 1 5 0 0",
+        "1 0 0 0 1 0 0 0 1 5,5 0 0",
+    ] {
+        let model = format!(
+            "<model><resources><object id=\"7\">{TRIANGLE}</object></resources><build>\
+             <item objectid=\"7\" transform=\"{numbers}\"/></build></model>"
+        );
+        fails(
+            Format::ThreeMf,
+            three_mf_of(&model),
+            "its transform has not twelve numbers",
+        );
+    }
+    let nodes = "{\"mesh\":0,\"scale\":[2,\"2\",2,2]}";
+    fails(
+        Format::Gltf,
+        gltf(nodes, "[0]", ""),
+        "node 0: scale has not 3 numbers",
+    );
+}
+
 #[test]
 fn skins_and_morphs_are_noted_and_copies_by_an_extension_refused() {
     let unposed = |soup: TriangleSoup| soup.notes.contains(&Defect::Unposed { meshes: 1 });

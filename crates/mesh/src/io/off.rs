@@ -69,9 +69,26 @@ fn read_lines(size: usize, header: &OffHeader, mut lines: Content<'_>) -> Result
     // A header cannot reserve more memory than the shortest lines, "0 0 0" and "3 0 1 2", allow.
     let most = |line_length| size / line_length + 1;
     let mut positions = Vec::with_capacity(most(6).min(header.vertices as usize));
+    let is_plain = header.more == 0 && !header.has_colours;
+    let mut first_follow = None;
     for read in 0..header.vertices {
         let (line, content) = lines.expect("vertices", read, header.vertices)?;
-        positions.push(coordinates(line, &mut words(content))?);
+        let mut words = words(content);
+        positions.push(coordinates(line, &mut words)?);
+        // What the keyword does not name follows all positions or none. Else a blank has parted a
+        // number, or a number comes twice.
+        let follow = words.count();
+        let usual = *first_follow.get_or_insert(follow);
+        if is_plain && follow != usual {
+            return Err(Flaw::line(
+                line,
+                format!(
+                    "{} numbers are in the line of the vertex, and {} in that of the first one",
+                    3 + follow,
+                    3 + usual
+                ),
+            ));
+        }
     }
     let mut faces = FaceList::with_capacity(most(8).min(header.faces as usize));
     let mut corners = Vec::new();

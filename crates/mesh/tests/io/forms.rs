@@ -167,6 +167,17 @@ fn off_is_free_of_lines() {
         let long = coloured.replace("255 0 0", "255 0 0 1 1");
         assert!(parse(Format::Off, format!("OFF\n5 3 0\n{numbers}\n{long}")).is_err());
     }
+    // A number in two parts, and one that comes twice.
+    for (whole, parted) in [("1.5", "1. 5"), ("2 0\n-1", "2 2 0\n-1")] {
+        assert!(numbers.contains(whole));
+        let text = format!("OFF\n5 3 0\n{}{faces}", numbers.replace(whole, parted));
+        let error = parse(Format::Off, text).unwrap_err().to_string();
+        assert!(error.contains(": 4 numbers are in the line"), "{error}");
+    }
+    is_fan(
+        Format::Off,
+        format!("OFF\n5 3 0\n{}{faces}", vertices("", " ", " 255 0 0")),
+    );
     // One number too few or too many.
     for counts in ["4 3", "6 3", "5 2", "5 4"] {
         let text = format!("OFF\n{counts} 0\n{}{faces}", numbers.replace(' ', "\n"));

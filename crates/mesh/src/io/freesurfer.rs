@@ -1,5 +1,6 @@
-//! Triangle surfaces of `FreeSurfer` (`lh.white`, `rh.pial`, ...): big-endian, two lines of text
-//! before the counts. What follows the faces is ignored, as is the shift to scanner coordinates.
+//! Triangle surfaces of `FreeSurfer` (`lh.white`, `rh.pial`, ...): big-endian, one or two lines of
+//! text before the counts. What follows the faces is ignored, as is the shift to scanner
+//! coordinates.
 
 use super::error::{FilePosition, Flaw};
 use super::faces::{FaceList, FileMesh};
@@ -18,15 +19,23 @@ pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     let rest = bytes.strip_prefix(&TRIANGLES).ok_or_else(|| {
         Flaw::file("this is no triangle surface of FreeSurfer, which starts with ff ff fe")
     })?;
-    // The second line is usually empty.
-    let mut ends = rest.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
-    let counts = ends
-        .nth(1)
-        .and_then(|(end, _)| rest[end + 1..].split_at_checked(8));
-    let (counts, data) =
-        counts.ok_or_else(|| Flaw::file("the file ends within its header; fetch it again"))?;
     let words = |bytes: &[u8]| -> Vec<[u8; 4]> { bytes.as_chunks().0.to_vec() };
-    let [vertices, faces] = [0, 1].map(|i| u32::from_be_bytes(words(counts)[i]) as usize);
+    let counts_of = |bytes: &[u8]| [0, 1].map(|i| u32::from_be_bytes(words(bytes)[i]) as usize);
+    let after_line = |line: usize| {
+        let mut ends = rest.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
+        let (end, _) = ends.nth(line)?;
+        rest[end + 1..].split_at_checked(8)
+    };
+    // The second line is usually empty, and FreeSurfer reads files without it, too. There a line end
+    // would be the first byte of a count of more than 100 million.
+    let is_whole = |(counts, data): &(&[u8], &[u8])| {
+        let [vertices, faces] = counts_of(counts);
+        vertices > 0 && 12 * (vertices + faces) <= data.len()
+    };
+    let header = after_line(0).filter(is_whole).or_else(|| after_line(1));
+    let (counts, data) =
+        header.ok_or_else(|| Flaw::file("the file ends within its header; fetch it again"))?;
+    let [vertices, faces] = counts_of(counts);
     let part = |kind, from: usize, count: usize| {
         // Twelve bytes each.
         data.get(12 * from..12 * (from + count))

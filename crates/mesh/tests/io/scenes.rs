@@ -855,6 +855,21 @@ fn gltf_reads_buffers_in_its_folder_only() {
     assert!(write(".").unwrap_err().contains("must lie beside the file"));
 }
 
+#[test]
+fn freesurfer_surfaces_have_one_line_of_text_or_two() {
+    let numbers = [0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 0.0];
+    let positions = numbers.iter().flat_map(|x| x.to_be_bytes());
+    let corners = [0_u32, 1, 2].into_iter().flat_map(u32::to_be_bytes);
+    let data: Vec<u8> = positions.chain(corners).collect();
+    let counts = b"\0\0\0\x03\0\0\0\x01";
+    for text in ["created\n", "created\n\n", "created\nwith a remark\n"] {
+        let file = [&b"\xff\xff\xfe"[..], text.as_bytes(), counts, &data].concat();
+        let soup = parse(Format::FreeSurfer, file).unwrap();
+        assert_eq!(soup.positions[2], [0.0, 2.0, 0.0]);
+        assert_eq!(soup.triangles, [[0, 1, 2]]);
+    }
+}
+
 /// A surface without an ending that tells its format, and data of a hemisphere.
 #[test]
 fn freesurfer_surfaces_have_any_name_of_a_hemisphere() {

@@ -26,8 +26,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
         let (end, _) = ends.nth(line)?;
         rest[end + 1..].split_at_checked(8)
     };
-    // The second line is usually empty, and FreeSurfer reads files without it, too. There a line end
-    // would be the first byte of a count of more than 100 million.
+    // The second line is usually empty, and FreeSurfer reads files without it, too. As the first
+    // byte of a count its line end would stand for more than 100 million.
     let is_whole = |(counts, data): &(&[u8], &[u8])| {
         let [vertices, faces] = counts_of(counts);
         vertices > 0 && 12 * (vertices + faces) <= data.len()

@@ -968,8 +968,8 @@ fn repeated_corner(polygons: &[Vec<u32>]) -> Option<String> {
     Some(format!("face {face} names vertex {v} twice in a row"))
 }
 
-/// A `UserWarning` on vertices at the place of another, if `report` has any. `name` is where they are
-/// from.
+/// A `UserWarning` on vertices at the place of another, if `report` has any. `name` is where they
+/// are from.
 fn warn_of_copies(py: Python<'_>, report: &Report, name: &str) -> PyResult<()> {
     let weld = report.defects.iter().find_map(|defect| match defect {
         Defect::CoincidentVertices { near: 0, .. } => Some("True".to_owned()),

@@ -174,7 +174,7 @@ fn a_program_that_spoils_the_model_costs_its_own_row() {
         ("removes", "rm -r \"$(dirname \"$1\")\""),
     ] {
         sandbox.write(&format!("{name}.sh"), &format!("{does}; exit 3"));
-        let command = format!("command = ['sh', '{name}.sh', '{{model}}']");
+        let command = format!("command = ['sh', '{name}.sh', '{{model}}', '{{source}}']");
         let table = format!("[ext.{name}]\nprotocol = 'once'\n{command}\n");
         peers.push_str(&table);
     }
@@ -356,7 +356,8 @@ fn a_set_up_is_no_longer_than_the_time_there_was_for_it() {
         sandbox.write(
             "peers.toml",
             "[ext.two]\nprotocol = 2\ncommand = ['sh', 'two.sh']\n\
-             [ext.once]\nprotocol = 'once'\ncommand = ['sh', 'once.sh', '{output}']\n",
+             [ext.once]\nprotocol = 'once'\n\
+             command = ['sh', 'once.sh', '{output}', '{model}', '{source}']\n",
         );
         let call = sandbox.call(
             "run square.off --ext peers.toml --algo mmp,ext:two,ext:once --repeat 1 --warmup 0 \

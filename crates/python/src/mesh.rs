@@ -916,7 +916,7 @@ impl PyMesh {
         let work = move || geodesics::remesh(&mesh, &options);
         let made = interrupt::long(py, &Stop::default(), work)?;
         let made = made.map_err(|error| PyValueError::new_err(error.to_string()))?;
-        Self::new(py, made.soup(), self.name.clone(), "the new mesh")
+        Self::new(py, made.soup(), self.name.clone(), "the new mesh", false)
     }
 
     /// Writes the mesh to a file. Its extension selects the format: `.obj`, `.ply`, `.off` or

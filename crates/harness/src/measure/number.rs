@@ -63,12 +63,12 @@ pub(crate) fn ranges(numbers: &[usize]) -> String {
     runs.collect::<Vec<_>>().join(",")
 }
 
-/// A ratio with two decimals; without decimals from 100, with separators from 1,000.
+/// A ratio with two decimals; without decimals from 100.
 pub fn ratio(ratio: f64) -> String {
     if ratio < 99.5 {
         format!("{ratio:.2}")
     } else {
-        group(&format!("{ratio:.0}"))
+        format!("{ratio:.0}")
     }
 }
 

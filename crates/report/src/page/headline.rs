@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use geobench_harness::figures::{capitalised, time};
-use geobench_harness::measure::number::{counted, grouped, ratio};
+use geobench_harness::measure::number::{self, counted, group, grouped};
 use geobench_harness::measure::statistics::{FEWEST_FOR_INTERVAL, range_of};
 use geobench_harness::schema::{ModelRecord, ResultFile};
 
@@ -300,6 +300,15 @@ impl Comparison {
             None if models == 1 => format!(", on the only model{solved}"),
             None => format!(" (geometric mean over {models} models{solved}{range}{slower})"),
         }
+    }
+}
+
+/// A ratio in words, with thousands separators.
+fn ratio(value: f64) -> String {
+    if value < 999.5 {
+        number::ratio(value)
+    } else {
+        group(&format!("{value:.0}"))
     }
 }
 

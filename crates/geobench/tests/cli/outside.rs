@@ -174,7 +174,8 @@ fn a_program_that_spoils_the_model_costs_its_own_row() {
         ("removes", "rm -r \"$(dirname \"$1\")\""),
     ] {
         sandbox.write(&format!("{name}.sh"), &format!("{does}; exit 3"));
-        let command = format!("command = ['sh', '{name}.sh', '{{model}}', '{{source}}']");
+        let given = "'{model}', '{source}', '{output}'";
+        let command = format!("command = ['sh', '{name}.sh', {given}]");
         let table = format!("[ext.{name}]\nprotocol = 'once'\n{command}\n");
         peers.push_str(&table);
     }

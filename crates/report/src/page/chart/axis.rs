@@ -190,17 +190,37 @@ impl Scale {
         let minor = times(&[2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
         let decades = libm::log10(high / low);
         let mut major = times(&[1.0]);
-        if decades > 7.0 {
-            let every = (decades / 6.0).ceil() as usize;
-            major = major.into_iter().step_by(every).collect();
-        } else if decades < 1.0 {
-            // Labels at all of 1 to 9 would be crowded.
-            major = times(&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0]);
-        } else if decades < 2.4 {
-            major = times(&[1.0, 2.0, 5.0]);
+        let every = (decades / 6.0).ceil() as usize;
+        let mut step = if decades > 7.0 { every } else { 1 };
+        // Labels at all of 1 to 9 would be crowded.
+        let finer: [(f64, &[f64]); 2] = [
+            (1.0, &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0]),
+            (2.4, &[1.0, 2.0, 5.0]),
+        ];
+        let finer = finer.iter().filter(|(most, _)| decades < *most);
+        let mut finer = finer.map(|(_, factors)| times(factors));
+        if let Some(ticks) = finer.find(|ticks| self.has_room(ticks)) {
+            major = ticks;
+        } else {
+            let thinned = |step| major.iter().copied().step_by(step).collect::<Vec<_>>();
+            while step < major.len() && !self.has_room(&thinned(step)) {
+                step += 1;
+            }
+            major = thinned(step);
         }
         self.add_for_clusters(&mut major);
         (major, minor)
+    }
+
+    /// Whether the labels of ascending `ticks` do not overlap.
+    fn has_room(&self, ticks: &[f64]) -> bool {
+        // On a vertical axis, labels are stacked.
+        self.places[0] > self.places[1]
+            || ticks.windows(2).all(|pair| {
+                let widths = pair.iter().map(|tick| width_of(&label(*tick)));
+                let apart = self.clamped(pair[1]) - self.clamped(pair[0]);
+                0.5 * widths.sum::<f64>() + GAP <= apart
+            })
     }
 
     /// The number of ticks of a linear scale from one whose label has room to the next.
@@ -295,6 +315,13 @@ mod tests {
         assert_eq!(labels([0.0, 400.0]), all);
         // On a vertical axis, labels are stacked.
         assert_eq!(labels([100.0, 0.0]), all);
+        let labels = |end: f64| -> Vec<String> {
+            let scale = Scale::new(&Axis::log(""), [0.01, 0.9], [0.0, end], false);
+            scale.ticks().0.into_iter().map(label).collect()
+        };
+        assert_eq!(labels(100.0), ["0.01", "0.1", "1"]);
+        let all = ["0.01", "0.02", "0.05", "0.1", "0.2", "0.5", "1"];
+        assert_eq!(labels(300.0), all);
         assert_eq!([2e9, 1e14, 1.5e-7].map(label), ["2G", "1e14", "1.5e-7"]);
     }
 
@@ -322,10 +349,10 @@ mod tests {
             "2e-5 2.1e-5 2.2e-5 2.3e-5 2.4e-5"
         );
         assert_eq!(ticks(true, [0.0012, 0.9]), "0.01 0.1 1");
-        assert_eq!(ticks(true, [0.01, 0.9]), "0.01 0.02 0.05 0.1 0.2 0.5 1");
-        assert_eq!(ticks(true, [1.1, 4.0]), "1 1.5 2 3 4");
-        assert_eq!(ticks(true, [2e4, 3e9]), "100k 1M 10M 100M 1G");
-        assert_eq!(ticks(true, [1e-6, 1e-3]), "1e-6 1e-5 0.0001 0.001");
+        assert_eq!(ticks(true, [0.01, 0.9]), "0.01 0.1 1");
+        assert_eq!(ticks(true, [1.1, 4.0]), "1 2 4");
+        assert_eq!(ticks(true, [2e4, 3e9]), "100k 100M");
+        assert_eq!(ticks(true, [1e-6, 1e-3]), "1e-6 0.0001");
     }
 
     #[test]

@@ -62,9 +62,9 @@ impl Default for SvgOptions {
 ///
 /// Set-up runs a window algorithm around each vertex, whose time depends on the windows that it
 /// propagates. The first query from or to a point in a face or on an edge sets this algorithm up
-/// once more, and every such query runs it around the point. An exact graph (`k: None`) is built anew
-/// for points beside slivers. A query is Dijkstra's algorithm on the graph, with vertices in buckets instead of a
-/// heap. The distances are the same bit for bit.
+/// once more, and every such query runs it around the point. An exact graph (`k: None`) is built
+/// anew for points beside slivers. A query is Dijkstra's algorithm on the graph, with vertices in
+/// buckets instead of a heap. The distances are the same bit for bit.
 ///
 /// ```
 /// use geobench_approx::{SaddleVertexGraph, SvgOptions};

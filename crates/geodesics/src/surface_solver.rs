@@ -13,8 +13,9 @@ type SetUp = Box<dyn Fn(&Mesh) -> Box<dyn Solver> + Send>;
 ///
 /// Points on edges and in faces are inserted into the data of the solver for a run, and removed
 /// after it. A run takes as long as one between vertices. A solver that cannot do so is set up anew
-/// for each such run; those of diagrams are, and [`SaddleVertexGraph`](crate::approx::SaddleVertexGraph)
-/// and [`Vsp`](crate::approx::Vsp) where their documentation says so.
+/// for each such run; those of diagrams are, and
+/// [`SaddleVertexGraph`](crate::approx::SaddleVertexGraph) and [`Vsp`](crate::approx::Vsp) where
+/// their documentation says so.
 ///
 /// ```
 /// use geodesics::{Mesh, SurfaceSolver};

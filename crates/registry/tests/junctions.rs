@@ -22,7 +22,8 @@ fn meshes() -> [Mesh; 2] {
     ]
 }
 
-/// What is kept of an edge grows with its faces, not with their pairs: gigabytes here.
+/// The memory of an edge grows with the number of its faces. For every pair of these faces it would
+/// take gigabytes.
 #[test]
 fn an_edge_may_have_many_faces() {
     const SHEETS: u32 = 20_000;

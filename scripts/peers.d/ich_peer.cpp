@@ -45,22 +45,11 @@ private:
 #include "ICH/PreviousCH.cpp"
 #include "ICH/RichModel.cpp"
 
-// What reads files and draws is not compiled.
-CBaseModel::CBaseModel(const std::string& filename) : m_filename(filename), m_fBeLoaded(true) {}
+// What draws is not compiled.
 void CBaseModel::Render(GLenum) const {}
 void CBaseModel::Render(GLenum, const std::vector<float>*) const {}
-void CBaseModel::LoadModel() {}
 
-struct Surface : CRichModel {
-    explicit Surface(const peer::Model& model) : CBaseModel(""), CRichModel("") {
-        const double* at = model.points.data();
-        for (std::size_t vertex = 0; vertex < model.vertices(); ++vertex, at += 3)
-            m_Verts.emplace_back(at[0], at[1], at[2]);
-        for (std::size_t face = 0; face < model.faces.size(); face += 3)
-            m_Faces.emplace_back(model.faces[face], model.faces[face + 1], model.faces[face + 2]);
-        Preprocess();
-    }
-};
+#include "rich_model.hpp"
 
 struct Solver {
     Surface surface;

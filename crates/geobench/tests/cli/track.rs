@@ -4,7 +4,22 @@
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use crate::support::Sandbox;
+use crate::support::{SQUARE, Sandbox};
+
+/// A solver of the square under protocol 1. Its times are what it claims, so that the load of the
+/// machine decides no gate.
+const CLAIMS: &str = r#"seconds=0.010
+echo '{"ready": true}'
+while read -r _; do
+    printf '0,0\n1,1\n2,1.4142135623730951\n3,1\n' > "$3"
+    echo "{\"seconds\": $seconds}"
+done
+"#;
+
+/// The variables that `scripts/track` reads.
+const INPUTS: [&str; 9] = [
+    "SUITE", "PROGRAMS", "BUILD", "OPTIONS", "BRANCH", "PATHS", "RULES", "ROUNDS", "RESULT",
+];
 
 /// Runs `git` in a directory of the sandbox, and returns its output.
 fn git(sandbox: &Sandbox, directory: &str, arguments: &[&str]) -> String {
@@ -22,12 +37,16 @@ fn git(sandbox: &Sandbox, directory: &str, arguments: &[&str]) -> String {
 /// Starts a step of the action in a directory of the sandbox. Its summary is a file beside it.
 fn track(sandbox: &Sandbox, directory: &str, mode: &str, more: &[(&str, &str)]) -> Child {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scripts/track");
-    Command::new(script)
-        .arg(mode)
+    let mut step = Command::new(script);
+    for input in INPUTS {
+        step.env_remove(input);
+    }
+    step.arg(mode)
         .current_dir(sandbox.path(directory))
         .env("GEOBENCH", assert_cmd::cargo::cargo_bin("geobench"))
         .env("GITHUB_STEP_SUMMARY", summary(sandbox, directory))
-        .env("ROUNDS", "9")
+        // As few as there are for an interval.
+        .env("ROUNDS", "6")
         .envs(more.iter().copied())
         .stderr(Stdio::piped())
         .spawn()
@@ -48,8 +67,27 @@ fn finished(sandbox: &Sandbox, directory: &str, step: Child) -> (i32, String) {
     (output.status.code().unwrap(), text + &log)
 }
 
-/// A repository with the files of `geobench init` on a bare remote.
+/// A repository with the files of `geobench init` on a bare remote. Its suite is one sphere.
 fn repository() -> Sandbox {
+    let sandbox = initialised("gen:sphere,subdiv=4");
+    commit(&sandbox, "solver");
+    sandbox
+}
+
+/// The same with the solver [`CLAIMS`] and the square.
+fn repository_of_claims() -> Sandbox {
+    let sandbox = initialised("square.off");
+    sandbox.write("mine/benchmarks/square.off", SQUARE);
+    sandbox.write("mine/benchmarks/solver.sh", CLAIMS);
+    let command = "['sh', 'solver.sh', '{model}', '{source}', '{output}']";
+    let table = format!("[ext.solver]\ncommand = {command}\n");
+    sandbox.write("mine/benchmarks/programs.toml", &table);
+    commit(&sandbox, "solver");
+    sandbox
+}
+
+/// The files of `geobench init` in a directory with a bare remote, with a suite of one model.
+fn initialised(model: &str) -> Sandbox {
     let sandbox = Sandbox::new();
     for directory in ["remote", "mine"] {
         std::fs::create_dir(sandbox.path(directory)).unwrap();
@@ -62,10 +100,9 @@ fn repository() -> Sandbox {
     assert!(output.status.success());
     let suite = sandbox.read("mine/benchmarks/suite.toml");
     let start = suite.find("models = [").unwrap();
-    let short = "models = [\"gen:sphere,subdiv=4\"]\nalgorithms = [\"ext:solver\"]\n";
-    let suite = suite[..start].to_owned() + short;
+    let short = format!("models = [\"{model}\"]\nalgorithms = [\"ext:solver\"]\n");
+    let suite = suite[..start].to_owned() + &short;
     sandbox.write("mine/benchmarks/suite.toml", &suite);
-    commit(&sandbox, "solver");
     sandbox
 }
 
@@ -214,28 +251,36 @@ fn pushes_are_recorded_also_at_the_same_time() {
 
 #[test]
 fn a_pull_request_that_takes_longer_is_red() {
-    let sandbox = repository();
-    let solver = "benchmarks/solver.py";
+    let sandbox = repository_of_claims();
+    let solver = "benchmarks/solver.sh";
     let gate = |more: &[(&str, &str)]| {
         let step = track(&sandbox, "mine", "gate", more);
         finished(&sandbox, "mine", step)
     };
     // What does not concern the solver passes at once, and so does a change without effect.
     pull_request(&sandbox, "benchmarks/suite.toml", "Three shapes", "A shape");
-    let (status, shown) = gate(&[("PATHS", "src benchmarks/solver.py")]);
+    let (status, shown) = gate(&[("PATHS", "src benchmarks/solver.sh")]);
     assert_eq!(status, 0, "{shown}");
     assert!(shown.contains("has changed: not measured"), "{shown}");
-    let (status, shown) = gate(&[("BUILD", "test -f benchmarks/solver.py")]);
+    let (status, shown) = gate(&[("BUILD", "test -f benchmarks/solver.sh")]);
     assert_eq!(status, 0, "{shown}");
-    let call = "distances = solve(mesh, int(rest))";
-    // Longer than what other tests on the machine add.
-    let slow = format!("time.sleep(0.4); {call}");
-    pull_request(&sandbox, solver, call, &slow);
+    let call = "seconds=0.010";
+    pull_request(&sandbox, solver, call, "seconds=0.012");
     let (status, shown) = gate(&[]);
     assert_eq!(status, 1, "{shown}");
     assert!(shown.contains("worse: measured again"), "{shown}");
     assert!(
         shown.contains("ext:solver") && shown.contains("time=15%"),
+        "{shown}"
+    );
+    // Slower until the second measurement, whose folder is beside those of the trees.
+    let once = "[ -d ../../../second ] && seconds=0.010 || seconds=0.012";
+    pull_request(&sandbox, solver, call, once);
+    let (status, shown) = gate(&[]);
+    assert_eq!(status, 0, "{shown}");
+    assert!(shown.contains("worse: measured again"), "{shown}");
+    assert!(
+        shown.contains("Worse in the first measurement and not in the second."),
         "{shown}"
     );
     // A misspelt file is an error: nothing would ever be measured.
@@ -271,8 +316,10 @@ fn a_pull_request_that_takes_longer_is_red() {
 #[test]
 fn a_pull_request_may_change_programs_build_and_files() {
     let sandbox = repository();
+    // The solver is timed, so no time may be worse here: only a row may be missing.
     let gate = |more: &[(&str, &str)]| {
-        let step = track(&sandbox, "mine", "gate", more);
+        let fixed = [("RULES", "missing=0"), ("ROUNDS", "2")];
+        let step = track(&sandbox, "mine", "gate", &[&fixed[..], more].concat());
         finished(&sandbox, "mine", step)
     };
     // A program that the base does not have.

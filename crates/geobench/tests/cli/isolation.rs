@@ -110,17 +110,17 @@ fn garbage_on_the_pipe_costs_its_row() {
 #[test]
 fn an_endless_loop_ends_as_timeout_without_its_other_runs() {
     let start = Instant::now();
-    // The first timed run never ends; there would be a second one.
-    // Profiling the others takes up to a second.
-    let found = provoke("test-loop{after=1}", "--timeout 4s");
+    // The first timed run never ends; there would be a second one. No run of the others takes as
+    // long, whatever else the machine does.
+    let found = provoke("test-loop{after=1}", "--timeout 15s");
     assert_eq!(
         found,
         (
             "timeout".to_owned(),
-            "took longer than the 4s allowed (being timed)".to_owned()
+            "took longer than the 15s allowed (being timed)".to_owned()
         )
     );
-    assert!(start.elapsed() >= Duration::from_secs(4));
+    assert!(start.elapsed() >= Duration::from_secs(15));
 }
 
 #[test]
@@ -377,9 +377,9 @@ fn loops(process: u32) -> bool {
     std::fs::read_to_string(format!("/proc/{process}/comm")).is_ok_and(|name| name == "test-loop\n")
 }
 
-/// Waits for a condition for at most half a minute.
+/// Waits for a condition for at most ten minutes, on a machine however busy.
 fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
-    for _ in 0..3000 {
+    for _ in 0..60_000 {
         if condition() {
             return;
         }

@@ -19,7 +19,7 @@ done
 "#;
 
 /// Scripts that misbehave, with what they do on a request.
-const SCRIPTS: [(&str, &str); 7] = [
+const SCRIPTS: [(&str, &str); 6] = [
     (
         "lies",
         r#"printf '0,0\n1,1\n2,1.5\n3,1\n' > "$3"; echo '{"seconds": 0.001}'"#,
@@ -31,7 +31,6 @@ const SCRIPTS: [(&str, &str); 7] = [
     ("silent", r#"echo '{"seconds": 0.001}'"#),
     ("talks", "echo 'half way there'"),
     ("dies", "echo 'no such luck' >&2; exit 3"),
-    ("sleeps", "exec sleep 60"),
     ("refuses", r#"echo '{"refused": "too few faces"}'"#),
 ];
 
@@ -53,6 +52,9 @@ fn sandbox() -> Sandbox {
         sandbox.write(&format!("{name}.sh"), &script);
         describe(name, "");
     }
+    let sleeps = "echo '{\"ready\": true}'\nread -r _; exec sleep 600\n";
+    sandbox.write("sleeps.sh", sleeps);
+    describe("sleeps", "");
     let once = r#"printf '0,0\n1,1\n2,1.4142135623730951\n3,1\n' > "$3"; echo run >> log
         echo '{"seconds": 0.5}'"#;
     sandbox.write("once.sh", once);
@@ -72,7 +74,7 @@ fn sandbox() -> Sandbox {
 /// Runs `algorithms` on the square, checks the exit status `code`, and returns the cells.
 fn run(sandbox: &Sandbox, algorithms: &str, code: i32) -> Vec<Value> {
     let call = sandbox.call(&format!(
-        "run square.off --ext peers.toml --algo {algorithms} --repeat 3 --warmup 1 --timeout 2s -o r.json"
+        "run square.off --ext peers.toml --algo {algorithms} --repeat 3 --warmup 1 --timeout 60s -o r.json"
     ));
     assert_eq!(call.code, code, "{}", call.stderr);
     sandbox.json("r.json")["cells"].as_array().unwrap().clone()
@@ -137,11 +139,11 @@ fn whatever_an_outside_program_does_costs_its_own_row() {
         .map(|(name, _)| format!("ext:{name}"))
         .collect();
     let cells = run(&sandbox, &format!("vtp,{},mmp", all.join(",")), 1);
-    for cell in [&cells[0], &cells[8]] {
+    for cell in [&cells[0], &cells[7]] {
         assert_eq!(cell["status"], "ok");
         assert_eq!(cell["time"]["samples"].as_array().unwrap().len(), 3);
     }
-    let rows: Vec<String> = cells[1..8]
+    let rows: Vec<String> = cells[1..7]
         .iter()
         .map(|cell| {
             assert_eq!(cell["time"]["samples"], json!([]));
@@ -163,6 +165,35 @@ fn whatever_an_outside_program_does_costs_its_own_row() {
         })
         .collect();
     insta::assert_snapshot!(rows.join(" "));
+}
+
+/// The limit is of a group of its own: no other program has to keep it.
+#[test]
+fn an_outside_program_that_does_not_answer_costs_its_own_row() {
+    let sandbox = sandbox();
+    let group = |name: &str, algorithm: &str| {
+        format!("[[group]]\nname = '{name}'\nalgorithms = ['{algorithm}']\n")
+    };
+    let suite = format!(
+        "models = ['square.off']\ncheck = 'none'\n{}{}timeout = '2s'\n{}",
+        group("before", "vtp"),
+        group("sleeps", "ext:sleeps"),
+        group("after", "ext:honest")
+    );
+    sandbox.write("suite.toml", &suite);
+    let run = "run --config suite.toml --ext peers.toml --repeat 3 --quiet -o r.json";
+    let call = sandbox.call(run);
+    assert_eq!(call.code, 1, "{}", call.stderr);
+    let file = sandbox.json("r.json");
+    let cells = file["cells"].as_array().unwrap();
+    let statuses: Vec<&Value> = cells.iter().map(|cell| &cell["status"]).collect();
+    assert_eq!(statuses, ["ok", "timeout", "ok"]);
+    assert_eq!(cells[1]["time"]["samples"], json!([]));
+    let message = cells[1]["message"].as_str().unwrap();
+    assert!(
+        message.starts_with("took longer than the 2s allowed ("),
+        "{message}"
+    );
 }
 
 #[test]
@@ -228,8 +259,8 @@ for line in sys.stdin:
     print(json.dumps(answer), flush=True)
 "#;
 
-/// Runs the programs of [`VERSION_2`] with these options on the square; returns the cells and what
-/// was shown.
+/// Runs the programs of [`VERSION_2`] with these options on the square, twice; returns the cells and
+/// what was shown.
 fn run_version_2(options: &[(&str, &[&str])], code: i32, more: &str) -> (Vec<Value>, String) {
     let sandbox = Sandbox::with_square();
     sandbox.write("solver.py", VERSION_2);
@@ -247,7 +278,7 @@ fn run_version_2(options: &[(&str, &[&str])], code: i32, more: &str) -> (Vec<Val
         .map(|(name, _)| format!("ext:{name}"))
         .collect();
     let call = sandbox.call(&format!(
-        "run square.off --ext peers.toml --algo mmp,{} --repeat 6 --timeout 20s -o r.json {more}",
+        "run square.off --ext peers.toml --algo mmp,{} --repeat 2 --timeout 5m -o r.json {more}",
         names.join(",")
     ));
     assert_eq!(call.code, code, "{}", call.stderr);
@@ -267,15 +298,16 @@ fn slower_of_each_run(time: &Value) -> Value {
     seconds.collect()
 }
 
-/// The clock is fair to honest programs, also of microseconds, and finds the others.
+/// The clock is fair to honest programs, also of microseconds, and finds the others. A machine on
+/// which a ping takes a third of a second would hide these from it.
 #[test]
 fn a_claim_is_checked_under_protocol_2() {
     let (cells, shown) = run_version_2(
         &[
             ("fast", &[]),
             ("slow", &["work=0.03"]),
-            ("liar", &["work=0.03", "share=0.12"]),
-            ("late", &["late=0.03"]),
+            ("liar", &["work=0.8", "share=0.1"]),
+            ("late", &["late=0.8"]),
         ],
         0,
         "--source 1",
@@ -286,7 +318,7 @@ fn a_claim_is_checked_under_protocol_2() {
     for cell in &cells {
         assert_eq!(cell["status"], "ok", "{cell}");
         assert_eq!(cell["counters"]["propagated"], 7);
-        assert_eq!(cell["time"]["ping"].as_array().unwrap().len(), 6);
+        assert_eq!(cell["time"]["ping"].as_array().unwrap().len(), 2);
     }
     // How far pings and answers vary depends on what else the machine does, so that an honest claim
     // may be doubted here. Tests of the statistics have the rule.
@@ -303,7 +335,8 @@ fn a_claim_is_checked_under_protocol_2() {
         let time = &other["time"];
         assert_eq!(time["doubted"], true, "{time}");
         assert_eq!(time["samples"], slower_of_each_run(time));
-        assert!(time["median"].as_f64().unwrap() >= 0.029, "{time}");
+        // The claims are far less. Slow pings take something from the time.
+        assert!(time["median"].as_f64().unwrap() >= 0.4, "{time}");
     }
     for text in ["Time from outside (s)", "Time it claims (s)"] {
         assert!(shown.contains(text), "{shown}");
@@ -319,8 +352,8 @@ fn a_claim_above_the_time_from_outside_is_an_error_of_the_program() {
     // It solves while it loads, and claims the time of that solve.
     let (cells, _) = run_version_2(
         &[
-            ("early", &["early=1", "work=0.05"]),
-            ("boast", &["work=0.02", "share=3"]),
+            ("early", &["early=1", "work=2"]),
+            ("boast", &["work=0.5", "share=3"]),
         ],
         1,
         "",
@@ -385,7 +418,7 @@ fn a_set_up_is_no_longer_than_the_time_there_was_for_it() {
 fn claims_without_a_check_are_marked_in_every_output() {
     let sandbox = sandbox();
     let files = "-o r.json -o r.csv -o r.md -o r.tex -o r.bmf.json -o r.gab.json";
-    let run = "run square.off --ext peers.toml --algo vtp,ext:once --repeat 6 --timeout 9s";
+    let run = "run square.off --ext peers.toml --algo vtp,ext:once --repeat 6 --timeout 60s";
     let call = sandbox.call(&format!("{run} {files}"));
     assert_eq!(call.code, 0, "{}", call.stderr);
     sandbox.succeed("report r.json -o r.html");
@@ -552,7 +585,7 @@ fn a_command_is_timed_from_start_to_end_with_its_parameters() {
          prepare = ['sh', '-c', 'echo prepared {time} >> log; echo yes > ready']\n\
          cleanup = ['sh', '-c', 'echo cleaned >> log; rm ready']\n",
     );
-    let run = "run square.off --ext plain.toml --repeat 2 --timeout 20s -o r.json --quiet --algo";
+    let run = "run square.off --ext plain.toml --repeat 2 --timeout 5m -o r.json --quiet --algo";
     sandbox.succeed(&format!("{run} mmp,ext:plain"));
     let file = sandbox.json("r.json");
     let cells = file["cells"].as_array().unwrap();

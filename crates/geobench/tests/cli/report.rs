@@ -32,13 +32,13 @@ fn a_page_holds_everything() {
 fn a_page_of_joined_files_names_them_and_how_they_differ() {
     let sandbox = with_result();
     sandbox.succeed(
-        "run square.off --algo ich --check none --repeat 1 --warmup 0 --timeout 9s -o s.json --quiet --format csv",
+        "run square.off --algo ich --check none --repeat 1 --warmup 0 --timeout 90s -o s.json --quiet --format csv",
     );
     sandbox.succeed("report r.json s.json -o r.html --quiet");
     let page = sandbox.read("r.html");
     for part in [
         "<title>Exact geodesic distances: r, s</title>",
-        "`timeout` is 9.0 in s.json and ",
+        "`timeout` is 90.0 in s.json and ",
         "1 of 5 answers were not compared with a reference.",
     ] {
         assert!(page.contains(part), "{part}");

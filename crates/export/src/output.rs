@@ -199,9 +199,7 @@ pub fn temporary_file(directory: &Path, ending: &str) -> io::Result<tempfile::Na
     let mut builder = tempfile::Builder::new();
     builder.prefix(".geobench-").suffix(ending);
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let file = builder.tempfile_in(directory)?;
-    temporary::register(file.path());
-    Ok(file)
+    temporary::registered(|| builder.tempfile_in(directory))
 }
 
 /// Opens the file at `path` and locks it until the result is dropped, so that of several processes

@@ -106,8 +106,7 @@ fn count_with(
     is_stopped: fn() -> bool,
 ) -> anyhow::Result<Option<InstructionCount>> {
     let program = std::env::current_exe().context(FAILED)?;
-    let counts = tempfile::NamedTempFile::new().context(FAILED)?;
-    temporary::register(counts.path());
+    let counts = temporary::registered(tempfile::NamedTempFile::new).context(FAILED)?;
     let mut out_file = std::ffi::OsString::from("--callgrind-out-file=");
     out_file.push(counts.path());
     // A reply holds all distances, more than a pipe does.

@@ -220,9 +220,9 @@ impl ExchangeFolder {
                 --sources-together, or the program";
             return Err(refused(message.to_owned()));
         };
-        let folder = tempfile::Builder::new().prefix("geobench-").tempdir();
+        let make = || tempfile::Builder::new().prefix("geobench-").tempdir();
+        let folder = temporary::registered(make);
         let folder = folder.map_err(|error| not_handed_over(&error.into()))?;
-        temporary::register(folder.path());
         let loaded = model.mesh_within(limit);
         let (mesh, _) = loaded.map_err(|error| not_handed_over(&error.into()))?;
         let found = Locator::new(&mesh).locate(point);

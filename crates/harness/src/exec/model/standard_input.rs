@@ -44,8 +44,8 @@ pub(super) fn file() -> Result<PathBuf, String> {
         return Ok(folder.path().join(name));
     }
     let keep = || {
-        let folder = tempfile::Builder::new().prefix("geobench-").tempdir()?;
-        temporary::register(folder.path());
+        let make = || tempfile::Builder::new().prefix("geobench-").tempdir();
+        let folder = temporary::registered(make)?;
         let path = folder.path().join(name);
         keep_at_most(MOST, &mut io::stdin().lock(), &mut File::create(&path)?)?;
         Ok((folder, path))

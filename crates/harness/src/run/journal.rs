@@ -100,7 +100,7 @@ pub struct Journal {
 }
 
 /// Maximum time to wait for the lock.
-const LOCK_TIMEOUT: Duration = Duration::from_secs(1);
+const LOCK_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Time between two attempts to lock.
 const PAUSE: Duration = Duration::from_millis(10);

@@ -28,7 +28,7 @@ const LOOK: Duration = Duration::from_millis(10);
 const ALIVE: Duration = Duration::from_secs(1);
 
 /// Time that a child has to exit after closing standard output.
-const GRACE: Duration = Duration::from_secs(1);
+const GRACE: Duration = Duration::from_secs(10);
 
 /// A process that answers requests. It leads a process group, which is killed on drop.
 #[derive(Debug)]

@@ -136,7 +136,7 @@ pub(super) fn kernel_out_of_memory_kills() -> Option<u64> {
 const MARK: &str = "GEOBENCH_CHILD";
 
 /// Time that the orphans of a child have to exit after being killed.
-const GRACE: Duration = Duration::from_secs(1);
+const GRACE: Duration = Duration::from_secs(10);
 
 /// Whether this process adopts orphans.
 static ADOPTS: AtomicBool = AtomicBool::new(false);

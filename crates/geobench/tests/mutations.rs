@@ -1,5 +1,5 @@
 //! Mutation tests: damaged suites, result files, journals and files of distances. Any error or
-//! result is accepted, but it must come within a short time. Files that can still be read are
+//! result is accepted, but it must take little time. Files that can still be read are
 //! passed to all code that shows or joins them.
 
 #[path = "cli/support.rs"]
@@ -9,9 +9,12 @@ mod support;
 #[path = "../../mesh/tests/io/damage.rs"]
 mod damage;
 
+#[path = "../../mesh/tests/processor_time/mod.rs"]
+mod processor_time;
+
 use std::fs;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use damage::{Damage, damage, damages, fixed, mutations};
 use geobench_harness::exec::expected::Expected;
@@ -25,11 +28,12 @@ use geobench_harness::schema::{ModelRecord, ResultFile};
 use geobench_report::history::{compare, pool};
 use geobench_report::page::{self as report, Form, Input, Options, PictureChoice, Tables};
 use geobench_report::table::{ComparisonFormat, Look, ResultFormat};
+use processor_time::ProcessorTime;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use support::Sandbox;
 
-/// The longest time for a small file. It allows for a busy machine and a slow disk.
+/// The most processor time for a small file.
 const LONGEST: Duration = Duration::from_secs(20);
 
 /// The share of the cases that an ordinary test run executes.
@@ -43,7 +47,7 @@ fn all_end(cases: u32, texts: &[String], read: impl Fn(usize, &[u8])) {
         for d in &list {
             damage(&mut bytes, d);
         }
-        let start = Instant::now();
+        let start = ProcessorTime::now();
         read(text, &bytes);
         prop_assert!(start.elapsed() < LONGEST, "took {:?}", start.elapsed());
         Ok(())

@@ -657,22 +657,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn a_vertex_of_very_many_faces_is_quick_enough() {
-        let count = 20_000;
-        let place = |i: u32| {
-            let angle = f64::from(i) / f64::from(count) * std::f64::consts::TAU;
-            [angle.cos(), angle.sin(), 1e-4]
-        };
-        let positions = std::iter::once([0.0; 3])
-            .chain((0..count).map(place))
-            .collect();
-        let triangles = (0..count)
-            .map(|i| [0, 1 + i, 1 + (i + 1) % count])
-            .collect();
-        let start = std::time::Instant::now();
-        assert!(Mesh::new(positions, triangles).is_ok());
-        assert!(start.elapsed().as_secs() < 5);
-    }
 }

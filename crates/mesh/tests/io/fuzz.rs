@@ -1,7 +1,7 @@
-//! Damaged files: any result is allowed, but it must come soon and take little memory.
+//! Damaged files: any result is allowed, but it must take little time and memory.
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use geobench_mesh::Mesh;
 use geobench_mesh::io::{Format, ObjReader, ReadOptions};
@@ -10,6 +10,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{TestCaseError, TestRunner};
 
 use crate::damage::{Damage, damage, damages, fixed, mutations};
+use crate::processor_time::ProcessorTime;
 use crate::{gzip, samples, tobj};
 
 const FORMATS: [Format; 11] = [
@@ -26,7 +27,7 @@ const FORMATS: [Format; 11] = [
     Format::FreeSurfer,
 ];
 
-/// Time limit for a small file, on a machine with other load.
+/// The most processor time for a small file.
 const LONGEST: Duration = Duration::from_secs(5);
 
 /// Compressed files may decompress to few bytes here.
@@ -61,7 +62,7 @@ fn damaged_file(samples: &[(Format, Vec<u8>)], case: &Case) -> Result<(), TestCa
     if *packed == Some(false) {
         bytes = gzip(&bytes);
     }
-    let start = Instant::now();
+    let start = ProcessorTime::now();
     INSTRUMENTED_SYSTEM.reset_peak_memory();
     if let Ok(soup) = OPTIONS.read_bytes(&bytes, format, Path::new("test")) {
         // A soup never grows beyond what the file could have spelt out, or what may be decompressed.

@@ -6,6 +6,8 @@ mod forms;
 mod fuzz;
 mod good;
 mod models;
+#[path = "../processor_time/mod.rs"]
+mod processor_time;
 mod round_trip;
 mod samples;
 mod scene_samples;

@@ -81,12 +81,7 @@ impl PhaseSampler {
     ///
     /// When the system does not start a thread.
     pub fn start() -> io::Result<Self> {
-        let shared = Arc::new(SharedState {
-            phase: AtomicU8::new(IDLE),
-            samples: Default::default(),
-            started: AtomicBool::new(false),
-            ended: AtomicBool::new(false),
-        });
+        let shared = Arc::new(SharedState::new());
         let thread = thread::Builder::new().name("phases".to_owned()).spawn({
             let shared = Arc::clone(&shared);
             move || shared.sample()
@@ -121,6 +116,12 @@ impl PhaseSampler {
         self.shared.samples.iter().map(count).sum()
     }
 
+    /// Whether runs were watched and no sample fell into one. On a busy machine the thread may have
+    /// had no turn yet.
+    pub fn has_missed_all(&self) -> bool {
+        self.runs > 0 && self.samples() == 0
+    }
+
     /// The phases of a run, on average over all runs watched; zero if no sample fell into a run.
     pub fn phases(&self) -> Phases {
         let counts = [0, 1, 2].map(|i: usize| self.shared.samples[i].load(Ordering::Relaxed));
@@ -149,15 +150,29 @@ impl Drop for PhaseSampler {
 }
 
 impl SharedState {
+    fn new() -> Self {
+        Self {
+            phase: AtomicU8::new(IDLE),
+            samples: Default::default(),
+            started: AtomicBool::new(false),
+            ended: AtomicBool::new(false),
+        }
+    }
+
     /// The loop of the thread.
     fn sample(&self) {
         self.started.store(true, Ordering::Release);
         while !self.ended.load(Ordering::Relaxed) {
-            let phase = usize::from(self.phase.load(Ordering::Relaxed));
-            if let Some(samples) = self.samples.get(phase) {
-                samples.fetch_add(1, Ordering::Relaxed);
-            }
+            self.look();
             thread::sleep(INTERVAL);
+        }
+    }
+
+    /// Takes a sample, unless no run is watched.
+    fn look(&self) {
+        let phase = usize::from(self.phase.load(Ordering::Relaxed));
+        if let Some(samples) = self.samples.get(phase) {
+            samples.fetch_add(1, Ordering::Relaxed);
         }
     }
 }
@@ -166,19 +181,30 @@ impl SharedState {
 mod tests {
     use super::*;
 
+    /// The test takes the samples, so that they do not depend on the turns of a thread.
     #[test]
     fn time_is_divided_in_proportion_to_the_samples() {
-        let mut sampler = PhaseSampler::start().unwrap();
-        while sampler.samples() < 20 {
-            sampler.watch(|probe| {
-                probe.enter(Phase::Pruning);
-                thread::sleep(Duration::from_millis(1));
-            });
-        }
+        let shared = Arc::new(SharedState::new());
+        let mut sampler = PhaseSampler {
+            shared: Arc::clone(&shared),
+            thread: None,
+            runs: 0,
+            elapsed: Duration::ZERO,
+        };
+        sampler.watch(|_| ());
+        assert!(sampler.has_missed_all());
+        sampler.watch(|probe| {
+            thread::sleep(Duration::from_millis(1));
+            shared.look();
+            probe.enter(Phase::Pruning);
+            (0..3).for_each(|_| shared.look());
+        });
+        shared.look();
+        assert!(!sampler.has_missed_all());
         let phases = sampler.phases();
-        assert_eq!(phases.samples, sampler.samples());
-        // A run begins in `Management`, which a sample hits rarely.
-        assert!(phases.pruning > Duration::ZERO && phases.pruning > phases.management);
+        assert_eq!(phases.samples, 4);
+        let [pruning, management] = [phases.pruning, phases.management].map(|t| t.as_secs_f64());
+        assert!(management > 0.0 && (pruning / management - 3.0).abs() < 1e-3);
         assert_eq!(phases.propagation, Duration::ZERO);
     }
 

@@ -21,7 +21,7 @@ use crate::schema::{ModelRecord, PhaseSeconds, SourceLabel, Status};
 /// then within 0.02 of the true share with a probability of 95 %.
 const ENOUGH_SAMPLES: u64 = 2400;
 
-/// A profiled run is not repeated after this time, even with fewer samples.
+/// A profiled run is not repeated after this time, even with fewer samples, unless there are none.
 const LONGEST_PROFILE: Duration = Duration::from_secs(1);
 
 /// The profiled runs of a short solve end after this number of times the first of them, and at least
@@ -263,7 +263,9 @@ impl InProcess {
         let peaks = measure.stop();
         let solution = result?;
         let longest = (MOST_PROFILED * start.elapsed()).clamp(SHORTEST_PROFILE, LONGEST_PROFILE);
-        while sampler.samples() < ENOUGH_SAMPLES && start.elapsed() < longest {
+        while sampler.has_missed_all()
+            || sampler.samples() < ENOUGH_SAMPLES && start.elapsed() < longest
+        {
             solver.run(&source.vertices, &goal, Observer::Phases(&mut sampler))?;
         }
         let phases = sampler.phases();

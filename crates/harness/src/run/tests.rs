@@ -7,7 +7,7 @@ use std::time::Duration;
 use geobench_registry as registry;
 
 use crate::exec::mock::{MockBackend, crash_ich, spoil_vtp};
-use crate::exec::{Listener, Step};
+use crate::exec::{Listener, Pass, Step};
 use crate::plan::sampling::Sampling;
 use crate::plan::{Plan, Reference};
 use crate::run::mock::{NullListener, plan, run_mock};
@@ -398,9 +398,17 @@ fn as_many_cells_run_at_the_same_time_as_asked_for_and_the_reference_comes_first
     static MOST: AtomicUsize = AtomicUsize::new(0);
     let plan = plan(&["cow"], "vtp,mmp,ich,fwp-mmp", "0");
     let backend = MockBackend {
-        alter: Some(|_, _| {
+        alter: Some(|step, _| {
             let running = RUNNING.fetch_add(1, Ordering::SeqCst) + 1;
             MOST.fetch_max(running, Ordering::SeqCst);
+            // The others wait for the first run of the reference, and then for each other.
+            let is_first = step.pass == Pass::Warmup && step.algorithm.label() == "mmp";
+            let mut waits = if is_first { 0 } else { 60_000 };
+            while waits > 0 && MOST.load(Ordering::SeqCst) < 3 {
+                thread::sleep(Duration::from_millis(1));
+                waits -= 1;
+            }
+            // A fourth one would come meanwhile.
             thread::sleep(Duration::from_millis(20));
             RUNNING.fetch_sub(1, Ordering::SeqCst);
             None

@@ -34,14 +34,14 @@ impl Progress {
     /// Progress over `runs` runs. Nothing is shown unless `shown`. If standard error is no terminal
     /// that can redraw lines, as in the log of a job, it gets a line when a model begins and ends.
     pub(crate) fn new(runs: usize, shown: bool) -> Self {
-        let mut progress = Self::on(target(shown), runs);
+        let mut progress = Self::on(target(shown), runs, ProgressState::eta);
         progress.has_lines = shown && progress.bar.is_hidden();
         progress
     }
 
-    fn on(target: ProgressDrawTarget, runs: usize) -> Self {
+    fn on(target: ProgressDrawTarget, runs: usize, eta: Eta) -> Self {
         Self {
-            bar: bar(target, runs),
+            bar: bar(target, runs, eta),
             started: 0,
             place: String::new(),
             results: Vec::new(),
@@ -165,14 +165,17 @@ fn target(shown: bool) -> ProgressDrawTarget {
     }
 }
 
+/// The estimate of the remaining time of a bar.
+type Eta = fn(&ProgressState) -> Duration;
+
 /// A bar over `length` steps, below a row with its message.
-fn bar(target: ProgressDrawTarget, length: usize) -> ProgressBar {
+fn bar(target: ProgressDrawTarget, length: usize, eta: Eta) -> ProgressBar {
     let style = "{wide_msg}\n{elapsed_precise} [{wide_bar}] {pos}/{len}{left}";
     let style = ProgressStyle::with_template(style);
     let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
     // indicatif reports 0 while the remaining time is unknown; nothing is shown then.
-    let left = |state: &ProgressState, out: &mut dyn Write| {
-        let left = state.eta();
+    let left = move |state: &ProgressState, out: &mut dyn Write| {
+        let left = eta(state);
         if left.as_secs() > 0 {
             let _ = write!(out, ", {:#} left", HumanDuration(left));
         }
@@ -190,13 +193,13 @@ pub(crate) struct TaskBar(ProgressBar);
 impl TaskBar {
     /// A bar over `tasks` tasks, below `row`. Nothing is shown unless `shown` and on a terminal.
     pub(crate) fn new(row: &str, tasks: usize, shown: bool) -> Self {
-        let bar = Self::on(target(shown), row, tasks);
+        let bar = Self::on(target(shown), row, tasks, ProgressState::eta);
         bar.0.enable_steady_tick(Duration::from_millis(200));
         bar
     }
 
-    fn on(target: ProgressDrawTarget, row: &str, tasks: usize) -> Self {
-        let bar = bar(target, tasks);
+    fn on(target: ProgressDrawTarget, row: &str, tasks: usize, eta: Eta) -> Self {
+        let bar = bar(target, tasks, eta);
         bar.set_message(printable(row).into_owned());
         Self(bar)
     }
@@ -234,22 +237,23 @@ mod tests {
     use geobench_harness::plan::Plan;
     use geobench_harness::run::mock::plan;
 
+    /// An estimate would depend on the turns of this thread.
+    const NO_ETA: Eta = |_| Duration::ZERO;
+
     /// Progress over 40 runs on an in-memory terminal with this number of columns.
     fn progress(columns: u16) -> (InMemoryTerm, Progress) {
         let terminal = InMemoryTerm::new(8, columns);
         let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
-        (terminal, Progress::on(target, 40))
+        (terminal, Progress::on(target, 40, NO_ETA))
     }
 
-    /// The contents of the terminal, with the elapsed seconds replaced by zero.
+    /// The contents of the terminal, with the elapsed time replaced by zero.
     fn shown(terminal: &InMemoryTerm) -> String {
         let contents = terminal.contents();
-        let lines = contents
-            .lines()
-            .map(|line| match line.strip_prefix("00:00:") {
-                Some(rest) => format!("00:00:00{}", &rest[2..]),
-                None => line.to_owned(),
-            });
+        let lines = contents.lines().map(|line| match line.strip_prefix("00:") {
+            Some(rest) => format!("00:00:00{}", &rest["00:00".len()..]),
+            None => line.to_owned(),
+        });
         lines.collect::<Vec<_>>().join("\n")
     }
 
@@ -331,7 +335,7 @@ mod tests {
     fn tasks_of_other_commands_are_counted() {
         let terminal = InMemoryTerm::new(8, 60);
         let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
-        let bar = TaskBar::on(target, "horse: distances by vtp-fast", 3);
+        let bar = TaskBar::on(target, "horse: distances by vtp-fast", 3, NO_ETA);
         bar.done();
         bar.0.force_draw();
         insta::assert_snapshot!(shown(&terminal), @r"

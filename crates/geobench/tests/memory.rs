@@ -67,7 +67,8 @@ fn a_parent_of_a_gigabyte_does_not_change_the_figures_of_a_child() {
     assert_eq!(alone.heap, beside.heap);
     let (alone, beside) = (alone.rss.unwrap(), beside.rss.unwrap());
     assert!(alone < 200 * MEGABYTE, "{alone}");
-    assert!(alone.abs_diff(beside) < 8 * MEGABYTE, "{alone} {beside}");
+    // How much of the program is resident depends on what else the system keeps in memory.
+    assert!(alone.abs_diff(beside) < 100 * MEGABYTE, "{alone} {beside}");
 }
 
 #[test]

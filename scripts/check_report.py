@@ -226,14 +226,14 @@ def call(method, path, body=None):
     data = None if body is None else json.dumps(body).encode()
     request = urllib.request.Request(SERVER + path, data, {"Content-Type": "application/json"}, method=method)
     try:
-        with urllib.request.urlopen(request, timeout=120) as answer:
+        with urllib.request.urlopen(request, timeout=600) as answer:
             return json.load(answer)["value"]
     except urllib.error.HTTPError as error:
         sys.exit(f"check-report: {path}: {error.read().decode()[:500]}")
 
 
 def wait_for_driver():
-    for _ in range(100):
+    for _ in range(600):
         try:
             urllib.request.urlopen(SERVER + "/status", timeout=5)
             return
@@ -289,9 +289,10 @@ class Browser:
         if not ok:
             self.wrong(what)
 
-    def wait(self, what, script):
-        for _ in range(100):
-            if self.run(script):
+    def wait(self, what, happens):
+        """Asks until it happens, for at most a minute."""
+        for _ in range(600):
+            if happens():
                 return
             time.sleep(0.1)
         self.wrong(what)
@@ -343,12 +344,17 @@ def check_values(browser):
     browser.wrong(*found["problems"])
     if "at" not in found:
         return
-    # Scrolling hides the tooltip, so the pointer moves only after it has ended.
-    time.sleep(0.3)
-    browser.pointer("mouseMoved", found["at"])
-    tip = browser.run(TIP)
-    browser.expect(f"a value is shown on hover, not {tip}",
-                   tip["shown"] and ": " in tip["text"] and tip["inside"])
+    tip = {}
+
+    # Scrolling, which may not have ended yet, hides the tooltip.
+    def is_shown():
+        browser.pointer("mouseMoved", [2, 2])
+        browser.pointer("mouseMoved", found["at"])
+        tip.update(browser.run(TIP))
+        return tip["shown"]
+
+    browser.wait("no value is shown on hover", is_shown)
+    browser.expect(f"a value is shown on hover, not {tip}", ": " in tip["text"] and tip["inside"])
     browser.pointer("mouseMoved", [2, 2])
     browser.expect("the value goes away", not browser.run(TIP)["shown"])
     browser.devtools("Input.dispatchTouchEvent", type="touchStart",

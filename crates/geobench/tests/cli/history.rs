@@ -4,7 +4,7 @@ use std::process::Command;
 
 use serde_json::{Value, json};
 
-use crate::support::{SQUARE, Sandbox};
+use crate::support::{PLAIN_GIT, SQUARE, Sandbox};
 
 /// A result file for commit `i`, made from a real one by changing its times and counts.
 fn result_of(base: &Value, i: usize, commit: &str) -> Value {
@@ -29,8 +29,7 @@ fn git(sandbox: &Sandbox, arguments: &str) -> String {
     let output = Command::new("git")
         .current_dir(sandbox.path(""))
         .args(arguments.split_whitespace())
-        .env("GIT_CONFIG_GLOBAL", "/dev/null")
-        .env("GIT_CONFIG_NOSYSTEM", "1")
+        .envs(PLAIN_GIT)
         .output()
         .unwrap();
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -233,7 +232,7 @@ fn commits_are_ordered_by_git_and_not_by_dates() {
                 .args(["-c", "user.name=n", "-c", "user.email=e@example.org"])
                 .args(["commit", "-q", "--allow-empty", "-m", &i.to_string()])
                 .env("GIT_COMMITTER_DATE", "1700000000 +0000")
-                .env("GIT_CONFIG_GLOBAL", "/dev/null")
+                .envs(PLAIN_GIT)
                 .status();
             assert!(committed.unwrap().success());
             git(&sandbox, "rev-parse HEAD")

@@ -12,6 +12,12 @@ pub(crate) const SQUARE: &str = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2
 /// A mesh that is refused: an edge from vertex 0 to vertex 1 that is too long.
 pub(crate) const UNUSABLE: &str = "OFF\n3 1 0\n0 0 0\n1e99 0 0\n0 1 0\n3 0 1 2\n";
 
+/// Variables under which git has no settings of the user and of the system.
+pub(crate) const PLAIN_GIT: [(&str, &str); 2] = [
+    ("GIT_CONFIG_GLOBAL", "/dev/null"),
+    ("GIT_CONFIG_NOSYSTEM", "1"),
+];
+
 /// An empty directory in which the program is called.
 pub(crate) struct Sandbox(TempDir);
 
@@ -63,6 +69,8 @@ impl Sandbox {
         command
             .current_dir(self.0.path())
             .env_remove("NO_COLOR")
+            // The width of help texts.
+            .env_remove("COLUMNS")
             .args(arguments.split_whitespace());
         command
     }

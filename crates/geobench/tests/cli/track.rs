@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use crate::support::{SQUARE, Sandbox};
+use crate::support::{PLAIN_GIT, SQUARE, Sandbox};
 
 /// A solver of the square under protocol 1. Its times are what it claims, so that the load of the
 /// machine decides no gate.
@@ -27,6 +27,7 @@ fn git(sandbox: &Sandbox, directory: &str, arguments: &[&str]) -> String {
         .args(["-c", "user.name=t", "-c", "user.email=t@localhost"])
         .args(arguments)
         .current_dir(sandbox.path(directory))
+        .envs(PLAIN_GIT)
         .output()
         .unwrap();
     let error = String::from_utf8_lossy(&output.stderr);
@@ -45,6 +46,7 @@ fn track(sandbox: &Sandbox, directory: &str, mode: &str, more: &[(&str, &str)]) 
         .current_dir(sandbox.path(directory))
         .env("GEOBENCH", assert_cmd::cargo::cargo_bin("geobench"))
         .env("GITHUB_STEP_SUMMARY", summary(sandbox, directory))
+        .envs(PLAIN_GIT)
         // As few as there are for an interval.
         .env("ROUNDS", "6")
         .envs(more.iter().copied())

@@ -430,6 +430,11 @@ mod tests {
         std::io::Read::read_exact(shell.stdout.as_mut().unwrap(), &mut line).unwrap();
         let started = children(shell.id());
         assert_eq!(started.len(), 1);
+        // Until it sleeps, its memory changes.
+        let stat = format!("/proc/{}/stat", started[0]);
+        while !fs::read_to_string(&stat).unwrap().contains("(sleep) S") {
+            thread::sleep(Duration::from_millis(1));
+        }
         let both = resident(shell.id()).unwrap();
         assert!(both > resident(started[0]).unwrap());
         let sleep = rustix::process::Pid::from_raw(started[0].cast_signed()).unwrap();

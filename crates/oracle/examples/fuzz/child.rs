@@ -32,7 +32,7 @@ const MOST_HANGS: usize = 2;
 const SHORT: Duration = Duration::from_millis(50);
 
 /// Waits take at most so many times the processor time that is allowed.
-const BUSY: u32 = 30;
+const BUSY: u32 = 150;
 
 /// Time limit of the oracle.
 const ORACLE_LIMIT: Duration = Duration::from_secs(20);

@@ -22,7 +22,8 @@ use crate::verdict::Verdict;
 #[derive(Args, Debug)]
 #[command(
     after_help = "Every part of the plan is a job of an array, and one job more joins their files. DIR must be on a \
-    file system that all nodes see; it gets the scripts, journals, logs and the result. Cores and memory \
+    file system that all nodes see; it gets the scripts, journals, logs and the result. The nodes start this program \
+    and read suite and models in place. Cores and memory \
     follow from --threads and --memory-limit of the plan, the time from the sizes of the models. A part that is started again on the same \
     node goes on from its journal; on another it starts anew, so that ratios are of one node."
 )]
@@ -63,7 +64,7 @@ pub(crate) struct ClusterOptions {
     pub(crate) status: bool,
 
     /// Submit the parts that have failed again; --time, --partition, --exclusive and --sbatch
-    /// are added, and take precedence over those of before
+    /// override those of before
     #[arg(long, conflicts_with_all = ["config", "shards", "run"])]
     pub(crate) resume: bool,
 
@@ -87,8 +88,7 @@ pub(crate) fn cluster(options: &ClusterOptions, look: Look) -> anyhow::Result<Ve
     start(&directory, options)
 }
 
-/// Writes the record and the scripts of a benchmark, and submits them unless `--no-submit` is
-/// given.
+/// Writes the scripts of a benchmark, and submits them unless `--no-submit` is given.
 fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Result<Verdict> {
     let Some(parts) = options.shards else {
         bail!("--shards is missing: the number of parts, each of which is a job");
@@ -105,13 +105,7 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     }
     words.extend(options.run.iter().cloned());
     let run = run_options(&words)?;
-    let all = possible_plans(&run)?;
-    let files = run.input_files(&all);
-    let Plans {
-        plans,
-        notes,
-        point_files,
-    } = all;
+    let Plans { plans, notes, .. } = possible_plans(&run)?;
     let open = plans.iter().any(|plan| plan.sources.has_all());
     let units: u128 = plans.iter().map(Plan::units).sum();
     if !open && units < u128::from(parts) {
@@ -123,8 +117,11 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     directory.create()?;
     let program = std::env::current_exe().context("cannot tell the path of this program")?;
     let here = std::env::current_dir().context("cannot tell the current directory")?;
-    let fixed = fixed(&run, &plans, &point_files);
-    let (program, here, placed) = directory.place(&program, &here, &files, fixed.as_deref())?;
+    let mut lines = vec![format!(
+        "the nodes start {} in {}, which they must see",
+        program.display(),
+        here.display()
+    )];
     let mut resources = Resources::of(&plans, parts, run.jobs());
     if let Some(time) = options.time {
         resources.seconds = Some(Duration::from(time).as_secs());
@@ -137,7 +134,6 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
         resources,
         options: of_sbatch(options),
     })?;
-    let mut lines = placed.to_vec();
     lines.push(asked(&resources));
     let quoted = |path: &Path| shell(&path.to_string_lossy());
     if options.no_submit {
@@ -149,7 +145,7 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
         ]);
     } else {
         let all: Vec<u32> = (1..=parts).collect();
-        lines.extend(submit(directory, &all, parts)?);
+        lines.extend(submit(directory, &all, &[], None)?);
         lines.push(format!(
             "`geobench cluster --status -o {}` shows the parts; the result will be {}",
             quoted(&options.output),
@@ -160,10 +156,15 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     Ok(Verdict::Passed)
 }
 
-/// Submits parts, and describes the jobs, one per line.
-fn submit(directory: &ClusterDirectory, parts: &[u32], of: u32) -> anyhow::Result<Vec<String>> {
-    let (array, merge) = directory.submit(parts)?;
-    let parts = parts_in_words(parts);
+/// Submits parts with further options of `sbatch`, and describes the jobs, one per line.
+fn submit(
+    directory: &ClusterDirectory,
+    parts: &[u32],
+    options: &[String],
+    seconds: Option<u64>,
+) -> anyhow::Result<Vec<String>> {
+    let (array, merge) = directory.submit(parts, options, seconds)?;
+    let (parts, of) = (parts_in_words(parts), directory.parts()?);
     let array = array.map(|job| format!("job {job}: parts {parts} (of {of})"));
     let merge = format!("job {merge}: joins the parts");
     Ok(array.into_iter().chain([merge]).collect())
@@ -205,19 +206,6 @@ fn run_options(words: &[String]) -> anyhow::Result<RunOptions> {
     Ok(options)
 }
 
-/// What the parts need besides the files that they read, and no copy of these would find.
-fn fixed(run: &RunOptions, plans: &[Plan], point_files: &[PathBuf]) -> Option<String> {
-    let mut algorithms = plans.iter().flat_map(|plan| &plan.algorithms);
-    if let Some(outside) = algorithms.find(|algorithm| algorithm.program().is_some()) {
-        return Some(format!("the outside program {}", outside.label()));
-    }
-    // The suite names its files relative to itself.
-    let settings = &run.settings;
-    let named = [settings.source.file(), settings.goal.target.file()];
-    let of_suite = point_files.iter().find(|file| !named.contains(&Some(file)));
-    of_suite.map(|file| format!("{}, a file of the suite", file.display()))
-}
-
 /// Describes the resources that each job requests.
 fn asked(resources: &Resources) -> String {
     let cores = match resources.cores {
@@ -239,11 +227,8 @@ fn asked(resources: &Resources) -> String {
 }
 
 /// Submits the parts that are neither done nor queued, and the merge job. If all parts are done and
-/// only the merged file is missing, submits the merge job alone. Options of `sbatch` that are given
-/// are added to the scripts.
+/// only the merged file is missing, submits the merge job alone.
 fn resume(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Result<Verdict> {
-    let seconds = options.time.map(|time| Duration::from(time).as_secs());
-    directory.add_options(&of_sbatch(options), seconds)?;
     let states = directory.states()?;
     let missing: Vec<u32> = (1..)
         .zip(&states)
@@ -256,7 +241,8 @@ fn resume(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Res
     } else if missing.is_empty() && !done {
         "no part has failed; the others wait or run\n".to_owned()
     } else {
-        submit(directory, &missing, directory.parts()?)?.join("\n") + "\n"
+        let seconds = options.time.map(|time| Duration::from(time).as_secs());
+        submit(directory, &missing, &of_sbatch(options), seconds)?.join("\n") + "\n"
     };
     terminal::print(&text)?;
     Ok(Verdict::Passed)

@@ -112,7 +112,7 @@ pub(crate) struct RunOptions {
 impl RunOptions {
     /// The files that are read for `plans`, those of these options: the suite, the models, and what
     /// options and suite name.
-    pub(crate) fn input_files(&self, plans: &Plans) -> Vec<PathBuf> {
+    fn input_files(&self, plans: &Plans) -> Vec<PathBuf> {
         let mut files = plans.input_files();
         files.extend(self.suite_file.config.clone());
         files.extend(self.isolation.ext.iter().cloned());

@@ -1,17 +1,16 @@
 //! A benchmark as a Slurm job array: each shard of the plan is a job, and one more job merges the
 //! files of the shards. Messages and types call a shard a *part*.
 //!
-//! Slurm schedules the jobs; this module writes their scripts, which hold the options of `sbatch`. A
-//! directory visible to all nodes has the scripts, the journals, the logs and the files of the
-//! parts. A part is done when its file has its final name and holds the results of a completed run.
-//! The state of each part follows from the directory and from the queue, in which the jobs have the
-//! name of the directory; it is not stored.
+//! Slurm schedules the jobs; this module writes their scripts, which hold the options of `sbatch`.
+//! A directory visible to all nodes has the scripts, the journals, the logs and the files of the
+//! parts; program, suite and models stay where they are. A part is done when its file has its final
+//! name and holds the results of a completed run. The state of each part follows from the directory
+//! and from the queue, in which the jobs have the name of the directory; it is not stored.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
-use std::os::unix::fs::MetadataExt;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use anyhow::{Context, bail};
@@ -236,68 +235,6 @@ impl ClusterDirectory {
         Ok(())
     }
 
-    /// Decides whether the nodes use `program` and `files` in place, and returns the program, the
-    /// working directory of the jobs, to which paths of files are relative, and two messages about
-    /// both. The program is copied to this directory if it is on another file system, and all files
-    /// are if one of them, or `here`, to which their paths are relative, is on another one.
-    ///
-    /// # Errors
-    ///
-    /// If a file to copy has an absolute path or is outside `here`, or if a file cannot be read or
-    /// copied, or if files must be copied while the benchmark needs `fixed`, which cannot.
-    pub fn place(
-        &self,
-        program: &Path,
-        here: &Path,
-        files: &[PathBuf],
-        fixed: Option<&str>,
-    ) -> anyhow::Result<(PathBuf, PathBuf, [String; 2])> {
-        let place = self.path.display();
-        let is_seen = |path: &Path| anyhow::Ok(device(path)? == device(&self.path)?);
-        let (program, how) = if is_seen(program)? {
-            (program.to_owned(), "in place")
-        } else {
-            let copy = self.path.join("geobench");
-            copy_file(program, &copy)?;
-            (copy, "a copy of this program")
-        };
-        let sees_here = is_seen(here)?;
-        let mut in_place = true;
-        for file in files {
-            in_place &= (sees_here || file.is_absolute()) && is_seen(&here.join(file))?;
-        }
-        let directory = match (in_place, sees_here) {
-            (true, true) => here.to_owned(),
-            (true, false) => self.path.clone(),
-            (false, _) => self.path.join("files"),
-        };
-        if let (false, Some(fixed)) = (in_place, fixed) {
-            bail!(
-                "not all files are on the file system of {place}, and {fixed} cannot be copied \
-                 there; start in a directory on that file system"
-            );
-        }
-        for file in files.iter().filter(|_| !in_place) {
-            let inside = inside(file).with_context(|| {
-                format!(
-                    "{}: not on the file system of {place}, so the nodes may not see it; copy it \
-                     there, or start in a directory that holds it",
-                    file.display()
-                )
-            })?;
-            copy_file(&here.join(file), &directory.join(inside))?;
-        }
-        let files = if in_place { "in place" } else { "copies" };
-        let notes = [
-            format!("the nodes use {}, {how}", program.display()),
-            format!(
-                "they read suite and models from {}, {files}",
-                directory.display()
-            ),
-        ];
-        Ok((program, directory, notes))
-    }
-
     /// Writes the scripts of `jobs`.
     ///
     /// # Errors
@@ -308,28 +245,6 @@ impl ClusterDirectory {
         write(&self.merge_script(), &self.text_of_merge(jobs)?)
     }
 
-    /// Adds options of `sbatch` to the scripts, and a time in seconds to that of the parts. Of two
-    /// equal options Slurm takes the last.
-    ///
-    /// # Errors
-    ///
-    /// If a script cannot be read or written.
-    pub fn add_options(&self, options: &[String], seconds: Option<u64>) -> anyhow::Result<()> {
-        let mut of_parts = options.to_vec();
-        of_parts.extend(seconds.map(time_option));
-        for (path, options) in [
-            (self.part_script(), of_parts),
-            (self.merge_script(), without_exclusive(options)),
-        ] {
-            let text = read(&path)?;
-            if !options.is_empty() {
-                let end = format!("\n{}\n\n", directives(&options));
-                write(&path, &text.replacen("\n\n", &end, 1))?;
-            }
-        }
-        Ok(())
-    }
-
     /// Number of parts, from the script.
     ///
     /// # Errors
@@ -337,7 +252,12 @@ impl ClusterDirectory {
     /// If there is no script with that number.
     pub fn parts(&self) -> anyhow::Result<u32> {
         let path = self.part_script();
-        let text = read(&path)?;
+        let text = fs::read_to_string(&path).with_context(|| {
+            format!(
+                "{}: cannot be read; `geobench cluster --config SUITE --shards N -o DIR` makes it",
+                path.display()
+            )
+        })?;
         let mut lines = text.lines();
         let parts = lines.find_map(|line| line.strip_prefix(ARRAY)?.parse().ok());
         parts.with_context(|| format!("{}: lacks the line `{ARRAY}N`", path.display()))
@@ -451,25 +371,34 @@ impl ClusterDirectory {
     }
 
     /// Submits `parts` as a job array, and a merge job that waits for them; without parts, only
-    /// the merge job. Returns the number of each job.
+    /// the merge job. `options` of `sbatch`, and a time of the parts in seconds, override those of
+    /// the scripts. Returns the number of each job.
     ///
     /// # Errors
     ///
     /// If Slurm refuses a job.
-    pub fn submit(&self, parts: &[u32]) -> anyhow::Result<(Option<String>, String)> {
+    pub fn submit(
+        &self,
+        parts: &[u32],
+        options: &[String],
+        seconds: Option<u64>,
+    ) -> anyhow::Result<(Option<String>, String)> {
+        let mut of_merge = without_exclusive(options);
         if parts.is_empty() {
-            return Ok((None, submit(&self.merge_script(), &[])?));
+            return Ok((None, submit(&self.merge_script(), &of_merge)?));
         }
-        let array = format!("--array={}", parts_in_words(parts));
-        let array = submit(&self.part_script(), &[array])?;
+        let mut of_parts = options.to_vec();
+        of_parts.extend(seconds.map(time_option));
+        of_parts.push(format!("--array={}", parts_in_words(parts)));
+        let array = submit(&self.part_script(), &of_parts)?;
         for part in parts {
             // `states` takes a part with a log as submitted.
             let log = self.log(&part.to_string());
             fs::File::options().create(true).append(true).open(log)?;
         }
         // `afterany`: the merge job runs after failures, too, and its log names the missing parts.
-        let after = format!("--dependency=afterany:{array}");
-        Ok((Some(array), submit(&self.merge_script(), &[after])?))
+        of_merge.push(format!("--dependency=afterany:{array}"));
+        Ok((Some(array), submit(&self.merge_script(), &of_merge)?))
     }
 }
 
@@ -494,49 +423,8 @@ fn directives(options: &[String]) -> String {
     options.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// The text of a script.
-fn read(script: &Path) -> anyhow::Result<String> {
-    fs::read_to_string(script).with_context(|| {
-        format!(
-            "{}: cannot be read; `geobench cluster --config SUITE --shards N -o DIR` makes it",
-            script.display()
-        )
-    })
-}
-
 fn write(script: &Path, text: &str) -> anyhow::Result<()> {
     OutputFile::prepare(script)?.write(text.as_bytes())
-}
-
-/// ID of the device, and thus of the file system, of the file at `path`.
-fn device(path: &Path) -> anyhow::Result<u64> {
-    let metadata =
-        fs::metadata(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-    Ok(metadata.dev())
-}
-
-/// Copies a file, and makes the folder of the copy.
-fn copy_file(file: &Path, copy: &Path) -> anyhow::Result<()> {
-    let folder = copy.parent().map_or(Ok(()), fs::create_dir_all);
-    folder
-        .and_then(|()| fs::copy(file, copy))
-        .with_context(|| format!("{}: cannot be copied", file.display()))?;
-    Ok(())
-}
-
-/// `path` without `.` and `..`. `None` if it is absolute or leaves the directory that it starts
-/// from.
-fn inside(path: &Path) -> Option<PathBuf> {
-    let mut inside = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::Normal(name) => inside.push(name),
-            Component::CurDir => {}
-            Component::ParentDir if inside.pop() => {}
-            _ => return None,
-        }
-    }
-    Some(inside)
 }
 
 /// Whether the result file at `path` is of a completed run. Only a completed run records the
@@ -700,48 +588,6 @@ mod tests {
         assert_eq!(directory.states().unwrap()[2], PartState::New);
         fs::write(directory.part(3), r#"{"conditions": {}}"#).unwrap();
         assert_eq!(directory.states().unwrap(), vec![PartState::Done; 20]);
-    }
-
-    #[test]
-    fn added_options_follow_those_of_the_scripts() {
-        let place = tempfile::tempdir().unwrap();
-        let directory = ClusterDirectory::new(place.path()).unwrap();
-        directory.write(&jobs()).unwrap();
-        let options = ["--partition=slow".to_owned(), EXCLUSIVE.to_owned()];
-        directory.add_options(&options, Some(3600)).unwrap();
-        let directives = |script: &Path| {
-            let text = fs::read_to_string(script).unwrap();
-            let (head, _) = text.split_once("\n\n").unwrap();
-            head.to_owned()
-        };
-        let of_parts = directives(&directory.part_script());
-        let added =
-            "#SBATCH --exclusive\n#SBATCH --partition=slow\n#SBATCH --exclusive\n#SBATCH --time=60";
-        assert!(of_parts.ends_with(added), "{of_parts}");
-        let of_merge = directives(&directory.merge_script());
-        let added = "#SBATCH --partition=fast\n#SBATCH --partition=slow";
-        assert!(of_merge.ends_with(added), "{of_merge}");
-    }
-
-    #[test]
-    fn files_on_the_same_file_system_stay_where_they_are() {
-        let place = tempfile::tempdir().unwrap();
-        let here = place.path();
-        for file in ["geobench", "a.obj"] {
-            fs::write(here.join(file), "").unwrap();
-        }
-        let runs = ClusterDirectory::new(&here.join("runs")).unwrap();
-        runs.create().unwrap();
-        let program = here.join("geobench");
-        let (found, directory, _) = runs.place(&program, here, &["a.obj".into()], None).unwrap();
-        assert_eq!((found, directory), (program, here.to_owned()));
-    }
-
-    #[test]
-    fn paths_that_leave_the_directory_are_not_copied() {
-        assert_eq!(inside(Path::new("a/../b/./c.obj")), Some("b/c.obj".into()));
-        assert_eq!(inside(Path::new("../c.obj")), None);
-        assert_eq!(inside(Path::new("/c.obj")), None);
     }
 
     #[test]

@@ -5,11 +5,11 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use geobench_fwp::{BucketOptions, Buckets, fwp_mmp};
-use geobench_ich::Splitting;
+use geobench_ich::{Splitting, ich};
 use geobench_mesh::{Mesh, Splice, VertexId};
 use geobench_mmp::Trimming;
 use geobench_window::continuous::{Continuous, Explorer, Neighbour, Policy};
-use geobench_window::queue::{Calendar, CalendarQueue, Discipline, mean_edge_length};
+use geobench_window::queue::{Calendar, CalendarQueue, Discipline, HeapQueue, mean_edge_length};
 use geobench_window::{
     CompiledRuns, Counter, Phase, Probe, Propagate, Solution, VertexFilter, prefetch,
 };
@@ -21,8 +21,10 @@ use crate::order::{Untidy, VertexQueue};
 /// up to rounding and ties.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SvgBuilder {
-    /// ICH, as in Ying et al. (2013).
+    /// ICH with windows from a calendar queue, which cross eight at a time.
     #[default]
+    IchFast,
+    /// ICH, as in Ying et al. (2013): windows from a heap, one at a time.
     Ich,
     /// FWP-MMP, as in Xu et al. (2015).
     FwpMmp,
@@ -41,7 +43,7 @@ pub struct SvgOptions {
 }
 
 impl Default for SvgOptions {
-    /// As in the papers: k = 50, ICH, one thread.
+    /// As in the papers k = 50 and one thread; the fast form of ICH.
     fn default() -> Self {
         Self {
             k: Some(50),
@@ -104,7 +106,8 @@ impl SaddleVertexGraph {
         let found = match options.builder {
             // A run is an error there.
             _ if mesh.has_junctions() => Vec::new(),
-            SvgBuilder::Ich => explore(mesh, options, || ich_explorer(mesh, options)),
+            SvgBuilder::IchFast => explore(mesh, options, || ich_fast_explorer(mesh, options)),
+            SvgBuilder::Ich => explore(mesh, options, || ich_explorer(mesh)),
             SvgBuilder::FwpMmp => explore(mesh, options, || fwp_explorer(mesh, options)),
         };
         let relays = mesh
@@ -210,12 +213,14 @@ impl SaddleVertexGraph {
 /// second turn.
 const BUCKET: f64 = 0.25;
 
-type IchExplorer = Explorer<Splitting<true>, CalendarQueue>;
+type IchFastExplorer = Explorer<Splitting<true>, CalendarQueue>;
+type IchExplorer = Explorer<Splitting, HeapQueue>;
 type FwpExplorer = Explorer<Trimming, Buckets>;
 
 /// Finds direct geodesics around points.
 #[derive(Clone, Debug)]
 enum PointExplorer {
+    IchFast(Box<IchFastExplorer>),
     Ich(Box<IchExplorer>),
     FwpMmp(Box<FwpExplorer>),
 }
@@ -223,13 +228,15 @@ enum PointExplorer {
 impl PointExplorer {
     fn new(mesh: &Mesh, options: SvgOptions) -> Self {
         match options.builder {
-            SvgBuilder::Ich => Self::Ich(Box::new(ich_explorer(mesh, options))),
+            SvgBuilder::IchFast => Self::IchFast(Box::new(ich_fast_explorer(mesh, options))),
+            SvgBuilder::Ich => Self::Ich(Box::new(ich_explorer(mesh))),
             SvgBuilder::FwpMmp => Self::FwpMmp(Box::new(fwp_explorer(mesh, options))),
         }
     }
 
     fn splice(&mut self, splice: &Splice) -> Option<Splice> {
         match self {
+            Self::IchFast(explorer) => explorer.splice(splice),
             Self::Ich(explorer) => explorer.splice(splice),
             Self::FwpMmp(explorer) => explorer.splice(splice),
         }
@@ -237,6 +244,10 @@ impl PointExplorer {
 
     fn around(&mut self, v: VertexId, k: Option<usize>) -> &[Neighbour] {
         match self {
+            Self::IchFast(explorer) => {
+                explorer.around(v, k);
+                explorer.neighbours()
+            }
             Self::Ich(explorer) => {
                 explorer.around(v, k);
                 explorer.neighbours()
@@ -249,10 +260,14 @@ impl PointExplorer {
     }
 }
 
-fn ich_explorer(mesh: &Mesh, options: SvgOptions) -> IchExplorer {
+fn ich_fast_explorer(mesh: &Mesh, options: SvgOptions) -> IchFastExplorer {
     let queue = CalendarQueue::with_width(width(mesh, options) * Calendar::usual_width(mesh));
     let policy = Splitting::new(mesh, VertexFilter::On).jointly();
     Explorer::new(Continuous::new(mesh, policy, queue))
+}
+
+fn ich_explorer(mesh: &Mesh) -> IchExplorer {
+    Explorer::new(ich(mesh))
 }
 
 fn fwp_explorer(mesh: &Mesh, options: SvgOptions) -> FwpExplorer {

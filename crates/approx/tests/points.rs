@@ -36,7 +36,7 @@ fn solvers(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver>)> {
         ("dijkstra", Box::new(Dijkstra::new(mesh))),
         ("fmm", Box::new(Fmm::new(mesh, true))),
         ("fmm-untidy", Box::new(FmmUntidy::new(mesh, true, 0.5))),
-        ("svg", Box::new(graph(mesh, Some(50), SvgBuilder::Ich))),
+        ("svg", Box::new(graph(mesh, Some(50), SvgBuilder::IchFast))),
         ("heat", heat(Boundary::Average)),
         ("heat, cold", heat(Boundary::Cold)),
         ("vsp", Box::new(Vsp::new(mesh, 1))),
@@ -109,7 +109,7 @@ fn a_graph_of_all_direct_geodesics_is_exact_from_and_to_points() {
         if faces == 0 {
             continue;
         }
-        for builder in [SvgBuilder::Ich, SvgBuilder::FwpMmp] {
+        for builder in [SvgBuilder::IchFast, SvgBuilder::Ich, SvgBuilder::FwpMmp] {
             let mut solver = graph(&case.mesh, None, builder);
             let points = points(&case.mesh, &mut random);
             let refined = case.mesh.with_points(&points).unwrap();

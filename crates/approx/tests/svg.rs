@@ -7,7 +7,7 @@ use geobench_mesh::Mesh;
 use geobench_window::{Goal, SolveError, Solver};
 use support::cases;
 
-const BUILDERS: [SvgBuilder; 2] = [SvgBuilder::Ich, SvgBuilder::FwpMmp];
+const BUILDERS: [SvgBuilder; 3] = [SvgBuilder::IchFast, SvgBuilder::Ich, SvgBuilder::FwpMmp];
 
 #[test]
 fn a_graph_of_all_direct_geodesics_is_exact() {

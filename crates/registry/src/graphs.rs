@@ -16,8 +16,8 @@ const K: Parameter = Parameter::integer(
 
 const BUILD: Parameter = Parameter::word(
     "build",
-    &["ich", "fwp-mmp"],
-    "the algorithm that finds direct geodesics; the graph is the same up to ties",
+    &["ich-fast", "ich", "fwp-mmp"],
+    "the algorithm that finds direct geodesics; the papers use `ich` and `fwp-mmp`; the graph is the same up to ties",
 );
 
 const EPS: Parameter = Parameter::real(
@@ -31,8 +31,9 @@ fn svg_options(values: &Values) -> SvgOptions {
     SvgOptions {
         k: values.integer_or_word(&K).map(|k| k as usize),
         builder: match values.word(&BUILD) {
+            Some("ich") => SvgBuilder::Ich,
             Some("fwp-mmp") => SvgBuilder::FwpMmp,
-            _ => SvgBuilder::Ich,
+            _ => SvgBuilder::IchFast,
         },
         threads: values.threads(),
     }
@@ -44,7 +45,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         queue: "buckets",
         paper: "Ying, Wang, He 2013; Xu et al. 2015, section 5",
         summary: "Dijkstra's algorithm on a graph of direct geodesics that set-up has found",
-        departs: "each edge stands at both of its ends, and the edges of the mesh are in the graph; all vertices relay unless k is inf",
+        departs: "each edge stands at both of its ends, and the edges of the mesh are in the graph; all vertices relay unless k is inf; set-up by ich-fast (build)",
         complexity: "set-up: one run of a window algorithm around each vertex, until k vertices are final; query O(k n) for n vertices, a few of which are taken twice; space O(k n)",
         keeps: "the graph, 12 bytes for each end of an edge, about k per vertex",
         choose: "for many sources on one mesh, where errors of some tenths of a percent do not matter",

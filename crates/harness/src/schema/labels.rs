@@ -149,6 +149,8 @@ mod tests {
         assert_eq!(of("ich{queue=calendar}", &new("heap")), "ich");
         assert_eq!(of("ext:other", &json!({"command": []})), "ext:other");
         assert_eq!(of("no-such", &json!({"a": 1})), "no-such");
+        let graph = json!({"build": "ich", "queue": "buckets", "crossing": "none"});
+        assert_eq!(of("svg{build=ich}", &graph), "svg{build=ich}");
         let threads = json!({"threads": 4, "bucket": 0.5, "queue": "buckets", "crossing": "list"});
         assert_eq!(of("pvtp", &threads), "pvtp{bucket=0.5}");
         assert_eq!(
@@ -189,6 +191,12 @@ mod tests {
         assert_eq!(
             old("lct11{queue=buckets}", json!({"queue": "buckets"})),
             "lct11{queue=buckets}"
+        );
+        // Its graph was built by the fast form of ICH, which was called `ich`.
+        assert_eq!(old("svg", json!({"k": 50, "build": "ich"})), "svg");
+        assert_eq!(
+            old("svg{k=10}", json!({"k": 10, "build": "ich"})),
+            "svg{k=10}"
         );
         for unchanged in ["vtp", "vtp-fast", "mmp-fast", "fwp-mmp", "window-vtp"] {
             assert_eq!(old(unchanged, json!({})), unchanged);

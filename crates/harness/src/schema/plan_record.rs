@@ -141,6 +141,13 @@ impl PlannedAlgorithm {
             }
         }
         let name = self.label.split('{').next().unwrap_or_default();
+        // `ich` meant today's `ich-fast`, and was the default, which no label has.
+        if name == "svg"
+            && !self.label.contains("build=ich")
+            && let Some(build) = parameters.get_mut("build").filter(|build| *build == "ich")
+        {
+            *build = "ich-fast".into();
+        }
         let Some(algorithm) = geobench_registry::find(name) else {
             return;
         };

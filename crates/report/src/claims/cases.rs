@@ -318,8 +318,9 @@ impl<'r> Results<'r> {
         let (least, per) = (self.test.at_least_faces, self.test.faces_per_source);
         let reason = if per > 0 {
             let sources = self.sources(group, greatest).unwrap_or(1.0) as u64;
+            let plural = if sources == 1 { "" } else { "s" };
             format!(
-                "the largest model has {faces} faces for {} sources, the claim is about {} faces for each",
+                "the largest model has {faces} faces for {} source{plural}, the claim is about {} faces for each",
                 grouped(sources),
                 grouped(per)
             )

@@ -94,6 +94,8 @@ pub struct JudgedClaim {
     pub suite: Option<String>,
     /// The paper's numbers in words; empty if it has none.
     pub printed: String,
+    /// The cases with the authors' programs in words; empty if their results decide none.
+    pub authors: String,
     /// The cases in words.
     #[serde(skip)]
     pub(crate) shown: String,

@@ -212,8 +212,9 @@ fn judged(
             verdict = ClaimVerdict::Unjudged;
         }
     }
+    let by_authors = cases_by_authors(claim, authors);
     let cause = matches!(verdict, ClaimVerdict::Not | ClaimVerdict::DirectionOnly)
-        .then(|| cause(claim, authors));
+        .then(|| cause(claim, &by_authors));
     let mut values = BTreeMap::new();
     for case in &cases {
         let mut name = format!("{}, {}", case.of, case.on);
@@ -234,6 +235,7 @@ fn judged(
         reason,
         suite: claim.suite.clone(),
         printed: page::printed(claim.tests()),
+        authors: page::cases(&by_authors),
         shown: page::cases(&cases),
         remark: claim.remark.clone(),
         counting: claim.counting.clone(),
@@ -254,11 +256,8 @@ fn cases_with(programs: JudgedPrograms, claim: &PaperClaim, result: &ResultFile)
     claim.tests().flat_map(|test| of(test).cases()).collect()
 }
 
-/// Why a claim does not hold, or not in size.
-fn cause(claim: &PaperClaim, authors: &[&ResultFile]) -> ClaimCause {
-    if claim.counting.is_some() {
-        return ClaimCause::Counting;
-    }
+/// The cases that results of the authors' programs decide.
+fn cases_by_authors(claim: &PaperClaim, authors: &[&ResultFile]) -> Vec<ClaimCase> {
     let all = authors.iter().flat_map(|&result| {
         let of = move |test| Results {
             result,
@@ -268,9 +267,16 @@ fn cause(claim: &PaperClaim, authors: &[&ResultFile]) -> ClaimCause {
         let checked = claim.tests().filter(move |test| of(test).can_be_checked());
         checked.flat_map(move |test| of(test).cases())
     });
-    let decided: Vec<ClaimCase> = all.filter(|case| case.holds.is_some()).collect();
-    match verdict_on(&decided).0 {
-        _ if decided.is_empty() => ClaimCause::Open,
+    all.filter(|case| case.holds.is_some()).collect()
+}
+
+/// Why a claim does not hold, or not in size. `by_authors`: its cases with the authors' programs.
+fn cause(claim: &PaperClaim, by_authors: &[ClaimCase]) -> ClaimCause {
+    if claim.counting.is_some() {
+        return ClaimCause::Counting;
+    }
+    match verdict_on(by_authors).0 {
+        _ if by_authors.is_empty() => ClaimCause::Open,
         ClaimVerdict::Confirmed => ClaimCause::Implementation,
         _ => ClaimCause::Paper,
     }

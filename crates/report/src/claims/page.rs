@@ -55,7 +55,8 @@ differ; or models and sizes are unlike the paper's. The page says what it would 
 
 The cause of *not* and *direction only*, by rule: **counting** if the claim's file says what the paper \
 counts otherwise; else, where results of the authors' programs are given, **paper** if these do not \
-confirm the claim either, **implementation** if they do; else **open**.
+confirm the claim either, **implementation** if they do; else **open**. The last column has the cases \
+computed with them.
 
 A case is one algorithm, or one ratio of two, on one model, or over all models. A value of times \
 decides only if its 95 % interval, in parentheses, lies on one side of the limit. Times of different \
@@ -280,8 +281,11 @@ pub(crate) fn why(claim: &JudgedClaim) -> String {
         .takes
         .as_ref()
         .map(|takes| format!("it would take {takes}"));
+    let authors = (!claim.authors.is_empty())
+        .then(|| format!("with the authors' programs {}", claim.authors));
     let texts = [
         Some(claim.reason.as_str()),
+        authors.as_deref(),
         takes.as_deref(),
         claim.counting.as_deref(),
         claim.remark.as_deref(),

@@ -774,6 +774,11 @@ fn causes_come_from_the_authors_programs() {
         scale(&mut authors, "ext:kirsanov", model, 3.0);
     }
     assert_eq!(cause(&authors), Some(ClaimCause::Implementation));
+    let inputs = [&result, &authors].map(|one| Input::new("r.json".into(), one.clone()));
+    let report = judge(&[read(test).unwrap()], &inputs).unwrap();
+    let why = page::why(&report.papers[0].claims[0]);
+    let shown = "with the authors' programs mmp to vtp: small 6.00 (6.00 to 6.00), middle";
+    assert!(why.contains(shown), "{why}");
     let confirmed = test.replace("paper = 6", "paper = 3");
     assert_eq!(judged(&confirmed, Some(&authors)), (Confirmed, None));
     let counts = test.replace("holds", "figure = \"propagated\"\nholds");
@@ -802,7 +807,7 @@ fn models_unlike_the_papers_do_not_decide() {
     assert_eq!(verdict, Unjudged);
     assert_eq!(
         reason,
-        "the largest model has 16,000 faces for 1 sources, the claim is about 20,000 faces for each"
+        "the largest model has 16,000 faces for 1 source, the claim is about 20,000 faces for each"
     );
 }
 

@@ -106,7 +106,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
         queue: "none",
         paper: "Crane, Weischedel, Wardetzky 2013",
         summary: "the heat method: directions of heat, integrated",
-        departs: "edges are made a little longer where faces have no area",
+        departs: "flips edges to intrinsic Delaunay first (delaunay); edges are made a little longer where faces have no area",
         complexity: "set-up O(n^1.5), then O(n log n) for each source; space O(n log n)",
         keeps: "the factors of two sparse matrices, or of three if there is a boundary",
         choose: "for many sources on one mesh, or where smoothness matters more than an error of about a percent",

@@ -1,5 +1,7 @@
 //! Mesh files: what is read from them, what is refused and how, and that nothing is lost.
 
+mod arrays;
+mod bounds;
 mod damage;
 mod errors;
 mod forms;
@@ -30,6 +32,13 @@ static ALLOCATOR: &PeakMemAlloc<System> = &INSTRUMENTED_SYSTEM;
 /// Reads a file that exists only in memory, under the name `test`.
 fn parse(format: Format, bytes: impl AsRef<[u8]>) -> Result<TriangleSoup, FileError> {
     read_bytes(bytes.as_ref(), format, Path::new("test"))
+}
+
+/// Asserts that a file is refused with a message that has these words.
+#[track_caller]
+fn fails(format: Format, bytes: impl AsRef<[u8]>, words: &str) {
+    let error = parse(format, bytes).unwrap_err().to_string();
+    assert!(error.contains(words), "{error}");
 }
 
 /// Reads an OBJ file, which may be compressed, with the second reader.

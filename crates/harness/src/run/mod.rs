@@ -7,6 +7,7 @@ pub mod answer_layout;
 mod cell_runs;
 pub mod check;
 pub mod cluster;
+mod context;
 mod each;
 mod earlier;
 pub mod journal;
@@ -22,6 +23,7 @@ mod scale;
 #[cfg(test)]
 mod tests;
 mod unit;
+mod unit_plan;
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;

@@ -14,6 +14,7 @@ mod bench;
 mod certificate;
 mod errors;
 mod field;
+mod from_arrays;
 mod interrupt;
 mod isolines;
 mod making;

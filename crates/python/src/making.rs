@@ -10,7 +10,8 @@ use pyo3::prelude::*;
 
 use crate::arrays;
 use crate::errors::{invalid, unreadable};
-use crate::mesh::{PyMesh, weld_of};
+use crate::from_arrays::weld_of;
+use crate::mesh::PyMesh;
 use crate::points::SharedMesh;
 
 /// A pickled mesh: the positions, the triangles of the file, the copies of welded vertices, the

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use geobench_harness::measure::number::counted;
-use geodesics::mesh::{Defect, DefectKind, FaceId, MeshMeasures, Report, Severity, Tolerance};
+use geodesics::mesh::{FaceId, MeshMeasures, Report, Severity, Tolerance};
 use geodesics::{
-    Mesh, PointError, RemeshOptions, Stop, SurfacePoint, TriangleSoup, VertexId, Weld, io, line,
+    Mesh, PointError, RemeshOptions, Stop, SurfacePoint, TriangleSoup, VertexId, io, line,
 };
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -14,12 +14,13 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::algorithm::{MeshAlgorithm, named, one_path, selection};
 use crate::arrays;
-use crate::errors::{invalid, mesh_error, unreadable};
+use crate::errors::{invalid, unreadable};
 use crate::field::PyField;
+use crate::from_arrays::{from_arrays, warn_of_copies};
 use crate::interrupt;
 use crate::isolines::{self, PyIsoline};
 use crate::path::{PyPath, tuples};
-use crate::points::{Finder, SharedMesh, core, several, single, warn_user};
+use crate::points::{Finder, SharedMesh, core, several, single};
 use crate::voronoi::PyVoronoi;
 
 /// An immutable triangle mesh, validated when it is made. Vertices keep their numbers. Faces without
@@ -133,43 +134,7 @@ impl PyMesh {
         weld: Option<&Bound<'_, PyAny>>,
         repair: bool,
     ) -> PyResult<Self> {
-        // Meshes of other packages, and polygons as a list of lists, are taken apart in Python.
-        let (vertices, faces): (Bound<'_, PyAny>, Bound<'_, PyAny>) = py
-            .import("geodesics._meshes")?
-            .call_method1("arrays_of", (vertices, faces))?
-            .extract()?;
-        let positions = arrays::positions(&vertices, "vertices")?;
-        let mut soup = if let Ok(polygons) = faces.cast::<PyList>() {
-            let polygons = arrays::polygons(polygons, "faces")?;
-            if !repair && let Some(text) = repeated_corner(&polygons) {
-                return Err(mesh_error(
-                    py,
-                    format!("repair is needed: {text}"),
-                    vec![text],
-                ));
-            }
-            py.detach(|| io::polygons(positions, polygons))
-                .map_err(|error| mesh_error(py, error.to_string(), Vec::new()))?
-        } else {
-            TriangleSoup::new(positions, arrays::triangles(&faces, "faces")?)
-        };
-        let wanted = weld_of(weld)?;
-        if let Some(weld) = wanted {
-            py.detach(|| soup.weld(weld));
-        }
-        let made = py.detach(|| Mesh::from_soup(soup));
-        let (mesh, report) = made.map_err(|error| invalid(py, &error, ""))?;
-        if !repair {
-            let repaired = report.summaries().into_iter();
-            let repaired = repaired.filter(|summary| summary.kind.changes_faces());
-            let texts: Vec<String> = repaired.map(|summary| summary.text).collect();
-            if let Some(first) = texts.first() {
-                return Err(mesh_error(py, format!("repair is needed: {first}"), texts));
-            }
-        }
-        if weld.is_none() {
-            warn_of_copies(py, &report, "vertices")?;
-        }
+        let (mesh, report) = from_arrays(py, vertices, faces, weld, repair)?;
         Ok(Self::of(mesh, &report, name.to_owned()))
     }
 
@@ -953,60 +918,6 @@ impl PyMesh {
 /// A face, barycentric coordinates in it, the position, and the distance from the position that was
 /// given.
 type Located = (i64, (f64, f64, f64), Option<(f64, f64, f64)>, f64);
-
-/// What would be dropped of the first polygon that names a vertex twice in a row.
-fn repeated_corner(polygons: &[Vec<u32>]) -> Option<String> {
-    let outlines = polygons
-        .iter()
-        .enumerate()
-        .filter(|(_, outline)| outline.len() > 2);
-    let mut pairs = outlines.flat_map(|(face, outline)| {
-        let next = outline.iter().cycle().skip(1);
-        outline.iter().zip(next).map(move |(a, b)| (face, a, b))
-    });
-    let (face, v, _) = pairs.find(|(_, a, b)| a == b)?;
-    Some(format!("face {face} names vertex {v} twice in a row"))
-}
-
-/// A `UserWarning` on vertices at the place of another, if `report` has any. `name` is where they
-/// are from.
-fn warn_of_copies(py: Python<'_>, report: &Report, name: &str) -> PyResult<()> {
-    let weld = report.defects.iter().find_map(|defect| match defect {
-        Defect::CoincidentVertices { near: 0, .. } => Some("True".to_owned()),
-        Defect::CoincidentVertices { tolerance, .. } => Some(format!("{tolerance:e}")),
-        _ => None,
-    });
-    let mut known = report.summaries().into_iter();
-    let twice = known.find(|summary| summary.kind == DefectKind::CoincidentVertices);
-    let (Some(weld), Some(twice)) = (weld, twice) else {
-        return Ok(());
-    };
-    let text = twice.text;
-    let hint = "no path crosses a seam between them";
-    let note = format!("{text}; {hint}; weld={weld} makes them one, weld=False leaves them");
-    warn_user(py, name, &[note])
-}
-
-/// Reads the argument `weld`: none, a truth value or a tolerance.
-pub(crate) fn weld_of(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<Weld>> {
-    let Some(value) = value else {
-        return Ok(None);
-    };
-    if let Ok(wanted) = value.extract::<bool>() {
-        return Ok(wanted.then_some(Weld::COINCIDENT));
-    }
-    let tolerance = value.extract::<f64>().map_err(|_| {
-        let given = value
-            .repr()
-            .map_or_else(|_| "this".to_owned(), |text| text.to_string());
-        PyTypeError::new_err(format!(
-            "weld: {given} is neither a truth value nor a fraction of the diagonal"
-        ))
-    });
-    let weld = Weld::within(tolerance?);
-    weld.map(Some)
-        .map_err(|error| PyValueError::new_err(format!("weld: {error}")))
-}
 
 /// Reads the argument `rng` (SPEC 7 of Scientific Python): whatever it is, `default_rng` makes a
 /// generator of it, which draws the seed.

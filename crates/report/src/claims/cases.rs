@@ -202,6 +202,10 @@ impl<'r> Results<'r> {
         if is_timed(figure) && self.result.tool.profile != "release" {
             return Err("it was measured with a debug build".to_owned());
         }
+        let is_counted = figure.key == "instructions";
+        if is_timed(figure) && !is_counted && self.result.jobs().is_some() {
+            return Err("cells ran at the same time, which disturbs times".to_owned());
+        }
         let may_be_vectors =
             self.test.simd == SimdFilter::Any || self.programs == JudgedPrograms::Authors;
         if is_timed(figure) && !may_be_vectors {

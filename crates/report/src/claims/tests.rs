@@ -270,6 +270,16 @@ fn a_claim_without_data_is_unjudged() {
     let mut debug = made_up("ich,vtp");
     debug.tool.profile = "debug".into();
     assert_eq!(why(&debug, time_test), "it was measured with a debug build");
+    let mut disturbed = made_up("ich,vtp");
+    disturbed.isolation = Some(IsolationRecord {
+        process: true,
+        cpus: None,
+        jobs: Some(2),
+    });
+    assert_eq!(
+        why(&disturbed, time_test),
+        "cells ran at the same time, which disturbs times"
+    );
 
     let mut failed = made_up("ich,vtp");
     for (model, status) in MODELS

@@ -7,6 +7,7 @@ use std::sync::Mutex;
 use geobench_registry::{self as registry, Selection};
 use geobench_window::precision;
 
+use crate::exec::expected::Expected;
 use crate::exec::source::SourceSpec;
 use crate::exec::{Failure, Observation, Pass, Refusal, Session, Step};
 use crate::lock::lock;
@@ -200,28 +201,7 @@ impl<'p> UnitPlan<'p> {
         let reference = match &self.reference {
             Reference::None => return Ok(None),
             Reference::Files(files) => {
-                let vertices = self.model.vertex_count();
-                let ModelRecord { path, weld, .. } = self.model;
-                match files.find(Path::new(path), *weld, &self.source.label(), vertices) {
-                    Ok(field) => {
-                        let name = field.path.display().to_string();
-                        let mut check = context.check();
-                        let distances = check.layout.of_stored(&field.distances);
-                        if distances.is_empty() {
-                            check.unchecked = Some(format!("{name} has no distance of a target"));
-                        } else {
-                            let vertices = check.layout.count(vertices);
-                            check.answer = Some(Answer {
-                                name,
-                                distances,
-                                vertices,
-                                stored: Some(field.distances),
-                                bounds: None,
-                            });
-                        }
-                    }
-                    Err(error) => context.check().unchecked = Some(error.to_string()),
-                }
+                self.read_reference(files, context);
                 return Ok(None);
             }
             Reference::Unasked(_) if self.model.faces > Some(MOST_FACES_UNASKED) => {
@@ -272,6 +252,33 @@ impl<'p> UnitPlan<'p> {
             self.check_and_keep(cell, Pass::Warmup, 0, done, context)?;
         }
         Ok(Some(cell.index))
+    }
+
+    /// Reads the reference answer from a file.
+    fn read_reference(&self, files: &Expected, context: &RunContext<'_, '_>) {
+        let vertices = self.model.vertex_count();
+        let ModelRecord { path, weld, .. } = self.model;
+        let found = files.find(Path::new(path), *weld, &self.source.label(), vertices);
+        let mut check = context.check();
+        match found {
+            Ok(field) => {
+                let name = field.path.display().to_string();
+                let distances = check.layout.of_stored(&field.distances);
+                if distances.is_empty() {
+                    check.unchecked = Some(format!("{name} has no distance of a target"));
+                } else {
+                    let vertices = check.layout.count(vertices);
+                    check.answer = Some(Answer {
+                        name,
+                        distances,
+                        vertices,
+                        stored: Some(field.distances),
+                        bounds: None,
+                    });
+                }
+            }
+            Err(error) => check.unchecked = Some(error.to_string()),
+        }
     }
 
     /// Repeats one run of each cluster that differed from the reference before an interruption. The

@@ -93,16 +93,17 @@ pub struct Heat {
     points: Attached,
 }
 
-/// A source, as heat at vertices: itself, or the corners of its face by barycentric coordinates.
+/// A point as vertices with weights: itself, or the corners of its face with its barycentric
+/// coordinates.
 #[derive(Clone, Copy, Debug)]
-struct HeatSource {
+struct HeatPoint {
     corners: [u32; 3],
     weights: [f64; 3],
     /// Distances from the corners.
     ways: [f64; 3],
 }
 
-impl HeatSource {
+impl HeatPoint {
     fn at_vertex(v: VertexId) -> Self {
         Self {
             corners: [v.raw(); 3],
@@ -120,7 +121,7 @@ impl HeatSource {
     }
 
     /// The corners with their weights, without those of weight 0, and their distances from the
-    /// source.
+    /// point.
     fn parts(&self) -> impl Iterator<Item = (usize, f64, f64)> {
         let all = (0..3).map(|k| (self.corners[k] as usize, self.weights[k], self.ways[k]));
         all.filter(|&(_, weight, _)| weight > 0.0)
@@ -211,10 +212,10 @@ impl Heat {
     }
 
     /// The heat after the time of the options.
-    fn heat(&self, factors: &Factors, sources: &[HeatSource]) -> Vec<f64> {
+    fn heat(&self, factors: &Factors, sources: &[HeatPoint]) -> Vec<f64> {
         let start = |takes: &dyn Fn(usize) -> bool| {
             let mut heat = vec![0.0; self.components.len()];
-            for (v, weight, _) in sources.iter().flat_map(HeatSource::parts) {
+            for (v, weight, _) in sources.iter().flat_map(HeatPoint::parts) {
                 if takes(v) {
                     heat[v] += SOURCE * weight;
                 }
@@ -244,8 +245,8 @@ impl Heat {
 
     /// Puts the heat of sources on the boundary, which stays cold, at the inner vertices of the
     /// first ring around each source that has any. Else no heat would flow from there.
-    fn heat_beside_boundary(&self, sources: &[HeatSource], heat: &mut [f64]) {
-        let is_outside = |s: &&HeatSource| s.parts().all(|(v, ..)| self.boundary[v]);
+    fn heat_beside_boundary(&self, sources: &[HeatPoint], heat: &mut [f64]) {
+        let is_outside = |s: &&HeatPoint| s.parts().all(|(v, ..)| self.boundary[v]);
         for source in sources.iter().filter(is_outside) {
             let mut ring: HashSet<u32> = source.parts().map(|(v, ..)| v as u32).collect();
             loop {
@@ -287,7 +288,7 @@ impl Heat {
     /// A source in a face is where the distances of its corners suggest: its distance is the mean of
     /// theirs, less their straight distances from it. Interpolated, it would be too large, since
     /// distances form the tip of a cone there.
-    fn place(&self, found: &[f64], sources: &[VertexId], heated: &[HeatSource]) -> Solution {
+    fn place(&self, found: &[f64], sources: &[VertexId], heated: &[HeatPoint]) -> Solution {
         let mut sums = vec![(0.0, 0.0); self.component_count];
         for source in heated {
             let (sum, count) = &mut sums[self.components[source.corners[0] as usize] as usize];
@@ -328,8 +329,8 @@ impl Heat {
             if sources.binary_search(&v).is_ok() {
                 return 0.0;
             }
-            let source = HeatSource::in_face(&point.faces[0]);
-            let interpolated = source
+            let place = HeatPoint::in_face(&point.faces[0]);
+            let interpolated = place
                 .parts()
                 .map(|(v, weight, _)| weight * distances[v])
                 .sum();
@@ -382,10 +383,10 @@ impl Propagate for Heat {
         let heated = sources
             .iter()
             .map(|&source| match self.points.point(source) {
-                Some((_, point)) => HeatSource::in_face(&point.faces[0]),
-                None => HeatSource::at_vertex(source),
+                Some((_, point)) => HeatPoint::in_face(&point.faces[0]),
+                None => HeatPoint::at_vertex(source),
             });
-        let heated: Vec<HeatSource> = heated.collect();
+        let heated: Vec<HeatPoint> = heated.collect();
         let heat = self.heat(factors, &heated);
         let mut found = self.sinks(&heat);
         factors.poisson.solve(&mut found);

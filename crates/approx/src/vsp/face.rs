@@ -84,7 +84,7 @@ fn length(x: f32, y: f32) -> f32 {
 
 /// A source that is about to enter a face through a half-edge.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Passage {
+pub(super) struct EnteringSource {
     pub(super) edge: Edge,
     /// The label that the face would get; set by [`Face::admit`].
     pub(super) label: u32,
@@ -167,7 +167,7 @@ impl Face {
     /// Lets `candidate` in, if it brings the least label so far. Its source bends at an end of the
     /// half-edge if the line to the aim does not cross the half-edge.
     #[inline]
-    pub(super) fn admit(&self, candidate: &mut Passage, round: u32, shared: bool) {
+    pub(super) fn admit(&self, candidate: &mut EnteringSource, round: u32, shared: bool) {
         let corner = (candidate.edge & CORNER) as usize;
         let (length_here, [x, y]) = (self.lengths[corner], self.apexes[corner]);
         let centroid = [(x + length_here) * (1.0 / 3.0), y * (1.0 / 3.0)];
@@ -207,7 +207,7 @@ impl Face {
     /// the distance is not below `bound`. Then the source waits in the face, and the last candidate
     /// with the label stays; threads must not settle equal labels at the same time.
     #[inline]
-    pub(super) fn settle(&self, candidate: &Passage, bound: f32, shared: bool) -> bool {
+    pub(super) fn settle(&self, candidate: &EnteringSource, bound: f32, shared: bool) -> bool {
         let label = candidate.label;
         if self.label.load(Relaxed) != label {
             return false;

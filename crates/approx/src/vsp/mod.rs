@@ -13,7 +13,7 @@ use geobench_window::{
     CompiledRuns, Counter, Phase, Probe, Propagate, Solution, SolveError, prefetch,
 };
 
-use face::{BOUNDARY, CORNER, Edge, Face, MOST_FACES, Passage, SADDLE, Source, UNREACHED};
+use face::{BOUNDARY, CORNER, Edge, EnteringSource, Face, MOST_FACES, SADDLE, Source, UNREACHED};
 
 /// Virtual source propagation (Trettner, Bommes and Kobbelt 2021), on one thread or several.
 ///
@@ -195,7 +195,7 @@ struct Run<'a> {
     rounds: u32,
     pushes: u64,
     peak: u64,
-    candidates: Vec<Passage>,
+    candidates: Vec<EnteringSource>,
     /// Faces whose sources wait.
     waiting: Vec<u32>,
     /// The distance at which each pinched vertex has become a source.
@@ -206,7 +206,7 @@ struct Run<'a> {
 /// What one thread finds in a step.
 #[derive(Default)]
 struct ThreadShare {
-    candidates: Vec<Passage>,
+    candidates: Vec<EnteringSource>,
     waiting: Vec<u32>,
     /// Pinched vertices with their distances.
     pinched: Vec<(VertexId, f32)>,
@@ -256,7 +256,7 @@ impl<'a> Run<'a> {
         if mesh.is_pinched(v) {
             self.pinched.insert(v, sigma);
         }
-        let around = mesh.outgoing(v).iter().map(|&h| Passage {
+        let around = mesh.outgoing(v).iter().map(|&h| EnteringSource {
             edge: face::edge(numbering, h),
             label: UNREACHED,
             source: Source {
@@ -417,7 +417,7 @@ impl Vsp {
     }
 
     /// Lets `candidates` into their faces.
-    fn admit(&self, candidates: &mut [Passage], round: u32, shared: bool) {
+    fn admit(&self, candidates: &mut [EnteringSource], round: u32, shared: bool) {
         const AHEAD: usize = 8;
         for i in 0..candidates.len() {
             if let Some(later) = candidates.get(i + AHEAD) {
@@ -429,7 +429,7 @@ impl Vsp {
     }
 
     /// Sends the source of `candidate` on, or lets it wait, if its face keeps it.
-    fn settle(&self, candidate: &Passage, bound: f32, shared: bool, part: &mut ThreadShare) {
+    fn settle(&self, candidate: &EnteringSource, bound: f32, shared: bool, part: &mut ThreadShare) {
         let f = candidate.edge >> 2;
         let face = &self.faces[f as usize];
         if !face.settle(candidate, bound, shared) {
@@ -453,12 +453,12 @@ impl Vsp {
 
     /// Sends the `source` of face `f` through both exits.
     #[inline]
-    fn leave(&self, f: u32, corner: usize, source: Source, candidates: &mut Vec<Passage>) {
+    fn leave(&self, f: u32, corner: usize, source: Source, candidates: &mut Vec<EnteringSource>) {
         for (exit, source) in self.faces[f as usize].leave(corner, source) {
             let edge = exit & !SADDLE;
             if edge & CORNER != CORNER {
                 let label = UNREACHED;
-                candidates.push(Passage {
+                candidates.push(EnteringSource {
                     edge,
                     label,
                     source,
@@ -471,14 +471,14 @@ impl Vsp {
 
     /// Sends `source` into all faces beyond a half-edge along a junction.
     #[cold]
-    fn leave_by_junction(&self, place: u32, source: Source, candidates: &mut Vec<Passage>) {
+    fn leave_by_junction(&self, place: u32, source: Source, candidates: &mut Vec<EnteringSource>) {
         for &(edge, same_direction) in &self.junctions[place as usize] {
             let mut source = source;
             if same_direction {
                 let length = self.faces[(edge >> 2) as usize].length((edge & CORNER) as usize);
                 source.place[0] = length - source.place[0];
             }
-            candidates.push(Passage {
+            candidates.push(EnteringSource {
                 edge,
                 label: UNREACHED,
                 source,

@@ -109,6 +109,11 @@ fn no_suite_of_a_paper_uses_a_parameter_that_its_paper_lacks() {
                         is_second || varied.iter().any(|known| setting.starts_with(known));
                     assert!(is_of_paper, "{file}, {group}: {label}");
                 }
+                // The report's form has no threshold: one group counts what it would drop.
+                assert!(
+                    one.algorithm().name != "edge-based" || inner.is_empty() || group == "tiny",
+                    "{file}, {group}: {label}"
+                );
                 // By default a fast form of ICH builds its graph.
                 assert!(
                     one.algorithm().name != "svg" || inner.contains("build="),
@@ -127,6 +132,25 @@ fn no_suite_of_a_paper_uses_a_parameter_that_its_paper_lacks() {
         }
     }
     assert!(papers >= 30, "{papers}");
+}
+
+/// The numbers of suites and of claims in the paper are those of the files.
+#[test]
+fn the_paper_counts_suites_and_claims() {
+    let is_of_paper = |path: &&PathBuf| {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        name.starts_with(|first: char| first.is_ascii_digit())
+    };
+    let suites = suites().iter().filter(is_of_paper).count();
+    let files = geobench_report::claims::known().unwrap();
+    let claims: usize = files.iter().map(|file| file.claims().count()).sum();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../paper/paper.md");
+    let paper = std::fs::read_to_string(path).unwrap();
+    let paper: Vec<&str> = paper.split_whitespace().collect();
+    let paper = paper.join(" ");
+    for words in [format!("{suites} suites"), format!("{claims} claims")] {
+        assert!(paper.contains(&words), "{words}");
+    }
 }
 
 /// Calls the program with `--config` and a suite file of this text.

@@ -106,8 +106,8 @@ pub(crate) fn greatest_length(
 /// Sweeps that move the points of a path.
 const SWEEPS: usize = 20;
 
-/// An upper bound of the length of a path along which `points` are moved on their edges, to where it
-/// is shorter. For points of which [`greatest_length`] finds a length.
+/// An upper bound of the length of a path along which `points` are moved on their edges, to where
+/// it is shorter. For points of which [`greatest_length`] finds a length.
 ///
 /// A position on an edge that is far longer than the path has no place in an `f64`: rounding moves
 /// the point by more than the path is long. Here it is a double-double. Any position makes a valid
@@ -153,9 +153,9 @@ fn on_edge([a, b]: [BallVector<3>; 2], part: Ball) -> BallVector<3> {
     std::array::from_fn(|i| a[i] + along[i] * part)
 }
 
-/// Where the shortest path between two points crosses the line through `ends`, in a plane into which
-/// the faces on either side are unfolded: from 0 at the first end to 1 at the second, and never
-/// beyond.
+/// Where the shortest path between two points crosses the line through `ends`, in a plane into
+/// which the faces on either side are unfolded: from 0 at the first end to 1 at the second, and
+/// never beyond.
 fn crossing(ends: [BallVector<3>; 2], from: BallVector<3>, to: BallVector<3>) -> Option<Ball> {
     let along = ball::minus(ends[1], ends[0]);
     let square = dot(along, along);

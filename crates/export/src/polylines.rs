@@ -36,8 +36,8 @@ impl Polylines {
         })
     }
 
-    /// Wavefront OBJ. Each segment is an element: `MeshLab` reads only the first segment of a longer
-    /// one.
+    /// Wavefront OBJ. Each segment is an element: `MeshLab` reads only the first segment of a
+    /// longer one.
     pub(crate) fn obj(&self) -> String {
         let mut text = match self.title() {
             title if title.is_empty() => title,

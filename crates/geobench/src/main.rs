@@ -138,8 +138,8 @@ enum Command {
     Record(record::RecordOptions),
     /// Show how the figures of a history have changed, and since which commits
     Trend(trend::TrendOptions),
-    /// Write a suite, a program table, a solver to be replaced and a workflow for GitHub, to track a
-    /// solver of one's own
+    /// Write a suite, a program table, a solver to be replaced and a workflow for GitHub, to track
+    /// a solver of one's own
     Init(init::InitOptions),
     /// Print a script that lets a shell complete commands, options and values
     Completions(shell::CompletionsOptions),

@@ -45,8 +45,9 @@ impl ResultStore {
         }
     }
 
-    /// Adds the cells of a model that has ended, and writes the results so far to all regular files if that is
-    /// due. Returns the writes that failed, which [`write_all`](Self::write_all) repeats.
+    /// Adds the cells of a model that has ended, and writes the results so far to all regular files
+    /// if that is due. Returns the writes that failed, which [`write_all`](Self::write_all)
+    /// repeats.
     pub(crate) fn add(
         &mut self,
         model: &ModelRecord,
@@ -73,8 +74,8 @@ impl ResultStore {
         for (format, file) in self.outputs.iter().filter(|(_, file)| file.is_replaced()) {
             failed.extend(file.write(format.render(&whole)?.as_bytes()).err());
         }
-        // The file of `--add-to` then has what a killed run has left in a store. Without a store, as
-        // when another process that adds to the file has it, each model is written.
+        // The file of `--add-to` then has what a killed run has left in a store. Without a store,
+        // as when another process that adds to the file has it, each model is written.
         if let (Some(path), None, []) = (&self.add_to, &self.unfinished, &failed[..]) {
             self.unfinished = Unfinished::create(path, &whole).ok();
         }
@@ -142,8 +143,8 @@ impl ResultStore {
     }
 }
 
-/// The output beside which the results so far are stored: the first file of results, which the store
-/// then completes for every command that reads it, else the first file.
+/// The output beside which the results so far are stored: the first file of results, which the
+/// store then completes for every command that reads it, else the first file.
 pub(crate) fn stored_file(outputs: &[(ResultFormat, OutputFile)]) -> Option<&Path> {
     let files = || outputs.iter().filter(|(_, file)| file.is_replaced());
     let results = files().find(|(format, _)| *format == ResultFormat::Json);
@@ -153,8 +154,8 @@ pub(crate) fn stored_file(outputs: &[(ResultFormat, OutputFile)]) -> Option<&Pat
 }
 
 /// When the results so far are written to the output files: each time that they have grown by a
-/// quarter, so that all writes together take linear time, and at least once a minute, unless a write
-/// itself takes long.
+/// quarter, so that all writes together take linear time, and at least once a minute, unless a
+/// write itself takes long.
 #[derive(Debug, Default)]
 struct WriteDue {
     /// Number of cells at the last write, and its end and duration.

@@ -63,8 +63,8 @@ impl Certificate {
         Self::within(mesh, sources, RELATIVE)
     }
 
-    /// As [`of`](Self::of), for another [tolerance](Claim::with_tolerance) than 1e-9. The bounds for a
-    /// small one are closer and take longer.
+    /// As [`of`](Self::of), for another [tolerance](Claim::with_tolerance) than 1e-9. The bounds
+    /// for a small one are closer and take longer.
     ///
     /// # Errors
     ///
@@ -252,8 +252,8 @@ impl Certificate {
 /// [scaled](of_usual_size).
 const UNUSUAL: f64 = 100.0;
 
-/// `mesh` with edges around a length of 1, and the power of two by which it is scaled; `None` if its
-/// edges are neither very long nor very short. Faces and half-edges have the same numbers.
+/// `mesh` with edges around a length of 1, and the power of two by which it is scaled; `None` if
+/// its edges are neither very long nor very short. Faces and half-edges have the same numbers.
 ///
 /// Where two distances along an edge meet is found from sixth powers of lengths. They overflow, or
 /// lose their last digits, where edges are near the limits of a mesh.

@@ -110,8 +110,8 @@
 //!
 //! * [`Mesh`]: reading, building and querying meshes. [`io`] reads and writes files, [`generate`]
 //!   makes models, [`Mesh::from_soup`] reports every defect that it finds or repairs.
-//! * [`SurfaceSolver`], a solver for points anywhere on the surface; [`DistanceField`], the distance
-//!   of every point after one solve, with paths, gradients and isolines.
+//! * [`SurfaceSolver`], a solver for points anywhere on the surface; [`DistanceField`], the
+//!   distance of every point after one solve, with paths, gradients and isolines.
 //! * [`VtpFast`], the fastest solver, and [`Pvtp`], the same on several threads.
 //! * [`solvers`]: all solvers, with the names of the papers.
 //! * [`Paths`]: the shortest paths to many vertices, from one run of a solver. [`line()`]: the

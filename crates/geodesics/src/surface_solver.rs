@@ -137,8 +137,8 @@ impl SurfaceSolver {
         })
     }
 
-    /// The shortest path from the first of `points` to the second, from there to the third, and so on;
-    /// if `closed` back to the first. `None` if no path leads from one to the next.
+    /// The shortest path from the first of `points` to the second, from there to the third, and so
+    /// on; if `closed` back to the first. `None` if no path leads from one to the next.
     ///
     /// ```
     /// use geodesics::{Mesh, SurfaceSolver};

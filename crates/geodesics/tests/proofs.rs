@@ -62,7 +62,8 @@ impl Proven {
         (0..self.right.len()).filter(refutes).collect()
     }
 
-    /// The vertices whose bounds do not enclose the right distance, which is known up to `rounding`.
+    /// The vertices whose bounds do not enclose the right distance, which is known up to
+    /// `rounding`.
     fn outside(&self, rounding: f64) -> Vec<usize> {
         let is_outside = |&v: &usize| {
             let ([least, greatest], d) = (self.proof.bounds(v), self.right[v]);
@@ -141,8 +142,8 @@ fn no_damaged_field_is_certified() {
     assert!(all > 400 && proven > all * 2 / 3, "{proven} of {all}");
 }
 
-/// The proof takes sixth powers of lengths. With edges near 1e57, thin faces had bounds of up to the
-/// whole distance.
+/// The proof takes sixth powers of lengths. With edges near 1e57, thin faces had bounds of up to
+/// the whole distance.
 #[test]
 fn proofs_do_not_depend_on_the_unit() {
     let mut proven = 0;

@@ -101,9 +101,9 @@ impl Angles {
         })
     }
 
-    /// Decides the split at `angle` of a window that reaches the apex at distance `d`. Its ray meets
-    /// the half-edge at the fraction `entry` of its length, which is NaN if rounding leaves it
-    /// undetermined.
+    /// Decides the split at `angle` of a window that reaches the apex at distance `d`. Its ray
+    /// meets the half-edge at the fraction `entry` of its length, which is NaN if rounding leaves
+    /// it undetermined.
     ///
     /// The shorter of two straight paths to an apex makes every ray of the other window useless
     /// that crosses it. These are the rays on its far side. If both paths enter at the same point,

@@ -29,8 +29,8 @@ impl Routes {
         self.numbers.clear();
     }
 
-    /// Passes a window that has come by `route` to all half-edges beyond the gate `h`, each with its
-    /// half-edge and the route from there. `None` if `h` is no gate.
+    /// Passes a window that has come by `route` to all half-edges beyond the gate `h`, each with
+    /// its half-edge and the route from there. `None` if `h` is no gate.
     pub(crate) fn cross<'a>(
         &mut self,
         h: HalfEdgeId,

@@ -165,10 +165,10 @@ impl<const JOINT: bool> Splitting<JOINT> {
 /// Whether `window` on `h` is stale: its root has been reached by a shorter path, or a
 /// better window has occupied the angle above it.
 ///
-/// A window that has been stored beside a thin face or at a junction is not, nor are those below it,
-/// unless the root has come nearer [by more than rounding](has_come_nearer): windows equal to it have
-/// been dropped for it, maybe those of the shorter path to its root, or the one that occupied the
-/// angle. It is stale if others have [replaced](KeptWindows::has_replaced) it.
+/// A window that has been stored beside a thin face or at a junction is not, nor are those below
+/// it, unless the root has come nearer [by more than rounding](has_come_nearer): windows equal to
+/// it have been dropped for it, maybe those of the shorter path to its root, or the one that
+/// occupied the angle. It is stale if others have [replaced](KeptWindows::has_replaced) it.
 #[inline]
 #[allow(clippy::needless_bitwise_bool)] // Neither is likely: one branch for both.
 pub(crate) fn is_stale(

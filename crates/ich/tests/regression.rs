@@ -43,8 +43,8 @@ fn a_source_named_a_hundred_times_cost_a_hundred_times() {
     }
 }
 
-/// Windows on a strip of needles crossed faces after shorter ones had taken their places, and so did
-/// their descendants: breadth first, `ich1` took 642,344 windows on 200 faces, growing as n³.
+/// Windows on a strip of needles crossed faces after shorter ones had taken their places, and so
+/// did their descendants: breadth first, `ich1` took 642,344 windows on 200 faces, growing as n³.
 #[test]
 fn windows_that_had_been_replaced_went_on() {
     meshes::check_strip(200, 200 * 200, solvers);

@@ -63,8 +63,8 @@ impl DistanceField {
 
     /// The gradient of the distance at `point`: the unit vector, in space, in which the distance
     /// grows fastest, away from the source. At an edge it is that in one of the faces, at a vertex
-    /// that in a face through which a shortest path comes. `None` at sources, at unreachable points,
-    /// in no face and on a mesh without positions.
+    /// that in a face through which a shortest path comes. `None` at sources, at unreachable
+    /// points, in no face and on a mesh without positions.
     ///
     /// # Errors
     ///
@@ -98,8 +98,8 @@ impl DistanceField {
         Ok(Some([0, 1, 2].map(|k| dx * e[k] + dy * n[k])))
     }
 
-    /// The last piece of a shortest path to `point`: a face of the refined mesh, and in its plane the
-    /// apex of the cone that gives the point its distance, and the point.
+    /// The last piece of a shortest path to `point`: a face of the refined mesh, and in its plane
+    /// the apex of the cone that gives the point its distance, and the point.
     fn last_ray(&self, point: &SurfacePoint) -> Option<(FaceId, [Point; 2])> {
         let Some(v) = point.vertex() else {
             let (face, weights) = self.mesh.face_of(point)?;

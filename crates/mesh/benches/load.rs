@@ -1,4 +1,5 @@
-//! Loading of models: each format from memory to a `TriangleSoup`, and the half-edge mesh from there.
+//! Loading of models: each format from memory to a `TriangleSoup`, and the half-edge mesh from
+//! there.
 
 use std::fs;
 use std::hint::black_box;

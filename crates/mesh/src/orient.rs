@@ -8,8 +8,8 @@ pub(crate) struct Orientation {
     /// Their numbers in ascending order. In every patch this is the smaller part, so that most
     /// faces stay.
     pub(crate) flipped: Vec<u32>,
-    /// For every patch that cannot be oriented, a half-edge at which orientations found from face to
-    /// face contradict.
+    /// For every patch that cannot be oriented, a half-edge at which orientations found from face
+    /// to face contradict.
     pub(crate) contradictions: Vec<u32>,
 }
 

@@ -111,8 +111,8 @@ impl Mesh {
     /// Makes the change `splice`, which must have been made for this mesh. Returns the one that
     /// undoes it, bit for bit.
     ///
-    /// Takes time in the size of the change. The data of a mesh of which there are clones are copied
-    /// first.
+    /// Takes time in the size of the change. The data of a mesh of which there are clones are
+    /// copied first.
     ///
     /// ```
     /// use geobench_mesh::Mesh;

@@ -15,8 +15,8 @@ const LENGTH: f64 = 1e-12;
 /// Greatest distance of a path from the straight line, as a fraction of the line.
 const STRAIGHT: f64 = 1e-11;
 
-/// Rounding of a position on a side, as a fraction of the longest side: of those that the path meets
-/// where it is to be straight, of all sides where it is to be as long as a distance.
+/// Rounding of a position on a side, as a fraction of the longest side: of those that the path
+/// meets where it is to be straight, of all sides where it is to be as long as a distance.
 const PLACE: f64 = 1e-15;
 
 /// Most steps of ways around a vertex that are tried. Only junctions have more ways than two.
@@ -112,8 +112,8 @@ struct Room {
 /// The path must lead from triangle to triangle, and cross none twice. It must be as long as the
 /// distance to 1e-12 and the rounding of its points, straight wherever it crosses an edge, and have
 /// an angle of at least π on both sides of each vertex that it passes. A smaller angle is allowed
-/// where the vertices beside it leave no room for a shortcut that is longer than rounding. Lines and
-/// angles are measured with all digits of `S`.
+/// where the vertices beside it leave no room for a shortcut that is longer than rounding. Lines
+/// and angles are measured with all digits of `S`.
 ///
 /// ```
 /// use geobench_oracle::{DoubleDouble, Model, PathFlaw, JudgedPoint, judge_path};
@@ -397,8 +397,8 @@ impl<S: RealNumber> PreciseSurface<S> {
         y.to_f64().atan2(x.to_f64())
     }
 
-    /// The room at a vertex. `directions` are those of the pieces before and after it, and `lengths`
-    /// their lengths.
+    /// The room at a vertex. `directions` are those of the pieces before and after it, and
+    /// `lengths` their lengths.
     ///
     /// A way from one direction to the other turns around the vertex from edge to edge, within
     /// triangles, and from an edge of several triangles into each of them. Of all ways of less than

@@ -70,8 +70,8 @@ impl<S: RealNumber> PreciseSurface<S> {
             let sides = [0, 1, 2].map(|k| minus(corners[(k + 1) % 3], corners[k]));
             let lengths = sides.map(norm);
             // One area for all three frames: if it consists of rounding errors only, the frames are
-            // consistent nevertheless. It comes from the two shorter sides: beside a far vertex, the
-            // products of the two longer ones cancel.
+            // consistent nevertheless. It comes from the two shorter sides: beside a far vertex,
+            // the products of the two longer ones cancel.
             let longest = (0..3).fold(0, |a, b| if lengths[b] > lengths[a] { b } else { a });
             let [a, b] = [1, 2].map(|turn| sides[(longest + turn) % 3]);
             let twice_area = raised(norm(cross(a, b)), lengths);

@@ -135,8 +135,8 @@ fn meshes_with_junctions_are_solved_right() {
     assert!(check(Kind::JOINED.iter().flat_map(case).collect()) > 35);
 }
 
-/// Far vertices: distances around them were too short, and not in doubt. The oracle lost half of its
-/// digits on 78 and 138.
+/// Far vertices: distances around them were too short, and not in doubt. The oracle lost half of
+/// its digits on 78 and 138.
 const BUILT_THAT_FAILED: [(Kind, u64); 5] = [
     (Kind::FarVertex, 42),
     (Kind::FarVertex, 78),

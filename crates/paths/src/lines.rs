@@ -181,8 +181,8 @@ struct FoundLine {
 /// No window is lost for being narrow, so one of the lines ends at the last bend of a shortest
 /// path, or at a vertex beside the line through which the path is as long up to rounding.
 ///
-/// If the distance is known less exactly than `slack` allows, and no line attains it, a greater slack
-/// is taken.
+/// If the distance is known less exactly than `slack` allows, and no line attains it, a greater
+/// slack is taken.
 pub(crate) fn lines_to(
     mesh: &Mesh,
     distances: &[f64],
@@ -486,8 +486,8 @@ impl<'a> LineSearch<'a> {
     }
 }
 
-/// The least range of `window` with all parts on which it is shorter than each of `kept`, windows of
-/// the same half-edge; `None` if there are none. `rounding` is that of a position on the edge.
+/// The least range of `window` with all parts on which it is shorter than each of `kept`, windows
+/// of the same half-edge; `None` if there are none. `rounding` is that of a position on the edge.
 ///
 /// A part no wider than `rounding` does not count. It lies between the ends of kept windows, which
 /// are rays through one vertex, or beside a tie, on both sides of which the kept windows go on.

@@ -81,8 +81,8 @@ impl Paths {
     }
 }
 
-/// The angle of the direction to `point`, from the first direction of the first of the `sectors` on;
-/// `None` if it is in none of them, or at their tip.
+/// The angle of the direction to `point`, from the first direction of the first of the `sectors`
+/// on; `None` if it is in none of them, or at their tip.
 fn angle_to(mesh: &Mesh, sectors: &[Sector], point: &Point) -> Option<f64> {
     let mut before = 0.0;
     for sector in sectors {

@@ -5,8 +5,9 @@ use geobench_mesh::Refined;
 use crate::path::{Path, PathPlace, Point};
 
 impl Path {
-    /// Maps this path on `refined` to the [original](Refined::original) mesh. Crossings of edges that
-    /// the original does not have are left out. The ends may lie on its edges and inside its faces.
+    /// Maps this path on `refined` to the [original](Refined::original) mesh. Crossings of edges
+    /// that the original does not have are left out. The ends may lie on its edges and inside its
+    /// faces.
     ///
     /// ```
     /// use geobench_mesh::{FaceId, Mesh};

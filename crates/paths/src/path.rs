@@ -151,8 +151,8 @@ impl Path {
     }
 
     /// The direction in which the path starts, a vector of length 1 in space; `None` if all points
-    /// are at one place, or `mesh` has no positions. From there [`line`](crate::line) follows a path
-    /// that passes no vertex.
+    /// are at one place, or `mesh` has no positions. From there [`line`](crate::line) follows a
+    /// path that passes no vertex.
     pub fn start_direction(&self, mesh: &Mesh) -> Option<[f64; 3]> {
         let mut points = self.points.iter();
         let start = points.next()?.position(mesh)?;

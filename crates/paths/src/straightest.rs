@@ -63,8 +63,8 @@ fn unit(a: [f64; 2]) -> [f64; 2] {
     a.map(|x| x / length)
 }
 
-/// The straightest geodesic from `start` in the given direction, as defined by Polthier and Schmies,
-/// "Straightest geodesics on polyhedral surfaces" (1998).
+/// The straightest geodesic from `start` in the given direction, as defined by Polthier and
+/// Schmies, "Straightest geodesics on polyhedral surfaces" (1998).
 ///
 /// The line is straight in every face and across every edge. At a vertex it goes on with equal
 /// angles to its left and its right. It ends after `length`, or earlier where the surface ends: at
@@ -199,8 +199,8 @@ pub(crate) fn sectors(mesh: &Mesh, start: &SurfacePoint) -> Vec<Sector> {
     }
 }
 
-/// The ray from `start` whose direction is closest to `direction`; `None` if that is perpendicular to
-/// all faces there or away from them.
+/// The ray from `start` whose direction is closest to `direction`; `None` if that is perpendicular
+/// to all faces there or away from them.
 fn towards(mesh: &Mesh, start: &SurfacePoint, direction: [f64; 3]) -> Option<Heading> {
     let size = direction.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let direction = direction.map(|x| x / size);

@@ -38,8 +38,8 @@ const WANDERING: f64 = 1e-10;
 /// cone, with four or five pieces to each of some hundred vertices, 2,200 times.
 const MOST_TRIES: usize = 20_000;
 
-/// Greatest number of vertices whose straight pieces are found for these tries. It takes most of the
-/// time.
+/// Greatest number of vertices whose straight pieces are found for these tries. It takes most of
+/// the time.
 const MOST_SEARCHED: usize = 2_000;
 
 /// Least height of a face over an edge, in units of the length of the edge, that the fast path
@@ -173,7 +173,8 @@ impl Paths {
     }
 
     /// A value for each vertex with a path: `first` for those without a last line, the sources, and
-    /// `next` of the value of the vertex from which the last line leads, and of this line, for others.
+    /// `next` of the value of the vertex from which the last line leads, and of this line, for
+    /// others.
     pub(crate) fn along_lines<T: Clone>(
         &self,
         first: impl Fn(VertexId) -> T,

@@ -14,8 +14,8 @@ use geobench_window::{Goal, Solver};
 
 use crate::judged::{judge, surface};
 
-/// Checks the path from `source` to `target` by several solvers, those that cross junctions if there
-/// are any, and returns the path of the last one.
+/// Checks the path from `source` to `target` by several solvers, those that cross junctions if
+/// there are any, and returns the path of the last one.
 fn check(positions: &[[f64; 3]], faces: &[[u32; 3]], [source, target]: [u32; 2]) -> Path {
     let soup = TriangleSoup::new(positions.to_vec(), faces.to_vec());
     let (mesh, _) = Mesh::from_soup(soup).unwrap();
@@ -176,8 +176,8 @@ fn a_bend_behind_two_flat_faces_was_lost() {
 }
 
 /// The path to vertex 2 runs along edges of faces without area. Points on two of them, which the
-/// line does not tell apart, were out of order: 0.56 too long. This is a part of `sewn` 45530 of the
-/// fuzzer.
+/// line does not tell apart, were out of order: 0.56 too long. This is a part of `sewn` 45530 of
+/// the fuzzer.
 #[test]
 #[rustfmt::skip]
 fn a_path_along_faces_without_area_went_to_and_fro() {

@@ -35,8 +35,8 @@ pub(crate) struct PyCertificate {
     relative: f64,
     /// float: the relative error that is allowed.
     tolerance: f64,
-    /// list of Failure: places where the error may exceed the tolerance: `kind`, "vertex" or "face",
-    /// its `number`, and the `amount` in units of the mesh.
+    /// list of Failure: places where the error may exceed the tolerance: `kind`, "vertex" or
+    /// "face", its `number`, and the `amount` in units of the mesh.
     failures: Py<PyList>,
     /// (n,) float64: the distances of the proof, computed by `"mmp"`. Given distances are compared
     /// with these.

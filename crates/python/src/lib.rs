@@ -29,8 +29,8 @@ mod voronoi;
 #[global_allocator]
 static ALLOCATOR: &PeakMemAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-// Classes are frozen, and what they share is behind locks, so that free-threaded interpreters need no
-// lock of their own.
+// Classes are frozen, and what they share is behind locks, so that free-threaded interpreters need
+// no lock of their own.
 #[pymodule(name = "_core", gil_used = false)]
 fn core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();

@@ -44,9 +44,10 @@ pub(crate) fn _mesh(
     })
 }
 
-/// Reads a mesh from a file in OBJ, PLY, OFF, STL, VTK (`.vtk`, `.vtp`, `.vtu`), glTF, 3MF, COLLADA,
-/// GIFTI or FreeSurfer format, with or without gzip compression. `weld` is that of `Mesh`, with its
-/// warning; STL files have no vertex numbers, so that their coincident vertices always are one.
+/// Reads a mesh from a file in OBJ, PLY, OFF, STL, VTK (`.vtk`, `.vtp`, `.vtu`), glTF, 3MF,
+/// COLLADA, GIFTI or FreeSurfer format, with or without gzip compression. `weld` is that of `Mesh`,
+/// with its warning; STL files have no vertex numbers, so that their coincident vertices always are
+/// one.
 ///
 /// Raises
 /// ------
@@ -106,8 +107,8 @@ pub(crate) fn read(
 /// file                                 path
 /// ==================================== =====================================================
 ///
-/// All take `parts=K` (every edge in K parts), `subdivide=N` (each face in four, N times), `noise=X`
-/// (along the normals, in mean edge lengths), `scale=X` and `seed=N`.
+/// All take `parts=K` (every edge in K parts), `subdivide=N` (each face in four, N times),
+/// `noise=X` (along the normals, in mean edge lengths), `scale=X` and `seed=N`.
 ///
 /// Parameters
 /// ----------

@@ -23,12 +23,12 @@ use crate::path::{PyPath, tuples};
 use crate::points::{Finder, SharedMesh, core, several, single};
 use crate::voronoi::PyVoronoi;
 
-/// An immutable triangle mesh, validated when it is made. Vertices keep their numbers. Faces without
-/// three different vertices and second copies are left out of `faces`; numbers of faces are those
-/// of the array or file.
+/// An immutable triangle mesh, validated when it is made. Vertices keep their numbers. Faces
+/// without three different vertices and second copies are left out of `faces`; numbers of faces are
+/// those of the array or file.
 ///
-/// Surfaces need not be closed, connected, manifold or orientable. Algorithms that do not cross edges
-/// with more than two faces, or surfaces that cannot be oriented, raise `ValueError`.
+/// Surfaces need not be closed, connected, manifold or orientable. Algorithms that do not cross
+/// edges with more than two faces, or surfaces that cannot be oriented, raise `ValueError`.
 ///
 /// Parameters
 /// ----------
@@ -41,9 +41,10 @@ use crate::voronoi::PyVoronoi;
 /// name : str, optional
 ///     The name of the mesh in the tables of `run`.
 /// weld : bool or float, optional
-///     `True` makes vertices at exactly one place one vertex; a number those within this fraction of
-///     the diagonal of the bounding box. Vertices keep their numbers, and copies get the distance of
-///     the vertex that stands for them. By default a warning says that there are copies.
+///     `True` makes vertices at exactly one place one vertex; a number those within this fraction
+///     of the diagonal of the bounding box. Vertices keep their numbers, and copies get the
+///     distance of the vertex that stands for them. By default a warning says that there are
+///     copies.
 /// repair : bool
 ///     Whether to leave out repeated corners of polygons and faces that repeat a corner or another
 ///     face or have fewer than three corners, and to turn faces over. `False` makes such faces an
@@ -273,9 +274,9 @@ impl PyMesh {
     /// The vertices whose distances are wrong beside those of a reference.
     ///
     /// A distance is right beside a distance d of the reference if it differs by at most
-    /// `tolerance` * d + 1e-13 * m. The scale m of a component is the lesser of its greatest distance
-    /// and 100 times the median of its finite distances in the reference. Infinite distances are
-    /// right where the reference is infinite.
+    /// `tolerance` * d + 1e-13 * m. The scale m of a component is the lesser of its greatest
+    /// distance and 100 times the median of its finite distances in the reference. Infinite
+    /// distances are right where the reference is infinite.
     ///
     /// Parameters
     /// ----------
@@ -507,8 +508,8 @@ impl PyMesh {
     /// ----------
     /// sources : sequence of int or Point
     /// threads : int, optional
-    ///     The most threads that the call uses, for several sources at a time. Threads that are left
-    ///     serve a parallel algorithm.
+    ///     The most threads that the call uses, for several sources at a time. Threads that are
+    ///     left serve a parallel algorithm.
     /// radius, targets, algorithm
     ///     As for `distance`.
     /// sparse : bool
@@ -630,8 +631,8 @@ impl PyMesh {
         PyField::new(slf.py(), slf, source)
     }
 
-    /// The shortest path from the nearest source to `target`, or without a target from each point of
-    /// `source` to the next.
+    /// The shortest path from the nearest source to `target`, or without a target from each point
+    /// of `source` to the next.
     ///
     /// Parameters
     /// ----------
@@ -668,16 +669,16 @@ impl PyMesh {
         one_path(&self.algorithm(algorithm)?, py, source, target, closed)
     }
 
-    /// The straightest geodesic from a point, as defined by Polthier and Schmies (1998): straight in
-    /// faces and across edges; at a vertex it goes on with equal angles on both sides. It ends
+    /// The straightest geodesic from a point, as defined by Polthier and Schmies (1998): straight
+    /// in faces and across edges; at a vertex it goes on with equal angles on both sides. It ends
     /// earlier at the border and at an edge of more than two faces. It need not be a shortest path.
     ///
     /// Parameters
     /// ----------
     /// point : int or Point
     /// direction : array_like, shape (3,)
-    ///     A vector in space, of any length. The line starts in the direction of the surface that is
-    ///     closest to it.
+    ///     A vector in space, of any length. The line starts in the direction of the surface that
+    ///     is closest to it.
     /// length : float
     ///     In units of the mesh.
     ///
@@ -722,9 +723,9 @@ impl PyMesh {
     /// Returns
     /// -------
     /// numpy.ndarray, shape (n, 2), float64
-    ///     The origin for the source, NaN for unreachable vertices. If several paths are shortest, one
-    ///     of them counts. Angles are counter-clockwise, from an edge or side at the source; at a
-    ///     vertex inside the surface they are normalised to a full turn (Polthier and Schmies).
+    ///     The origin for the source, NaN for unreachable vertices. If several paths are shortest,
+    ///     one of them counts. Angles are counter-clockwise, from an edge or side at the source; at
+    ///     a vertex inside the surface they are normalised to a full turn (Polthier and Schmies).
     ///
     /// Examples
     /// --------

@@ -197,7 +197,8 @@ pub(crate) fn face(f: &Bound<'_, PyAny>, u: f64, v: f64, w: f64) -> PyResult<PyP
 }
 
 /// The point of the surface nearest to the position `(x, y, z)`, in units of the mesh. A position
-/// that is farther from the surface than the diagonal of its bounding box is an error, unless `far`.
+/// that is farther from the surface than the diagonal of its bounding box is an error, unless
+/// `far`.
 ///
 /// Examples
 /// --------
@@ -223,8 +224,8 @@ pub(crate) fn at(x: f64, y: f64, z: f64, far: bool) -> PyResult<PyPoint> {
     }))
 }
 
-/// Reads one point, the number of a vertex or a `PyPoint`; `None` if `value` is neither, and may be a
-/// sequence.
+/// Reads one point, the number of a vertex or a `PyPoint`; `None` if `value` is neither, and may be
+/// a sequence.
 fn one(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<PointSpec>> {
     if let Ok(point) = value.cast::<PyPoint>() {
         return Ok(Some(point.get().0));
@@ -247,8 +248,8 @@ fn one(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<PointSpec>> {
     Ok(None)
 }
 
-/// Whether `value` can be iterated and is no list of points: text, bytes, or a mapping, which yields
-/// its keys.
+/// Whether `value` can be iterated and is no list of points: text, bytes, or a mapping, which
+/// yields its keys.
 fn is_no_list(value: &Bound<'_, PyAny>) -> bool {
     value.is_instance_of::<PyString>()
         || value.is_instance_of::<PyBytes>()

@@ -267,8 +267,8 @@ impl PySolver {
         field::PyField::new(py, self.mesh.bind(py), source)
     }
 
-    /// The shortest path from the nearest source to `target`; `None` if it is unreachable. Without a
-    /// target the path through all points of `source`, as in `Mesh.path`.
+    /// The shortest path from the nearest source to `target`; `None` if it is unreachable. Without
+    /// a target the path through all points of `source`, as in `Mesh.path`.
     ///
     /// Examples
     /// --------
@@ -315,9 +315,9 @@ impl PySolver {
     /// Returns
     /// -------
     /// numpy.ndarray, shape (n, 2), float64
-    ///     The origin for the source, NaN for unreachable vertices. If several paths are shortest, one
-    ///     of them counts. Angles are counter-clockwise, from an edge or side at the source; at a
-    ///     vertex inside the surface they are normalised to a full turn (Polthier and Schmies).
+    ///     The origin for the source, NaN for unreachable vertices. If several paths are shortest,
+    ///     one of them counts. Angles are counter-clockwise, from an edge or side at the source; at
+    ///     a vertex inside the surface they are normalised to a full turn (Polthier and Schmies).
     ///
     /// Examples
     /// --------

@@ -143,8 +143,8 @@ impl CorpusModel {
         Spec::is_spec(&self.address)
     }
 
-    /// Whether the model was published elsewhere: its address is a URL. The others are generated, or
-    /// files that were made by a rule.
+    /// Whether the model was published elsewhere: its address is a URL. The others are generated,
+    /// or files that were made by a rule.
     pub(crate) fn is_real(&self) -> bool {
         self.address.contains("://")
     }

@@ -43,7 +43,8 @@ pub(crate) struct SharedEdge {
 }
 
 impl SharedEdge {
-    /// An edge of length `l` with the vertex `behind` below it, on a mesh with edges up to `longest`.
+    /// An edge of length `l` with the vertex `behind` below it, on a mesh with edges up to
+    /// `longest`.
     pub(crate) const fn new(l: f64, behind: [f64; 2], longest: f64) -> Self {
         Self {
             l,

@@ -259,8 +259,8 @@ mod tests {
         assert_eq!(prune::<NoPairs>(&list), list);
     }
 
-    /// In the first round the last of the dear windows is deleted and the others stay. Each deletion
-    /// brings one more pair together, at most 2n in all.
+    /// In the first round the last of the dear windows is deleted and the others stay. Each
+    /// deletion brings one more pair together, at most 2n in all.
     #[test]
     fn comparisons_are_counted_by_case() {
         let dear = [0.1, 0.2, 0.3].map(|b0| window(b0, b0 + 0.1, 0.9, -1.0, 3.0));

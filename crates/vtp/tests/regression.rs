@@ -65,8 +65,9 @@ regression_tests! {
     a_path_past_a_tip_was_shorter_than_the_distance_of_the_tip
 }
 
-/// Two windows tied on an edge of 1.2e-6, because one of them passed through the source of the other.
-/// Both had just crossed sides of 1.69. The margin of rules 2 and 3 was relative to the short edge.
+/// Two windows tied on an edge of 1.2e-6, because one of them passed through the source of the
+/// other. Both had just crossed sides of 1.69. The margin of rules 2 and 3 was relative to the
+/// short edge.
 #[test]
 fn a_tie_below_a_far_vertex_was_decided_by_rounding() {
     meshes::data::BELOW_A_FAR_VERTEX.check_relative(solvers);
@@ -204,8 +205,8 @@ fn plate_with_holes(
     Mesh::new(positions, faces).unwrap()
 }
 
-/// Windows on a strip of needles crossed faces after shorter ones had taken their places: `vtp-fast`
-/// took 26,000 windows on 200 faces, `mmp-fast` 770.
+/// Windows on a strip of needles crossed faces after shorter ones had taken their places:
+/// `vtp-fast` took 26,000 windows on 200 faces, `mmp-fast` 770.
 #[test]
 fn windows_that_had_been_replaced_went_on() {
     meshes::check_strip(200, 7700, solvers);

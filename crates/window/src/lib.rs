@@ -5,13 +5,13 @@
 //! unfolded into the plane of the half-edge's frame, where the source has an image below the edge.
 //! A [`Window`] stores that image, the interval, and the distance σ from the source to the
 //! pseudo-source. Crossing a triangle ([`Crossing`]) turns a window into up to two windows on the
-//! other edges, and offers a distance to the vertex between them. All exact algorithms of this suite
-//! consist of such crossings. They differ in the windows that they delete, and in the order in which
-//! they take the others.
+//! other edges, and offers a distance to the vertex between them. All exact algorithms of this
+//! suite consist of such crossings. They differ in the windows that they delete, and in the order
+//! in which they take the others.
 //!
 //! * The kernels are small pure functions: [`Crossing`], [`tie_points`], the vertex filter
-//!   ([`is_beaten_from_ends`]), [`spawn_window`]. They avoid square roots and angles. All tolerances
-//!   are relative, so a model in millimetres gives the same digits as in metres.
+//!   ([`is_beaten_from_ends`]), [`spawn_window`]. They avoid square roots and angles. All
+//!   tolerances are relative, so a model in millimetres gives the same digits as in metres.
 //! * [`Faces`] is the layout of a mesh for crossing. It has the [`Frame`] of each half-edge.
 //! * [`continuous`] is the frame of the algorithms that take one window at a time: a policy under a
 //!   [discipline](queue::Discipline).

@@ -49,9 +49,9 @@
 //! ten thousand ε. A window that is shorter by less is kept, beside the one that beats it. A margin
 //! that is too wide only keeps more windows.
 //!
-//! * A window does not record the sides that it has crossed. VTP takes the longest edge of the mesh.
-//!   The extent of the last face is no bound: past the tip of a far vertex, windows come from long
-//!   faces to edges that are 1e-6 times as long.
+//! * A window does not record the sides that it has crossed. VTP takes the longest edge of the
+//!   mesh. The extent of the last face is no bound: past the tip of a far vertex, windows come from
+//!   long faces to edges that are 1e-6 times as long.
 //! * Where sides are compared instead of lengths, a point counts as beside a ray only if its
 //!   distance from the ray exceeds [`MARGIN`] of the coordinates and of the same side.
 //! * Rule 1 takes the shortest path to the apex, without a margin, but cuts nothing that does not
@@ -120,11 +120,11 @@
 //! what a path accumulates across many such faces: [`PLACE`]·L on each where windows are equal.
 //! [`doubt`] finds these faces and bounds the error.
 //!
-//! Whether a path shows the error depends on the direction in which it crosses the side. An abscissa
-//! is measured from the tail, so a position beside the tail is exact and one beside the head errs by
-//! ε·L. Mirroring the mesh exchanges the two. Algorithms that store the windows of both directions
-//! in one frame turn positions around, and may lose an exact one. So agreement of several algorithms
-//! beside a far vertex proves nothing.
+//! Whether a path shows the error depends on the direction in which it crosses the side. An
+//! abscissa is measured from the tail, so a position beside the tail is exact and one beside the
+//! head errs by ε·L. Mirroring the mesh exchanges the two. Algorithms that store the windows of
+//! both directions in one frame turn positions around, and may lose an exact one. So agreement of
+//! several algorithms beside a far vertex proves nothing.
 //!
 //! The far vertex itself must not hide this. Its distance is as long as the side, and right to
 //! [`GRAIN`]; those of the vertices around it are not. What counts as the size of the distances is

@@ -63,8 +63,8 @@ struct Station {
     window: Window,
 }
 
-/// The left and the right child of a window that crosses a triangle, and the distance that it offers
-/// to the apex.
+/// The left and the right child of a window that crosses a triangle, and the distance that it
+/// offers to the apex.
 fn crossed(faces: &Faces, h: HalfEdgeId, w: &Window) -> ([Option<Window>; 2], f64) {
     let view = faces.face_view(h);
     let crossing = Crossing::new(&view.frame, w);

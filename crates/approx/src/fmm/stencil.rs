@@ -22,8 +22,8 @@ pub(super) struct Stencil {
 }
 
 impl Stencil {
-    /// The parts of a face that a point in it splits; the point, with the number `apex`, is the apex
-    /// of each.
+    /// The parts of a face that a point in it splits; the point, with the number `apex`, is the
+    /// apex of each.
     pub(super) fn of_parts(point: &PointInFace, apex: VertexId) -> [Self; 3] {
         let sides = point.corner_distances();
         [0, 1, 2].map(|k| {

@@ -285,8 +285,8 @@ impl Heat {
     /// Shifts the distances of each component so that they are 0 at the sources on average, and
     /// counts those that are negative then and become 0.
     ///
-    /// A source in a face is where the distances of its corners suggest: its distance is the mean of
-    /// theirs, less their straight distances from it. Interpolated, it would be too large, since
+    /// A source in a face is where the distances of its corners suggest: its distance is the mean
+    /// of theirs, less their straight distances from it. Interpolated, it would be too large, since
     /// distances form the tip of a cone there.
     fn place(&self, found: &[f64], sources: &[VertexId], heated: &[HeatPoint]) -> Solution {
         let mut sums = vec![(0.0, 0.0); self.component_count];

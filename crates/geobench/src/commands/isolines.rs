@@ -52,8 +52,8 @@ pub(crate) struct IsolinesOptions {
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = positive_distance)]
     tolerance: Option<f64>,
 
-    /// Also the windows that wait in a run of this algorithm when the mean of their distances comes to
-    /// each of the distances
+    /// Also the windows that wait in a run of this algorithm when the mean of their distances comes
+    /// to each of the distances
     #[arg(long, value_name = "A", value_parser = select_inside)]
     wavefront: Option<Selection>,
 

@@ -17,8 +17,8 @@ use crate::verdict::{self, Tally, Verdict};
     after_help = "The exit status is that of the whole run: 1 if a cell failed, 2 if a model was refused."
 )]
 pub(crate) struct MergeOptions {
-    /// Result files (.json) of all parts, in any order, or of different runs, of which the first has
-    /// the cells that several have
+    /// Result files (.json) of all parts, in any order, or of different runs, of which the first
+    /// has the cells that several have
     #[arg(value_name = "PART", required = true)]
     pub(crate) parts: Vec<PathBuf>,
 

@@ -65,8 +65,8 @@ pub(crate) struct RunOptions {
     #[command(flatten, next_help_heading = "Processes")]
     pub(crate) isolation: IsolationOptions,
 
-    /// Count the instructions of one solve of each cell under Valgrind, which takes some fifty times
-    /// as long as the solve (row `instructions`)
+    /// Count the instructions of one solve of each cell under Valgrind, which takes some fifty
+    /// times as long as the solve (row `instructions`)
     #[arg(help_heading = "Output", long)]
     pub(crate) instructions: bool,
 

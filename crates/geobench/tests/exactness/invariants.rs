@@ -19,8 +19,8 @@ fn on_the_zoo(check: impl Fn(&Model, &mut Failures)) {
     failures.report();
 }
 
-/// Meshes on which windows that are narrower than rounding were cut, and vertices lost: the tip of a
-/// cone whose faces shrink to 1e-18 of its size, and a grid beside a vertex that is 4.5e19 away.
+/// Meshes on which windows that are narrower than rounding were cut, and vertices lost: the tip of
+/// a cone whose faces shrink to 1e-18 of its size, and a grid beside a vertex that is 4.5e19 away.
 #[test]
 fn a_vertex_that_is_connected_to_a_source_has_a_distance() {
     let mut failures = Failures::default();

@@ -24,7 +24,8 @@ const ENOUGH_SAMPLES: u64 = 2400;
 /// A profiled run is not repeated after this time, even with fewer samples, unless there are none.
 const LONGEST_PROFILE: Duration = Duration::from_secs(1);
 
-/// The profiled runs of a short solve end after this number of times the first of them, and at least
+/// The profiled runs of a short solve end after this number of times the first of them, and at
+/// least
 /// [`SHORTEST_PROFILE`]: the profile would take most of the time of a small cell.
 const MOST_PROFILED: u32 = 100;
 
@@ -312,8 +313,9 @@ impl InProcess {
     }
 }
 
-/// The solve of timed runs, and what callgrind counts ([`instructions`](crate::exec::instructions)).
-/// Callgrind finds it by its name, so it must not be inlined or recursive.
+/// The solve of timed runs, and what callgrind counts
+/// ([`instructions`](crate::exec::instructions)). Callgrind finds it by its name, so it must not be
+/// inlined or recursive.
 #[inline(never)]
 fn counted_solve(
     solver: &mut dyn Solver,

@@ -52,9 +52,10 @@ pub fn check_valgrind() -> anyhow::Result<()> {
     status.map(drop).context(NO_VALGRIND)
 }
 
-/// Counts the instructions of the first solve of `cell` after set-up, in a child process. This takes
-/// about fifty times as long as the solve. Uses instructions no wider than those of the cell, and
-/// narrower ones if Valgrind does not support those. The child process ends as soon as `is_stopped`.
+/// Counts the instructions of the first solve of `cell` after set-up, in a child process. This
+/// takes about fifty times as long as the solve. Uses instructions no wider than those of the cell,
+/// and narrower ones if Valgrind does not support those. The child process ends as soon as
+/// `is_stopped`.
 ///
 /// # Errors
 ///

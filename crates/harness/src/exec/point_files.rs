@@ -67,8 +67,8 @@ pub(crate) fn points_in<T: FromStr<Err: Display>>(
 pub type Pair = ([PointSpec; 2], String);
 
 /// Parses the pairs in `text`, the content of the file `path`. A line has two points, separated by
-/// a comma or spaces; a point with commas may be in quotes. Behind the header of a table that begins
-/// with `source`, the points are the first two fields of each line.
+/// a comma or spaces; a point with commas may be in quotes. Behind the header of a table that
+/// begins with `source`, the points are the first two fields of each line.
 ///
 /// # Errors
 ///

@@ -1,4 +1,5 @@
-//! The test of Mann and Whitney: whether samples of one set tend to be larger than those of another.
+//! The test of Mann and Whitney: whether samples of one set tend to be larger than those of
+//! another.
 
 use std::f64::consts::SQRT_2;
 

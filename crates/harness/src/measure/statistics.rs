@@ -346,8 +346,8 @@ pub struct Ratio {
 }
 
 /// The median of `over[i] / under[i]`, where the two samples with index i were taken next to each
-/// other. Slow changes of the machine affect both and cancel out. The interval is that of the median
-/// of the ratios.
+/// other. Slow changes of the machine affect both and cancel out. The interval is that of the
+/// median of the ratios.
 ///
 /// `None` if the lengths differ, there are no samples, or a sample is not finite and positive.
 pub fn paired_ratio(over: &[f64], under: &[f64]) -> Option<Ratio> {

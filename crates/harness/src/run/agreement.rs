@@ -391,8 +391,8 @@ pub fn proven_right<'n>(names: impl Iterator<Item = &'n str>) -> String {
 }
 
 /// One line for each model and source of `cells` whose answers disagree, or whose reference is
-/// proven wrong: which of them agree, and which are proven right. Cells of the same model and source
-/// must be adjacent.
+/// proven wrong: which of them agree, and which are proven right. Cells of the same model and
+/// source must be adjacent.
 pub fn summaries(cells: &[Cell]) -> Vec<String> {
     let same = |a: &Cell, b: &Cell| (&a.model, &a.source) == (&b.model, &b.source);
     let summary = |cells: &[Cell]| {

@@ -33,8 +33,8 @@ impl AnswerLayout {
     ///
     /// With a radius, distances beyond it are infinite. Rounding decides on which side of the
     /// radius a distance close to it lies. A place with one finite and one infinite distance is
-    /// therefore skipped if the finite one is less than the radius by no more than `rule` allows. In
-    /// an answer that may differ by any finite amount, every such place is skipped.
+    /// therefore skipped if the finite one is less than the radius by no more than `rule` allows.
+    /// In an answer that may differ by any finite amount, every such place is skipped.
     ///
     /// # Panics
     ///

@@ -14,8 +14,8 @@ pub struct Deviation {
     /// Largest relative difference. That of a and b is |a - b| / max(|a|, |b|), 0 if they are
     /// equal, and infinite where the absolute difference is.
     pub max_rel: f64,
-    /// The least tolerance with which all vertices agree. Infinite where the absolute difference is,
-    /// or if a source is not at 0.
+    /// The least tolerance with which all vertices agree. Infinite where the absolute difference
+    /// is, or if a source is not at 0.
     pub least_tolerance: f64,
     /// Mean relative error |found - expected| / expected, over the vertices whose reference
     /// distance is positive and finite. Infinite if the answer does not reach one of them; 0 if

@@ -33,8 +33,8 @@ pub struct Resources {
     /// Number of cores: the largest number of threads of a cell, for each cell at the same time.
     pub cores: usize,
     /// Main memory in bytes: for each cell at the same time twice the largest memory limit, for the
-    /// cell that runs and for those that wait, plus the memory of the program itself. `None` if some
-    /// cells have no limit; then Slurm's default applies.
+    /// cell that runs and for those that wait, plus the memory of the program itself. `None` if
+    /// some cells have no limit; then Slurm's default applies.
     pub memory_bytes: Option<u64>,
     /// Time in seconds for the largest part, by the sizes of its models. `None` if the number of
     /// its runs is not known, or neither the size of a model nor a time limit; then Slurm's default
@@ -101,8 +101,8 @@ const RESERVE: f64 = 900.0;
 /// Seconds for starting a process and loading a model, in addition to the time per face.
 const START: f64 = 1.0;
 
-/// An upper bound of the seconds per face that solvers take on models of 10,000 faces. It grows with
-/// the square root of the number of faces.
+/// An upper bound of the seconds per face that solvers take on models of 10,000 faces. It grows
+/// with the square root of the number of faces.
 const SECONDS_PER_FACE: f64 = 1e-4;
 
 /// Seconds for all runs of a model and source. A part that takes longer is ended by Slurm, and goes

@@ -234,9 +234,9 @@ fn units_of_model(spec: &SourceSpec, model: &str, parts: &[ShardFile]) -> u128 {
     points.map_or(unknown, |points| points.len()) as u128
 }
 
-/// Takes the next cells of `part`, one for each algorithm that runs on the model. `None` if they are not cells of this
-/// group and model with one source that `is_wanted`, in the order of the plan; then nothing is
-/// taken.
+/// Takes the next cells of `part`, one for each algorithm that runs on the model. `None` if they
+/// are not cells of this group and model with one source that `is_wanted`, in the order of the
+/// plan; then nothing is taken.
 fn next_unit(
     group: &PlannedGroup,
     record: &GroupRecord,

@@ -378,8 +378,8 @@ impl Benchmark<'_, '_> {
         Ok(found.clone())
     }
 
-    /// The cells of a model that is unusable or lacks a requested source. Sources that depend on the
-    /// mesh, such as random ones, are unknown then: all sources share one cell per algorithm.
+    /// The cells of a model that is unusable or lacks a requested source. Sources that depend on
+    /// the mesh, such as random ones, are unknown then: all sources share one cell per algorithm.
     fn without_model(&self, model: &ModelRecord, refusal: &Refusal) -> Vec<Cell> {
         let plan = self.plan;
         let runs = plan.runs_of_model(self.model_index);

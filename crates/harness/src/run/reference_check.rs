@@ -66,8 +66,8 @@ impl Answer {
         }
     }
 
-    /// The distances that a proof has found; bounds of them if they cannot be proven to `tolerance`; or
-    /// why there are none. `execute` runs an algorithm.
+    /// The distances that a proof has found; bounds of them if they cannot be proven to
+    /// `tolerance`; or why there are none. `execute` runs an algorithm.
     ///
     /// # Errors
     ///
@@ -226,8 +226,8 @@ impl ReferenceCheck {
         }
     }
 
-    /// The cluster other than that of the reference that an answer agrees with. Without an answer of
-    /// the reference, the first answer of a cluster has its place in the rule.
+    /// The cluster other than that of the reference that an answer agrees with. Without an answer
+    /// of the reference, the first answer of a cluster has its place in the rule.
     fn known_cluster(&self, distances: &[f64], tolerance: f64) -> Option<u32> {
         self.clusters.find(|first| {
             let rule = match &self.answer {

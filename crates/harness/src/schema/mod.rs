@@ -107,8 +107,8 @@ impl ResultFile {
         all
     }
 
-    /// The outside programs of all sessions, without repetition. Several of one name if the sessions
-    /// ran different ones.
+    /// The outside programs of all sessions, without repetition. Several of one name if the
+    /// sessions ran different ones.
     pub fn programs(&self) -> Vec<&ProgramRecord> {
         let mut all: Vec<&ProgramRecord> = Vec::new();
         for one in self.sessions.iter().flat_map(|session| &session.programs) {

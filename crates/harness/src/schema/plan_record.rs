@@ -89,8 +89,8 @@ pub struct PlannedModel {
     /// Tolerance within which its vertices are welded; null if none are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weld: Option<f64>,
-    /// SHA-256 of the file, or of the file that the generator starts from; null if there is none, and
-    /// if it cannot be read.
+    /// SHA-256 of the file, or of the file that the generator starts from; null if there is none,
+    /// and if it cannot be read.
     pub file_sha256: Option<String>,
 }
 

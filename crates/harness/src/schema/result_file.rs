@@ -42,8 +42,8 @@ pub fn read_all(paths: &[PathBuf]) -> anyhow::Result<Vec<(String, ResultFile)>> 
         .collect()
 }
 
-/// Parses `text`, the content of the result file `path`. Algorithms get the labels that this version
-/// has for their parameters.
+/// Parses `text`, the content of the result file `path`. Algorithms get the labels that this
+/// version has for their parameters.
 ///
 /// # Errors
 ///

@@ -7,8 +7,8 @@
 //!
 //! The first line is the result file without cells. An incomplete last line is ignored.
 //!
-//! A run that adds to a file has a store, too, whose first line is that of the joined file. It holds
-//! a lock on it, so that another run which adds to the file meanwhile does not replace it.
+//! A run that adds to a file has a store, too, whose first line is that of the joined file. It
+//! holds a lock on it, so that another run which adds to the file meanwhile does not replace it.
 
 use std::collections::HashMap;
 use std::ffi::OsString;
@@ -175,8 +175,8 @@ pub(super) fn parse(text: &str) -> Option<ResultFile> {
     Some(file)
 }
 
-/// `file`, which is in `output`, with what the store beside it has of its run, or of one that adds to
-/// it. Returns whether there is anything.
+/// `file`, which is in `output`, with what the store beside it has of its run, or of one that adds
+/// to it. Returns whether there is anything.
 pub(super) fn complete(output: &Path, file: &mut ResultFile) -> bool {
     let text = fs::read_to_string(path_of(output));
     let store = text.ok().as_deref().and_then(parse);

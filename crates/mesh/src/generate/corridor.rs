@@ -7,8 +7,8 @@
 //! since no path is longer than another one.
 //!
 //! Holes before the corridor make the order matter. Each can be passed on the left, along two
-//! edges, or on the right, along three and a shorter way. MMP that takes windows first in, first out
-//! reaches the corridor over the longest way first and improves it once for each hole: as many
+//! edges, or on the right, along three and a shorter way. MMP that takes windows first in, first
+//! out reaches the corridor over the longest way first and improves it once for each hole: as many
 //! wavefronts follow each other through the corridor, Ω(n³) windows with about n holes. Algorithms
 //! that give up the windows of a vertex that has come nearer stop the older ones.
 

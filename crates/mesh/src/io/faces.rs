@@ -195,8 +195,8 @@ impl FileMesh {
     /// Cuts every face into triangles. Faces with fewer than three corners are left out:
     /// `file_faces` still counts them, and the notes have their numbers.
     ///
-    /// Cuts depend on which vertices are one and on which corner is the first, so that the order is:
-    /// vertices are welded, if asked for; the ends of edges of no length become one vertex;
+    /// Cuts depend on which vertices are one and on which corner is the first, so that the order
+    /// is: vertices are welded, if asked for; the ends of edges of no length become one vertex;
     /// repeated corners are dropped; copies of polygons are found; the polygons are cut. Equal
     /// surfaces with different defects are then cut alike. Triangles with repeated vertices and
     /// second copies are left out last, by [`Mesh::from_soup`](crate::Mesh::from_soup).

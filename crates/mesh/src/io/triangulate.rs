@@ -201,8 +201,8 @@ impl Polygon {
         dot(cross(sub(p[b], p[a]), sub(p[c], p[a])), self.normal)
     }
 
-    /// Whether a triangle of three corners is folded over or flat, by the sine of its first angle: of
-    /// a convex polygon with many corners, triangles are small but not flat.
+    /// Whether a triangle of three corners is folded over or flat, by the sine of its first angle:
+    /// of a convex polygon with many corners, triangles are small but not flat.
     fn is_folded(&self, t: [usize; 3]) -> bool {
         let [a, b, c] = t.map(|i| self.points[i]);
         let [ab, ac] = [sub(b, a), sub(c, a)];

@@ -65,7 +65,8 @@ fn damaged_file(samples: &[(Format, Vec<u8>)], case: &Case) -> Result<(), TestCa
     let start = ProcessorTime::now();
     INSTRUMENTED_SYSTEM.reset_peak_memory();
     if let Ok(soup) = OPTIONS.read_bytes(&bytes, format, Path::new("test")) {
-        // A soup never grows beyond what the file could have spelt out, or what may be decompressed.
+        // A soup never grows beyond what the file could have spelt out, or what may be
+        // decompressed.
         let decompressed = if FORMATS[..4].contains(&format) {
             0
         } else {

@@ -4,8 +4,8 @@ use geobench_mesh::Mesh;
 use geobench_window::queue::{CalendarQueue, Discipline, Event, mean_edge_length};
 use geobench_window::{Counter, Probe};
 
-/// A [`CalendarQueue`] queue of lists. The list with the nearest window is taken; its windows that are
-/// at most a slack further are due with it.
+/// A [`CalendarQueue`] queue of lists. The list with the nearest window is taken; its windows that
+/// are at most a slack further are due with it.
 ///
 /// # Cost
 ///

@@ -18,8 +18,8 @@ pub(crate) enum Direction {
 }
 
 impl Direction {
-    /// A window of an edge of length `l` in the frame of the half-edge by which it crosses, or one of
-    /// that half-edge in the frame of the edge.
+    /// A window of an edge of length `l` in the frame of the half-edge by which it crosses, or one
+    /// of that half-edge in the frame of the edge.
     #[inline]
     pub(crate) fn turned(self, window: &Window, l: f64) -> Window {
         match self {

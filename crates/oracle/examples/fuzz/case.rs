@@ -21,8 +21,8 @@ pub(crate) struct Case {
     pub(crate) transform: Option<u64>,
 }
 
-/// The algorithms that may take at most [`MOST_WORK`](crate::judge::MOST_WORK) times as many windows
-/// as `mmp-fast`.
+/// The algorithms that may take at most [`MOST_WORK`](crate::judge::MOST_WORK) times as many
+/// windows as `mmp-fast`.
 ///
 /// A hang is a failure of the others as well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

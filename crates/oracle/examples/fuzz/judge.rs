@@ -23,8 +23,8 @@ const LITTLE_WORK: u64 = 200;
 /// usual.
 const MOST_BEAMS: u64 = 100_000;
 
-/// Relative error of distances along which paths are judged, and their rounding, as a fraction of the
-/// scale.
+/// Relative error of distances along which paths are judged, and their rounding, as a fraction of
+/// the scale.
 const EXACT: f64 = 1e-12;
 const ROUNDING: f64 = 1e-15;
 

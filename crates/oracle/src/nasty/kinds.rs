@@ -76,7 +76,8 @@ kinds! {
         Strip = "strip", strip;
         /// A plate with random faces missing: boundaries, bridges, pinched vertices.
         Holes = "holes", holes;
-        /// A plate with integer coordinates and a random triangulation, including faces of zero area.
+        /// A plate with integer coordinates and a random triangulation, including faces of zero
+        /// area.
         FlippedGrid = "flipped-grid", flipped_grid;
         /// A regular or half regular solid, possibly subdivided.
         Solid = "solid", solid;

@@ -133,7 +133,8 @@ impl<'r> GroupCells<'r> {
         self.approximate.contains(algorithm)
     }
 
-    /// Whether an algorithm may be the fastest: it is exact, and its times are measured or confirmed.
+    /// Whether an algorithm may be the fastest: it is exact, and its times are measured or
+    /// confirmed.
     pub(crate) fn may_be_best(&self, algorithm: &str) -> bool {
         !self.is_approximate(algorithm) && !self.claimed.contains(algorithm)
     }

@@ -213,8 +213,8 @@ pub struct VoronoiCell {
     pub perimeter: f64,
     /// The cells with which it shares a border, in ascending order.
     pub neighbours: Vec<u32>,
-    /// Euler characteristic of its interior: 1 for a disc, less with holes or handles. 0 for an empty
-    /// cell, as of the second of two sources at one place.
+    /// Euler characteristic of its interior: 1 for a disc, less with holes or handles. 0 for an
+    /// empty cell, as of the second of two sources at one place.
     pub euler: i64,
     /// Whether its interior is connected. Parts that only meet at a pinched vertex are not.
     pub is_connected: bool,
@@ -457,8 +457,8 @@ struct Builder<'a> {
     unions: CellComponents,
     /// For each half-edge from a pinched vertex, the number in `unions` of its fan of faces.
     fans: HashMap<HalfEdgeId, u32>,
-    /// Whether each element of `unions` lies along an edge with some length. A pinched vertex that is
-    /// as near to the source of another cell begins a run without length in that cell.
+    /// Whether each element of `unions` lies along an edge with some length. A pinched vertex that
+    /// is as near to the source of another cell begins a run without length in that cell.
     extended: Vec<bool>,
 }
 
@@ -589,8 +589,8 @@ impl<'a> Builder<'a> {
         self.count_edges_and_vertices();
     }
 
-    /// Adds the vertices to `unions`, under their own numbers, and the fans of pinched vertices, each
-    /// with its own number. Copies are no place of the surface.
+    /// Adds the vertices to `unions`, under their own numbers, and the fans of pinched vertices,
+    /// each with its own number. Copies are no place of the surface.
     fn add_vertices(&mut self) {
         let mesh = self.field.mesh;
         for (v, &label) in mesh.vertices().zip(self.field.labels) {

@@ -15,9 +15,9 @@ const FEWEST: usize = 3;
 /// Factor by which the spacing grows while there are too many sites.
 const COARSER: f64 = 1.25;
 
-/// Greatest number of times that the spacing grows. It starts so that every site has its share of the
-/// boundary, and ends at the latest where no corner is left, at some four times the whole boundary:
-/// enough for 10^18 sites.
+/// Greatest number of times that the spacing grows. It starts so that every site has its share of
+/// the boundary, and ends at the latest where no corner is left, at some four times the whole
+/// boundary: enough for 10^18 sites.
 const ROUNDS: usize = 200;
 
 /// Points along every boundary loop, at most `spacing` apart, with all corners. If there are more

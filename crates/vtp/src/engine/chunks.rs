@@ -25,10 +25,10 @@
 //! # Gaps
 //!
 //! In the usual form every window offers a path to the apex, bent if it does not see it. Here only
-//! windows that see it do, and a ray that rounding has put into a gap between two windows is offered
-//! by either. A shadow is wider than that: behind a vertex with an angle of hardly more than 2π,
-//! which sends no windows, no window sees anything. So lists stay only on meshes in which such
-//! vertices are few, and there they send windows
+//! windows that see it do, and a ray that rounding has put into a gap between two windows is
+//! offered by either. A shadow is wider than that: behind a vertex with an angle of hardly more
+//! than 2π, which sends no windows, no window sees anything. So lists stay only on meshes in which
+//! such vertices are few, and there they send windows
 //! ([`light_shadows`](super::layout::MeshLayout::light_shadows)).
 
 use geobench_window::prefetch_line;
@@ -427,8 +427,8 @@ impl ChunkStore {
         true
     }
 
-    /// Appends the `chunk` to `list` beyond the left (0) or right (1) exit of `triangle`, or joins it
-    /// to one of the last chunks there.
+    /// Appends the `chunk` to `list` beyond the left (0) or right (1) exit of `triangle`, or joins
+    /// it to one of the last chunks there.
     #[inline(always)]
     pub(crate) fn push<L: Lanes>(
         &mut self,
@@ -613,7 +613,8 @@ mod tests {
         }
     }
 
-    /// A chunk that passes the apex on one side has no window with rays on the other, joined or not.
+    /// A chunk that passes the apex on one side has no window with rays on the other, joined or
+    /// not.
     #[test]
     fn lines_bound_the_rays_of_joined_chunks() {
         let mut store = ChunkStore::default();

@@ -5,8 +5,8 @@ use std::f32::consts::PI;
 use super::layout::{MeshLayout, half_edge, parts, prev};
 
 /// By how much, in radians, the wedge is widened: far more than the errors of the angles. The place
-/// of `PathOrigin` errs by the [`blur`](crate::precision::blur) of the mesh, so beside edges that are
-/// shorter than that over this angle no wedge is known.
+/// of `PathOrigin` errs by the [`blur`](crate::precision::blur) of the mesh, so beside edges that
+/// are shorter than that over this angle no wedge is known.
 pub(super) const WIDENING: f32 = 1e-3;
 
 /// The last crossing of a path before it reached a vertex.

@@ -335,8 +335,8 @@ impl Wavefront {
         new
     }
 
-    /// Sets the length of `list`. An empty list without chunks is freed, and [`NO_LIST`] is returned
-    /// for it.
+    /// Sets the length of `list`. An empty list without chunks is freed, and [`NO_LIST`] is
+    /// returned for it.
     #[inline(always)]
     pub(super) fn set_len(&mut self, list: u32, len: usize) -> u32 {
         if len == 0 && self.staying.store.holds(list) {

@@ -5,7 +5,8 @@ use crate::engine::layout::MeshLayout;
 /// The faces, the lists of one wavefront that wait on them, and the known distances.
 pub(crate) trait SurfaceState {
     /// Whether this is the only wavefront. Where others are, windows are handed over as columns and
-    /// without their tree levels: levels are not counted, and windows do not stay in unfolded planes.
+    /// without their tree levels: levels are not counted, and windows do not stay in unfolded
+    /// planes.
     const IS_ALONE: bool;
 
     /// The faces and vertices.

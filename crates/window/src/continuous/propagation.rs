@@ -37,8 +37,8 @@ const COUNTERS: &[Counter] = &[
 /// be compared with costs more than it saves.
 const AHEAD: usize = 5;
 
-/// An algorithm that takes one window at a time: `policy` under `queue`, on one mesh. With `RELAYS`,
-/// every vertex relays paths and is preferred to the windows that passed it
+/// An algorithm that takes one window at a time: `policy` under `queue`, on one mesh. With
+/// `RELAYS`, every vertex relays paths and is preferred to the windows that passed it
 /// ([`relaying`](Self::relaying)).
 ///
 /// ```

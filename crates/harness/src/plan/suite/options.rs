@@ -269,7 +269,8 @@ impl GoalOptions {
         }
     }
 
-    /// The goal of runs, without the targets of a file that is not [read](TargetOption::read_targets).
+    /// The goal of runs, without the targets of a file that is not
+    /// [read](TargetOption::read_targets).
     pub fn spec(&self) -> GoalSpec {
         GoalSpec {
             targets: self.target.target.clone().map(TargetSpec::of_all),

@@ -165,9 +165,9 @@ impl BestPath {
         Self::new(entry, [px, py], gate.l + distance, blur(gate.longest))
     }
 
-    /// The shortest path of `list` to the apex behind `gate`, and its length. By the windows alone it
-    /// is that of window `best`, of length `distance`. `sides` are the lengths of the other two edges
-    /// of the face.
+    /// The shortest path of `list` to the apex behind `gate`, and its length. By the windows alone
+    /// it is that of window `best`, of length `distance`. `sides` are the lengths of the other two
+    /// edges of the face.
     #[inline(always)]
     pub(crate) fn shortest(
         list: Columns<'_>,
@@ -187,8 +187,8 @@ impl BestPath {
         (path, distance)
     }
 
-    /// What the rule leaves of `window`, which has rays on both sides of the `apex`, for the left and
-    /// the right exit.
+    /// What the rule leaves of `window`, which has rays on both sides of the `apex`, for the left
+    /// and the right exit.
     pub(crate) fn allowed(&self, window: [f64; COLUMNS], apex: [f64; 2]) -> [AllowedAngle; 2] {
         let [cx, cy] = apex;
         let lane = |x: f64| Scalar::splat((), x);

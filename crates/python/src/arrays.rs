@@ -12,7 +12,7 @@ use pyo3::types::PyList;
 
 use crate::errors::mesh_error;
 
-/// Refuses masked arrays. What is masked would be read as if it were not.
+/// Refuses masked arrays, whose masked values would be read like the others.
 fn check_mask(value: &Bound<'_, PyAny>, name: &str) -> PyResult<()> {
     if value.hasattr("mask")? && value.hasattr("filled")? {
         return Err(PyTypeError::new_err(format!(

@@ -10,8 +10,8 @@ use crate::arrays;
 use crate::errors::{invalid, mesh_error};
 use crate::points::warn_user;
 
-/// The mesh of the arguments of `Mesh`. A warning tells of vertices at one place, if `weld` does
-/// not say what becomes of them.
+/// The mesh of the arguments of `Mesh`. Without `weld` there is a warning if vertices are at one
+/// place.
 pub(crate) fn from_arrays(
     py: Python<'_>,
     vertices: &Bound<'_, PyAny>,

@@ -73,8 +73,8 @@ pub(crate) struct PyMesh {
 }
 
 impl PyMesh {
-    /// A mesh of `soup`, which is from `place`. A warning tells of vertices at one place, if it
-    /// `warns`.
+    /// The mesh of `soup`, which was read from `place`. If it `warns`, there is a warning on
+    /// vertices at one place.
     pub(crate) fn new(
         py: Python<'_>,
         soup: TriangleSoup,

@@ -11,7 +11,7 @@ use super::difference::first_difference;
 pub struct ProgramRecord {
     /// Its name in cells, without parameters, such as `ext:vtp`.
     pub name: String,
-    /// What its table says of it.
+    /// Its origin, as its table has it.
     #[serde(flatten)]
     pub provenance: Provenance,
     /// The executable, then the files that its command and its table name.
@@ -28,8 +28,7 @@ pub struct ProgramFile {
 }
 
 impl ProgramRecord {
-    /// Names and values of what is known about it. Each hash is that of a file, whose name without
-    /// directories follows.
+    /// The known facts, by name. A hash is followed by the name of its file, without directories.
     pub fn facts(&self) -> Vec<(&'static str, String)> {
         let Provenance {
             version,
@@ -68,8 +67,8 @@ impl ProgramRecord {
 }
 
 /// The first difference between the programs of `new` and those of the same name in `old`, in
-/// words. Paths do not matter, only hashes. `None` if every program is among those of its name in
-/// `old`, or has none.
+/// words. Paths are not compared, hashes are. `None` if each program of `new` equals one of its name
+/// in `old`, or `old` has none of that name.
 pub fn changed_program<'p>(
     old: impl IntoIterator<Item = &'p ProgramRecord>,
     new: impl IntoIterator<Item = &'p ProgramRecord>,

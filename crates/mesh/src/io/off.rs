@@ -75,8 +75,8 @@ fn read_lines(size: usize, header: &OffHeader, mut lines: Content<'_>) -> Result
         let (line, content) = lines.expect("vertices", read, header.vertices)?;
         let mut words = words(content);
         positions.push(coordinates(line, &mut words)?);
-        // What the keyword does not name follows all positions or none. Else a blank has parted a
-        // number, or a number comes twice.
+        // In plain OFF all lines of vertices have equally many numbers. Otherwise a blank has
+        // split a number, or one is doubled.
         let follow = words.count();
         let usual = *first_follow.get_or_insert(follow);
         if is_plain && follow != usual {

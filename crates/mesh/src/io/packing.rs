@@ -47,8 +47,8 @@ impl Packing {
     }
 }
 
-/// What is wrong with a file of this name, in words: the ending of a form of compression that is
-/// not read follows that of a mesh. `None` for other names.
+/// The problem of a file name in words: the ending of a form of compression that is not read
+/// follows that of a mesh. `None` for other names.
 pub(super) fn problem_of_name(path: &Path) -> Option<String> {
     let ending = path.extension()?.to_str()?;
     Format::from_path(path.file_stem()?.as_ref())?;
@@ -57,8 +57,8 @@ pub(super) fn problem_of_name(path: &Path) -> Option<String> {
     found.map(Packing::problem)
 }
 
-/// What is wrong with these `bytes` of a file in a `format`; `None` if they are not compressed in
-/// one of these ways.
+/// The problem of the `bytes` of a file in a `format` in words; `None` if they are not compressed in
+/// one of these forms.
 pub(super) fn problem_of_content(bytes: &[u8], format: Format) -> Option<String> {
     let mut all = PACKINGS.iter();
     let found = all.find(|packing| bytes.starts_with(packing.start));

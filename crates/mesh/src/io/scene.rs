@@ -16,9 +16,9 @@ impl Affine {
         [0.0, 0.0, 1.0, 0.0],
     ]);
 
-    /// The transform of the matrix with these rows; `None` if the last row is not 0, 0, 0, 1. By
-    /// others some programs divide, and in a matrix whose columns are written as rows, shifts are
-    /// there.
+    /// The transform of the matrix with these rows; `None` if the last row is not 0, 0, 0, 1. Some
+    /// programs divide by another last row, and a matrix whose columns are written as rows has its
+    /// shift there.
     pub(super) fn from_rows(rows: &[f64; 16]) -> Option<Self> {
         // Rounding to a few digits, as in a text.
         const ROUNDED: f64 = 1e-5;
@@ -111,7 +111,7 @@ impl Affine {
 /// The most levels of nodes within nodes. Deeper ones may be a circle.
 pub(super) const DEEPEST: usize = 1000;
 
-/// What is wrong with a matrix that is no transform.
+/// The problem of a matrix that is no affine transform.
 pub(super) const NOT_AFFINE: &str =
     "the last row of its matrix is not 0 0 0 1, and programs differ on what it means then";
 

@@ -77,7 +77,7 @@ impl<'r> Measurement<'r> {
 
     fn of_group(record: &'r SiteRecord, group: &GroupCells<'r>) -> Vec<Self> {
         let mut all = Vec::new();
-        // Times of cells that ran at the same time are disturbed: such a record tells of answers.
+        // Times of cells that ran at the same time are disturbed: only the answers count.
         let is_timed = record.result.jobs().is_none();
         for model in &group.models {
             for label in &group.algorithms {

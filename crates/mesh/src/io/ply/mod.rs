@@ -30,7 +30,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
                 let others = [Layout::Free, Layout::LinesWithMore].map(read);
                 let others = others.into_iter().flatten();
                 let mut others = others.filter(|mesh: &FileMesh| mesh.faces.has_surface());
-                // Two meanings are none.
+                // An ambiguous file is an error.
                 match (others.next(), others.next()) {
                     (Some(mesh), None) => Ok(mesh),
                     _ => Err(flaw),

@@ -1,4 +1,4 @@
-//! VTK, GIFTI and FreeSurfer: fields, encodings, names of files, and data in other files.
+//! VTK, GIFTI and `FreeSurfer`: fields, encodings, names of files, and data in other files.
 
 use geobench_mesh::io::{Format, files_beside, is_mesh_file, read};
 

@@ -39,7 +39,9 @@ mod terminal;
 mod verdict;
 
 use std::alloc::System;
+use std::env;
 use std::ffi::{OsStr, OsString};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
@@ -162,7 +164,12 @@ fn program() -> clap::Command {
 /// Runs the command that the arguments of the process name, and returns its exit status.
 fn main() -> ExitCode {
     report_panics_in_one_line();
-    let arguments = program().try_get_matches();
+    let (program, words) = (program(), Vec::from_iter(env::args_os()));
+    if let Some(problem) = detached_value(&program, &words) {
+        terminal::error(&problem);
+        return ExitCode::from(2);
+    }
+    let arguments = program.try_get_matches_from(words);
     match arguments.and_then(|found| Arguments::from_arg_matches(&found)) {
         Ok(Arguments {
             command: Command::Cell { model, settings },
@@ -171,6 +178,25 @@ fn main() -> ExitCode {
         Ok(arguments) => command(arguments),
         Err(error) => usage(&error),
     }
+}
+
+/// The error for an option whose value may be left out and is written behind a blank. A value stands
+/// behind `=` there. A number behind the blank would be read as the name of a model.
+fn detached_value(program: &clap::Command, words: &[OsString]) -> Option<String> {
+    let mut commands = words.iter().skip(1);
+    let command = commands.find_map(|word| program.find_subcommand(word))?;
+    let may_lack_value = |option: &str| {
+        let mut known = command.get_arguments();
+        known.any(|known| known.get_long() == Some(option) && known.is_require_equals_set())
+    };
+    let mut pairs = words.windows(2).take_while(|pair| pair[0] != "--");
+    pairs.find_map(|pair| {
+        let (option, value) = (pair[0].to_str()?.strip_prefix("--")?, pair[1].to_str()?);
+        let is_number = value.parse::<f64>().is_ok() && !Path::new(value).exists();
+        (is_number && may_lack_value(option)).then(|| {
+            format!("the value of --{option} stands behind `=`: write --{option}={value}")
+        })
+    })
 }
 
 /// Serves the parent process as the child for `model`.

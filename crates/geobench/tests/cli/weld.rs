@@ -68,6 +68,29 @@ fn a_tolerance_joins_vertices_that_are_close() {
     }
 }
 
+/// A value behind a blank was taken for a model that does not exist.
+#[test]
+fn a_tolerance_behind_a_blank_is_named() {
+    let sandbox = with_seam();
+    for command in [
+        "distance close.obj --source 1 -o d.json --weld 1e-5",
+        "info --weld 1e-5 close.obj",
+        "run --color never --weld 1e-5 close.obj",
+    ] {
+        let said = sandbox.refuse(command);
+        assert_eq!(
+            said, "the value of --weld stands behind `=`: write --weld=1e-5",
+            "{command}"
+        );
+    }
+    // A model may follow, also one that is named by a number.
+    sandbox.write("7", SEAM);
+    sandbox.refuse("info --weld 8 seam.obj");
+    sandbox.succeed("info --weld seam.obj");
+    let said = sandbox.refuse("info --weld 7");
+    assert!(!said.contains("behind"), "{said}");
+}
+
 #[test]
 fn what_is_found_is_said() {
     let sandbox = with_seam();

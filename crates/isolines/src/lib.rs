@@ -338,15 +338,7 @@ impl DistanceField {
 
     /// The isoline at `distance`, computed as that at `level`, which `faces` hold.
     fn trace(&self, distance: f64, level: f64, faces: &[FaceId]) -> Isoline {
-        let mut tracer = Tracer {
-            field: self,
-            level,
-            edges: HashMap::new(),
-            edge_of: Vec::new(),
-            links: Vec::new(),
-            lines: Vec::new(),
-            gap: 0.0,
-        };
+        let mut tracer = Tracer::new(self, level);
         if distance > 0.0 {
             tracer.trace_faces(faces);
             tracer.join();
@@ -388,20 +380,8 @@ impl DistanceField {
         )
     }
 
-    /// The abscissas along `h` at which the distance passes `level`. All faces of its edge get the
-    /// same crossings.
-    fn crossings(&self, h: HalfEdgeId, level: f64) -> Vec<f64> {
-        let mesh = &self.refined.mesh;
-        let edge = mesh.edge_of(h);
-        let at = self.crossings_of_edge(edge, level);
-        if mesh.tail(edge) == mesh.tail(h) {
-            return at;
-        }
-        let l = mesh.length(h);
-        at.iter().rev().map(|x| l - x).collect()
-    }
-
-    /// [`crossings`](Self::crossings) for the half-edge with the lowest number of its edge.
+    /// The abscissas at which the distance passes `level`, along the half-edge with the lowest number
+    /// of its edge. O(windows of all faces at the edge).
     fn crossings_of_edge(&self, h: HalfEdgeId, level: f64) -> Vec<f64> {
         let mesh = &self.refined.mesh;
         let l = mesh.length(h);
@@ -458,6 +438,9 @@ struct Tracer<'a> {
     /// The crossings of each edge, by its half-edge with the lower number; at a junction those of
     /// each half-edge, so that lines end there.
     edges: HashMap<HalfEdgeId, EdgeCrossings>,
+    /// The abscissas at each junction, along the half-edge with the lowest number. All faces there
+    /// share them; each of them anew would take the windows of all faces.
+    at_junctions: HashMap<HalfEdgeId, Vec<f64>>,
     /// The edge of each crossing.
     edge_of: Vec<HalfEdgeId>,
     /// For each crossing, the part of the isoline in the face that it enters. `None` where the
@@ -467,7 +450,20 @@ struct Tracer<'a> {
     gap: f64,
 }
 
-impl Tracer<'_> {
+impl<'a> Tracer<'a> {
+    fn new(field: &'a DistanceField, level: f64) -> Self {
+        Self {
+            field,
+            level,
+            edges: HashMap::new(),
+            at_junctions: HashMap::new(),
+            edge_of: Vec::new(),
+            links: Vec::new(),
+            lines: Vec::new(),
+            gap: 0.0,
+        }
+    }
+
     /// Computes the crossings and the arcs of `faces`.
     fn trace_faces(&mut self, faces: &[FaceId]) {
         let field = self.field;
@@ -476,7 +472,7 @@ impl Tracer<'_> {
             for h in [0, 1, 2].map(|k| face.half_edge(k)) {
                 let h = mesh.twin(h).map_or(h, |twin| twin.min(h));
                 if !self.edges.contains_key(&h) {
-                    let at = field.crossings(h, self.level);
+                    let at = self.crossings(h);
                     let first = self.edge_of.len();
                     self.edge_of.resize(first + at.len(), h);
                     self.edges.insert(h, EdgeCrossings { first, at });
@@ -484,6 +480,24 @@ impl Tracer<'_> {
             }
             self.trace_face(face);
         }
+    }
+
+    /// The abscissas along `h` at which the distance passes the level. All faces of its edge get the
+    /// same crossings.
+    fn crossings(&mut self, h: HalfEdgeId) -> Vec<f64> {
+        let (field, level) = (self.field, self.level);
+        let mesh = &field.refined.mesh;
+        let edge = mesh.edge_of(h);
+        if mesh.junction(h).is_empty() {
+            return field.crossings_of_edge(edge, level);
+        }
+        let found = self.at_junctions.entry(edge);
+        let at = found.or_insert_with(|| field.crossings_of_edge(edge, level));
+        if mesh.tail(edge) == mesh.tail(h) {
+            return at.clone();
+        }
+        let l = mesh.length(h);
+        at.iter().rev().map(|x| l - x).collect()
     }
 
     /// Connects the crossings of the edges of `face` through the arcs inside it.
@@ -609,7 +623,36 @@ impl Tracer<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::multiple;
+    use geobench_mesh::{Mesh, TriangleSoup};
+
+    use super::{DistanceField, Tracer, multiple};
+
+    /// Each face at an edge of many took the windows of all: 24 s for 3,000 faces.
+    #[test]
+    fn crossings_of_a_junction_are_computed_once() {
+        let (mut positions, mut faces) = (vec![[0.0; 3], [0.0, 0.0, 1.0]], Vec::new());
+        for k in 0..40 {
+            let (sin, cos) = f64::from(k).sin_cos();
+            positions.push([cos, sin, 0.5]);
+            faces.push(if k % 3 == 0 { [0, 1, 2 + k] } else { [1, 0, 2 + k] });
+        }
+        let soup = TriangleSoup::new(positions, faces);
+        let (mesh, _) = Mesh::from_soup(soup).unwrap();
+        let source = mesh.point_at_vertex(2.into()).unwrap();
+        let field = DistanceField::new(&mesh, &[source]).unwrap();
+        // The middle of the edge is at 1, its ends are at 1.118.
+        let level = 1.1;
+        let mut tracer = Tracer::new(&field, level);
+        tracer.trace_faces(&field.faces_near(&[level])[0]);
+        assert_eq!(tracer.at_junctions.len(), 1);
+        let sides: Vec<_> = mesh.junction_sides().collect();
+        assert_eq!(sides.len(), 40);
+        for h in sides {
+            let found = &tracer.edges[&h].at;
+            assert!((found[0] - (0.5 - 0.21_f64.sqrt())).abs() < 1e-12, "{found:?}");
+            assert!((found[1] - (0.5 + 0.21_f64.sqrt())).abs() < 1e-12, "{found:?}");
+        }
+    }
 
     #[test]
     fn multiples_of_a_decimal_step_are_the_decimals() {

@@ -87,6 +87,13 @@ impl EnvelopePiece {
 /// are left to [`crate::repair`].
 pub(crate) const GAP: f64 = 1e-12;
 
+/// The number of pieces up to which all pairs are compared.
+const AT_ONCE: usize = 24;
+
+/// Two functions that differ by no more than this fraction are one in a merge. Their noise would
+/// make pieces at each merge.
+const EQUAL: f64 = 4.0 * f64::EPSILON;
+
 /// Converts a window of a half-edge of this length to a piece. With `turned`, the canonical
 /// half-edge of the edge has the opposite direction.
 pub(crate) fn piece(window: &WindowData, length: f64, turned: bool) -> EnvelopePiece {
@@ -133,32 +140,92 @@ impl EnvelopeBuilder {
         gap: f64,
         envelope: &mut Vec<EnvelopePiece>,
     ) {
+        let distances = pieces.iter().map(|p| p.at(length / 2.0));
+        let gap = gap * (length + distances.fold(f64::INFINITY, lesser));
+        let equal = if pieces.len() > AT_ONCE { EQUAL } else { 0.0 };
+        self.by_halves(pieces, length, [gap, equal], envelope);
+    }
+
+    /// As [`lower_envelope`](Self::lower_envelope), for a gap in units of the mesh, and the fraction
+    /// by which functions may differ that are not told apart.
+    ///
+    /// Of many pieces the envelopes of both halves are merged, in O(n log² n). All pairs would be
+    /// compared if the pieces are equal up to rounding, as those of the faces at one edge.
+    fn by_halves(
+        &mut self,
+        pieces: &[EnvelopePiece],
+        length: f64,
+        limits: [f64; 2],
+        envelope: &mut Vec<EnvelopePiece>,
+    ) {
+        if pieces.len() <= AT_ONCE {
+            self.set_cuts(pieces, length);
+            let covering = |ends_by: f64, begins_by: f64| {
+                let covers = move |p: &&EnvelopePiece| p.from <= begins_by && p.to >= ends_by;
+                pieces.iter().filter(covers)
+            };
+            self.append_least(covering, limits, envelope);
+            return;
+        }
+        let (left, right) = pieces.split_at(pieces.len() / 2);
+        let halves = [left, right].map(|half| {
+            let mut own = Vec::new();
+            self.by_halves(half, length, limits, &mut own);
+            own
+        });
+        let both = halves.each_ref().map(|half| &half[..]);
+        self.merge(both, length, limits[0], envelope);
+    }
+
+    /// Appends the lower envelope of two envelopes on an edge of this length. A piece also covers
+    /// gaps next to it up to `gap`. O((m + n) log (m + n)) for m and n pieces.
+    pub(crate) fn merge(
+        &mut self,
+        both: [&[EnvelopePiece]; 2],
+        length: f64,
+        gap: f64,
+        envelope: &mut Vec<EnvelopePiece>,
+    ) {
+        self.set_cuts(both.into_iter().flatten(), length);
+        let covering = |ends_by: f64, begins_by: f64| {
+            both.into_iter().flat_map(move |pieces| {
+                let first = pieces.partition_point(|p| p.to < ends_by);
+                let behind = pieces[first..].iter();
+                behind.take_while(move |p| p.from <= begins_by)
+            })
+        };
+        self.append_least(covering, [gap, EQUAL], envelope);
+    }
+
+    /// Appends the least of the pieces between each two of the cuts. `covering` finds those that
+    /// end not before the first of two abscissas and begin not behind the second. Functions that
+    /// differ by no more than the fraction `equal` are not told apart.
+    fn append_least<'a, I: Iterator<Item = &'a EnvelopePiece>>(
+        &mut self,
+        covering: impl Fn(f64, f64) -> I,
+        [gap, equal]: [f64; 2],
+        envelope: &mut Vec<EnvelopePiece>,
+    ) {
         let begin = envelope.len();
         let mut append =
             |piece: &EnvelopePiece, from: f64, to: f64| match envelope[begin..].last_mut() {
-                Some(last) if last.is_same_function(piece) => last.to = to,
+                Some(last) if last.is_same_function(piece) && last.to == from => last.to = to,
                 _ => envelope.push(piece.on(from, to)),
             };
-        let distances = pieces.iter().map(|p| p.at(length / 2.0));
-        let gap = gap * (length + distances.fold(f64::INFINITY, lesser));
-        self.set_cuts(pieces, length);
         for i in 1..self.cuts.len() {
             let (from, to) = (self.cuts[i - 1], self.cuts[i]);
             let middle = f64::midpoint(from, to);
             let pad = if to - from < gap { gap } else { 0.0 };
-            let (begins_by, ends_by) = (middle + pad, middle - pad);
             // Both functions are 1-Lipschitz. One that is above the least by more than both can
             // change on the interval is nowhere the least.
             let change = (to - from) * (1.0 + 1e-12);
             let mut most = f64::INFINITY;
             self.here.clear();
-            for piece in pieces {
-                if piece.from <= begins_by && piece.to >= ends_by {
-                    let value = piece.at(middle);
-                    if value <= most {
-                        most = lesser(value + change, most);
-                        self.here.push((*piece, value));
-                    }
+            for piece in covering(middle - pad, middle + pad) {
+                let value = piece.at(middle);
+                if value <= most {
+                    most = lesser(value + change, most);
+                    self.here.push((*piece, value));
                 }
             }
             self.here.retain(|(_, value)| *value <= most);
@@ -166,7 +233,7 @@ impl EnvelopeBuilder {
                 append(only, from, to);
                 continue;
             }
-            self.set_meetings(from, to);
+            self.set_meetings(from, to, equal);
             for part in self.meetings.windows(2) {
                 // Two functions that are equal up to rounding almost everywhere differ by far more
                 // near an image that is close to the edge, which is an end.
@@ -182,7 +249,11 @@ impl EnvelopeBuilder {
     }
 
     /// Sets `cuts` for these pieces.
-    fn set_cuts(&mut self, pieces: &[EnvelopePiece], length: f64) {
+    fn set_cuts<'a>(
+        &mut self,
+        pieces: impl IntoIterator<Item = &'a EnvelopePiece>,
+        length: f64,
+    ) {
         let cuts = &mut self.cuts;
         cuts.clear();
         cuts.push(0.0);
@@ -205,8 +276,8 @@ impl EnvelopeBuilder {
     }
 
     /// Sets `meetings` to both cuts and the abscissas between them at which two pieces of `here`
-    /// are equal.
-    fn set_meetings(&mut self, from: f64, to: f64) {
+    /// meet, unless they differ by no more than the fraction `equal` at the cuts and in the middle.
+    fn set_meetings(&mut self, from: f64, to: f64, equal: f64) {
         let (here, at_ends, meetings) = (&self.here, &mut self.at_ends, &mut self.meetings);
         at_ends.clear();
         at_ends.extend(
@@ -217,7 +288,12 @@ impl EnvelopeBuilder {
         meetings.push(from);
         for (i, (a, _)) in here.iter().enumerate() {
             for (j, (b, _)) in here.iter().enumerate().skip(i + 1) {
-                if !stay_apart(&at_ends[i], &at_ends[j]) {
+                let is_equal = || {
+                    let values = [0, 1].map(|end| [at_ends[i][end][0], at_ends[j][end][0]]);
+                    let mut all = values.into_iter().chain([[here[i].1, here[j].1]]);
+                    all.all(|[a, b]| (a - b).abs() <= equal * a)
+                };
+                if !stay_apart(&at_ends[i], &at_ends[j]) && !is_equal() {
                     let found = crossings(a, b).into_iter();
                     meetings.extend(found.filter(|&t| t > from && t < to));
                 }
@@ -288,8 +364,10 @@ fn quadratic_roots(a: f64, b: f64, c: f64) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use geobench_mesh::SplitMix64;
     use proptest::prelude::*;
+
+    use super::*;
 
     fn lower_envelope(pieces: &[EnvelopePiece], length: f64) -> Vec<EnvelopePiece> {
         let mut envelope = Vec::new();
@@ -350,6 +428,72 @@ mod tests {
         };
         for pieces in [[along, beside], [beside, along]] {
             assert_eq!(lower_envelope(&pieces, 1.0), [along]);
+        }
+    }
+
+    /// The windows of 3,000 faces at one edge, equal up to rounding: all pairs were compared.
+    #[test]
+    fn many_equal_functions_are_one() {
+        let mut builder = EnvelopeBuilder::default();
+        let images = [[0.2, 0.5], [0.7, 0.25], [0.9, 1.0]];
+        let turned = |x: f64| 1.1 - (1.1 - x);
+        let copies = (0..3000).flat_map(|k| {
+            images.map(|[x, y]| EnvelopePiece {
+                from: 0.0,
+                to: 1.1,
+                image: [if k % 2 == 0 { x } else { turned(x) }, y],
+                sigma: 0.0,
+            })
+        });
+        let copies: Vec<EnvelopePiece> = copies.collect();
+        let mut found = Vec::new();
+        builder.lower_envelope(&copies, 1.1, GAP, &mut found);
+        let single = lower_envelope(&copies[..3], 1.1);
+        // Where they meet, rounding decides between the two forms of a function.
+        assert!(found.len() <= 4 * single.len(), "{found:?}");
+        for k in 0..=100 {
+            let t = 0.011 * f64::from(k);
+            let at = |all: &[EnvelopePiece]| {
+                let covers = |p: &&EnvelopePiece| p.from <= t && t <= p.to;
+                all.iter().find(covers).unwrap().at(t)
+            };
+            assert!((at(&found) - at(&single)).abs() < 1e-14, "at {t}");
+        }
+    }
+
+    /// A merge finds what a comparison of all pairs does.
+    #[test]
+    fn halves_have_the_envelope_of_all() {
+        let mut random = SplitMix64::new(5);
+        for _ in 0..50 {
+            let pieces = (0..200).map(|_| {
+                let mut between = |from: f64, to: f64| from + random.unit() * (to - from);
+                let from = between(0.0, 0.9);
+                EnvelopePiece {
+                    from,
+                    to: between(from, 1.0),
+                    image: [between(-1.0, 2.0), between(0.0, 0.5)],
+                    sigma: between(0.0, 0.3),
+                }
+            });
+            let mut pieces: Vec<EnvelopePiece> = pieces.collect();
+            let whole = EnvelopePiece {
+                from: 0.0,
+                to: 1.0,
+                image: [0.0, 0.0],
+                sigma: 1.0,
+            };
+            pieces.push(whole);
+            let found = lower_envelope(&pieces, 1.0);
+            assert!(found.windows(2).all(|pair| pair[0].to == pair[1].from));
+            for _ in 0..200 {
+                let t = random.unit();
+                let covers = |p: &&EnvelopePiece| p.from <= t && t <= p.to;
+                let least = pieces.iter().filter(covers).map(|p| p.at(t));
+                let least = least.fold(f64::INFINITY, f64::min);
+                let value = found.iter().find(covers).unwrap().at(t);
+                assert!((value - least).abs() < 1e-9, "{value} {least} at {t}");
+            }
         }
     }
 

@@ -26,9 +26,12 @@ use crate::shape::FaceShape;
 const MOST_CHECKS: usize = 2000;
 const FACES_PER_CHECK: usize = 20;
 
-/// Comparisons of pieces for each of these checks. An envelope takes the square of its pieces;
-/// sides of nearly flat faces gathered thousands, and a mesh of 100 faces took 18 s.
+/// Comparisons of pieces for each of these checks. A check compares all pairs of the pieces of a
+/// face; sides of nearly flat faces gathered thousands, and a mesh of 100 faces took 18 s.
 const COMPARISONS_PER_CHECK: usize = 100_000;
+
+/// Comparisons for each piece of an edge that gets another one. It takes time and memory.
+const COMPARISONS_PER_PIECE: usize = 100;
 
 /// A violation above this fraction of the size of a face is repaired.
 pub(crate) const REPAIR: f64 = 1e-14;
@@ -44,12 +47,19 @@ pub(crate) fn repair(field: &mut EdgeField<'_>, worst_first: &[FaceId]) -> Vec<F
     let mut faces = worst_first[..left.min(worst_first.len())].to_vec();
     let mut touched = faces.clone();
     let mut sides: [FaceSide; 3] = std::array::from_fn(|_| FaceSide::default());
-    let (mut pieces, mut envelope) = (Vec::new(), Vec::new());
+    let mut envelope = Vec::new();
     let mut builder = EnvelopeBuilder::default();
     while !faces.is_empty() {
         left -= faces.len();
         let mut found = Vec::new();
         for face in faces {
+            let counts = [0, 1, 2].map(|k| field.pieces(face.half_edge(k)).len());
+            let pieces = counts.into_iter().sum::<usize>();
+            let Some(rest) = comparisons.checked_sub(pieces * pieces) else {
+                left = 0;
+                break;
+            };
+            comparisons = rest;
             shorter_windows(field, face, &mut sides, &mut found);
         }
         // Many of them are the same up to rounding, so each is compared again after those that are
@@ -58,20 +68,18 @@ pub(crate) fn repair(field: &mut EdgeField<'_>, worst_first: &[FaceId]) -> Vec<F
         faces = Vec::new();
         for shorter in found {
             let (edge, window) = (shorter.edge, shorter.window);
-            let mut above = field.pieces(edge).iter().map(|p| p.height_above(&window));
-            if !above.any(|by| by > shorter.least) {
-                continue;
-            }
-            pieces.clear();
-            pieces.extend_from_slice(field.pieces(edge));
-            pieces.push(window);
-            let Some(rest) = comparisons.checked_sub(pieces.len() * pieces.len()) else {
+            let pieces = field.pieces(edge);
+            let Some(rest) = comparisons.checked_sub(COMPARISONS_PER_PIECE * pieces.len()) else {
                 left = 0;
                 break;
             };
             comparisons = rest;
+            let mut above = pieces.iter().map(|p| p.height_above(&window));
+            if !above.any(|by| by > shorter.least) {
+                continue;
+            }
             envelope.clear();
-            builder.lower_envelope(&pieces, mesh.length(edge), 0.0, &mut envelope);
+            builder.merge([pieces, &[window]], mesh.length(edge), 0.0, &mut envelope);
             field.replace(edge, &envelope);
             faces.extend(mesh.along_edge(edge).map(HalfEdgeId::face));
         }

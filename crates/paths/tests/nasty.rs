@@ -52,6 +52,8 @@ fn meshes_with_junctions() {
 ///   of them.
 /// * `rolled`: the ends of a line were on one side of a face without height.
 /// * `graded`: a search gave up before it had tried the second line to the target.
+/// * `touching` 83684, 85529 and `membranes` 15420: of two windows that tie beside a vertex at a
+///   junction, a search kept the one that does not lead straight on.
 #[test]
 fn seeds_that_failed() {
     let mut failures = Vec::new();
@@ -64,6 +66,9 @@ fn seeds_that_failed() {
         (Kind::Tee, 18292),
         (Kind::Rolled, 9114),
         (Kind::Graded, 17719),
+        (Kind::Touching, 83684),
+        (Kind::Touching, 85529),
+        (Kind::Membranes, 15420),
     ] {
         let model = kind.mesh(seed).model;
         let mesh = mesh_of(&model).unwrap();

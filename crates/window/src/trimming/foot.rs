@@ -11,6 +11,9 @@
 //! other windows as a whole, at the foot, and yields only to one that is shorter there: then V is
 //! not on a shortest path to its own foot, and none of its directions is needed. Among equal
 //! windows the foot stays, since it holds every direction that they have.
+//!
+//! A source a little above the edge has a wide foot, with the feet of other sources in it. Each of
+//! two such feet is compared at its own place.
 
 use super::compare::is_sent_again;
 use crate::precision::{GRAIN, PLACE};
@@ -67,11 +70,18 @@ pub(super) fn may_be_foot(width: f64, l: f64) -> bool {
 }
 
 /// Whether `new` gets the whole range that it shares with `old`, if one of them is a foot; `None`
-/// if neither is.
+/// if neither is, and if both are and each is shorter at its place.
 #[cold]
 pub(super) fn does_new_win(old: &Window, new: &Window, l: f64) -> Option<bool> {
     if is_foot(old, l) {
-        Some(is_sent_again(old, new) || is_shorter_at_foot(new, old, l))
+        if is_sent_again(old, new) || is_shorter_at_foot(new, old, l) {
+            return Some(true);
+        }
+        let is_needed = is_foot(new, l) && is_shorter_at(new.px, new, old, l);
+        if is_needed && is_shorter_at(old.px, old, new, l) {
+            return None;
+        }
+        Some(is_needed)
     } else if is_foot(new, l) {
         Some(!is_shorter_at_foot(old, new, l))
     } else {
@@ -81,9 +91,13 @@ pub(super) fn does_new_win(old: &Window, new: &Window, l: f64) -> Option<bool> {
 
 /// Whether `w` contains the foot of `foot` and is shorter there by more than rounding.
 fn is_shorter_at_foot(w: &Window, foot: &Window, l: f64) -> bool {
-    let x = foot.px;
-    let d = foot.distance(x);
-    w.b0 <= x && x <= w.b1 && w.distance(x) < d - (GRAIN * d + PLACE * l)
+    w.b0 <= foot.px && foot.px <= w.b1 && is_shorter_at(foot.px, w, foot, l)
+}
+
+/// Whether `w` is shorter than `other` at abscissa `x` by more than rounding.
+fn is_shorter_at(x: f64, w: &Window, other: &Window, l: f64) -> bool {
+    let d = other.distance(x);
+    w.distance(x) < d - (GRAIN * d + PLACE * l)
 }
 
 /// The greatest slope at which a ray to the edge runs along it. A path that bends by so much is
@@ -119,11 +133,14 @@ pub fn pieces<'a>(
 ) -> impl Iterator<Item = Window> {
     let own = foot(w, l);
     let w = own.map_or(*w, |_| along_edge(w, l));
-    let holds = |old: &&Window| {
-        let has_place = old.b0 <= w.px && w.px <= old.b1 && is_foot(old, l);
-        has_place && does_new_win(old, &w, l) == Some(false)
-    };
-    let held = own.and_then(|_| stored.into_iter().find(holds));
+    let held = own.and_then(|[start, end]| {
+        let own = w.cut(start, end);
+        let holds = |old: &&Window| {
+            let has_place = old.b0 <= w.px && w.px <= old.b1 && is_foot(old, l);
+            has_place && [own, w].iter().all(|new| does_new_win(old, new, l) == Some(false))
+        };
+        stored.into_iter().find(holds)
+    });
     let [start, end] = match held {
         Some(old) => [old.b0.max(w.b0), old.b1.min(w.b1)],
         None => own.unwrap_or([w.b0, w.b1]),
@@ -183,6 +200,34 @@ mod tests {
         };
         let foot = pieces(&shorter, 1.0, &stored).next().unwrap();
         assert!(is_foot(&foot, 1.0) && foot.b0 < left.b1 && right.b0 < foot.b1);
+    }
+
+    /// The source of the new window is nearer, and on the path to the stored one. It lost its foot,
+    /// and all that it sends became longer by 55 times the rounding of the edge.
+    #[test]
+    fn a_nearer_foot_in_a_wide_one_stays() {
+        let high = Window {
+            py: -CLOSE,
+            ..ON_EDGE
+        };
+        let stored: Vec<Window> = pieces(&high, 1.0, []).collect();
+        let apart = 50.0 * PLACE;
+        let beside = |sigma: f64| Window {
+            px: high.px + apart,
+            sigma,
+            ..ON_EDGE
+        };
+        let nearer = beside(1.0 - apart);
+        let own = pieces(&nearer, 1.0, &stored).next().unwrap();
+        assert!(stored[0].b0 < own.b0 && own.b1 < stored[0].b1);
+        assert!(is_foot(&own, 1.0));
+        assert_eq!(does_new_win(&stored[0], &own, 1.0), Some(true));
+        // As near, at another place: each is shorter at its own.
+        let other = pieces(&beside(1.0), 1.0, &stored).next().unwrap();
+        assert_eq!(does_new_win(&stored[0], &other, 1.0), None);
+        // Behind the stored one.
+        let farther = pieces(&beside(1.0 + apart), 1.0, &stored).next().unwrap();
+        assert_eq!(farther.b1, stored[0].b0);
     }
 
     #[test]

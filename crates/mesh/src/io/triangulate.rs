@@ -13,7 +13,8 @@
 //!
 //! The normal of the polygon is its vector area (Newell). For a slightly warped polygon it is that
 //! of the best-fitting plane. Polygons with missing or non-finite corners, or without area, become
-//! fans, for validation to report. A polygon that repeats corners may have holes, with bridges to
+//! fans, for validation to report. Of corners on one line the polygon is cut **in halves**, so that a
+//! path along it passes few triangles. A polygon that repeats corners may have holes, with bridges to
 //! them. Any other one becomes a fan from the repeated corner, so that a triangle names it twice.
 //! Self-intersecting polygons are cut in some way. A polygon of k corners always becomes k - 2
 //! triangles with its orientation.
@@ -73,15 +74,57 @@ pub(super) fn triangulate(
             Some(cut) => triangles.extend(cut),
             None => triangles.extend(fan_from(repeated).map(name)),
         }
-    } else if k > 3
-        && let Some(polygon) = Polygon::new(positions, corners)
-        && fan.clone().any(|t| polygon.is_folded(t))
-    {
-        triangles.extend(clip_ears(&polygon, budget)?.into_iter().map(name));
+    } else if k > 3 {
+        match Polygon::new(positions, corners) {
+            Some(polygon) if fan.clone().any(|t| polygon.is_folded(t)) => {
+                triangles.extend(clip_ears(&polygon, budget)?.into_iter().map(name));
+            }
+            None if are_on_one_line(positions, corners) => {
+                cut_in_halves([0, k - 1], &mut |t| triangles.push(name(t)));
+            }
+            _ => triangles.extend(fan.map(name)),
+        }
     } else {
         triangles.extend(fan.map(name));
     }
     Ok(())
+}
+
+/// Whether all corners exist and lie on one line.
+fn are_on_one_line(positions: &[[f64; 3]], corners: &[u32]) -> bool {
+    let places = corners.iter().map(|&v| positions.get(v as usize).copied());
+    let Some(places) = places.collect::<Option<Vec<_>>>() else {
+        return false;
+    };
+    let offsets = places.iter().map(|&p| sub(p, places[0]));
+    let extent = |p: &[f64; 3]| p.iter().fold(0.0, |extent: f64, x| extent.max(x.abs()));
+    let Some(farthest) = offsets
+        .clone()
+        .max_by(|p, q| extent(p).total_cmp(&extent(q)))
+    else {
+        return false;
+    };
+    let size = extent(&farthest);
+    let along = farthest.map(|x| x / size);
+    let is_beside = |p: [f64; 3]| {
+        let across = cross(along, p.map(|x| x / size));
+        extent(&across) <= FLAT
+    };
+    size > 0.0 && size.is_finite() && offsets.clone().all(is_beside)
+}
+
+/// The triangles of the part of a polygon from the one corner to the other, and a cut between these.
+///
+/// Behind each cut lie half of the corners. Of a fan on one line, each corner sends windows through
+/// all triangles behind it: 9 million windows for 3,000 corners.
+fn cut_in_halves([first, last]: [usize; 2], push: &mut impl FnMut([usize; 3])) {
+    if last - first < 2 {
+        return;
+    }
+    let middle = (first + last).div_ceil(2);
+    cut_in_halves([first, middle], push);
+    push([first, middle, last]);
+    cut_in_halves([middle, last], push);
 }
 
 /// The triangles of a polygon with holes that repeats corners where bridges lead to its holes;
@@ -319,6 +362,8 @@ impl CornerRing {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use proptest::prelude::*;
 
     use super::*;
@@ -374,6 +419,32 @@ mod tests {
             let repeats = |t: &[u32; 3]| t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
             assert!(triangles.iter().any(repeats), "{corners:?}: {triangles:?}");
         }
+    }
+
+    /// A fan takes the square of its corners in windows.
+    #[test]
+    fn corners_on_one_line_are_cut_in_halves() {
+        for (direction, count) in [([1.0, 0.0, 0.0], 3000), ([1e-3, 0.2, -7.0], 1000)] {
+            let at = |k: u32| direction.map(|x: f64| x * f64::from(k));
+            let positions: Vec<_> = (0..count).map(at).collect();
+            let corners: Vec<u32> = (0..count).collect();
+            let mut triangles = Vec::new();
+            triangulate(&positions, &corners, &mut triangles);
+            assert_eq!(triangles.len(), corners.len() - 2);
+            let mut degrees = vec![0; corners.len()];
+            for v in triangles.as_flattened() {
+                degrees[*v as usize] += 1;
+            }
+            assert!(degrees.iter().all(|&degree| (1..=25).contains(&degree)));
+            let sides = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
+            let all: HashSet<[u32; 2]> = triangles.iter().flat_map(sides).collect();
+            assert_eq!(all.len(), 3 * triangles.len());
+            let alone = all.iter().filter(|&&[a, b]| !all.contains(&[b, a]));
+            assert!(alone.into_iter().all(|&[a, b]| b == (a + 1) % count));
+        }
+        let mut quad = Vec::new();
+        triangulate(&[[0.0; 3], [1.0; 3], [2.0; 3], [3.0; 3]], &[0, 1, 2, 3], &mut quad);
+        assert_eq!(quad, [[0, 1, 2], [0, 2, 3]]);
     }
 
     #[test]

@@ -53,6 +53,13 @@ pub(crate) const SIZES: std::ops::Range<f64> = 1e-130..1e130;
 /// distance instead of along chains.
 const MOST_LINKS: usize = 1 << 26;
 
+/// The greatest number of pairs of pieces of two sides that are compared; with more, nothing is
+/// proven for the face. The greatest number of those that are compared in numbers of two doubles for
+/// each side: a face takes seconds at most. The others have the bound of rounded arithmetic. On scans
+/// a face has some hundred pairs.
+const MOST_PAIRS: usize = 1 << 28;
+const MOST_EXACT: usize = 1 << 16;
+
 /// Vectors shorter than this fraction of the margin have no reliable direction.
 pub(crate) const TINY: f64 = 0.1;
 
@@ -167,6 +174,11 @@ impl<'a> Checker<'a> {
         if !SIZES.contains(&size.all) {
             return nothing;
         }
+        let counts = [0, 1, 2].map(|k| sides[k].pieces.len());
+        let pairs = [0, 1, 2].map(|k| counts[k].saturating_mul(counts[(k + 1) % 3]));
+        if pairs.iter().any(|&pairs| pairs > MOST_PAIRS) {
+            return nothing;
+        }
         let margin = MARGIN * size.all;
         let mesh = self.shared.field.mesh;
         let off = |k: usize| (mesh.length(face.half_edge(k as u32)) - lengths[k]).abs();
@@ -205,6 +217,7 @@ impl<'a> Checker<'a> {
                     accepted,
                     clear: self.shared.clear,
                     excess: from_side.0,
+                    exact_left: MOST_EXACT,
                     skips_bends: false,
                     parts: &mut self.parts,
                 };
@@ -312,6 +325,8 @@ struct SidePair<'a> {
     /// An upper bound of the violations on the second side. It is not tightened where that could
     /// not change the result.
     excess: f64,
+    /// How many more pairs may be compared in numbers of two doubles.
+    exact_left: usize,
     /// Whether paths that bend at a concave kink were left out.
     skips_bends: bool,
     parts: &'a mut Parts,
@@ -420,8 +435,11 @@ impl SidePair<'_> {
             };
             let excess = if rounded <= limit {
                 rounded + self.error
-            } else {
+            } else if self.exact_left > 0 {
+                self.exact_left -= 1;
                 self.exact_excess(from, other, found)
+            } else {
+                upper
             };
             self.excess = if excess.is_nan() {
                 f64::INFINITY

@@ -259,12 +259,18 @@ fn a_pull_request_that_takes_longer_is_red() {
         let step = track(&sandbox, "mine", "gate", more);
         finished(&sandbox, "mine", step)
     };
-    // What does not concern the solver passes at once, and so does a change without effect.
+    // What does not concern the solver passes at once, and so does a change without effect. The
+    // program may be named from the top of the repository.
     pull_request(&sandbox, "benchmarks/suite.toml", "Three shapes", "A shape");
     let (status, shown) = gate(&[("PATHS", "src benchmarks/solver.sh")]);
     assert_eq!(status, 0, "{shown}");
     assert!(shown.contains("has changed: not measured"), "{shown}");
-    let (status, shown) = gate(&[("BUILD", "test -f benchmarks/solver.sh")]);
+    let program = assert_cmd::cargo::cargo_bin("geobench");
+    std::os::unix::fs::symlink(program, sandbox.path("program")).unwrap();
+    let (status, shown) = gate(&[
+        ("BUILD", "test -f benchmarks/solver.sh"),
+        ("GEOBENCH", "../program"),
+    ]);
     assert_eq!(status, 0, "{shown}");
     let call = "seconds=0.010";
     pull_request(&sandbox, solver, call, "seconds=0.012");
@@ -332,7 +338,7 @@ fn a_pull_request_may_change_programs_build_and_files() {
     let suite = suite.replace("\"ext:solver\"", "\"ext:solver\", \"ext:more\"");
     sandbox.write("mine/benchmarks/suite.toml", &suite);
     commit(&sandbox, "more");
-    let (status, shown) = gate(&[]);
+    let (status, shown) = gate(&[("RULES", "missing=0")]);
     assert_eq!(status, 0, "{shown}");
     assert!(shown.contains("the base runs its own suite"), "{shown}");
     assert!(shown.contains("ext:more"), "{shown}");

@@ -16,7 +16,7 @@ use crate::verdict::Verdict;
 
 #[derive(Args, Debug)]
 #[command(
-    after_help = "A claim is decided by the results of its suite (`run --config bench-configs/SUITE.toml`). docs/claims.md has \
+    after_help = "A claim is decided by the results of its suite (`run --suite SUITE`). docs/claims.md has \
     the rules and the form of files of claims. Exit status: 0 whatever the verdicts are; 2 a file cannot be used."
 )]
 pub(crate) struct ClaimsOptions {

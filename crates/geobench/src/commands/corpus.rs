@@ -47,7 +47,7 @@ struct CheckOptions {
 /// The models of a corpus.
 #[derive(Args, Debug)]
 pub(crate) struct CorpusOption {
-    /// Models of the corpus [default: those of bench-configs/site/corpus.toml]
+    /// Models of the corpus [default: the corpus in the program]
     #[arg(long, value_name = "FILE")]
     corpus: Option<PathBuf>,
 }

@@ -10,16 +10,16 @@
 /// ```
 pub fn did_you_mean(name: &str, known: &[&str]) -> String {
     let name = name.to_lowercase();
-    let most = |known: &str| 1 + known.len() / 3;
+    let most = |known: &str| (1 + known.len() / 3).min(name.len() / 2);
     // A beginning of three letters or more is similar, but less than any misspelling.
     let edits = |known: &str| match strsim::damerau_levenshtein(&name, known) {
-        edits if edits > most(known) && name.len() >= 3 && known.starts_with(&name) => most(known),
-        edits => edits,
+        edits if edits <= most(known) => Some(edits),
+        _ if name.len() >= 3 && known.starts_with(&name) => Some(usize::MAX),
+        _ => None,
     };
     known
         .iter()
-        .map(|known| (edits(known), known))
-        .filter(|(edits, known)| *edits <= most(known))
+        .filter_map(|known| Some((edits(known)?, known)))
         .min()
         .map_or_else(String::new, |(_, known)| {
             format!(", did you mean `{known}`?")
@@ -39,6 +39,7 @@ mod tests {
         assert_eq!(found("tetraeder"), ", did you mean `tetrahedron`?");
         assert_eq!(found("tetra"), ", did you mean `tetrahedron`?");
         assert_eq!(found("te"), "");
+        assert_eq!(did_you_mean("foo", &["box", "fmm"]), "");
         assert_eq!(found("xyz"), "");
         assert_eq!(found(""), "");
         assert_eq!(found(&"sphere".repeat(9)), "");

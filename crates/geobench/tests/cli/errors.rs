@@ -54,6 +54,11 @@ fn wrong_usage() {
             "run square.off --check mmpp",
             "'--check <REF>': there is no algorithm `mmpp`",
         ),
+        ("run square.off --seed -1", "a whole number from 0 to"),
+        (
+            "run square.off --wavefront --no-counts",
+            "'--wavefront' cannot be used with '--no-counts'",
+        ),
         ("run square.off --jobs 0", "a whole number from 1 to 1024"),
         (
             "run square.off --jobs 2 --isolate none",
@@ -119,6 +124,10 @@ fn models_that_are_not_there() {
         (
             "info square.off nope.obj",
             "nope.obj: no such file or directory",
+        ),
+        (
+            "run square.off --weld 1e-6",
+            "1e-6: no such file or directory (a tolerance of welding is given as --weld=1e-6)",
         ),
         (
             "run empty",

@@ -14,9 +14,13 @@ use crate::usage::quoted;
 /// Seed of `random:N` where none is given.
 const DEFAULT_SEED: u64 = 1;
 
-/// The forms of sources and targets, for messages.
-const FORMS: &str = "give `first`, a vertex number, a list such as `0,17`, `random:N[,seed=S]`, \
+/// The forms of targets, for messages.
+const TARGETS: &str = "give `first`, a vertex number, a list such as `0,17`, `random:N[,seed=S]`, \
     `all`, `edge:A-B,T`, `face:F,U,V,W`, `at:X,Y,Z` or `far:X,Y,Z`";
+
+/// The forms of sources.
+const SOURCES: &str = "give `first`, a vertex number, a list such as `0,17`, `random:N[,seed=S]`, \
+    `all`, `largest`, `edge:A-B,T`, `face:F,U,V,W`, `at:X,Y,Z` or `far:X,Y,Z`";
 
 /// One point of a surface, not looked up yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,9 +84,10 @@ impl LocatedPoint {
         let moved = self.point.moved();
         Some(match self.from_position {
             Some(0.0) => format!("{spec} is on the surface, {place}"),
-            Some(distance) => {
-                format!("{spec} is {distance} from the surface; its nearest point is {place}")
-            }
+            Some(distance) => format!(
+                "{spec} is {} from the surface; its nearest point is {place}",
+                Number(distance)
+            ),
             None if moved > 0.0 => {
                 format!("{spec} is taken for {place}, which is {moved:.1e} away")
             }
@@ -133,13 +138,16 @@ impl<'m> Locator<'m> {
             }
         };
         let point = point.map_err(|error| UsageError(format!("{spec}: {error}")))?;
-        if let (PointSpec::At([x, y, z]), Some(distance)) = (spec, from_position)
+        if let (PointSpec::At(position), Some(distance)) = (spec, from_position)
             && let Some(size) = self.nearest.as_ref().map(|tree| tree.diagonal())
             && distance > size
         {
             return Err(UsageError(format!(
-                "{spec} is {distance} from the surface, whose size is {size}; far:{x},{y},{z} or the \
-                 option --far accepts that (in Python, far=True)"
+                "{spec} is {} from the surface, whose size is {}; {} or the option --far accepts \
+                 that (in Python, far=True)",
+                Number(distance),
+                Number(size),
+                PointSpec::Far(position)
             )));
         }
         let as_asked = matches!(
@@ -205,10 +213,29 @@ impl fmt::Display for PointSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Vertex(v) => write!(f, "{v}"),
-            Self::Edge([a, b], t) => write!(f, "edge:{a}-{b},{t}"),
-            Self::Face(face, [u, v, w]) => write!(f, "face:{face},{u},{v},{w}"),
-            Self::At([x, y, z]) => write!(f, "at:{x},{y},{z}"),
-            Self::Far([x, y, z]) => write!(f, "far:{x},{y},{z}"),
+            Self::Edge([a, b], t) => write!(f, "edge:{a}-{b},{}", Number(*t)),
+            Self::Face(face, weights) => {
+                let [u, v, w] = weights.map(Number);
+                write!(f, "face:{face},{u},{v},{w}")
+            }
+            Self::At(position) => write!(f, "at:{}", in_words(position)),
+            Self::Far(position) => write!(f, "far:{}", in_words(position)),
+        }
+    }
+}
+
+fn in_words(position: &[f64; 3]) -> String {
+    position.map(|x| Number(x).to_string()).join(",")
+}
+
+/// A number as in texts, but with an exponent where that saves a row of zeros.
+struct Number(f64);
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            x if x == 0.0 || (1e-15..1e21).contains(&x.abs()) => write!(f, "{x}"),
+            x => write!(f, "{x:e}"),
         }
     }
 }
@@ -411,9 +438,9 @@ impl SourceSpec {
 
     fn parse(text: &str, noun: &str) -> Result<Self, UsageError> {
         let takes_largest = noun == "source";
-        let more = if takes_largest { ", or `largest`" } else { "" };
+        let known = if takes_largest { SOURCES } else { TARGETS };
         let shown = quoted(text);
-        let syntax = || UsageError(format!("`{shown}` is not a {noun}: {FORMS}{more}"));
+        let syntax = || UsageError(format!("`{shown}` is not a {noun}: {known}"));
         let lower = text.trim().to_lowercase();
         let mut words = lower.split(',').map(str::trim).peekable();
         let mut forms = Vec::new();
@@ -594,6 +621,8 @@ mod tests {
             "edge:4-9,0.25,face:12,0.2,0.3,0.5,at:-1,2.5,0.0000003,17"
         );
         assert_eq!(parse(points).count(), 4);
+        let far = "at:1e300,0,-2e-30";
+        assert_eq!(parse(far).to_string(), far);
         assert_eq!(parse("random:5").to_string(), "random:5,seed=1");
         assert_eq!(parse("Random:5,seed=9").to_string(), "random:5,seed=9");
     }

@@ -59,7 +59,7 @@ options! {
         counts: bool, [help_heading = "Repetitions", long = "no-counts", num_args = 0, default_missing_value = "false"], [];
 
         /// Seed of the order in which the algorithms take turns [default: 1]
-        seed: Whole<0, { u64::MAX }>, [help_heading = "Repetitions", long, value_name = "N"], [];
+        seed: Whole<0, { u64::MAX }>, [help_heading = "Repetitions", long, value_name = "N", allow_negative_numbers = true], [];
 
         /// What answers must agree with: an algorithm, certificate (mmp with a proof of its
         /// distances), none, file (MODEL.sSOURCE.csv beside the model or in a folder named expected
@@ -76,7 +76,7 @@ options! {
         ratios_to: Selection, [help_heading = "Output", long, value_name = "A", value_parser = registry::select_one], [deserialize_with = "text", rename = "ratios_to"];
 
         /// Keep samples of the wavefront of each counted run, for the plots of `geobench report`
-        wavefront: bool, [help_heading = "Output", long, num_args = 0, default_missing_value = "true"], [];
+        wavefront: bool, [help_heading = "Output", long, num_args = 0, default_missing_value = "true", conflicts_with = "counts"], [];
 
         "What runs": algorithms: AlgorithmsOption;
         "What runs": threads: ThreadsOption;

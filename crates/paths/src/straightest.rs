@@ -123,18 +123,19 @@ fn follow(
     length: f64,
 ) -> Result<Path, LineError> {
     let mut points = vec![Point::of(mesh, start)];
-    let mut left = length;
-    while left > 0.0 {
+    // The way so far is summed, as what is left of a far greater length would have no digits for it.
+    let mut gone = 0.0;
+    while gone < length {
         if points.len() >= MOST_POINTS {
             return Err(LineError::TooLong);
         }
         let (way, leaving) = ray.leave(mesh);
-        if way >= left {
-            points.push(ray.end(mesh, left));
-            left = 0.0;
+        if way >= length - gone {
+            points.push(ray.end(mesh, length - gone));
+            gone = length;
             break;
         }
-        left -= way;
+        gone += way;
         let next = match leaving {
             LineExit::Vertex(h) => {
                 points.push(Point::at_vertex(mesh, mesh.tail(h)));
@@ -151,7 +152,7 @@ fn follow(
         ray = next;
     }
     Ok(Path {
-        length: length - left,
+        length: gone,
         points,
     })
 }
@@ -414,7 +415,7 @@ mod tests {
             } else {
                 grid.nearest_point([at[0], at[1], 0.0]).unwrap().0
             };
-            for wanted in [0.0, 0.37, 2.9, 100.0] {
+            for wanted in [0.0, 0.37, 2.9, 100.0, 1e300] {
                 let path = line(&grid, &start, direction, wanted).unwrap();
                 let [first, last] = ends(&grid, &path);
                 let end = [0, 1].map(|k| first[k] + path.length * [angle.cos(), angle.sin()][k]);

@@ -1,5 +1,6 @@
 //! `geobench algos`.
 
+use anyhow::bail;
 use clap::Args;
 use geobench_export::json_lines;
 use geobench_registry::{self as registry, Algorithm, Parameter, Selection, Value};
@@ -63,6 +64,13 @@ pub(crate) const ADVICE: [(&str, &str); 9] = [
 const WIDTH: usize = 80;
 
 pub(crate) fn algos(options: &AlgosOptions, look: Look) -> anyhow::Result<Verdict> {
+    let mut listed = options.list.iter().flat_map(|list| &list.0);
+    if let Some(outside) = listed.find(|one| one.outside_name().is_some()) {
+        bail!(
+            "{} is an outside program: its table, in a file for --ext, says what it is",
+            outside.label()
+        );
+    }
     let show = |table: &Table, width| {
         let width = look.width.or(width);
         listing(table, Look { width, ..look })

@@ -109,8 +109,9 @@ fn start(directory: &ClusterDirectory, options: &ClusterOptions) -> anyhow::Resu
     let open = plans.iter().any(|plan| plan.sources.has_all());
     let units: u128 = plans.iter().map(Plan::units).sum();
     if !open && units < u128::from(parts) {
+        let pairs = if units == 1 { "pair" } else { "pairs" };
         bail!(
-            "--shards {parts}: the plan has {units} pairs of model and source, so at most as many parts"
+            "--shards {parts}: the plan has {units} {pairs} of model and source, so at most as many parts"
         );
     }
     terminal::warnings(&notes);

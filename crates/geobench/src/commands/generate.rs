@@ -52,15 +52,15 @@ pub(crate) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
 ///
 /// If meshes cannot be written in a file with this extension.
 pub(crate) fn ending(path: &Path) -> anyhow::Result<&'static str> {
-    let name = if path == Path::new(STANDARD) {
-        format!(".{}", ending_of(path))
+    let (name, how) = if path == Path::new(STANDARD) {
+        (format!(".{}", ending_of(path)), "--output-format")
     } else {
-        path.to_string_lossy().to_lowercase()
+        (path.to_string_lossy().to_lowercase(), "the ending")
     };
     match ENDINGS.iter().find(|ending| name.ends_with(*ending)) {
         Some(ending) => Ok(ending),
         None => bail!(
-            "{}: the ending says in which form to write a model; use .obj, .ply, .off or .stl, each also with .gz",
+            "{}: {how} says in which form to write a model; use .obj, .ply, .off or .stl, each also with .gz",
             path.display()
         ),
     }

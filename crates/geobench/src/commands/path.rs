@@ -70,7 +70,8 @@ pub(crate) struct PathOptions {
         long,
         value_name = "L",
         allow_negative_numbers = true,
-        requires = "direction"
+        requires = "direction",
+        conflicts_with_all = ["target", "targets", "all_targets"],
     )]
     length: Option<NotNegative>,
 

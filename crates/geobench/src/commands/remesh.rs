@@ -30,15 +30,20 @@ pub(crate) struct RemeshingOptions {
 
     /// Number of vertices of the new mesh; more are added where the dual would be no mesh, up to
     /// 4 N + 256
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = value_parser!(u32).range(1..))]
     sites: u32,
 
     /// Steps of Lloyd's algorithm, each of which moves the sites to the centres of their cells
-    #[arg(long, value_name = "K", default_value_t = 5, value_parser = value_parser!(u32).range(..=1000))]
+    #[arg(long, value_name = "K", default_value_t = 5, allow_negative_numbers = true, value_parser = value_parser!(u32).range(..=1000))]
     lloyd: u32,
 
     /// Draws the first site
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 0,
+        allow_negative_numbers = true
+    )]
     seed: u64,
 
     #[command(flatten)]

@@ -62,6 +62,11 @@ fn a_part_of_the_list_can_be_asked_for() {
     assert!(text.contains("Xin, Wang 2009"));
     assert!(!text.contains("Mitchell"));
     assert!(sandbox.refuse("algos ihc").contains("did you mean `ich`?"));
+    let outside = sandbox.refuse("algos vtp,ext:own");
+    assert!(
+        outside.starts_with("ext:own is an outside program"),
+        "{outside}"
+    );
 }
 
 #[test]

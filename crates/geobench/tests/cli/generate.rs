@@ -28,6 +28,8 @@ fn the_prefix_may_stand_or_not() {
     sandbox.succeed("gen gen:cube,n=2 -o a.obj");
     sandbox.succeed("gen cube,n=2 -o b.obj");
     assert_eq!(sandbox.read("a.obj"), sandbox.read("b.obj"));
+    let message = sandbox.refuse("gen cube,n=2 -o -");
+    assert!(message.starts_with("-: --output-format says"), "{message}");
 }
 
 #[test]

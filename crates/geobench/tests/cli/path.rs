@@ -269,6 +269,7 @@ fn straightest_lines_go_on_at_vertices_and_end_at_the_border() {
     for (arguments, message) in [
         ("--source 1 --direction 1,0,0", "--length"),
         ("--source 1 --length 2", "--direction"),
+        ("--source 1 --length 2 --target 3", "--length"),
         ("--source 1 --direction 1,0 --length 2", "three numbers"),
         (
             "--source 1 --direction 0,0,1 --length 2",

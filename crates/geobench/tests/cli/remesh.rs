@@ -69,6 +69,10 @@ fn what_cannot_be_made_is_refused_and_leaves_no_file() {
         ),
         ("gen:cube,n=1 --sites 0 -o e.obj", "--sites"),
         (
+            "gen:cube,n=1 --sites -8 -o e.obj",
+            "invalid value '-8' for '--sites <N>'",
+        ),
+        (
             "gen:cube,n=1 --sites 8 -o e.txt",
             "use .obj, .ply, .off or .stl",
         ),

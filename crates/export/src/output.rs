@@ -202,6 +202,22 @@ pub fn temporary_file(directory: &Path, ending: &str) -> io::Result<tempfile::Na
     temporary::registered(|| builder.tempfile_in(directory))
 }
 
+/// Makes a directory and those above it.
+///
+/// # Errors
+///
+/// When it cannot be made.
+pub fn make_directory(path: &Path) -> anyhow::Result<()> {
+    fs::create_dir_all(path).map_err(|error| {
+        let problem = match error.kind() {
+            io::ErrorKind::AlreadyExists => "a file has this name".to_owned(),
+            io::ErrorKind::NotADirectory => "a part of its path is a file".to_owned(),
+            kind => kind.to_string(),
+        };
+        anyhow::anyhow!("{}: cannot be made: {problem}", path.display())
+    })
+}
+
 /// Opens the file at `path` and locks it until the result is dropped, so that of several processes
 /// that each read it and [replace](OutputFile::write) it, one does so at a time.
 ///
@@ -375,6 +391,25 @@ mod tests {
         assert!(
             format!("{error:#}").contains("x.csv: cannot be written: its directory does not exist")
         );
+    }
+
+    #[test]
+    fn a_directory_is_made_unless_a_file_is_there() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = |name: &str| directory.path().join(name);
+        make_directory(&path("a/b")).unwrap();
+        make_directory(&path("a/b")).unwrap();
+        fs::write(path("x"), "").unwrap();
+        for (name, problem) in [
+            ("x", "a file has this name"),
+            ("x/y", "a part of its path is a file"),
+        ] {
+            let error = make_directory(&path(name)).unwrap_err().to_string();
+            assert!(
+                error.ends_with(&format!("cannot be made: {problem}")),
+                "{error}"
+            );
+        }
     }
 
     #[test]

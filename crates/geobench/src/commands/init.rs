@@ -1,11 +1,10 @@
 //! `geobench init`.
 
-use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::Args;
-use geobench_export::output::OutputFile;
+use geobench_export::output::{OutputFile, make_directory};
 
 use crate::terminal;
 use crate::verdict::Verdict;
@@ -103,8 +102,7 @@ pub(crate) fn init(options: &InitOptions) -> anyhow::Result<Verdict> {
     for file in &FILES {
         let path = Path::new(file.path);
         if let Some(directory) = path.parent() {
-            let made = fs::create_dir_all(directory);
-            made.with_context(|| format!("{}: cannot be made", directory.display()))?;
+            make_directory(directory)?;
         }
         outputs.push(OutputFile::prepare(path)?);
     }

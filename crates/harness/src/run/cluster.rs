@@ -15,7 +15,7 @@ use std::process::{Command, Output};
 
 use anyhow::{Context, bail};
 use geobench_export::escape::shell;
-use geobench_export::output::OutputFile;
+use geobench_export::output::{OutputFile, make_directory};
 use geobench_registry::Selection;
 use serde::Deserialize;
 
@@ -228,9 +228,7 @@ impl ClusterDirectory {
             );
         }
         for name in ["parts", "journals", "logs"] {
-            let folder = self.path.join(name);
-            fs::create_dir_all(&folder)
-                .with_context(|| format!("{}: cannot be made", folder.display()))?;
+            make_directory(&self.path.join(name))?;
         }
         Ok(())
     }

@@ -5,7 +5,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
-use geobench_export::output::OutputFile;
+use geobench_export::output::{OutputFile, make_directory};
 use geobench_harness::schema::{Cell, Host, PlannedAlgorithm, ResultFile, Status, labels};
 use geobench_harness::usage::{check_schema, files_in};
 use serde::{Deserialize, Serialize};
@@ -239,7 +239,7 @@ fn record(keys: &CellKeys<'_>, planned: &[&PlannedAlgorithm], cell: &Cell) -> Ce
 pub fn add(directory: &Path, mut record: Record) -> anyhow::Result<PathBuf> {
     let shown = directory.display();
     let failed = || format!("{shown}: cannot be written");
-    fs::create_dir_all(directory).with_context(failed)?;
+    make_directory(directory)?;
     let lock = File::create(directory.join(".lock")).with_context(failed)?;
     lock.lock().with_context(failed)?;
     // The commits before the first recorded one are behind its record.

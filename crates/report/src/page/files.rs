@@ -1,11 +1,9 @@
 //! Writes each table and plot to a file of its own, for use in papers.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use geobench_export::escape::printable;
-use geobench_export::output::{OutputFile, check_files};
+use geobench_export::output::{OutputFile, check_files, make_directory};
 
 use super::chart::{Chart, Datum};
 use super::document::{Document, Plot};
@@ -38,8 +36,7 @@ pub fn write_files(
     directory: &Path,
     read: &[PathBuf],
 ) -> anyhow::Result<Vec<PathBuf>> {
-    fs::create_dir_all(directory)
-        .with_context(|| format!("{}: cannot be made", directory.display()))?;
+    make_directory(directory)?;
     let files = files(report, form)?;
     let paths: Vec<PathBuf> = files.iter().map(|(name, _)| directory.join(name)).collect();
     let outputs = paths.iter().map(|path| OutputFile::prepare(path));

@@ -19,7 +19,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::Context as _;
-use geobench_export::output::{OutputFile, check_files};
+use geobench_export::output::{OutputFile, check_files, make_directory};
 
 use self::measured::Measurement;
 use self::pages::{PAGES, Pages, TREND, program_address, prose, short_hash};
@@ -130,8 +130,7 @@ impl StaticSite {
     /// then.
     pub fn write(&self, records: &SiteRecords, directory: &Path) -> anyhow::Result<usize> {
         let copies = directory.join("records");
-        fs::create_dir_all(&copies)
-            .with_context(|| format!("{}: cannot be made", copies.display()))?;
+        make_directory(&copies)?;
         let mut pages = Vec::new();
         for (name, page) in &self.pages {
             let file = OutputFile::prepare(&directory.join(format!("{name}.html")))?;

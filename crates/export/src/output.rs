@@ -57,7 +57,9 @@ impl OutputFile {
                     .with_context(|| format!("{shown}: cannot be written"))?;
                 found.is_file()
             }
-            Err(_) => true,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => true,
+            // Such as a circle of links.
+            Err(error) => bail!("{shown}: cannot be written: {}", error.kind()),
         };
         let file = Self {
             shown,
@@ -430,6 +432,10 @@ mod tests {
     #[test]
     fn a_link_stays_a_link() {
         let directory = tempfile::tempdir().unwrap();
+        let circle = directory.path().join("circle");
+        std::os::unix::fs::symlink(&circle, &circle).unwrap();
+        let error = OutputFile::prepare(&circle).unwrap_err().to_string();
+        assert!(error.contains("circle: cannot be written: "), "{error}");
         let (real, link) = (directory.path().join("real"), directory.path().join("link"));
         fs::write(&real, "old").unwrap();
         std::os::unix::fs::symlink(&real, &link).unwrap();

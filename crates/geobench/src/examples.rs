@@ -29,11 +29,11 @@ const EXAMPLES: &[Examples] = &[
     ]),
     ("corpus", [
         ("which models of the corpus a directory holds", "corpus check models/"),
-        ("the same for programs", "corpus check models/ --format json"),
+        ("the same as JSON", "corpus check models/ --format json"),
     ]),
     ("claims", [
         ("what results say of the papers' claims", "claims table-1.json table-2.json"),
-        ("the same for programs", "claims table-1.json --format json -o claims.json"),
+        ("the same as JSON", "claims table-1.json --format json -o claims.json"),
     ]),
     ("distance", [
         ("distances from a vertex, as a mesh with colours", "distance horse.obj --source 0 -o field.ply"),
@@ -65,7 +65,7 @@ const EXAMPLES: &[Examples] = &[
     ]),
     ("info", [
         ("counts and defects of a model", "info horse.obj"),
-        ("the same of all models in a directory, for programs", "info models/ --format json"),
+        ("the same of all models in a directory, as JSON", "info models/ --format json"),
     ]),
     ("algos", [
         ("all algorithms", "algos"),
@@ -89,7 +89,7 @@ const EXAMPLES: &[Examples] = &[
     ]),
     ("trend", [
         ("a page of how figures have changed", "trend history -o trend.html"),
-        ("the changes, for programs", "trend history --format json"),
+        ("the changes as JSON", "trend history --format json"),
     ]),
     ("init", [
         ("the files, in the current directory", "init"),
@@ -97,7 +97,7 @@ const EXAMPLES: &[Examples] = &[
     ]),
     ("suites", [
         ("the names of all suites", "suites"),
-        ("the same for programs", "suites --format json"),
+        ("the same as JSON", "suites --format json"),
     ]),
     ("completions", [
         ("for bash", "completions bash"),

@@ -61,6 +61,9 @@ use verdict::Verdict;
 #[global_allocator]
 static ALLOCATOR: &PeakMemAlloc<System> = &INSTRUMENTED_SYSTEM;
 
+/// Heading of the options that every command has. Without it they stand among its own.
+const EVERYWHERE: &str = "In every command";
+
 /// Runs, checks and compares exact geodesic-distance algorithms on triangle meshes.
 #[derive(Debug, Parser)]
 #[command(
@@ -76,16 +79,23 @@ static ALLOCATOR: &PeakMemAlloc<System> = &INSTRUMENTED_SYSTEM;
 )]
 struct Arguments {
     /// When to use colour; auto: on a terminal, unless `NO_COLOR` is set
-    #[arg(long, global = true, value_name = "WHEN", value_enum, default_value_t)]
+    #[arg(
+        long,
+        global = true,
+        help_heading = EVERYWHERE,
+        value_name = "WHEN",
+        value_enum,
+        default_value_t
+    )]
     color: ColorChoice,
 
     /// Format of a model that is read from standard input (-): one of the endings of model files,
     /// such as ply or glb
-    #[arg(long, global = true, value_name = "FORM")]
+    #[arg(long, global = true, help_heading = EVERYWHERE, value_name = "FORM")]
     input_format: Option<String>,
 
     /// Format of a file that is written to standard output (-): one of its endings, such as csv
-    #[arg(long, global = true, value_name = "FORM")]
+    #[arg(long, global = true, help_heading = EVERYWHERE, value_name = "FORM")]
     output_format: Option<String>,
 
     #[command(subcommand)]
@@ -299,5 +309,16 @@ mod tests {
     #[test]
     fn the_arguments_are_consistent() {
         program().debug_assert();
+    }
+
+    #[test]
+    fn options_of_every_command_stand_apart_from_its_own() {
+        let mut program = program();
+        program.build();
+        let command = program.find_subcommand_mut("compare").unwrap();
+        let help = command.render_help().to_string();
+        let (own, common) = help.split_once(EVERYWHERE).unwrap();
+        assert!(own.contains("--against") && !own.contains("--input-format"));
+        assert!(common.contains("--input-format"));
     }
 }

@@ -457,6 +457,35 @@ const WRONG: &[(&str, &str)] = &[
     ),
 ];
 
+/// Every key that a message lists is in the example of its page.
+#[test]
+fn every_key_is_described() {
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../bench-configs");
+    for (suite, page) in [
+        ("nothing = 1", "README.md"),
+        ("[[group]]\nname = 'a'\nnothing = 1", "README.md"),
+        (
+            "[[group]]\nname = 'a'\nmodels = ['gen:cube']\nalgorithms = ['ext:a']\n[ext.a]\nnothing = 1",
+            "PEERS.md",
+        ),
+    ] {
+        let (_directory, output) = run(suite, "--quiet");
+        let text = String::from_utf8(output.stderr).unwrap();
+        let (_, keys) = text.trim_end().split_once("known are ").unwrap();
+        let page = std::fs::read_to_string(top.join(page)).unwrap();
+        for key in keys.split(", ") {
+            let is_described = page.lines().any(|line| {
+                let rest = line.strip_prefix(key);
+                rest.is_some_and(|rest| rest.starts_with(" = "))
+                    || line.trim_start_matches('[').starts_with(&format!("{key}]"))
+                    || line.trim_start_matches('[').starts_with(&format!("{key}."))
+                    || line.starts_with(&format!("[group.{key}]"))
+            });
+            assert!(is_described, "{key}");
+        }
+    }
+}
+
 #[test]
 fn what_is_wrong_is_named_with_its_line() {
     for (suite, message) in WRONG {

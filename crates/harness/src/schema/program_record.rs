@@ -86,12 +86,22 @@ pub fn changed_program<'p>(
         // `None` if one of them is equal.
         let differences: Option<Vec<_>> = differences.collect();
         let found = differences?.pop()?;
+        let name = &program.name;
+        if let Some(file) = hashed(&found.place).and_then(|place| program.files.get(place)) {
+            return Some(format!("the file {} of {name} is another one", file.path));
+        }
         let place = found.place.trim_start_matches("provenance.");
         Some(format!(
-            "`{place}` of {} is {} and not {}",
-            program.name, found.right, found.left
+            "`{place}` of {name} is {} and not {}",
+            found.right, found.left
         ))
     })
+}
+
+/// The place in the list of files of the hash at `place`.
+fn hashed(place: &str) -> Option<usize> {
+    let rest = place.strip_prefix("sha256[")?;
+    rest.strip_suffix(']')?.parse().ok()
 }
 
 #[cfg(test)]
@@ -127,7 +137,7 @@ mod tests {
         assert_eq!(changed_program([&first, &second], [&first]), None);
         assert_eq!(
             changed_program([&first], [&first, &second]).unwrap(),
-            "`sha256[0]` of ext:a is \"bb\" and not \"aa\""
+            "the file ../bb/a of ext:a is another one"
         );
         assert_eq!(
             changed_program([&first], [&program("2", "aa")]).unwrap(),

@@ -84,7 +84,7 @@ fn note_on_unsolved(cells: &[String]) -> Option<String> {
         [] => None,
         [cell] => Some(format!("{cell}: no base commit solved it")),
         [first, ..] => Some(format!(
-            "{} cells, {first} first: no base commit solved them",
+            "no base commit solved {} cells, of which the first is {first}",
             cells.len()
         )),
     }

@@ -126,10 +126,6 @@ fn models_that_are_not_there() {
             "nope.obj: no such file or directory",
         ),
         (
-            "run square.off --weld 1e-6",
-            "1e-6: no such file or directory (a tolerance of welding is given as --weld=1e-6)",
-        ),
-        (
             "run empty",
             "empty: no mesh file in this directory or below it; they end in .obj, .ply",
         ),

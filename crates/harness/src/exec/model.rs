@@ -117,10 +117,6 @@ pub fn collect<S: AsRef<str>>(arguments: &[S]) -> Result<Vec<ModelRef>, ModelErr
         let missing = |error: io::Error| ModelError::Missing {
             path: argument.to_owned(),
             problem: match error.kind() {
-                // A value behind a blank is taken for a model.
-                io::ErrorKind::NotFound if argument.parse::<f64>().is_ok() => format!(
-                    "no such file or directory (a tolerance of welding is given as --weld={argument})"
-                ),
                 io::ErrorKind::NotFound => "no such file or directory".to_owned(),
                 kind => kind.to_string(),
             },

@@ -249,11 +249,7 @@ impl EnvelopeBuilder {
     }
 
     /// Sets `cuts` for these pieces.
-    fn set_cuts<'a>(
-        &mut self,
-        pieces: impl IntoIterator<Item = &'a EnvelopePiece>,
-        length: f64,
-    ) {
+    fn set_cuts<'a>(&mut self, pieces: impl IntoIterator<Item = &'a EnvelopePiece>, length: f64) {
         let cuts = &mut self.cuts;
         cuts.clear();
         cuts.push(0.0);

@@ -174,7 +174,7 @@ fn program() -> clap::Command {
 /// Runs the command that the arguments of the process name, and returns its exit status.
 fn main() -> ExitCode {
     report_panics_in_one_line();
-    let (program, words) = (program(), Vec::from_iter(env::args_os()));
+    let (program, words) = (program(), env::args_os().collect::<Vec<_>>());
     if let Some(problem) = detached_value(&program, &words) {
         terminal::error(&problem);
         return ExitCode::from(2);
@@ -203,9 +203,8 @@ fn detached_value(program: &clap::Command, words: &[OsString]) -> Option<String>
     pairs.find_map(|pair| {
         let (option, value) = (pair[0].to_str()?.strip_prefix("--")?, pair[1].to_str()?);
         let is_number = value.parse::<f64>().is_ok() && !Path::new(value).exists();
-        (is_number && may_lack_value(option)).then(|| {
-            format!("the value of --{option} stands behind `=`: write --{option}={value}")
-        })
+        (is_number && may_lack_value(option))
+            .then(|| format!("the value of --{option} stands behind `=`: write --{option}={value}"))
     })
 }
 

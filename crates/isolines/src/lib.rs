@@ -634,7 +634,11 @@ mod tests {
         for k in 0..40 {
             let (sin, cos) = f64::from(k).sin_cos();
             positions.push([cos, sin, 0.5]);
-            faces.push(if k % 3 == 0 { [0, 1, 2 + k] } else { [1, 0, 2 + k] });
+            faces.push(if k % 3 == 0 {
+                [0, 1, 2 + k]
+            } else {
+                [1, 0, 2 + k]
+            });
         }
         let soup = TriangleSoup::new(positions, faces);
         let (mesh, _) = Mesh::from_soup(soup).unwrap();
@@ -649,8 +653,14 @@ mod tests {
         assert_eq!(sides.len(), 40);
         for h in sides {
             let found = &tracer.edges[&h].at;
-            assert!((found[0] - (0.5 - 0.21_f64.sqrt())).abs() < 1e-12, "{found:?}");
-            assert!((found[1] - (0.5 + 0.21_f64.sqrt())).abs() < 1e-12, "{found:?}");
+            assert!(
+                (found[0] - (0.5 - 0.21_f64.sqrt())).abs() < 1e-12,
+                "{found:?}"
+            );
+            assert!(
+                (found[1] - (0.5 + 0.21_f64.sqrt())).abs() < 1e-12,
+                "{found:?}"
+            );
         }
     }
 

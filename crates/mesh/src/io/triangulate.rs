@@ -443,7 +443,11 @@ mod tests {
             assert!(alone.into_iter().all(|&[a, b]| b == (a + 1) % count));
         }
         let mut quad = Vec::new();
-        triangulate(&[[0.0; 3], [1.0; 3], [2.0; 3], [3.0; 3]], &[0, 1, 2, 3], &mut quad);
+        triangulate(
+            &[[0.0; 3], [1.0; 3], [2.0; 3], [3.0; 3]],
+            &[0, 1, 2, 3],
+            &mut quad,
+        );
         assert_eq!(quad, [[0, 1, 2], [0, 2, 3]]);
     }
 

@@ -137,7 +137,10 @@ pub fn pieces<'a>(
         let own = w.cut(start, end);
         let holds = |old: &&Window| {
             let has_place = old.b0 <= w.px && w.px <= old.b1 && is_foot(old, l);
-            has_place && [own, w].iter().all(|new| does_new_win(old, new, l) == Some(false))
+            has_place
+                && [own, w]
+                    .iter()
+                    .all(|new| does_new_win(old, new, l) == Some(false))
         };
         stored.into_iter().find(holds)
     });

@@ -5,9 +5,20 @@ use std::process::Command;
 
 use geobench_harness::schema::RepositoryRecord;
 
+/// What no configuration may change: that nothing is written, that no program of the repository is
+/// started, and that signatures are not shown among the texts.
+const ALWAYS: [&str; 5] = [
+    "--no-optional-locks",
+    "-c",
+    "core.fsmonitor=false",
+    "-c",
+    "log.showSignature=false",
+];
+
 /// Standard output of `git` with these arguments, run in the current directory. `None` if it fails.
 pub(crate) fn git(arguments: &[&str]) -> Option<String> {
-    let output = Command::new("git").args(arguments).output().ok()?;
+    let output = Command::new("git").args(ALWAYS).args(arguments).output();
+    let output = output.ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     output.status.success().then_some(text)
 }

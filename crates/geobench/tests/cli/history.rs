@@ -295,8 +295,14 @@ fn a_result_is_of_the_repository_in_which_it_was_run() {
         "-c user.name=n -c user.email=e@example.org commit -q -m first",
     );
     let head = git(&sandbox, "rev-parse HEAD");
+    // A program that the repository names is not started.
+    sandbox.write("watch", "#!/bin/sh\ntouch watched\n");
+    let executable = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+    std::fs::set_permissions(sandbox.path("watch"), executable).unwrap();
+    git(&sandbox, "config core.fsmonitor ./watch");
     let run = "run square.off --algo vtp --repeat 1 --quiet -o r.json";
     sandbox.succeed(run);
+    assert!(!sandbox.path("watched").exists());
     assert_eq!(sandbox.json("r.json")["repository"]["commit"], head);
     let path = sandbox.succeed("record r.json --into history");
     assert!(path.contains(&head[..12]), "{path}");

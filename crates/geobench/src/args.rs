@@ -133,7 +133,14 @@ pub(crate) fn in_one_line(error: &clap::Error) -> String {
     let text = text.strip_prefix("error: ").unwrap_or(&text);
     let text = text.split("\nUsage:").next().unwrap_or(text);
     let text = text.split("\nFor more information").next().unwrap_or(text);
-    let text = text.replace("\n\n  tip: ", "; ");
+    // An option that does not exist is no file either.
+    let lines = text
+        .lines()
+        .filter(|line| !line.contains("as a value, use '--"));
+    let text = lines
+        .collect::<Vec<_>>()
+        .join("\n")
+        .replace("\n\n  tip: ", "; ");
     let words: Vec<&str> = text.split_whitespace().collect();
     words.join(" ")
 }

@@ -79,7 +79,7 @@ fn wrong_usage() {
         ),
         (
             "run square.off --no-such",
-            "unexpected argument '--no-such' found",
+            "unexpected argument '--no-such' found; see --help",
         ),
         (
             "distance square.off -o x.csv",

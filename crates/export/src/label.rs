@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// The name of a source, or of several sources that a run starts from together. In files it is a
 /// number if it is one vertex, else a string.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "a vertex number or a text is expected")]
 pub enum SourceLabel {
     /// A vertex, numbered from 0 in the order of the file.
     Vertex(u32),

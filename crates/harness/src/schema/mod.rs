@@ -802,7 +802,7 @@ pub(crate) mod counters_as_map {
 
     /// The value of a counter in a file.
     #[derive(Clone, Copy, Deserialize)]
-    #[serde(untagged)]
+    #[serde(untagged, expecting = "a number is expected")]
     enum CounterValue {
         Count(u64),
         Real(f64),
@@ -818,7 +818,8 @@ pub(crate) mod counters_as_map {
             match figure(counter.key()) {
                 Some(CounterValue::Count(count)) => counters.set(counter, count),
                 Some(CounterValue::Real(_)) => {
-                    return Err(D::Error::custom("a count is not whole"));
+                    let problem = format!("`{}` is no whole number", counter.key());
+                    return Err(D::Error::custom(problem));
                 }
                 None => {}
             }
@@ -835,6 +836,16 @@ pub(crate) mod counters_as_map {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_count_that_is_none_is_named_without_a_name_of_the_code() {
+        let problem = |text: &str| {
+            let value: serde_json::Value = serde_json::from_str(text).unwrap();
+            counters_as_map::deserialize(value).unwrap_err().to_string()
+        };
+        assert_eq!(problem(r#"{"levels": 1.5}"#), "`levels` is no whole number");
+        assert_eq!(problem(r#"{"levels": "many"}"#), "a number is expected");
+    }
 
     #[test]
     fn phases_are_shares_of_a_time() {

@@ -222,7 +222,10 @@ pub(super) enum Paper {
 }
 
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "a number, a list of numbers or the name of a table is expected"
+)]
 enum WrittenPaper {
     Number(f64),
     Numbers(Vec<f64>),

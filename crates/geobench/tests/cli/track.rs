@@ -332,20 +332,33 @@ fn a_pull_request_may_change_programs_build_and_files() {
     };
     // A program that the base does not have.
     let programs = sandbox.read("mine/benchmarks/programs.toml");
-    let more = programs.replace("[ext.solver]", "[ext.more]");
-    sandbox.write("mine/benchmarks/programs.toml", &(programs + &more));
     let suite = sandbox.read("mine/benchmarks/suite.toml");
-    let suite = suite.replace("\"ext:solver\"", "\"ext:solver\", \"ext:more\"");
-    sandbox.write("mine/benchmarks/suite.toml", &suite);
-    commit(&sandbox, "more");
-    let (status, shown) = gate(&[("RULES", "missing=0")]);
+    let add = |name: &str| {
+        let more = programs.replace("[ext.solver]", &format!("[ext.{name}]"));
+        sandbox.write("mine/benchmarks/programs.toml", &(programs.clone() + &more));
+        let both = format!("\"ext:solver\", \"ext:{name}\"");
+        let suite = suite.replace("\"ext:solver\"", &both);
+        sandbox.write("mine/benchmarks/suite.toml", &suite);
+        commit(&sandbox, name);
+    };
+    add("more");
+    let (status, shown) = gate(&[]);
     assert_eq!(status, 0, "{shown}");
-    assert!(shown.contains("the base runs its own suite"), "{shown}");
-    assert!(shown.contains("ext:more"), "{shown}");
+    assert!(shown.contains("both run the suite of the base"), "{shown}");
+    assert!(shown.contains("ext:solver"), "{shown}");
     // What mends the build of the base passes.
     let (status, shown) = gate(&[("BUILD", "grep -q ext.more benchmarks/programs.toml")]);
     assert_eq!(status, 0, "{shown}");
     assert!(shown.contains("The base does not build"), "{shown}");
+    // Another program in its place: neither commit has all programs of the other.
+    add("other");
+    let (status, shown) = gate(&[("RULES", "time=1000000%")]);
+    assert_eq!(status, 0, "{shown}");
+    assert!(shown.contains("the base runs its own suite"), "{shown}");
+    assert!(
+        shown.contains("ext:more") && shown.contains("ext:other"),
+        "{shown}"
+    );
     // A pattern of paths matches a file that is removed.
     for name in ["a.c", "b.c"] {
         sandbox.write(&format!("mine/src/{name}"), "");

@@ -294,10 +294,21 @@ impl<'a> LineSearch<'a> {
             } else {
                 window
             };
-            if own.b0 < own.b1 {
+            if own.b0 < own.b1 && !self.is_blind(h, &own, longest) {
                 self.add([out, h], own, parent, longest);
             }
         }
+    }
+
+    /// Whether the face of `h` leads to its apex only, and that is too far for any line of `window`.
+    /// Most faces at an edge of many are like that, and a search comes to all of them.
+    fn is_blind(&self, h: HalfEdgeId, window: &Window, longest: f64) -> bool {
+        let mesh = self.mesh;
+        let [_, height] = mesh.apex(h);
+        let least = self.least(mesh.apex_vertex(h)) + height - window.py;
+        let mut others = [h.next(), h.prev()].into_iter();
+        least > self.distance + self.slack + PLACE * longest
+            && others.all(|side| mesh.is_boundary_edge(side))
     }
 
     fn add(

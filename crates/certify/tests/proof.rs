@@ -7,6 +7,7 @@ use geobench_certify::{Bound, Claim, ClaimError, FailurePlace, PathPoint, Window
 use geobench_mesh::threads::Threads;
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, TriangleSoup, VertexId};
 use geobench_mmp::{Mmp, mmp, windows_of};
+use geobench_oracle::nasty::Kind;
 use geobench_oracle::{Geometry, zoo};
 use geobench_window::Solver;
 
@@ -331,6 +332,24 @@ fn windows_on_a_tiny_border_edge_failed_the_proof() {
             assert!(bound.relative < 1e-11, "{scale}: {}", bound.relative);
         }
     }
+}
+
+/// Thousands of windows of an edge are equal up to rounding. All pairs of them were compared, between
+/// all places where two seemed to meet: no end in minutes.
+#[test]
+fn a_proof_of_a_sheet_without_area_ends() {
+    let model = Kind::Heap.mesh(86947).model;
+    let soup = TriangleSoup::new(model.positions().unwrap().to_vec(), model.triangles.clone());
+    let (mesh, _) = Mesh::from_soup(soup).unwrap();
+    let sources: Vec<VertexId> = model.sources.iter().copied().map(VertexId::new).collect();
+    let mut solver = mmp(&mesh);
+    let distances = solver.solve(&sources).unwrap().distances;
+    let windows = windows(&mesh, &solver);
+    let most = windows.iter().map(Vec::len).max();
+    assert!(most > Some(500), "{most:?}");
+    let claim = Claim::new(&mesh, &sources, &distances).unwrap();
+    let bound = claim.not_too_long(|h| windows[h.index()].iter().copied());
+    assert!(bound.pieces < 40_000, "{} pieces", bound.pieces);
 }
 
 #[test]

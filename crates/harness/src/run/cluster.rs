@@ -301,7 +301,7 @@ impl ClusterDirectory {
              # 1: some cells failed; 2: some models were refused. Both are results, if there is a file.\n\
              [ \"$status\" -le 2 ] && [ -e \"$result\" ] || exit \"$status\"\n\
              mv \"$result\" {dir}/parts/\"$part\".json\n",
-            directives(&options)
+            directives(&options)?
         ))
     }
 
@@ -325,7 +325,7 @@ impl ClusterDirectory {
              files=(parts/+([0-9]).json)\n\
              echo \"${{#files[@]}} of {} parts are done\"\n\
              exec {program} merge \"${{files[@]}}\" -o result.json -o result.csv\n",
-            directives(&options),
+            directives(&options)?,
             jobs.parts
         ))
     }
@@ -416,9 +416,16 @@ fn time_option(seconds: u64) -> String {
 }
 
 /// Options of `sbatch` as lines of a script.
-fn directives(options: &[String]) -> String {
+///
+/// # Errors
+///
+/// If one has a line break, behind which it would be a command of the script.
+fn directives(options: &[String]) -> anyhow::Result<String> {
+    if let Some(option) = options.iter().find(|option| option.contains(['\n', '\r'])) {
+        bail!("{option:?}: no option of sbatch may have a line break");
+    }
     let line = |option: &String| format!("#SBATCH {}", shell(option));
-    options.iter().map(line).collect::<Vec<_>>().join("\n")
+    Ok(options.iter().map(line).collect::<Vec<_>>().join("\n"))
 }
 
 fn write(script: &Path, text: &str) -> anyhow::Result<()> {
@@ -565,6 +572,10 @@ mod tests {
         let merge = directory.text_of_merge(&jobs()).unwrap();
         assert!(merge.contains("--partition=fast"));
         assert!(!merge.contains("--exclusive"));
+        // A line break would end the comment that Slurm reads.
+        let directory = ClusterDirectory::new(Path::new("/data/x\ntouch y")).unwrap();
+        let error = directory.text_of_part(&jobs()).unwrap_err().to_string();
+        assert!(error.ends_with("may have a line break"), "{error}");
     }
 
     #[test]

@@ -287,3 +287,35 @@ fn spawn_wedges_beside_edges_below_rounding_were_anywhere() {
         }
     }
 }
+
+/// A window that does not see vertex 1 had a path to it that is as long, up to rounding, as the
+/// straight one of another window. The bent path is 3e-9 of the edge beside the straight one, and
+/// the rays between both were cut. They alone lead to vertex 4, beside vertex 1.
+#[test]
+fn a_path_that_is_hardly_bent_cut_the_rays_beside_it() {
+    let positions = vec![
+        [0.0, 0.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [1.0, 0.0, 1.0],
+        [1.0, 0.0, 0.0],
+        [0.0, -0.9999999990686774, 2e-9],
+        [0.6666666618548334, 0.0, 0.3333333309274167],
+        [0.6666666690725833, 0.0, 0.33333333814516664],
+        [0.9166662446223199, 0.0, 0.8333324883133173],
+        [0.9166668080724776, 0.0, 0.8333336154464632],
+    ];
+    let faces = [
+        [1, 0, 4],
+        [1, 3, 0],
+        [3, 5, 0],
+        [0, 6, 2],
+        [0, 5, 6],
+        [6, 8, 2],
+        [6, 7, 8],
+    ];
+    let mesh = Mesh::new(positions, faces.to_vec()).unwrap();
+    for (name, mut solver) in solvers(&mesh) {
+        let found = solver.solve(&[7.into()]).unwrap().distances[4];
+        assert!((found - 2.049728034883385).abs() < 1e-14, "{name}: {found}");
+    }
+}

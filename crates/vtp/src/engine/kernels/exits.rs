@@ -19,6 +19,10 @@ const SLACK: f64 = MARGIN;
 /// above [`RESOLUTION`]. A source no farther than its own rounding counts as close as well.
 const CLOSE: f64 = RESOLUTION;
 
+/// How far from the straight line to the apex, as a fraction of the half-edge and of the path, a path
+/// may enter so that lengths hardly tell whether it is bent: a detour by δ is longer by 2·δ² or more.
+const HARDLY_BENT: f64 = 2.0 * RESOLUTION;
+
 /// Windows that enter a face, and the sides on which their rays leave.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rays<L: Lanes> {
@@ -109,12 +113,18 @@ impl Rule for Free {
 /// them before S. All rays right of S are crossed if q is right of the window's last ray and the
 /// window's source is left of the best path. The left side is symmetric.
 ///
+/// Of a window that does not see C, the path is bent at S. If it is bent by less than lengths tell,
+/// another window may see C by a path as long, which enters on the side of the straight line from q
+/// to C. So rays between S and that line leave on either side.
+///
 /// The rule as printed (proposition 4.1 of Qin et al. 2016) drops a window's whole side by
 /// comparing where rays to C enter. That is unsound where intervals overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct BestPath {
     /// The abscissa at which it crosses the half-edge.
     pub(crate) entry: f64,
+    /// The abscissas between which paths may enter that are as short up to rounding.
+    entries: [f64; 2],
     /// Its source.
     pub(crate) source: [f64; 2],
     /// The bound of the rounding error of sources, in addition to that of their own coordinates.
@@ -135,6 +145,7 @@ impl BestPath {
         let (slack, close) = (SLACK * size + blur, -(CLOSE * size + blur));
         Self {
             entry,
+            entries: [entry; 2],
             source,
             blur,
             slack,
@@ -162,7 +173,16 @@ impl BestPath {
         } else {
             sp
         };
-        Self::new(entry, [px, py], gate.l + distance, blur(gate.longest))
+        let size = gate.l + distance;
+        let mut path = Self::new(entry, [px, py], size, blur(gate.longest));
+        // How far the entry is from the straight line, times the length of the line.
+        let (run, rise) = (apex[0] - px, apex[1] - py);
+        let across = (sp - entry) * rise;
+        let limit = HARDLY_BENT * size;
+        if across * across <= limit * limit * (run * run + rise * rise) {
+            path.entries = [sp.min(entry), sp.max(entry)];
+        }
+        path
     }
 
     /// The shortest path of `list` to the apex behind `gate`, and its length. By the windows alone
@@ -238,10 +258,11 @@ impl Rule for BestPath {
     #[inline(always)]
     fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L> {
         let Windows { b0, b1, py, .. } = rays.windows;
-        let (entry, slack) = (L::splat(simd, self.entry), L::splat(simd, self.slack));
+        let [first, last] = self.entries;
+        let slack = L::splat(simd, self.slack);
         let (least, close) = (L::splat(simd, self.least_slack), L::splat(simd, self.close));
         let slack = L::select(py.lt(close), least, slack);
-        let (before, behind) = (entry - slack, entry + slack);
+        let (before, behind) = (L::splat(simd, first) - slack, L::splat(simd, last) + slack);
         let mut left = rays.kept & b0.lt(behind);
         let mut right = rays.kept & before.lt(b1);
         let mut cut_left = left & behind.lt(b1) & (behind * rays.e).lt(rays.d);

@@ -90,8 +90,8 @@ pub(crate) const GAP: f64 = 1e-12;
 /// The number of pieces up to which all pairs are compared.
 const AT_ONCE: usize = 24;
 
-/// Two functions that differ by no more than this fraction are one in a merge. Their noise would
-/// make pieces at each merge.
+/// Two functions that differ by no more than this fraction are equal up to rounding. In a merge they
+/// are one: their noise would make pieces at each merge.
 const EQUAL: f64 = 4.0 * f64::EPSILON;
 
 /// Converts a window of a half-edge of this length to a piece. With `turned`, the canonical
@@ -290,8 +290,17 @@ impl EnvelopeBuilder {
                     all.all(|[a, b]| (a - b).abs() <= equal * a)
                 };
                 if !stay_apart(&at_ends[i], &at_ends[j]) && !is_equal() {
+                    let known = meetings.len();
                     let found = crossings(a, b).into_iter();
                     meetings.extend(found.filter(|&t| t > from && t < to));
+                    let above = [0, 1].map(|end| {
+                        let [a, b] = [at_ends[i][end][0], at_ends[j][end][0]];
+                        let by = a - b;
+                        if by.abs() > EQUAL * a { by } else { 0.0 }
+                    });
+                    if meetings.len() == known && above[0] * above[1] < 0.0 {
+                        meetings.push(bisected_crossing(a, b, from, to));
+                    }
                 }
             }
         }
@@ -345,6 +354,25 @@ fn crossings(a: &EnvelopePiece, b: &EnvelopePiece) -> [f64; 2] {
         }
     }
     roots
+}
+
+/// The abscissa between these two at which functions are equal of which each is less at one of them.
+/// Rounding hides it from [`crossings`] if there is another one nearby, beyond the edge.
+#[cold]
+fn bisected_crossing(a: &EnvelopePiece, b: &EnvelopePiece, mut from: f64, mut to: f64) -> f64 {
+    let is_above = |t: f64| a.at(t) > b.at(t);
+    let first = is_above(from);
+    loop {
+        let middle = f64::midpoint(from, to);
+        if middle <= from || middle >= to {
+            return middle;
+        }
+        if is_above(middle) == first {
+            from = middle;
+        } else {
+            to = middle;
+        }
+    }
 }
 
 /// The real roots of `a x² + b x + c`; a missing root is NaN or infinite.
@@ -425,6 +453,31 @@ mod tests {
         for pieces in [[along, beside], [beside, along]] {
             assert_eq!(lower_envelope(&pieces, 1.0), [along]);
         }
+    }
+
+    /// `near-duplicates` 3 of the fuzzer: of two paths to a vertex one is longer by 4e-9. Its window
+    /// ends at the vertex, and is as long as the way through the vertex both 2e-9 before the end of
+    /// the edge and 2e-8 behind it. Only the second place was found, so the vertex was 4e-9 too far.
+    #[test]
+    fn two_meetings_beside_the_end_of_an_edge_are_told_apart() {
+        let length = 2.73861280998058;
+        let window = EnvelopePiece {
+            from: 0.0,
+            to: length,
+            image: [-0.9585144671592644, 2.565394708014633],
+            sigma: 0.0,
+        };
+        let vertex = EnvelopePiece {
+            image: [length, 0.0],
+            sigma: 4.500000008275856,
+            ..window
+        };
+        let found = lower_envelope(&[window, vertex], length);
+        let [first, last] = found[..] else {
+            panic!("{found:?}")
+        };
+        assert!(first.is_same_function(&window) && last.is_same_function(&vertex));
+        assert!(length - last.from > 2e-9 && length - last.from < 3e-9);
     }
 
     /// The windows of 3,000 faces at one edge, equal up to rounding: all pairs were compared.

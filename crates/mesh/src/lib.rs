@@ -32,6 +32,7 @@
 
 mod build;
 mod corner;
+mod curve;
 mod defect;
 mod disjoint_sets;
 mod edges;
@@ -64,6 +65,7 @@ mod validate;
 pub mod vector;
 mod weld;
 
+pub use curve::{Curve, CurveError, CurveSegment};
 pub use defect::{Defect, DefectKind, FileForm, LONGEST_EDGE, SHORTEST_EDGE, Severity};
 pub use disjoint_sets::DisjointSets;
 pub use frames::FaceShapes;

@@ -312,6 +312,42 @@ impl Mesh {
         }
     }
 
+    /// All faces that contain `point`, each once, with its barycentric coordinates there. None at
+    /// an isolated vertex.
+    ///
+    /// # Errors
+    ///
+    /// If the point is not one of this mesh.
+    pub fn faces_of(&self, point: &SurfacePoint) -> Result<Vec<(FaceId, [f64; 3])>, PointError> {
+        let at = |h: HalfEdgeId, [tail, head]: [f64; 2]| {
+            let mut all = [0.0; 3];
+            all[h.corner() as usize] = tail;
+            all[h.next().corner() as usize] = head;
+            (h.face(), all)
+        };
+        Ok(match point.place {
+            Place::Vertex(v) => {
+                self.point_at_vertex(v)?;
+                let corners = self.outgoing(self.kept_vertex(v)).iter();
+                corners.map(|&h| at(h, [1.0, 0.0])).collect()
+            }
+            Place::Edge(h, weights) => {
+                self.check_face(h.face())?;
+                let sides = self.along_edge(h);
+                let sides = sides.map(|side| {
+                    let [tail, head] = weights;
+                    let is_turned = self.tail(side) != self.tail(h);
+                    at(side, if is_turned { [head, tail] } else { weights })
+                });
+                sides.collect()
+            }
+            Place::Face(face, weights) => {
+                self.check_face(face)?;
+                vec![(face, weights)]
+            }
+        })
+    }
+
     /// The position of `point`; `None` for a mesh built from lengths alone and for a point of
     /// another mesh.
     pub fn position_of(&self, point: &SurfacePoint) -> Option<[f64; 3]> {

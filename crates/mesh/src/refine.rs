@@ -345,7 +345,7 @@ impl Mesh {
         })
     }
 
-    fn check_face(&self, face: FaceId) -> Result<(), PointError> {
+    pub(crate) fn check_face(&self, face: FaceId) -> Result<(), PointError> {
         let faces = self.face_count();
         if face.index() < faces {
             Ok(())

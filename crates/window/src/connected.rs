@@ -18,7 +18,7 @@ use crate::queue::Heap;
 /// edges, if the run left no shorter path open. O(n) if there are none; else O(n log n) for n
 /// vertices of this kind, and the edges of the lesser of the reached and the other vertices.
 #[inline]
-pub(crate) fn reach_over_edges<P: Probe>(mesh: &Mesh, distances: &mut [f64], probe: &mut P) {
+pub fn reach_over_edges<P: Probe>(mesh: &Mesh, distances: &mut [f64], probe: &mut P) {
     let missing = distances.iter().filter(|d| d.is_infinite()).count();
     if missing > 0 {
         reach_missing(mesh, distances, missing, probe);

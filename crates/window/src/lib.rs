@@ -36,6 +36,7 @@ pub mod precision;
 mod prefetch;
 mod probe;
 pub mod queue;
+mod rays;
 pub mod simd;
 mod solver;
 mod spawn;
@@ -44,7 +45,7 @@ pub mod trimming;
 mod wavefront;
 mod window;
 
-pub use connected::reach_along_edge;
+pub use connected::{reach_along_edge, reach_over_edges};
 pub use counters::{Counter, Counters};
 pub use crossing::{Crossing, length_past_end};
 pub use crossings::{CrossedChild, Crossings, LANES};
@@ -56,6 +57,7 @@ pub use phases::{PhaseProbe, PhaseSampler, Phases};
 pub use points::at_points;
 pub use prefetch::{prefetch, prefetch_line};
 pub use probe::{Count, Phase, Probe};
+pub use rays::{Beam, CrossedRays, Rays};
 pub use solver::{
     CompiledRuns, Observer, Propagate, Solution, SolveError, Solver, Sources, check_sources,
 };

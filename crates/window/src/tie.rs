@@ -23,6 +23,15 @@ impl TiePoints {
         ties
     }
 
+    /// The finite ones of `points`.
+    pub(crate) fn of(points: [f64; 2]) -> Self {
+        let mut ties = Self::default();
+        let [x, y] = points;
+        let ascending = if y < x { [y, x] } else { points };
+        ascending.into_iter().for_each(|x| ties.push(x));
+        ties
+    }
+
     #[inline]
     fn push(&mut self, x: f64) {
         if x.is_finite() {

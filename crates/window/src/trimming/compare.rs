@@ -6,7 +6,8 @@
 
 use std::cmp::Ordering;
 
-use super::foot::{does_new_win, grazes, may_be_foot};
+use super::contender::Contender;
+use super::foot::{does_new_win, may_be_foot};
 use crate::precision::{GRAIN, PLACE};
 use crate::tie::{TiePoints, tie_points};
 use crate::window::{Window, greater, less};
@@ -21,7 +22,7 @@ use crate::window::{Window, greater, less};
 /// the rounding of the edge.
 #[inline(always)]
 #[allow(clippy::inline_always)] // Twice in each comparison.
-fn doubt(d: f64, l: f64) -> f64 {
+pub(super) fn doubt(d: f64, l: f64) -> f64 {
     GRAIN * d + PLACE * l
 }
 
@@ -36,7 +37,7 @@ const LESS: f64 = 1.0 / 16.0;
 /// bent paths of a sliver's neighbours are as short as its own, to far below rounding. The
 /// exception is a source on the edge, behind a face of no area: rays of all directions pass through
 /// so small a width. Hence the limit by the distance of the source.
-const SLIVER: f64 = 1e-10;
+pub(super) const SLIVER: f64 = 1e-10;
 
 /// Width on which the distances of a window are taken to be linear, in units of the height of its
 /// source over the edge: some √(2·[`GRAIN`]). See [`is_straight`].
@@ -295,12 +296,12 @@ pub(super) fn is_sent_again(old: &Window, new: &Window) -> bool {
 /// stays, with one exception. If the source of the old one is on the edge and that of the new one
 /// is not, a smaller difference is enough: all directions of the old one pass through its foot, and
 /// the rest of it has one direction, along the edge.
-pub(super) fn is_new_shorter(old: &Window, new: &Window, start: f64, end: f64, l: f64) -> bool {
-    if is_sent_again(old, new) {
+pub(super) fn is_new_shorter<W: Contender>(old: &W, new: &W, start: f64, end: f64, l: f64) -> bool {
+    if W::is_sent_again(old, new) {
         return true;
     }
     let compare = |x: f64| {
-        let (held, offered) = (old.distance(x), new.distance(x));
+        let (held, offered) = (old.offers(x), new.offers(x));
         if held - offered > doubt(held, l) {
             Ordering::Less
         } else if offered - held > doubt(held, l) {
@@ -315,10 +316,8 @@ pub(super) fn is_new_shorter(old: &Window, new: &Window, start: f64, end: f64, l
             let ends = [compare(start), compare(end)];
             if ends == [Ordering::Equal; 2] {
                 let x = 0.5 * (start + end);
-                let (held, offered) = (old.distance(x), new.distance(x));
-                grazes(old, l)
-                    && !grazes(new, l)
-                    && held - offered > LESS * GRAIN * held + PLACE * l
+                let (held, offered) = (old.offers(x), new.offers(x));
+                old.grazes(l) && !new.grazes(l) && held - offered > LESS * GRAIN * held + PLACE * l
             } else {
                 ends.contains(&Ordering::Less) && !ends.contains(&Ordering::Greater)
             }

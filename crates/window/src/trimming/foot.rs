@@ -16,6 +16,7 @@
 //! two such feet is compared at its own place.
 
 use super::compare::is_sent_again;
+use super::contender::Contender;
 use crate::precision::{GRAIN, PLACE};
 use crate::window::Window;
 
@@ -59,7 +60,7 @@ pub(super) fn grazes(w: &Window, l: f64) -> bool {
 
 /// Whether all of `w` is a foot.
 #[inline]
-fn is_foot(w: &Window, l: f64) -> bool {
+pub(super) fn is_foot(w: &Window, l: f64) -> bool {
     foot(w, l) == Some([w.b0, w.b1])
 }
 
@@ -90,19 +91,20 @@ pub(super) fn does_new_win(old: &Window, new: &Window, l: f64) -> Option<bool> {
 }
 
 /// Whether `w` contains the foot of `foot` and is shorter there by more than rounding.
-fn is_shorter_at_foot(w: &Window, foot: &Window, l: f64) -> bool {
-    w.b0 <= foot.px && foot.px <= w.b1 && is_shorter_at(foot.px, w, foot, l)
+pub(super) fn is_shorter_at_foot<W: Contender>(w: &W, foot: &Window, l: f64) -> bool {
+    let [b0, b1] = w.interval();
+    b0 <= foot.px && foot.px <= b1 && is_shorter_at(foot.px, w, foot, l)
 }
 
 /// Whether `w` is shorter than `other` at abscissa `x` by more than rounding.
-fn is_shorter_at(x: f64, w: &Window, other: &Window, l: f64) -> bool {
+fn is_shorter_at<W: Contender>(x: f64, w: &W, other: &Window, l: f64) -> bool {
     let d = other.distance(x);
-    w.distance(x) < d - (GRAIN * d + PLACE * l)
+    w.offers(x) < d - (GRAIN * d + PLACE * l)
 }
 
 /// The greatest slope at which a ray to the edge runs along it. A path that bends by so much is
 /// longer by 5e-19 of its length, a hundredth of its rounding.
-const ALONG: f64 = 1e-9;
+pub(super) const ALONG: f64 = 1e-9;
 
 /// `w`, whose source is on the edge, with the ends of the edge to which its outermost rays lead.
 ///

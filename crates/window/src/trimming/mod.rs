@@ -6,6 +6,7 @@
 //! thin faces, for algorithms that store no others.
 
 mod compare;
+mod contender;
 mod foot;
 mod insertion;
 mod kept;

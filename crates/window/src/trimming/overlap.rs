@@ -1,8 +1,10 @@
 //! Division of the overlap of a new window and the stored windows that it meets, in the general
 //! case.
 
-use super::compare::{is_new_shorter, is_sliver, matters, ties_between};
-use super::foot::{does_new_win, may_be_foot};
+use super::compare::is_new_shorter;
+use super::contender::Contender;
+use super::foot::may_be_foot;
+use crate::rays::Rays;
 use crate::window::Window;
 
 /// The window that is shorter on a range.
@@ -54,15 +56,28 @@ impl Overlap {
     /// Divides the union of `met` and `new`, on an edge of length `l`, into ranges with one owner
     /// each. Slivers are left out.
     pub fn share_out(&mut self, met: &[Window], new: &Window, l: f64) {
+        self.divide(met, new, l);
+    }
+
+    /// As [`share_out`](Self::share_out), for windows of points and of segments.
+    pub fn share_out_rays(&mut self, met: &[Rays], new: &Rays, l: f64) {
+        self.divide(met, new, l);
+    }
+
+    fn divide<W: Contender>(&mut self, met: &[W], new: &W, l: f64) {
         self.segments.clear();
-        let mut covered = new.b0;
+        let [b0, b1] = new.interval();
+        let mut covered = b0;
         for (i, w) in met.iter().enumerate() {
             let old = Owner::Old(i);
-            let (lo, hi) = (w.b0.max(new.b0), w.b1.min(new.b1));
-            self.grant(covered, w.b0, Owner::New);
-            self.grant(w.b0, lo, old);
+            let [first, last] = w.interval();
+            let (lo, hi) = (first.max(b0), last.min(b1));
+            self.grant(covered, first, Owner::New);
+            self.grant(first, lo, old);
             // Ranges that are slivers of both windows are not worth a trim.
-            let matters = |start, end| matters(w, new, start, end, l);
+            let matters = |start: f64, end: f64| {
+                start < end && !(w.is_sliver(start, end, l) && new.is_sliver(start, end, l))
+            };
             let winner = |start, end| {
                 if is_new_shorter(w, new, start, end, l) {
                     Owner::New
@@ -72,11 +87,11 @@ impl Overlap {
             };
             let mut start = lo;
             if may_be_foot(hi - lo, l)
-                && let Some(wins) = does_new_win(w, new, l)
+                && let Some(wins) = W::does_new_win(w, new, l)
             {
                 self.grant(lo, hi, if wins { Owner::New } else { old });
             } else if matters(lo, hi) {
-                for &tie in ties_between(w, new, lo, hi, l).as_slice() {
+                for &tie in W::ties_between(w, new, lo, hi, l).as_slice() {
                     if matters(start, tie) && matters(tie, hi) {
                         self.grant(start, tie, winner(start, tie));
                         start = tie;
@@ -86,16 +101,16 @@ impl Overlap {
             } else {
                 self.grant(start, hi, old);
             }
-            self.grant(hi, w.b1, old);
+            self.grant(hi, last, old);
             covered = hi;
         }
-        self.grant(covered, new.b1, Owner::New);
+        self.grant(covered, b1, Owner::New);
         self.segments.retain(|s| {
             let owner = match s.owner {
                 Owner::New => new,
                 Owner::Old(k) => &met[k],
             };
-            !is_sliver(owner, s.start, s.end, l)
+            !owner.is_sliver(s.start, s.end, l)
         });
     }
 

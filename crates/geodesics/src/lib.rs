@@ -78,6 +78,21 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! A source can be a [`Curve`]: a polyline on the surface, a loop, a border. Distances are exact from
+//! every point of it:
+//!
+//! ```
+//! use geodesics::{Curve, Mesh, Stop, distances_from_curves};
+//!
+//! let mesh = Mesh::generate("grid,n=4")?;
+//! let inside = mesh.point_in_face(0.into(), [0.2, 0.3, 0.5])?;
+//! let mut curves: Vec<Curve> = mesh.borders();
+//! curves.push(Curve::new([inside, mesh.face_vertices(0.into())[2].into()]));
+//! let distances = distances_from_curves(&mesh, &curves, f64::INFINITY, &Stop::default())?;
+//! assert_eq!(distances[12], 2.0); // The middle of the grid, from its border.
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! [`Diagram`] divides the surface among several sources. [`Certificate`] proves the error of
 //! distances:
 //!
@@ -163,9 +178,10 @@ pub use geobench_isolines::{
     CircleArc, DistanceField, FieldError, Isoline, Line, QueryError, TooManyLevels,
 };
 pub use geobench_mesh::{
-    InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined, SurfacePoint,
+    Curve, CurveError, InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined, SurfacePoint,
     TriangleSoup, VertexId, Weld, WeldError, generate, io,
 };
+pub use geobench_mmp::{CurveSourceError, distances_from_curves};
 pub use geobench_paths::{LineError, Path, PathError, PathPlace, Paths, line};
 pub use geobench_voronoi::{
     Diagram, Dual, FieldSolver, Quality, RemeshError, RemeshOptions, Remeshed, SurfaceDeviation,

@@ -34,6 +34,7 @@
 //! Nearest first, the time is O(n² log n) for n faces. No bound is known for batches with slack.
 
 mod batched;
+mod curves;
 mod eviction;
 mod single;
 
@@ -43,6 +44,7 @@ use geobench_window::continuous::Continuous;
 use geobench_window::queue::{Discipline, HeapQueue};
 
 pub use batched::{Batched, NearestLists};
+pub use curves::{CurveSourceError, distances_from_curves};
 pub use eviction::Retention;
 pub use single::{Carrier, Trimming, windows_of};
 

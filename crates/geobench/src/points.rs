@@ -3,15 +3,15 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use geobench_harness::exec::model::{largest_component, surface_components};
-use geobench_harness::exec::point_files::{Pair, pairs_in};
+use geobench_harness::exec::point_files::{Pair, curve_in, pairs_in};
 use geobench_harness::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
 use geobench_harness::plan::suite::options::{GoalOptions, SourceOption, TargetOption, Wanted};
 use geobench_harness::schema::SourceLabel;
 use geobench_harness::usage::read_text;
-use geobench_mesh::{Mesh, Refined, SurfacePoint, VertexId};
+use geobench_mesh::{Curve, CurveError, Mesh, Refined, SurfacePoint, VertexId};
 
 use crate::terminal;
 
@@ -76,6 +76,86 @@ impl PairsOption {
         let pairs = pairs_in(path, &text)?.into_iter();
         let pairs = pairs.map(|(points, place)| (points.map(|point| far.point(point)), place));
         Ok(Some(pairs.collect()))
+    }
+}
+
+/// Curves as sources.
+#[derive(Args, Debug)]
+pub(crate) struct CurvesOption {
+    /// A curve as source, from a file with its points in order, one SRC in each line. Two that
+    /// follow each other lie in one face, and a last point equal to the first closes the curve;
+    /// may be repeated. Distances of vertices only, by mmp
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with_all = ["each", "pairs", "target", "targets"]
+    )]
+    curve: Vec<PathBuf>,
+
+    /// The edges that have one face only as sources. Distances of vertices only, by mmp
+    #[arg(long, conflicts_with_all = ["each", "pairs", "target", "targets"])]
+    borders: bool,
+}
+
+impl CurvesOption {
+    /// The option that names the first one.
+    pub(crate) fn option(&self) -> &'static str {
+        if self.curve.is_empty() {
+            "--borders"
+        } else {
+            "--curve"
+        }
+    }
+
+    /// The files of curves.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.curve.iter().map(PathBuf::as_path)
+    }
+
+    /// The curves on `mesh`, each with its label. Notes on points that were moved are told, unless
+    /// `is_quiet`.
+    ///
+    /// # Errors
+    ///
+    /// If a file cannot be read, has no curve or one that does not lie on the mesh, or if borders are
+    /// asked for and there are none.
+    pub(crate) fn on(
+        &self,
+        mesh: &Mesh,
+        far: FarOption,
+        is_quiet: bool,
+    ) -> anyhow::Result<Vec<(SourceLabel, Curve)>> {
+        let mut all = Vec::new();
+        let mut locator = Locator::new(mesh);
+        for path in &self.curve {
+            let text = read_text(path).map_err(|error| anyhow!("{}: {error}", path.display()))?;
+            let lines = curve_in(path, &text)?;
+            let mut points = Vec::new();
+            for (spec, place) in &lines {
+                let found = locator.locate(far.point(*spec));
+                let found = found.with_context(|| place.clone())?;
+                terminal::notes(found.note().filter(|_| !is_quiet).as_slice());
+                points.push(found.point);
+            }
+            let curve = Curve::new(points);
+            curve.segments(mesh).map_err(|error| match error {
+                CurveError::Apart { ends } | CurveError::Ambiguous { ends, .. } => {
+                    anyhow!("{}: {error}", lines[ends[1]].1)
+                }
+                _ => anyhow!("{}: {error}", path.display()),
+            })?;
+            let label = format!("curve:{}", path.display());
+            all.push((SourceLabel::Other(label), curve));
+        }
+        if self.borders {
+            let borders = mesh.borders();
+            if borders.is_empty() {
+                bail!("--borders: each edge of the model has two faces or more");
+            }
+            let label = || SourceLabel::Other("borders".to_owned());
+            all.extend(borders.into_iter().map(|border| (label(), border)));
+        }
+        Ok(all)
     }
 }
 

@@ -19,14 +19,15 @@ use geobench_harness::plan::suite::options::{
 };
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::threads::Threads;
-use geobench_mesh::{Mesh, VertexId};
+use geobench_mesh::{Curve, Mesh, VertexId};
 use geobench_registry::{self as registry, Selection};
-use geobench_window::{Solver, precision};
+use geobench_window::{Solver, Stop, precision};
+use geodesics::distances_from_curves;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
 
 use crate::args::{AlgorithmOption, MODELS_HELP, QuietOption};
 use crate::isolation::ReadingOptions;
-use crate::points::{LocatedPoints, PairsOption, SourcesOptions};
+use crate::points::{CurvesOption, LocatedPoints, PairsOption, SourcesOptions};
 use crate::progress::TaskBar;
 use crate::terminal;
 use crate::verdict::Verdict;
@@ -35,7 +36,7 @@ use crate::verdict::Verdict;
 #[command(
     after_help = MODELS_HELP,
     mut_arg("algo", |algo| algo.help(ALGORITHM_HELP)),
-    mut_arg("source", |source| source.required_unless_present("pairs")),
+    mut_arg("source", |source| source.required_unless_present_any(["pairs", "curve", "borders"])),
     mut_arg("threads", |threads| threads.help(THREADS_HELP)),
     mut_arg("simd", |simd| simd.help(WIDEST_SIMD_HELP)),
 )]
@@ -52,6 +53,9 @@ pub(crate) struct DistanceOptions {
 
     #[command(flatten)]
     pairs: PairsOption,
+
+    #[command(flatten)]
+    curves: CurvesOption,
 
     #[command(flatten)]
     algorithm: AlgorithmOption,
@@ -84,7 +88,7 @@ pub(crate) struct DistanceOptions {
 }
 
 const ALGORITHM_HELP: &str = "The algorithm [default: vtp-fast; mmp-fast on a model with edges of more \
-    than two faces, or one that cannot be oriented]";
+    than two faces, or one that cannot be oriented; mmp from curves and borders]";
 
 const THREADS_HELP: &str = "Threads that read the model, set up the solver and write the distances; \
     also of a parallel algorithm (pvtp, vsp, pch), or with --each so many sources at a time \
@@ -104,6 +108,7 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     let read = model.source_file().into_iter();
     let read = read.chain(options.sources.file());
     let read = read.chain(options.goal.target.file());
+    let read = read.chain(options.curves.files());
     let read: Vec<&Path> = read.chain(options.pairs.pairs.as_deref()).collect();
     // With `--each` the output only names the files of the sources.
     if options.matrix || !options.each {
@@ -124,16 +129,32 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     }
     let threads = Threads::start(options.threads.number())?;
     let mesh = threads.run(|| options.reading.mesh(&model, options.quiet.is_set))?;
+    let curves = options.curves.on(&mesh, far, options.quiet.is_set)?;
     let points = match &pairs {
         Some(pairs) => LocatedPoints::of_pairs(&mesh, pairs)?,
         None => LocatedPoints::new(&mesh, &sources, targets.as_deref(), &model.path)?,
     };
     if !options.quiet.is_set {
-        points.tell(&mesh, options.each || options.matrix);
+        if curves.is_empty() {
+            points.tell(&mesh, options.each || options.matrix);
+        } else {
+            terminal::notes(&points.notes);
+        }
     }
     let is_quiet = options.quiet.is_set || options.output == Path::new("-");
     let algorithm = options.algorithm.algo.clone();
-    let algorithm = algorithm.unwrap_or_else(|| registry::usual(&mesh));
+    let algorithm = match algorithm {
+        Some(algorithm) => algorithm,
+        None if curves.is_empty() => registry::usual(&mesh),
+        None => registry::select_one(OF_CURVES)?,
+    };
+    if !curves.is_empty() && algorithm.label() != OF_CURVES {
+        bail!(
+            "{}: sources of {} are points; {OF_CURVES} starts from curves",
+            options.curves.option(),
+            algorithm.label()
+        );
+    }
     let is_apart = options.each || options.matrix;
     let tasks = if is_apart { points.sources.len() } else { 1 };
     let row = format!("{}: distances by {}", model.name, algorithm.label());
@@ -149,6 +170,9 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         threads: &threads,
     };
     let summaries = match form {
+        DistanceOutput::Field(format) if !curves.is_empty() => {
+            vec![request.of_curves(format, &output, &curves)?]
+        }
         DistanceOutput::Field(format) if pairs.is_some() => vec![request.pairs(format, &output)?],
         DistanceOutput::Matrix(format) => vec![request.matrix(format, &output)?],
         DistanceOutput::Field(format) => request.fields(format, output)?,
@@ -161,6 +185,9 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     }
     Ok(Verdict::Passed)
 }
+
+/// The algorithm whose sources may be curves.
+const OF_CURVES: &str = "mmp";
 
 /// Maximum size in bytes of the rows of a matrix that are in memory, unless a single row is larger.
 const MOST_ROWS_BYTES: usize = 64 << 20;
@@ -270,6 +297,42 @@ impl DistanceCommand<'_> {
             };
             Ok(summary(&distances, noun, name, &task.path))
         })
+    }
+
+    /// Writes the distances from the nearest point of `curves` and the nearest source. Returns a
+    /// summary.
+    fn of_curves(
+        &self,
+        format: FieldFormat,
+        output: &OutputFile,
+        curves: &[(SourceLabel, Curve)],
+    ) -> anyhow::Result<String> {
+        let points = self.points.places.iter().map(|point| Curve::new([*point]));
+        let all: Vec<Curve> = points
+            .chain(curves.iter().map(|(_, curve)| curve.clone()))
+            .collect();
+        let mut labels = self.points.source_labels();
+        labels.extend(curves.iter().map(|(label, _)| label.clone()));
+        labels.dedup();
+        let radius = self.options.goal.spec().radius;
+        let limit = radius.unwrap_or(f64::INFINITY);
+        let distances = distances_from_curves(self.mesh, &all, limit, &Stop::default())?;
+        self.bar.done();
+        if let Some(doubt) = precision::doubt(self.mesh, &distances) {
+            self.warn(&doubt.to_string());
+        }
+        let field = DistanceFile {
+            model: self.model,
+            algorithm: self.algorithm.label(),
+            sources: &labels,
+            targets: FieldTargets::Vertices,
+            radius,
+            mesh: self.mesh,
+            distances: &distances,
+        };
+        output.write(&self.threads.run(|| format.render(&field))?)?;
+        let name = |place: usize| format!("vertex {place}");
+        Ok(summary(&distances, "vertex", name, &self.options.output))
     }
 
     /// Writes the distance of each pair, from one run for each different source. Returns a summary.

@@ -313,6 +313,73 @@ fn pairs_are_lines_of_a_file() {
 }
 
 #[test]
+fn curves_and_borders_are_sources_of_mmp_alone() {
+    let sandbox = Sandbox::with_square();
+    // From the middle of the diagonal to the middle of a side, and back.
+    sandbox.write(
+        "c.txt",
+        "edge:0-2,0.5\nedge:0-1,0.5 # there\nedge:0-2,0.5\n",
+    );
+    sandbox.write("side.txt", "0\n1\n");
+    let distances = |arguments: &str| {
+        sandbox.succeed(&format!(
+            "distance square.off {arguments} -o d.json --quiet"
+        ));
+        let json = sandbox.json("d.json");
+        assert_eq!(json["algorithm"], "mmp");
+        numbers(&json["distances"])
+    };
+    assert!(close(&distances("--curve c.txt"), &[0.5, 0.5, HALF, HALF]));
+    assert!(close(
+        &distances("--curve side.txt --algo mmp"),
+        &[0.0, 0.0, 1.0, 1.0]
+    ));
+    assert!(close(&distances("--borders"), &[0.0; 4]));
+    let found = distances("--curve c.txt --curve side.txt --source 3");
+    assert!(close(&found, &[0.0, 0.0, HALF, 0.0]));
+    assert_eq!(
+        sandbox.json("d.json")["sources"],
+        json!([3, "curve:c.txt", "curve:side.txt"])
+    );
+    let said = sandbox.succeed("distance square.off --curve c.txt --radius 0.6 -o d.csv");
+    assert!(said.stdout.contains("2 unreachable"), "{said:?}");
+
+    sandbox.write("apart.txt", "1\n\n3\n");
+    sandbox.write("bad.txt", "0\n9\n");
+    sandbox.write("list.txt", "0,1\n");
+    for (arguments, message) in [
+        (
+            "--curve c.txt --algo vtp",
+            "sources of vtp are points; mmp starts from curves",
+        ),
+        ("--borders --algo mmp{queue=fifo}", "mmp starts from curves"),
+        (
+            "--curve apart.txt",
+            "apart.txt, line 3: no face contains the points 0 and 1",
+        ),
+        (
+            "--curve bad.txt",
+            "bad.txt, line 2: 9: vertex 9 does not exist",
+        ),
+        (
+            "--curve list.txt",
+            "list.txt, line 1: a line of a curve has one point",
+        ),
+        ("--curve gone.txt", "gone.txt: "),
+        ("--curve c.txt --target 1", "cannot be used with"),
+        ("--borders --pairs c.txt", "cannot be used with"),
+    ] {
+        let said = sandbox.call(&format!("distance square.off {arguments} -o x.csv"));
+        assert!(said.code == 2 && said.stderr.contains(message), "{said:?}");
+    }
+    let said = sandbox.call("distance gen:sphere,subdiv=1 --borders -o x.csv");
+    assert!(
+        said.code == 2 && said.stderr.contains("two faces or more"),
+        "{said:?}"
+    );
+}
+
+#[test]
 fn targets_are_the_same_with_every_algorithm_and_thread() {
     let sandbox = Sandbox::new();
     let command = "distance gen:torus,faces=2000,bump=0.2,seed=3 --source face:7,0.2,0.3,0.5 \

@@ -104,6 +104,23 @@ pub fn pairs_in(path: &Path, text: &str) -> anyhow::Result<Vec<Pair>> {
     lines.into_iter().map(pair).collect()
 }
 
+/// Parses the points of a curve in `text`, the content of the file `path`: one in each line, in
+/// order, each with its place in the file.
+///
+/// # Errors
+///
+/// Names the first line that is not one point, or the file if it has none.
+pub fn curve_in(path: &Path, text: &str) -> anyhow::Result<Vec<(PointSpec, String)>> {
+    let all = points_in::<SourceSpec>(path, text, "point")?.into_iter();
+    all.map(|(points, place)| match points.single_points().as_deref() {
+        Some(&[point]) => Ok((point, place)),
+        _ => Err(anyhow!(
+            "{place}: a line of a curve has one point, such as `17` or `face:3,0.2,0.3,0.5`"
+        )),
+    })
+    .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -130,6 +147,34 @@ mod tests {
         }
         // Its first field is the source of a pair.
         assert!(read("source,target\n1,2\n").is_err());
+    }
+
+    #[test]
+    fn a_curve_has_one_point_in_each_line() {
+        let read = |text: &str| curve_in(Path::new("c.txt"), text);
+        let all = read("# a loop\n0\nedge:0-1,0.5\n\n0\n").unwrap();
+        let points = [0, 1, 0].map(|i| match i {
+            0 => PointSpec::Vertex(0),
+            _ => PointSpec::Edge([0, 1], 0.5),
+        });
+        assert_eq!(
+            all.iter().map(|(point, _)| *point).collect::<Vec<_>>(),
+            points
+        );
+        assert_eq!(all[2].1, "c.txt, line 5");
+        for line in ["0,1", "random:1", "all"] {
+            let error = read(line).unwrap_err().to_string();
+            assert!(
+                error.starts_with("c.txt, line 1: a line of a curve"),
+                "{error}"
+            );
+        }
+        assert!(
+            read("")
+                .unwrap_err()
+                .to_string()
+                .starts_with("c.txt: there is no point")
+        );
     }
 
     #[test]

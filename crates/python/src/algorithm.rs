@@ -11,6 +11,7 @@ use pyo3::exceptions::{PyImportError, PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::curve::curves;
 use crate::errors::{PrecisionWarning, path_error, solve_error};
 use crate::interrupt;
 use crate::path::{PyPath, tuples};
@@ -131,6 +132,9 @@ impl MeshAlgorithm {
         targets: Option<&Bound<'py, PyAny>>,
         with_nearest: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
+        if let Some(curves) = curves(source)? {
+            return self.distance_from_curves(py, curves, radius, targets, with_nearest);
+        }
         let points = self.resolve(source, targets.map(|targets| (targets, "targets")))?;
         let stop = Stop::default();
         let goal = goal(radius, points.targets.as_deref(), &stop)?;

@@ -12,6 +12,7 @@ mod algorithm;
 mod arrays;
 mod bench;
 mod certificate;
+mod curve;
 mod errors;
 mod field;
 mod from_arrays;
@@ -48,6 +49,7 @@ fn core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<solver::PySolver>()?;
     module.add_class::<field::PyField>()?;
     module.add_class::<points::PyPoint>()?;
+    module.add_class::<curve::PyCurve>()?;
     module.add_class::<path::PyPath>()?;
     module.add_class::<voronoi::PyVoronoi>()?;
     module.add_class::<voronoi::PyCell>()?;

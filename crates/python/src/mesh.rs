@@ -14,6 +14,7 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::algorithm::{MeshAlgorithm, named, one_path, selection};
 use crate::arrays;
+use crate::curve::{self, OF_CURVES, PyCurve};
 use crate::errors::{invalid, unreadable};
 use crate::field::PyField;
 use crate::from_arrays::{from_arrays, warn_of_copies};
@@ -449,15 +450,35 @@ impl PyMesh {
         Ok(vertex.raw())
     }
 
+    /// The edges that have one face only, as closed curves from vertex to vertex.
+    ///
+    /// Returns
+    /// -------
+    /// list of Curve
+    ///     Empty for a closed surface. A border is open where it ends at an edge of several faces.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import geodesics as gd
+    /// >>> mesh = gd.generate("grid,n=4")
+    /// >>> mesh.borders()
+    /// [<geodesics.Curve of 16 points, closed>]
+    /// >>> float(mesh.distance(mesh.borders()).max())
+    /// 2.0
+    fn borders(&self) -> Vec<PyCurve> {
+        PyCurve::borders(self.mesh())
+    }
+
     /// Distances from the nearest source. The algorithm is set up for this call; a `Solver` keeps
     /// its set-up for several calls.
     ///
     /// Parameters
     /// ----------
-    /// source : int, Point or sequence of these
+    /// source : int, Point, Curve or sequence of these
     ///     One or several sources: vertices, or points of the surface (`vertex`, `edge`, `face`,
     ///     `at`), also in arrays: vertex numbers, a mask of the vertices, positions of shape
     ///     (k, 3), or a tuple of faces and barycentric coordinates, of shapes (k,) and (k, 3).
+    ///     Curves are sources of the algorithm `"mmp"`; targets are then vertices.
     /// radius : float, optional
     ///     The search ends at this distance, in units of the mesh. Greater distances are `inf`.
     /// targets : int, Point or sequence of these, optional
@@ -466,7 +487,7 @@ impl PyMesh {
     ///     Whether to return the index of the nearest source as well.
     /// algorithm : str, optional
     ///     A name from `algorithms()`. The default is `"vtp-fast"`, or `"mmp-fast"` on a mesh with
-    ///     edges of more than two faces or one that cannot be oriented.
+    ///     edges of more than two faces or one that cannot be oriented, or `"mmp"` for curves.
     ///
     /// Returns
     /// -------
@@ -498,6 +519,10 @@ impl PyMesh {
         nearest: bool,
         algorithm: Option<&str>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let algorithm = match algorithm {
+            None if curve::curves(source)?.is_some() => Some(OF_CURVES),
+            given => given,
+        };
         self.algorithm(algorithm)?
             .distance(py, source, radius, targets, nearest)
     }

@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyByteArray, PyBytes, PyMapping, PyMemoryView, PyString, PyTuple};
 
 use crate::arrays;
+use crate::curve::PyCurve;
 
 /// A mesh, and the tree that finds the points of it nearest to positions, built on first use.
 #[derive(Clone)]
@@ -259,6 +260,10 @@ fn is_no_list(value: &Bound<'_, PyAny>) -> bool {
 }
 
 fn not_a_point(value: &Bound<'_, PyAny>, name: &str) -> PyErr {
+    if value.is_instance_of::<PyCurve>() {
+        let message = format!("{name}: a curve is no point; it is a source of `distance`, by mmp");
+        return PyTypeError::new_err(message);
+    }
     let shown = value
         .repr()
         .map_or_else(|_| "this".to_owned(), |text| text.to_string());

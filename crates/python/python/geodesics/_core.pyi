@@ -17,6 +17,7 @@ __all__ = [
     "Solver",
     "Field",
     "Point",
+    "Curve",
     "Path",
     "Voronoi",
     "Cell",
@@ -45,6 +46,7 @@ _Points = Union[
     NDArray[Union[np.integer[Any], np.floating[Any], np.bool_]],
     tuple[ArrayLike, NDArray[np.floating[Any]]],
 ]
+_Sources = Union[_Points, Curve, Iterable[Union[_Point, Curve]]]
 _Levels = Union[Sequence[float], NDArray[np.floating[Any]]]
 _Algorithm = Union[
     Literal[
@@ -104,6 +106,18 @@ class Point:
     def __deepcopy__(self, _memo: Any, /) -> Point: ...
 
 @final
+class Curve:
+    def __new__(cls, points: _Points, closed: bool = False) -> Curve: ...
+    @property
+    def points(self) -> list[Point]: ...
+    @property
+    def closed(self) -> bool: ...
+    def __len__(self, /) -> int: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+    __hash__: None  # type: ignore[assignment]
+
+@final
 class Mesh:
     def __new__(
         cls,
@@ -139,10 +153,11 @@ class Mesh:
     def locate(self, points: _Points) -> Location: ...
     def nearest_vertices(self, positions: ArrayLike) -> NDArray[np.int64]: ...
     def nearest_vertex(self, x: float, y: float, z: float) -> int: ...
+    def borders(self) -> list[Curve]: ...
     @overload
     def distance(
         self,
-        source: _Points,
+        source: _Sources,
         *,
         radius: float | None = None,
         targets: _Points | None = None,
@@ -242,7 +257,7 @@ class Solver:
     @overload
     def distance(
         self,
-        source: _Points,
+        source: _Sources,
         *,
         radius: float | None = None,
         targets: _Points | None = None,

@@ -16,7 +16,7 @@
 //! * [`distances`]: the oracle; [`search`] is the same with a limit on its work.
 //! * [`edge_graph_distances`], [`steiner_distances`], [`euclidean_distances`]: two upper bounds and
 //!   a lower bound that use no unfolding.
-//! * [`judge_path`]: whether a path is a shortest one.
+//! * [`judge_path`]: whether a path is a shortest one; [`judge_geodesic`]: whether it is locally so.
 //! * [`closed_forms`]: surfaces with formulas for their distances.
 //! * [`zoo`]: small surfaces with all features that have broken geodesic programs.
 //! * [`nasty`]: random meshes of kinds that break such programs.
@@ -41,7 +41,7 @@ pub use bounds::{edge_graph_distances, euclidean_distances, steiner_distances};
 pub use double_double::DoubleDouble;
 pub use flood::{GaveUp, Search, distances, search};
 pub use model::{Geometry, Model};
-pub use path::{JudgedPoint, PathFlaw, judge_path};
+pub use path::{JudgedPoint, PathFlaw, judge_geodesic, judge_path};
 pub use random::Random;
 pub use scalar::RealNumber;
 pub use subdivide::{Subdivision, subdivide};

@@ -147,11 +147,7 @@ pub fn judge_path<S: RealNumber>(
             if sources.contains(source) && *last == target => {}
         _ => return Err(PathFlaw::Ends),
     }
-    let at_vertices = (0..points.len()).filter(|&i| matches!(points[i], JudgedPoint::Vertex(_)));
-    let at_vertices: Vec<usize> = at_vertices.collect();
-    let pieces = at_vertices.windows(2);
-    let pieces = pieces.map(|ends| surface.piece(points, [ends[0], ends[1]]));
-    let pieces = pieces.collect::<Result<Vec<_>, _>>()?;
+    let pieces = surface.pieces(points)?;
     let mut triangles: Vec<(usize, usize)> = Vec::new();
     for piece in &pieces {
         triangles.extend(piece.triangles.iter().map(|&t| (t, piece.ends[0])));
@@ -160,42 +156,92 @@ pub fn judge_path<S: RealNumber>(
     if let Some(twice) = triangles.windows(2).find(|pair| pair[0].0 == pair[1].0) {
         return Err(PathFlaw::Broken(twice[1].1));
     }
-    let bends = pieces.windows(2).map(|pair| {
-        let directions = [pair[0].directions[1], pair[1].directions[0]];
-        surface.room(directions, [0, 1].map(|k| pair[k].straight.to_f64()))
-    });
-    let bends: Vec<Room> = bends.collect();
-    let longest = pieces.iter().map(|piece| piece.longest.to_f64());
-    let longest = longest.chain(bends.iter().map(|bend| bend.longest));
-    let rounding = PLACE * longest.fold(0.0, f64::max) * points.len() as f64;
-    let lengths = pieces.iter().map(|piece| piece.length);
-    let length = lengths.fold(S::zero(), |sum, l| sum + l);
-    // The distance may be the difference of greater ones, elsewhere on the surface.
-    let sides = surface.sides.iter().map(|side| side.length.to_f64());
-    let of_surface = PLACE * sides.fold(0.0, f64::max) * points.len() as f64;
-    for found in [S::from_f64(told), length] {
-        let by = (found - S::from_f64(distance)).to_f64();
-        if by.is_nan() || by.abs() > LENGTH * distance + of_surface {
-            return Err(PathFlaw::Length(by));
-        }
+    let joints: Vec<_> = pieces.windows(2).map(|pair| [&pair[0], &pair[1]]).collect();
+    surface.judge_pieces(&pieces, &joints, [distance, told])
+}
+
+/// Checks that `points`, from one vertex to another, are a geodesic: as [`judge_path`] for the
+/// distance `told`, which is its length as the program tells it; but the path may cross a triangle
+/// twice. If it is `closed`, it ends where it starts, and goes on there as at other vertices.
+///
+/// # Errors
+///
+/// What is wrong with the path.
+pub fn judge_geodesic<S: RealNumber>(
+    surface: &PreciseSurface<S>,
+    points: &[JudgedPoint],
+    closed: bool,
+    told: f64,
+) -> Result<(), PathFlaw> {
+    let is_vertex = |point: Option<&JudgedPoint>| matches!(point, Some(JudgedPoint::Vertex(_)));
+    if !is_vertex(points.first())
+        || !is_vertex(points.last())
+        || closed && points.first() != points.last()
+    {
+        return Err(PathFlaw::Ends);
     }
-    let is_bent = |by: f64, length: f64| by.is_nan() || by > STRAIGHT * length + rounding;
-    for piece in &pieces {
-        let (point, by) = piece.farthest;
-        if is_bent(by.to_f64(), piece.straight.to_f64()) {
-            return Err(PathFlaw::Bent(point, by.to_f64()));
-        }
+    let pieces = surface.pieces(points)?;
+    let mut joints: Vec<_> = pieces.windows(2).map(|pair| [&pair[0], &pair[1]]).collect();
+    if let (true, Some(first), Some(last)) = (closed, pieces.first(), pieces.last()) {
+        joints.push([last, first]);
     }
-    for (pair, bend) in pieces.windows(2).zip(bends) {
-        let [before, after] = [0, 1].map(|k| pair[k].straight.to_f64());
-        if is_bent(bend.room, before + after) {
-            return Err(PathFlaw::Bent(pair[0].ends[1], bend.room));
-        }
-    }
-    Ok(())
+    surface.judge_pieces(&pieces, &joints, [told; 2])
 }
 
 impl<S: RealNumber> PreciseSurface<S> {
+    /// The straight pieces between the vertices of a path.
+    fn pieces(&self, points: &[JudgedPoint]) -> Result<Vec<StraightPiece<S>>, PathFlaw> {
+        let is_vertex = |i: &usize| matches!(points[*i], JudgedPoint::Vertex(_));
+        let at_vertices: Vec<usize> = (0..points.len()).filter(is_vertex).collect();
+        let pieces = at_vertices.windows(2);
+        let pieces = pieces.map(|ends| self.piece(points, [ends[0], ends[1]]));
+        pieces.collect()
+    }
+
+    /// Checks that all `pieces` are straight, and the path as well where two of them meet, its
+    /// `joints`; and that the length, as measured and as `told`, is the distance.
+    fn judge_pieces(
+        &self,
+        pieces: &[StraightPiece<S>],
+        joints: &[[&StraightPiece<S>; 2]],
+        [distance, told]: [f64; 2],
+    ) -> Result<(), PathFlaw> {
+        let bends = joints.iter().map(|pair| {
+            let directions = [pair[0].directions[1], pair[1].directions[0]];
+            self.room(directions, [0, 1].map(|k| pair[k].straight.to_f64()))
+        });
+        let bends: Vec<Room> = bends.collect();
+        let points = 1 + pieces.last().map_or(0, |piece| piece.ends[1]);
+        let longest = pieces.iter().map(|piece| piece.longest.to_f64());
+        let longest = longest.chain(bends.iter().map(|bend| bend.longest));
+        let rounding = PLACE * longest.fold(0.0, f64::max) * points as f64;
+        let lengths = pieces.iter().map(|piece| piece.length);
+        let length = lengths.fold(S::zero(), |sum, l| sum + l);
+        // The distance may be the difference of greater ones, elsewhere on the surface.
+        let sides = self.sides.iter().map(|side| side.length.to_f64());
+        let of_surface = PLACE * sides.fold(0.0, f64::max) * points as f64;
+        for found in [S::from_f64(told), length] {
+            let by = (found - S::from_f64(distance)).to_f64();
+            if by.is_nan() || by.abs() > LENGTH * distance + of_surface {
+                return Err(PathFlaw::Length(by));
+            }
+        }
+        let is_bent = |by: f64, length: f64| by.is_nan() || by > STRAIGHT * length + rounding;
+        for piece in pieces {
+            let (point, by) = piece.farthest;
+            if is_bent(by.to_f64(), piece.straight.to_f64()) {
+                return Err(PathFlaw::Bent(point, by.to_f64()));
+            }
+        }
+        for (pair, bend) in joints.iter().zip(bends) {
+            let [before, after] = [0, 1].map(|k| pair[k].straight.to_f64());
+            if is_bent(bend.room, before + after) {
+                return Err(PathFlaw::Bent(pair[0].ends[1], bend.room));
+            }
+        }
+        Ok(())
+    }
+
     /// The vertex opposite to a side.
     fn third(&self, side: usize) -> usize {
         self.sides[prev(side)].tail

@@ -1,7 +1,9 @@
 //! A traced path in the terms of the oracle's judge.
 
 use geobench_mesh::{Mesh, VertexId};
-use geobench_oracle::{DoubleDouble, JudgedPoint, PathFlaw, PreciseSurface, judge_path};
+use geobench_oracle::{
+    DoubleDouble, JudgedPoint, PathFlaw, PreciseSurface, judge_geodesic, judge_path,
+};
 use geobench_paths::{Path, PathPlace};
 
 /// The surface of `mesh` for the judge.
@@ -29,6 +31,20 @@ pub(crate) fn judge(
     target: VertexId,
     d: f64,
 ) -> Result<(), PathFlaw> {
+    let points = judged_points(path);
+    judge_path(surface, &points, sources, target.raw(), [d, path.length])
+}
+
+/// Judges whether a path is locally shortest, if it is `closed` also where it ends.
+pub(crate) fn judge_locally(
+    surface: &PreciseSurface<DoubleDouble>,
+    path: &Path,
+    closed: bool,
+) -> Result<(), PathFlaw> {
+    judge_geodesic(surface, &judged_points(path), closed, path.length)
+}
+
+fn judged_points(path: &Path) -> Vec<JudgedPoint> {
     let points = path.points.iter().map(|point| match point.place {
         PathPlace::Vertex(v) => JudgedPoint::Vertex(v.raw()),
         PathPlace::Edge { ends, t } => JudgedPoint::Edge {
@@ -38,6 +54,5 @@ pub(crate) fn judge(
         },
         PathPlace::Face => panic!("{point:?} is inside a face"),
     });
-    let points: Vec<JudgedPoint> = points.collect();
-    judge_path(surface, &points, sources, target.raw(), [d, path.length])
+    points.collect()
 }

@@ -35,16 +35,21 @@
 //! from face to face. It crosses no face twice. If a vertex has several shortest paths, the path is
 //! the one that the solver found first.
 //!
-//! [`line()`] follows a direction instead: the straightest geodesic from a point.
+//! [`Path::shortened`] makes a path locally shortest that was joined from several, and [`Through`]
+//! joins them. [`line()`] follows a direction instead: the straightest geodesic from a point.
 //! [`Paths::log_map`] gives all vertices the direction in which their path starts.
 
 mod lines;
 mod log_map;
 mod onto;
 mod path;
+mod shorten;
 mod straightest;
+mod through;
 mod trace;
+mod turn;
 
 pub use path::{Path, PathPlace, Point};
 pub use straightest::{LineError, line};
+pub use through::Through;
 pub use trace::{PathError, Paths, TraceError};

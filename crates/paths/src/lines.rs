@@ -32,7 +32,7 @@ impl LineDirection {
     }
 
     /// The direction of the edge from `v` to `to`.
-    fn of_edge(mesh: &Mesh, v: VertexId, to: VertexId) -> Option<Self> {
+    pub(crate) fn of_edge(mesh: &Mesh, v: VertexId, to: VertexId) -> Option<Self> {
         let corners = mesh.outgoing(v).iter();
         let mut directions = corners.filter_map(|&corner| {
             let [x, y] = mesh.apex(corner);

@@ -1,7 +1,6 @@
 //! Tracing of paths from a vertex back to its source.
 
 use std::collections::{HashMap, HashSet};
-use std::f64::consts::PI;
 
 use geobench_mesh::vector::{cross_2d, dot, norm, sub};
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
@@ -9,6 +8,7 @@ use geobench_window::{Goal, Origin, Origins, SolveError, Solver, Sources};
 
 use crate::lines::{LineDirection, PLACE, StraightLine, lines_to};
 use crate::path::{Path, Point};
+use crate::turn::Turn;
 
 /// Greatest angle between the straight line to an image and a vertex that the path passes. It
 /// exceeds the error that unfolding adds to an image in faces of about one size.
@@ -340,9 +340,9 @@ impl Paths {
     /// ends, up to `bend`: no shortcut exists on either side.
     fn is_straight(&self, there: &StraightLine, back: &StraightLine, bend: f64) -> bool {
         let ends = [there.directions[1], back.directions[0]];
-        let (angle, longest) = angle_between(&self.mesh, there.from, ends);
-        let short = there.length.min(back.length);
-        (PI - angle) * short <= bend * (there.length + back.length) + PLACE * longest
+        let turn = Turn::least(&self.mesh, there.from, ends);
+        let lengths = [there.length, back.length];
+        turn.is_straight(&self.mesh, there.from, lengths, bend)
     }
 
     /// The path along `lines`, which lead from `target` to a source.
@@ -538,49 +538,6 @@ impl Paths {
         }
         None
     }
-}
-
-/// The least angle between two directions at `v`, and the longest edge there.
-///
-/// A way from one to the other turns around `v` from edge to edge, within faces: on either side of
-/// a vertex inside the surface, on one side at the boundary, and from an edge of several faces into
-/// each of them. If there is no way, a path may bend at `v` anyhow, and the angle is infinite.
-fn angle_between(mesh: &Mesh, v: VertexId, [a, b]: [LineDirection; 2]) -> (f64, f64) {
-    // The edges on both sides of a corner, each named by its other end, and the angle between.
-    let sides = |corner| {
-        let [x, y] = mesh.apex(corner);
-        let ends = [mesh.head(corner), mesh.apex_vertex(corner)];
-        (ends, y.atan2(x))
-    };
-    let corners: Vec<_> = mesh.outgoing(v).iter().map(|&h| sides(h)).collect();
-    // The angle from `a` to each edge.
-    let mut turned: HashMap<VertexId, f64> = HashMap::new();
-    let ([first, second], angle) = sides(a.corner);
-    turned.insert(first, a.angle);
-    turned.insert(second, angle - a.angle);
-    let mut is_done = false;
-    while !is_done {
-        is_done = true;
-        // Once around in each direction is enough where no edge has more than two faces.
-        for &([first, second], angle) in corners.iter().chain(corners.iter().rev()) {
-            for [from, to] in [[first, second], [second, first]] {
-                let known = |edge| turned.get(edge).copied().unwrap_or(f64::INFINITY);
-                let by_corner = known(&from) + angle;
-                if by_corner < known(&to) {
-                    turned.insert(to, by_corner);
-                    is_done = false;
-                }
-            }
-        }
-    }
-    let ([first, second], angle) = sides(b.corner);
-    let from_edge = |edge: &VertexId, angle| turned.get(edge).map_or(f64::INFINITY, |t| t + angle);
-    let mut least = from_edge(&first, b.angle).min(from_edge(&second, angle - b.angle));
-    if a.corner == b.corner {
-        least = least.min((a.angle - b.angle).abs());
-    }
-    let lengths = mesh.neighbours(v).map(|(_, length)| length);
-    (least, lengths.fold(0.0, f64::max))
 }
 
 /// Whether no face is crossed twice.

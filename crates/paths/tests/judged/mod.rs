@@ -15,9 +15,9 @@ use geobench_window::{Goal, SolveError, Solver, precision};
 
 #[path = "../../../oracle/tests/support/mesh.rs"]
 pub(crate) mod oracle_mesh;
-mod path;
+pub(crate) mod path;
 
-pub(crate) use path::{judge, judge_locally, surface};
+pub(crate) use path::{judge, surface};
 
 pub(crate) fn solvers(mesh: &Mesh) -> Vec<(&'static str, Box<dyn Solver>)> {
     let mut all: Vec<(&'static str, Box<dyn Solver>)> = vec![

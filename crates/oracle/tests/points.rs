@@ -107,14 +107,10 @@ fn check(name: &str, selection: &Selection, mesh: &Mesh, random: &mut SplitMix64
     true
 }
 
-/// The exact algorithms, of which all but those of diagrams insert points in place.
+/// The exact algorithms, all of which insert points in place.
 fn exact() -> Vec<Selection> {
     let all = select("exact").unwrap().into_iter();
-    let all = all.map(|selection| selection.with_threads(2));
-    all.filter(|s| {
-        !["window-vtp", "lct11", "xls14"].contains(&s.label().split('{').next().unwrap())
-    })
-    .collect()
+    all.map(|selection| selection.with_threads(2)).collect()
 }
 
 #[test]

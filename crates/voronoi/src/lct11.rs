@@ -1,6 +1,6 @@
 //! The algorithm of Liu, Chen and Tang: MMP from all sources at once, with all windows kept.
 
-use geobench_mesh::{Mesh, VertexId};
+use geobench_mesh::{Mesh, Splice, VertexId};
 use geobench_window::queue::{Discipline, Event, EventKind, HeapQueue};
 use geobench_window::{
     CompiledRuns, Counter, Probe, Propagate, Solution, SolveError, VertexFilter,
@@ -129,6 +129,12 @@ impl<Q: Discipline> Propagate for Lct11<Q> {
 
     fn mesh(&self) -> &Mesh {
         &self.wave.mesh
+    }
+
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        let undo = self.wave.splice(splice);
+        self.queue.splice(&self.wave.mesh, splice);
+        Some(undo)
     }
 
     fn refusal(mesh: &Mesh) -> Option<SolveError> {

@@ -161,6 +161,11 @@ impl EdgeWindows {
         }
     }
 
+    /// Changes the number of half-edges of the mesh. [`clear`](Self::clear) has to follow.
+    pub(crate) fn set_edges(&mut self, half_edges: usize) {
+        self.lists.set_count(half_edges, 0);
+    }
+
     /// Empties all lists and opens them. If `counts_waiting`, windows that wait are counted from
     /// now on.
     pub(crate) fn clear(&mut self, counts_waiting: bool) {

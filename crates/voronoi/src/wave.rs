@@ -1,7 +1,7 @@
 //! The state that all algorithms of this crate share. Windows with sources cross faces and are
 //! trimmed on edges.
 
-use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Splice, VertexId};
 use geobench_window::trimming::{ThinFaces, foot};
 use geobench_window::{
     Counter, Crossing, Exit, FaceView, Faces, Frame, Phase, Probe, Side, SolveError, VertexFilter,
@@ -93,6 +93,17 @@ impl WaveState {
             arrivals: Vec::new(),
             improved: Vec::new(),
         }
+    }
+
+    /// Makes a change of the mesh in place. Returns the one that undoes it.
+    pub(crate) fn splice(&mut self, splice: &Splice) -> Splice {
+        let undo = self.mesh.splice(splice);
+        let half_edges = self.mesh.half_edge_count();
+        self.faces.splice(&self.mesh, splice);
+        self.thin
+            .splice(&self.mesh, splice, half_edges, HalfEdgeId::index);
+        self.store.set_edges(half_edges);
+        undo
     }
 
     /// Prepares for a run: resets the state and gives the sources distance 0. The sources still

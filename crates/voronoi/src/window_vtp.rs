@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
+use geobench_mesh::{HalfEdgeId, Mesh, Splice, VertexId};
 use geobench_window::queue::{Heap, MinHeap};
 use geobench_window::{
     CompiledRuns, Counter, Probe, Propagate, Solution, SolveError, VertexFilter, prefetch,
@@ -340,6 +340,13 @@ impl Propagate for WindowVtp {
 
     fn mesh(&self) -> &Mesh {
         &self.wave.mesh
+    }
+
+    fn splice(&mut self, splice: &Splice) -> Option<Splice> {
+        let undo = self.wave.splice(splice);
+        self.is_ready
+            .resize(self.wave.mesh.half_edge_count(), false);
+        Some(undo)
     }
 
     fn refusal(mesh: &Mesh) -> Option<SolveError> {

@@ -64,10 +64,23 @@ impl<W: Policy, Q: Discipline> Explorer<W, Q> {
     }
 
     /// Makes a change of the mesh, and returns the one that undoes it; `None` if the algorithm
-    /// cannot. See [`Solver::splice`](crate::Solver::splice).
+    /// cannot. See [`Solver::splice`](crate::Solver::splice). Takes time in the size of the change,
+    /// except on a mesh with junctions.
     pub fn splice(&mut self, splice: &Splice) -> Option<Splice> {
         let undo = Propagate::splice(&mut self.run, splice)?;
-        self.reset();
+        if self.run.mesh.has_junctions() {
+            self.reset();
+            return Some(undo);
+        }
+        // Every run leaves the data as they were before it.
+        let vertices = self.run.mesh.vertex_count();
+        self.run.surface.resize(vertices);
+        self.found.places.resize(vertices, u32::MAX);
+        let faces = self.run.surface.faces();
+        let corners = splice
+            .faces()
+            .flat_map(|f| [0, 1, 2].map(|k| f.half_edge(k)));
+        self.run.policy.reset_at(corners.map(|h| faces.number(h)));
         Some(undo)
     }
 

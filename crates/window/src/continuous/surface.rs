@@ -53,6 +53,11 @@ impl Surface {
         self.distances.resize(vertices, f64::INFINITY);
     }
 
+    /// Changes the number of vertices. The distances of added ones are infinite.
+    pub(super) fn resize(&mut self, vertices: usize) {
+        self.distances.resize(vertices, f64::INFINITY);
+    }
+
     /// Sets the distance of `v` to infinity.
     pub(super) fn forget(&mut self, v: VertexId) {
         self.distances[v.index()] = f64::INFINITY;

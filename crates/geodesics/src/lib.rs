@@ -178,8 +178,8 @@ pub use geobench_isolines::{
     CircleArc, DistanceField, FieldError, Isoline, Line, QueryError, TooManyLevels,
 };
 pub use geobench_mesh::{
-    Curve, CurveError, InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined, SurfacePoint,
-    TriangleSoup, VertexId, Weld, WeldError, generate, io,
+    Curve, CurveError, InvalidMesh, Mesh, MeshError, NearestPoint, Place, PointError, Refined,
+    SurfacePoint, TriangleSoup, VertexId, Weld, WeldError, generate, io,
 };
 pub use geobench_mmp::{CurveSourceError, distances_from_curves};
 pub use geobench_paths::{LineError, Path, PathError, PathPlace, Paths, line};

@@ -28,7 +28,9 @@ impl TiePoints {
         let mut ties = Self::default();
         let [x, y] = points;
         let ascending = if y < x { [y, x] } else { points };
-        ascending.into_iter().for_each(|x| ties.push(x));
+        for x in ascending {
+            ties.push(x);
+        }
         ties
     }
 

@@ -78,7 +78,7 @@ pub fn distances_from_curves(
         segments.extend(found.map_err(|error| CurveSourceError::Curve { index, error })?);
     }
     let mut run = CurveRun::new(mesh);
-    let points = curves.iter().flat_map(|curve| curve.points());
+    let points = curves.iter().flat_map(Curve::points);
     for point in points {
         run.start_at(point);
     }

@@ -460,16 +460,16 @@ mod tests {
     /// the edge and 2e-8 behind it. Only the second place was found, so the vertex was 4e-9 too far.
     #[test]
     fn two_meetings_beside_the_end_of_an_edge_are_told_apart() {
-        let length = 2.73861280998058;
+        let length = 2.738_612_809_980_58;
         let window = EnvelopePiece {
             from: 0.0,
             to: length,
-            image: [-0.9585144671592644, 2.565394708014633],
+            image: [-0.958_514_467_159_264_4, 2.565_394_708_014_633],
             sigma: 0.0,
         };
         let vertex = EnvelopePiece {
             image: [length, 0.0],
-            sigma: 4.500000008275856,
+            sigma: 4.500_000_008_275_856,
             ..window
         };
         let found = lower_envelope(&[window, vertex], length);

@@ -5,6 +5,7 @@ use super::filter::Gate;
 use crate::engine::store::{COLUMNS, Columns};
 use crate::precision::{CLEARANCE, MARGIN, RESOLUTION, WINS, blur};
 use geobench_window::length_past_end;
+use geobench_window::precision::PLACE;
 use geobench_window::simd::{LaneMask, Lanes, Scalar};
 
 /// How far beyond the best path, as a fraction of the half-edge and of the path, rays of a source
@@ -179,7 +180,8 @@ impl BestPath {
         let (run, rise) = (apex[0] - px, apex[1] - py);
         let across = (sp - entry) * rise;
         let limit = HARDLY_BENT * size;
-        if across * across <= limit * limit * (run * run + rise * rise) {
+        let is_hardly_bent = across * across <= limit * limit * (run * run + rise * rise);
+        if is_hardly_bent && (sp - entry).abs() > PLACE * gate.l {
             path.entries = [sp.min(entry), sp.max(entry)];
         }
         path

@@ -85,11 +85,16 @@
 //! use geodesics::{Curve, Mesh, Stop, distances_from_curves};
 //!
 //! let mesh = Mesh::generate("grid,n=4")?;
+//! let from = |curves: &[Curve]| {
+//!     distances_from_curves(&mesh, curves, f64::INFINITY, &Stop::default())
+//! };
+//! let border: Vec<f64> = from(&mesh.borders())?;
+//! assert!((border[12] - 2.0).abs() < 1e-12); // In the middle of the grid.
+//!
 //! let inside = mesh.point_in_face(0.into(), [0.2, 0.3, 0.5])?;
-//! let mut curves: Vec<Curve> = mesh.borders();
-//! curves.push(Curve::new([inside, mesh.face_vertices(0.into())[2].into()]));
-//! let distances = distances_from_curves(&mesh, &curves, f64::INFINITY, &Stop::default())?;
-//! assert_eq!(distances[12], 2.0); // The middle of the grid, from its border.
+//! let corner = mesh.face_vertices(0.into())[2];
+//! let line = from(&[Curve::new([inside, corner.into()])])?;
+//! assert_eq!(line[corner.index()], 0.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

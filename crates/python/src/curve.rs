@@ -32,10 +32,10 @@ pub(crate) const OF_CURVES: &str = "mmp";
 /// >>> import geodesics as gd
 /// >>> mesh = gd.generate("grid,n=4")
 /// >>> side = gd.Curve([0, 1, 2, 3, 4])
-/// >>> mesh.distance(side, targets=[7, 24])
+/// >>> mesh.distance(side, targets=[7, 24]).round(3)
 /// array([1., 4.])
-/// >>> mesh.distance(gd.Curve([gd.at(0.5, 0.2, 0), gd.at(0.9, 0.2, 0)]), targets=1).round(3)
-/// array([0.224])
+/// >>> mesh.distance(gd.Curve([gd.at(0.3, 0.1, 0), gd.at(0.6, 0.2, 0)]), targets=1).round(3)
+/// array([0.447])
 #[pyclass(frozen, eq, weakref, module = "geodesics", name = "Curve")]
 #[derive(Debug, PartialEq)]
 pub(crate) struct PyCurve {

@@ -463,8 +463,8 @@ impl PyMesh {
     /// >>> mesh = gd.generate("grid,n=4")
     /// >>> mesh.borders()
     /// [<geodesics.Curve of 16 points, closed>]
-    /// >>> float(mesh.distance(mesh.borders()).max())
-    /// 2.0
+    /// >>> mesh.distance(mesh.borders(), targets=[6, 12]).round(3)
+    /// array([1., 2.])
     fn borders(&self) -> Vec<PyCurve> {
         PyCurve::borders(self.mesh())
     }

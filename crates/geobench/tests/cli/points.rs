@@ -342,7 +342,7 @@ fn curves_and_borders_are_sources_of_mmp_alone() {
         json!([3, "curve:c.txt", "curve:side.txt"])
     );
     let said = sandbox.succeed("distance square.off --curve c.txt --radius 0.6 -o d.csv");
-    assert!(said.stdout.contains("2 unreachable"), "{said:?}");
+    assert!(said.contains("2 unreachable"), "{said}");
 
     sandbox.write("apart.txt", "1\n\n3\n");
     sandbox.write("bad.txt", "0\n9\n");

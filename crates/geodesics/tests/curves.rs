@@ -86,7 +86,7 @@ fn length(mesh: &Mesh, segment: &CurveSegment) -> f64 {
 
 /// The least distance of a point of the curves in `field`, by a search along each segment.
 fn least(mesh: &Mesh, field: &DistanceField, curves: &[Curve], parts: usize) -> f64 {
-    let points = curves.iter().flat_map(|curve| curve.points());
+    let points = curves.iter().flat_map(Curve::points);
     let of_points = points.map(|point| field.distance(point).unwrap());
     let mut best = of_points.fold(f64::INFINITY, f64::min);
     for segment in segments(mesh, curves) {

@@ -1,7 +1,7 @@
 //! A solver for points anywhere on the surface.
 
 use geobench_mesh::{Insertion, Mesh, Refined, SurfacePoint};
-use geobench_paths::{Path, PathError, Paths};
+use geobench_paths::{Path, PathError, Paths, Through};
 use geobench_window::{Goal, SolveError, Solver, at_points};
 
 use crate::{Points, not_on_the_mesh, usual_solver};
@@ -13,9 +13,8 @@ type SetUp = Box<dyn Fn(&Mesh) -> Box<dyn Solver> + Send>;
 ///
 /// Points on edges and in faces are inserted into the data of the solver for a run, and removed
 /// after it. A run takes as long as one between vertices. A solver that cannot do so is set up anew
-/// for each such run; those of diagrams are, and
-/// [`SaddleVertexGraph`](crate::approx::SaddleVertexGraph) and [`Vsp`](crate::approx::Vsp) where
-/// their documentation says so.
+/// for each such run: [`SaddleVertexGraph`](crate::approx::SaddleVertexGraph) and
+/// [`Vsp`](crate::approx::Vsp) where their documentation says so.
 ///
 /// ```
 /// use geodesics::{Mesh, SurfaceSolver};
@@ -158,15 +157,60 @@ impl SurfaceSolver {
         points: impl Points,
         closed: bool,
     ) -> Result<Option<Path>, PathError> {
-        let mut points = points.into_points();
+        let shorten = false;
+        self.through(&points.into_points(), Through { closed, shorten })
+    }
+
+    /// A locally shortest path: as [`path_through`](Self::path_through), but the path leaves the
+    /// points where that makes it [shorter](Path::shortened). An open path keeps its ends. A closed
+    /// one becomes a closed geodesic, or a single point if it contracts to that.
+    ///
+    /// ```
+    /// use geodesics::{Mesh, SurfaceSolver};
+    ///
+    /// // A belt around a cube, at one height.
+    /// let mesh = Mesh::generate("cube,n=3")?;
+    /// let [low, high] = mesh.bounding_box().expect("it has positions");
+    /// let at = |x: f64, y: f64, z: f64| {
+    ///     let t = [x, y, z];
+    ///     let place = [0, 1, 2].map(|k| low[k] + t[k] * (high[k] - low[k]));
+    ///     mesh.nearest_point(place).map(|found| found.0)
+    /// };
+    /// let ways = [at(0.5, 0.0, 0.4)?, at(1.0, 0.5, 0.6)?, at(0.5, 1.0, 0.5)?, at(0.0, 0.5, 0.6)?];
+    /// let belt = SurfaceSolver::new(&mesh).shortened_path(ways, true)?.expect("it is in one piece");
+    /// let around = 2.0 * (high[0] - low[0] + high[1] - low[1]);
+    /// assert!((belt.length - around).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As [`path_through`](Self::path_through).
+    pub fn shortened_path(
+        &mut self,
+        points: impl Points,
+        closed: bool,
+    ) -> Result<Option<Path>, PathError> {
+        let shorten = true;
+        self.through(&points.into_points(), Through { closed, shorten })
+    }
+
+    fn through(
+        &mut self,
+        points: &[SurfacePoint],
+        through: Through,
+    ) -> Result<Option<Path>, PathError> {
         if points.len() < 2 {
             return Err(SolveError::NoSource.into());
         }
-        points.extend(closed.then(|| points[0]));
-        let pairs = points.windows(2);
-        let paths = pairs.map(|pair| self.path(pair[0], pair[1]));
-        let paths: Option<Vec<Path>> = paths.collect::<Result<_, PathError>>()?;
-        Ok(paths.map(Path::joined))
+        let insertion = self.insertion(points)?;
+        self.at(insertion, |solver, refined| {
+            through.path(refined, &refined.vertices, |[from, to]| {
+                Paths::find(solver, &refined.mesh, from, &Goal::targets([to]))?
+                    .to(to)
+                    .map_err(PathError::from)
+            })
+        })
     }
 
     /// The [logarithmic map](Paths::log_map) at `source`: for each vertex the point of the plane at

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use geobench_registry::{self as registry, MOST_THREADS, Selection, SimdChoice};
 use geodesics::mesh::Insertion;
+use geodesics::paths::Through;
 use geodesics::{Goal, Mesh, Path, PathError, Paths, SolveError, Solver as Solve, Stop, VertexId};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyImportError, PyMemoryError, PyValueError};
@@ -388,12 +389,12 @@ impl MeshAlgorithm {
         tuples(py, &map)
     }
 
-    /// The shortest path from each point to the next, as one path; if `closed` back to the first.
+    /// The path through all points of `source`.
     fn path_through(
         &self,
         py: Python<'_>,
         points: &Bound<'_, PyAny>,
-        closed: bool,
+        through: Through,
     ) -> PyResult<Option<PyPath>> {
         let specs = several(points, "source", self.mesh().vertex_count())?;
         if specs.len() < 2 {
@@ -404,31 +405,17 @@ impl MeshAlgorithm {
         let points = ResolvedPoints::new(py, &self.surface, specs, "source", None)?;
         let stop = Stop::default();
         let pool = Arc::clone(&self.kept);
-        let (insertion, mut ways) = (points.insertion, points.sources);
-        ways.extend(closed.then(|| ways[0]));
-        let is_refined = !insertion.is_empty();
-        let faces = self.mesh().face_count().saturating_mul(ways.len());
+        let (insertion, ways) = (points.insertion, points.sources);
+        let faces = self.mesh().face_count().saturating_mul(ways.len() + 1);
         let work = {
             let stop = stop.clone();
             move || -> Result<Option<Path>, PathError> {
                 pool.at(insertion, |solver, refined| {
-                    let piece = |pair: &[VertexId]| {
-                        let goal = Goal::targets([pair[1]]).unless(&stop);
-                        let found = Paths::find(solver, &refined.mesh, &pair[..1], &goal)?;
-                        let path = found.to(pair[1])?;
-                        Ok(path.map(|path| {
-                            if is_refined {
-                                path.of_original(refined)
-                            } else {
-                                path
-                            }
-                        }))
-                    };
-                    let pieces: Option<Vec<Path>> =
-                        ways.windows(2)
-                            .map(piece)
-                            .collect::<Result<_, PathError>>()?;
-                    Ok(pieces.map(Path::joined))
+                    through.path(refined, &ways, |[from, to]| {
+                        let goal = Goal::targets([to]).unless(&stop);
+                        let found = Paths::find(solver, &refined.mesh, from, &goal)?;
+                        found.to(to).map_err(PathError::from)
+                    })
                 })
             }
         };
@@ -475,15 +462,22 @@ pub(crate) fn one_path(
     py: Python<'_>,
     source: &Bound<'_, PyAny>,
     target: Option<&Bound<'_, PyAny>>,
-    closed: bool,
+    through: Through,
 ) -> PyResult<Option<PyPath>> {
     let Some(target) = target else {
-        return algorithm.path_through(py, source, closed);
+        return algorithm.path_through(py, source, through);
     };
-    if closed {
-        return Err(PyValueError::new_err(
-            "closed: a path to a target cannot be closed; leave out the target",
-        ));
+    let mistake = match through {
+        Through { closed: true, .. } => {
+            Some("closed: a path to a target cannot be closed; leave out the target")
+        }
+        Through { shorten: true, .. } => {
+            Some("shorten: a path to a target is a shortest one already; leave out the target")
+        }
+        _ => None,
+    };
+    if let Some(mistake) = mistake {
+        return Err(PyValueError::new_err(mistake));
     }
     single(target, "target")?;
     let mut paths = algorithm.paths(py, source, target, "target")?;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use geobench_harness::measure::number::counted;
 use geodesics::mesh::{FaceId, MeshMeasures, Report, Severity, Tolerance};
+use geodesics::paths::Through;
 use geodesics::{
     Mesh, PointError, RemeshOptions, Stop, SurfacePoint, TriangleSoup, VertexId, io, line,
 };
@@ -665,6 +666,11 @@ impl PyMesh {
     /// target : int or Point, optional
     /// closed : bool
     ///     Whether a path without a target returns to its first point.
+    /// shorten : bool
+    ///     Whether a path without a target leaves its points where that makes it shorter. The
+    ///     result is locally shortest: no small change makes it shorter, but a path on another side
+    ///     of a hole or handle may be. An open path keeps its ends. A closed one becomes a closed
+    ///     geodesic, or a single point, of length 0, if it contracts to that.
     /// algorithm : str, optional
     ///     A name from `algorithms()`. The default is `"vtp-fast"`, or `"mmp-fast"` on a mesh with
     ///     edges of more than two faces or one that cannot be oriented.
@@ -682,16 +688,21 @@ impl PyMesh {
     /// 4.0
     /// >>> mesh.path([0, 4, 24, 20], closed=True).length
     /// 16.0
-    #[pyo3(signature = (source, target = None, *, closed = false, algorithm = None))]
+    /// >>> mesh.path([0, 4, 24], shorten=True).length
+    /// 5.656854249492381
+    #[pyo3(signature = (source, target = None, *, closed = false, shorten = false,
+                        algorithm = None))]
     fn path(
         &self,
         py: Python<'_>,
         source: &Bound<'_, PyAny>,
         target: Option<&Bound<'_, PyAny>>,
         closed: bool,
+        shorten: bool,
         algorithm: Option<&str>,
     ) -> PyResult<Option<PyPath>> {
-        one_path(&self.algorithm(algorithm)?, py, source, target, closed)
+        let through = Through { closed, shorten };
+        one_path(&self.algorithm(algorithm)?, py, source, target, through)
     }
 
     /// The straightest geodesic from a point, as defined by Polthier and Schmies (1998): straight

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use geobench_harness::measure::number::counted;
 use geobench_registry as registry;
+use geodesics::paths::Through;
 use geodesics::window::{Counter, Counters, Observer, PhaseSampler};
 use geodesics::{Goal, Stop};
 use numpy::{PyArray1, PyArray2};
@@ -276,15 +277,17 @@ impl PySolver {
     /// >>> path = gd.Solver(gd.generate("grid,n=4")).path(0, 17)
     /// >>> path.points.shape
     /// (5, 3)
-    #[pyo3(signature = (source, target = None, *, closed = false))]
+    #[pyo3(signature = (source, target = None, *, closed = false, shorten = false))]
     fn path(
         &self,
         py: Python<'_>,
         source: &Bound<'_, PyAny>,
         target: Option<&Bound<'_, PyAny>>,
         closed: bool,
+        shorten: bool,
     ) -> PyResult<Option<PyPath>> {
-        one_path(&self.algorithm, py, source, target, closed)
+        let through = Through { closed, shorten };
+        one_path(&self.algorithm, py, source, target, through)
     }
 
     /// The shortest paths from the nearest source to each target, from one search: a list with a

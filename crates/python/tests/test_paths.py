@@ -158,8 +158,26 @@ def test_a_path_through_way_points(torus):
             solver.path(*arguments[:2], closed=len(arguments) > 2)
 
 
+def test_a_path_freed_from_its_way_points(torus):
+    ways = [5, gd.face(900, 0.2, 0.3, 0.5), gd.face(333, 0.2, 0.3, 0.5), 17]
+    solver = gd.Solver(torus)
+    long, short = torus.path(ways), torus.path(ways, shorten=True)
+    assert torus.path(5, 17).length <= short.length * (1 + 1e-12)
+    assert short.length < long.length
+    assert solver.path(ways, shorten=True).length == short.length
+    np.testing.assert_array_equal(short.points[[0, -1]], long.points[[0, -1]])
+    steps = np.linalg.norm(np.diff(short.points, axis=0), axis=1)
+    assert steps.sum() == pytest.approx(short.length, rel=1e-12)
+    # A small loop contracts to a point.
+    point = torus.path([5, gd.face(900, 0.2, 0.3, 0.5), 5], closed=True, shorten=True)
+    assert point.length == 0 and len(point.points) == 1
+    with pytest.raises(ValueError, match="shorten: a path to a target"):
+        torus.path(5, 17, shorten=True)
+
+
 def test_a_way_point_out_of_reach(square):
     assert square.path([0, 2, 4]) is None
+    assert square.path([0, 2, 4], shorten=True) is None
 
 
 def test_lines_follow_shortest_paths(torus):

@@ -9,14 +9,14 @@ use std::fmt::Write;
 use std::path::Path as FilePath;
 use std::path::PathBuf;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use geobench_export::FileFormat;
 use geobench_export::output::{check_files, prepare_one};
 use geobench_export::paths::{FoundPath, PathFormat, PathSet};
 use geobench_export::picture::Scene;
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::{Mesh, VertexId};
-use geobench_paths::{Path, PathPlace, Paths, Point, line};
+use geobench_paths::{Path, PathPlace, Paths, Point, Through, line};
 use geobench_window::{Goal, Solver, precision};
 
 use crate::args::{AlgorithmOption, MODELS_HELP, QuietOption, ViewOption};
@@ -34,6 +34,7 @@ use crate::verdict::Verdict;
             .multiple(true)
             .args(["target", "targets", "all_targets", "direction"])
     ),
+    group(clap::ArgGroup::new("way").multiple(true).args(["target", "targets"])),
     mut_arg("target", |target| target.help(
         "The targets, in the same forms; the search ends when all are reached"
     )),
@@ -52,6 +53,20 @@ pub(crate) struct PathOptions {
     /// Paths to all vertices
     #[arg(long, conflicts_with_all = ["target", "targets"])]
     all_targets: bool,
+
+    /// One path from the source to the first target, from there to the second, and so on
+    #[arg(long, requires = "way", conflicts_with = "direction")]
+    through: bool,
+
+    /// Close the path through the targets: back to the source
+    #[arg(long, requires = "through")]
+    closed: bool,
+
+    /// Move the path through the targets off them where that makes it shorter: the result is
+    /// locally shortest, on the same side of holes and handles; an open path keeps its ends, and a
+    /// closed one may contract to a point
+    #[arg(long, requires = "through")]
+    shorten: bool,
 
     /// In place of shortest paths the straightest line from each source in this direction, a vector
     /// in space; at vertices it goes on with equal angles on both sides
@@ -136,6 +151,24 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     let (paths, method) = if let Some((direction, length)) = line {
         let paths = straightest(mesh, &points, direction, length.0);
         (paths.with_context(|| model.path.clone())?, "straightest")
+    } else if options.through {
+        let [(source, _)] = &points.sources[..] else {
+            let count = counted(points.sources.len(), "source");
+            bail!("--through: a path starts at one source, not at {count}");
+        };
+        let through = Through {
+            closed: options.closed,
+            shorten: options.shorten,
+        };
+        let solver = &mut **solver.get_or_insert_with(build);
+        let paths = one_through(solver, &points, source, through, &model.name);
+        let paths = paths.with_context(|| algorithm.label().to_owned())?;
+        let method = if options.shorten {
+            "locally shortest"
+        } else {
+            algorithm.label()
+        };
+        (paths, method)
     } else {
         let solver = &mut **solver.get_or_insert_with(build);
         let paths = shortest(solver, mesh, &points, &model.name, output.is_some());
@@ -163,6 +196,8 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
             };
             let title = if options.direction.is_some() {
                 "Straightest lines"
+            } else if options.shorten {
+                "Locally shortest path"
             } else {
                 "Shortest paths"
             };
@@ -238,6 +273,43 @@ fn shortest(
         }
     }
     Ok(all)
+}
+
+/// The path from the only source through all targets.
+fn one_through(
+    solver: &mut dyn Solver,
+    points: &LocatedPoints,
+    source: &SourceLabel,
+    through: Through,
+    model: &str,
+) -> anyhow::Result<CommandPaths> {
+    let refined = &points.refined;
+    let path = through.path(refined, &refined.vertices, |[from, to]| {
+        let paths = Paths::find(solver, &refined.mesh, from, &Goal::targets([to]))?;
+        if let Some(doubt) = precision::doubt(&refined.mesh, paths.distances()) {
+            terminal::warning(&format!("{model}: {doubt}"));
+        }
+        anyhow::Ok(paths.to(to)?)
+    })?;
+    if through.shorten && path.as_ref().is_some_and(|path| path.length == 0.0) {
+        terminal::notes(&["the path contracts to a point".to_owned()]);
+    }
+    let last = points.labels().and_then(<[SourceLabel]>::last);
+    let target = last.filter(|_| !through.closed).unwrap_or(source).clone();
+    let path = path.map(|path| (source.clone(), path));
+    let mut totals = Totals::default();
+    totals.add(&target, path.as_ref());
+    let verdict = if path.is_some() {
+        Verdict::Passed
+    } else {
+        Verdict::Failed
+    };
+    let found = vec![FoundPath { target, path }];
+    Ok(CommandPaths {
+        found,
+        totals,
+        verdict,
+    })
 }
 
 /// The straightest line from each source. The target is its end.

@@ -284,3 +284,51 @@ fn straightest_lines_go_on_at_vertices_and_end_at_the_border() {
         assert!(said.code == 2 && said.stderr.contains(message), "{said:?}");
     }
 }
+
+#[test]
+fn a_path_through_targets_can_be_shortened() {
+    let sandbox = Sandbox::new();
+    sandbox.write("strip.off", STRIP);
+    let length = |options: &str| {
+        sandbox.succeed(&format!("path strip.off {options} --through -o p.json"));
+        let file = sandbox.json("p.json");
+        assert_eq!(file["paths"].as_array().unwrap().len(), 1);
+        let (method, path) = (file["algorithm"].clone(), file["paths"][0].clone());
+        (
+            method,
+            path["length"].as_f64().unwrap(),
+            path["target"].clone(),
+        )
+    };
+    // Along three sides of a square, around all four, and straight.
+    let corners = "--source 0 --target 1 --target 6 --target 5";
+    assert_eq!(length(corners), (json!("vtp-fast"), 3.0, json!(5)));
+    let closed = format!("{corners} --closed");
+    assert_eq!(length(&closed), (json!("vtp-fast"), 4.0, json!(0)));
+    let shorter = length(&format!("{corners} --shorten"));
+    assert_eq!(shorter, (json!("locally shortest"), 1.0, json!(5)));
+    let ways = "--source 5 --target face:1,0.25,0.25,0.5 --target 3 --target 4 --shorten";
+    let (_, found, target) = length(ways);
+    assert!((found - 17.0_f64.sqrt()).abs() < 1e-12 && target == json!(4));
+    let outcome = sandbox.call(&format!("path strip.off {closed} --shorten --through"));
+    assert_eq!(outcome.code, 0);
+    assert!(
+        outcome.stderr.contains("the path contracts to a point"),
+        "{outcome:?}"
+    );
+    // A target out of reach, two sources, and options that have no meaning alone.
+    for (options, code, says) in [
+        ("--source 0 --target 1 --target 11 --through", 1, ""),
+        (
+            "--source 0,1 --target 5 --through",
+            2,
+            "--through: a path starts at one source, not at 2",
+        ),
+        ("--source 0 --all-targets --through", 2, "--target"),
+        ("--source 0 --target 5 --shorten", 2, "--through"),
+    ] {
+        let outcome = sandbox.call(&format!("path strip.off {options}"));
+        assert_eq!(outcome.code, code, "{outcome:?}");
+        assert!(outcome.stderr.contains(says), "{outcome:?}");
+    }
+}

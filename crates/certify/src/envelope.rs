@@ -90,8 +90,8 @@ pub(crate) const GAP: f64 = 1e-12;
 /// The number of pieces up to which all pairs are compared.
 const AT_ONCE: usize = 24;
 
-/// Two functions that differ by no more than this fraction are equal up to rounding. In a merge they
-/// are one: their noise would make pieces at each merge.
+/// Two functions that differ by no more than this fraction are equal up to rounding. In a merge
+/// they are one: their noise would make pieces at each merge.
 const EQUAL: f64 = 4.0 * f64::EPSILON;
 
 /// Converts a window of a half-edge of this length to a piece. With `turned`, the canonical
@@ -146,8 +146,8 @@ impl EnvelopeBuilder {
         self.by_halves(pieces, length, [gap, equal], envelope);
     }
 
-    /// As [`lower_envelope`](Self::lower_envelope), for a gap in units of the mesh, and the fraction
-    /// by which functions may differ that are not told apart.
+    /// As [`lower_envelope`](Self::lower_envelope), for a gap in units of the mesh, and the
+    /// fraction by which functions may differ that are not told apart.
     ///
     /// Of many pieces the envelopes of both halves are merged, in O(n log² n). All pairs would be
     /// compared if the pieces are equal up to rounding, as those of the faces at one edge.
@@ -356,8 +356,8 @@ fn crossings(a: &EnvelopePiece, b: &EnvelopePiece) -> [f64; 2] {
     roots
 }
 
-/// The abscissa between these two at which functions are equal of which each is less at one of them.
-/// Rounding hides it from [`crossings`] if there is another one nearby, beyond the edge.
+/// The abscissa between these two at which functions are equal of which each is less at one of
+/// them. Rounding hides it from [`crossings`] if there is another one nearby, beyond the edge.
 #[cold]
 fn bisected_crossing(a: &EnvelopePiece, b: &EnvelopePiece, mut from: f64, mut to: f64) -> f64 {
     let is_above = |t: f64| a.at(t) > b.at(t);
@@ -455,9 +455,10 @@ mod tests {
         }
     }
 
-    /// `near-duplicates` 3 of the fuzzer: of two paths to a vertex one is longer by 4e-9. Its window
-    /// ends at the vertex, and is as long as the way through the vertex both 2e-9 before the end of
-    /// the edge and 2e-8 behind it. Only the second place was found, so the vertex was 4e-9 too far.
+    /// `near-duplicates` 3 of the fuzzer: of two paths to a vertex one is longer by 4e-9. Its
+    /// window ends at the vertex, and is as long as the way through the vertex both 2e-9 before the
+    /// end of the edge and 2e-8 behind it. Only the second place was found, so the vertex was 4e-9
+    /// too far.
     #[test]
     fn two_meetings_beside_the_end_of_an_edge_are_told_apart() {
         let length = 2.738_612_809_980_58;

@@ -54,9 +54,9 @@ pub(crate) const SIZES: std::ops::Range<f64> = 1e-130..1e130;
 const MOST_LINKS: usize = 1 << 26;
 
 /// The greatest number of pairs of pieces of two sides that are compared; with more, nothing is
-/// proven for the face. The greatest number of those that are compared in numbers of two doubles for
-/// each side: a face takes seconds at most. The others have the bound of rounded arithmetic. On scans
-/// a face has some hundred pairs.
+/// proven for the face. The greatest number of those that are compared in numbers of two doubles
+/// for each side: a face takes seconds at most. The others have the bound of rounded arithmetic. On
+/// scans a face has some hundred pairs.
 const MOST_PAIRS: usize = 1 << 28;
 const MOST_EXACT: usize = 1 << 16;
 

@@ -334,8 +334,8 @@ fn windows_on_a_tiny_border_edge_failed_the_proof() {
     }
 }
 
-/// Thousands of windows of an edge are equal up to rounding. All pairs of them were compared, between
-/// all places where two seemed to meet: no end in minutes.
+/// Thousands of windows of an edge are equal up to rounding. All pairs of them were compared,
+/// between all places where two seemed to meet: no end in minutes.
 #[test]
 fn a_proof_of_a_sheet_without_area_ends() {
     let model = Kind::Heap.mesh(86947).model;

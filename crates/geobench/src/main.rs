@@ -190,8 +190,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// The error for an option whose value may be left out and is written behind a blank. A value stands
-/// behind `=` there. A number behind the blank would be read as the name of a model.
+/// The error for an option whose value may be left out and is written behind a blank. A value
+/// stands behind `=` there. A number behind the blank would be read as the name of a model.
 fn detached_value(program: &clap::Command, words: &[OsString]) -> Option<String> {
     let mut commands = words.iter().skip(1);
     let command = commands.find_map(|word| program.find_subcommand(word))?;

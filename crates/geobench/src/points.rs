@@ -117,8 +117,8 @@ impl CurvesOption {
     ///
     /// # Errors
     ///
-    /// If a file cannot be read, has no curve or one that does not lie on the mesh, or if borders are
-    /// asked for and there are none.
+    /// If a file cannot be read, has no curve or one that does not lie on the mesh, or if borders
+    /// are asked for and there are none.
     pub(crate) fn on(
         &self,
         mesh: &Mesh,

@@ -78,8 +78,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A source can be a [`Curve`]: a polyline on the surface, a loop, a border. Distances are exact from
-//! every point of it:
+//! A source can be a [`Curve`]: a polyline on the surface, a loop, a border. Distances are exact
+//! from every point of it:
 //!
 //! ```
 //! use geodesics::{Curve, Mesh, Stop, distances_from_curves};

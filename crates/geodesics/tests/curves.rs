@@ -269,7 +269,8 @@ fn samples_of_growing_density_converge_from_above() {
                 assert!(sum <= last + 1e-12 * scale, "{spec}, seed {seed}");
                 last = sum;
             }
-            // The step is below a hundredth of an edge: the gap is of second order nearly everywhere.
+            // The step is below a hundredth of an edge: the gap is of second order nearly
+            // everywhere.
             let mean = last / found.len() as f64;
             assert!(mean < 1e-4 * scale, "{spec}, seed {seed}: {mean:e}");
         }

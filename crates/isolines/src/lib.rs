@@ -380,8 +380,8 @@ impl DistanceField {
         )
     }
 
-    /// The abscissas at which the distance passes `level`, along the half-edge with the lowest number
-    /// of its edge. O(windows of all faces at the edge).
+    /// The abscissas at which the distance passes `level`, along the half-edge with the lowest
+    /// number of its edge. O(windows of all faces at the edge).
     fn crossings_of_edge(&self, h: HalfEdgeId, level: f64) -> Vec<f64> {
         let mesh = &self.refined.mesh;
         let l = mesh.length(h);
@@ -482,8 +482,8 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// The abscissas along `h` at which the distance passes the level. All faces of its edge get the
-    /// same crossings.
+    /// The abscissas along `h` at which the distance passes the level. All faces of its edge get
+    /// the same crossings.
     fn crossings(&mut self, h: HalfEdgeId) -> Vec<f64> {
         let (field, level) = (self.field, self.level);
         let mesh = &field.refined.mesh;

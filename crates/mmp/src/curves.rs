@@ -1,10 +1,10 @@
 //! Distances from curves: MMP with windows of parallel rays beside cones.
 //!
-//! Every point of a curve is a source. The shortest path to a point of the surface starts at a point
-//! of the curve, or inside one of its segments and perpendicular to it. So each point of the curve
-//! sends cones, as a source of MMP does, and each segment sends parallel rays to both of its sides
-//! ([`Beam`]). Points and segments inside a face send their windows through its sides; no face is
-//! divided.
+//! Every point of a curve is a source. The shortest path to a point of the surface starts at a
+//! point of the curve, or inside one of its segments and perpendicular to it. So each point of the
+//! curve sends cones, as a source of MMP does, and each segment sends parallel rays to both of its
+//! sides ([`Beam`]). Points and segments inside a face send their windows through its sides; no
+//! face is divided.
 //!
 //! Everything else is MMP: windows are stored where they are the shortest of their half-edge, and
 //! cross faces nearest first. The distance of parallel rays is linear along an edge. It ties with
@@ -108,7 +108,7 @@ enum Event {
 
 /// A stored window.
 #[derive(Clone, Copy, Debug)]
-struct Stored {
+struct StoredRays {
     rays: Rays,
     half_edge: HalfEdgeId,
     state: State,
@@ -132,7 +132,7 @@ struct CurveRun<'m> {
     doubt: f64,
     distances: Vec<f64>,
     queue: MinHeap<Event>,
-    windows: Vec<Stored>,
+    windows: Vec<StoredRays>,
     /// The windows of each half-edge, ascending and disjoint.
     lists: Vec<Vec<u32>>,
     overlap: Overlap,
@@ -378,7 +378,7 @@ impl<'m> CurveRun<'m> {
 
     fn store(&mut self, half_edge: HalfEdgeId, rays: Rays, state: State) -> u32 {
         let i = self.windows.len() as u32;
-        self.windows.push(Stored {
+        self.windows.push(StoredRays {
             rays,
             half_edge,
             state,
@@ -400,7 +400,7 @@ impl<'m> CurveRun<'m> {
                 Event::Vertex(v) if self.distances[v.index()] == label => self.spawn(v),
                 Event::Vertex(_) => {}
                 Event::Window(i) => {
-                    let Stored {
+                    let StoredRays {
                         rays,
                         half_edge,
                         state,

@@ -300,8 +300,8 @@ impl<'a> LineSearch<'a> {
         }
     }
 
-    /// Whether the face of `h` leads to its apex only, and that is too far for any line of `window`.
-    /// Most faces at an edge of many are like that, and a search comes to all of them.
+    /// Whether the face of `h` leads to its apex only, and that is too far for any line of
+    /// `window`. Most faces at an edge of many are like that, and a search comes to all of them.
     fn is_blind(&self, h: HalfEdgeId, window: &Window, longest: f64) -> bool {
         let mesh = self.mesh;
         let [_, height] = mesh.apex(h);

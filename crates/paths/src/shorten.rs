@@ -16,7 +16,7 @@ use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
 use crate::lines::{LineDirection, PLACE};
 use crate::path::{Path, PathPlace, Point};
-use crate::turn::{EdgeCrossing, Turn};
+use crate::turn::{EdgeCrossing, SideTurn};
 
 /// Greatest rounding of the place where a path bends, as a fraction of the pieces that meet there.
 const BEND: f64 = 1e-12;
@@ -143,12 +143,12 @@ impl<'a> Curve<'a> {
     }
 
     /// The turn between two pieces, the second from the end of the first.
-    fn turn(&self, [before, after]: [&Piece; 2]) -> Turn {
+    fn turn(&self, [before, after]: [&Piece; 2]) -> SideTurn {
         let directions = [before.directions[1], after.directions[0]];
-        Turn::least(self.mesh, after.ends[0], directions)
+        SideTurn::least(self.mesh, after.ends[0], directions)
     }
 
-    fn is_straight(&self, turn: &Turn, [before, after]: [&Piece; 2]) -> bool {
+    fn is_straight(&self, turn: &SideTurn, [before, after]: [&Piece; 2]) -> bool {
         let lengths = [before.length, after.length];
         turn.is_straight(self.mesh, after.ends[0], lengths, BEND)
     }
@@ -231,7 +231,7 @@ impl<'a> Curve<'a> {
     /// again they show the piece as a chain of equal sides with equal turns: part of a regular
     /// polygon. On its way to the centre each side moves parallel to itself, so the vertex met
     /// first is the one nearest to a side. `None` if the only piece cannot be unfolded.
-    fn moved_on(&self, turn: &Turn) -> Option<Vec<Piece>> {
+    fn moved_on(&self, turn: &SideTurn) -> Option<Vec<Piece>> {
         let (mesh, piece) = (self.mesh, &self.pieces[0]);
         let v = piece.ends[0];
         let count = piece.crossings.len();
@@ -493,8 +493,8 @@ impl Piece {
 }
 
 /// The length of the path from the vertex opposite to the first edge over the `places` on all edges
-/// to the vertex opposite to the last, face by face. Faces without area cannot be unfolded, but this
-/// length holds.
+/// to the vertex opposite to the last, face by face. Faces without area cannot be unfolded, but
+/// this length holds.
 fn length_along(mesh: &Mesh, crossings: &[EdgeCrossing], places: &[f64]) -> f64 {
     let mut sum = 0.0;
     let mut entered: Option<(HalfEdgeId, f64)> = None;

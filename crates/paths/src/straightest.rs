@@ -123,7 +123,8 @@ fn follow(
     length: f64,
 ) -> Result<Path, LineError> {
     let mut points = vec![Point::of(mesh, start)];
-    // The way so far is summed, as what is left of a far greater length would have no digits for it.
+    // The way so far is summed, as what is left of a far greater length would have no digits for
+    // it.
     let mut gone = 0.0;
     while gone < length {
         if points.len() >= MOST_POINTS {

@@ -8,7 +8,7 @@ use geobench_window::{Goal, Origin, Origins, SolveError, Solver, Sources};
 
 use crate::lines::{LineDirection, PLACE, StraightLine, lines_to};
 use crate::path::{Path, Point};
-use crate::turn::Turn;
+use crate::turn::SideTurn;
 
 /// Greatest angle between the straight line to an image and a vertex that the path passes. It
 /// exceeds the error that unfolding adds to an image in faces of about one size.
@@ -340,7 +340,7 @@ impl Paths {
     /// ends, up to `bend`: no shortcut exists on either side.
     fn is_straight(&self, there: &StraightLine, back: &StraightLine, bend: f64) -> bool {
         let ends = [there.directions[1], back.directions[0]];
-        let turn = Turn::least(&self.mesh, there.from, ends);
+        let turn = SideTurn::least(&self.mesh, there.from, ends);
         let lengths = [there.length, back.length];
         turn.is_straight(&self.mesh, there.from, lengths, bend)
     }

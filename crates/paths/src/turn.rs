@@ -25,7 +25,7 @@ impl EdgeCrossing {
 
 /// A turn around a vertex from edge to edge, within faces.
 #[derive(Clone, Debug)]
-pub(crate) struct Turn {
+pub(crate) struct SideTurn {
     /// Infinite if no way leads from one direction to the other.
     pub(crate) angle: f64,
     /// The edges that are crossed on the way.
@@ -43,7 +43,7 @@ struct ReachedEdge {
     before: Option<VertexId>,
 }
 
-impl Turn {
+impl SideTurn {
     /// The least turn at `v` from direction `a` to `b`.
     ///
     /// Turns lead around `v` on either side of a vertex inside the surface, on one side at the

@@ -65,15 +65,15 @@
 //!
 //! A [`Beam`](crate::Beam) is a window whose source is at infinity. It holds a direction and an
 //! offset in place of an image. Turning the direction into the next frame errs by some ε, so a ray
-//! errs by a lateral ε of the way to come, as that of an image does; moving the offset there errs by
-//! some ε·(d + S). Ends of intervals come from the same areas n and m. Beams that are equal along a
-//! range have equal slopes there, hence equal directions. They have no foot: all of their rays have
-//! one direction. So the comparisons below hold for beams and cones alike.
+//! errs by a lateral ε of the way to come, as that of an image does; moving the offset there errs
+//! by some ε·(d + S). Ends of intervals come from the same areas n and m. Beams that are equal
+//! along a range have equal slopes there, hence equal directions. They have no foot: all of their
+//! rays have one direction. So the comparisons below hold for beams and cones alike.
 //!
 //! What is new is where a beam touches the cone at an end of its segment: along one ray, on which
-//! both are equal. A tie elsewhere is between rays that cross, so that both windows reach beyond it;
-//! this one is between rays that are parallel. If rounding put the end of the beam beyond its ray,
-//! there would be a gap, of an angle ε·S/r at the distance r. So a beam begins and ends
+//! both are equal. A tie elsewhere is between rays that cross, so that both windows reach beyond
+//! it; this one is between rays that are parallel. If rounding put the end of the beam beyond its
+//! ray, there would be a gap, of an angle ε·S/r at the distance r. So a beam begins and ends
 //! [`PLACE`]·S within its segment. The cone is as short there, and both overlap beyond.
 //!
 //! # Comparisons in which the first of equal windows stays

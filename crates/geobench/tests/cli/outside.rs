@@ -259,8 +259,8 @@ for line in sys.stdin:
     print(json.dumps(answer), flush=True)
 "#;
 
-/// Runs the programs of [`VERSION_2`] with these options on the square, twice; returns the cells and
-/// what was shown.
+/// Runs the programs of [`VERSION_2`] with these options on the square, twice; returns the cells
+/// and what was shown.
 fn run_version_2(options: &[(&str, &[&str])], code: i32, more: &str) -> (Vec<Value>, String) {
     let sandbox = Sandbox::with_square();
     sandbox.write("solver.py", VERSION_2);

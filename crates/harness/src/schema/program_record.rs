@@ -67,8 +67,8 @@ impl ProgramRecord {
 }
 
 /// The first difference between the programs of `new` and those of the same name in `old`, in
-/// words. Paths are not compared, hashes are. `None` if each program of `new` equals one of its name
-/// in `old`, or `old` has none of that name.
+/// words. Paths are not compared, hashes are. `None` if each program of `new` equals one of its
+/// name in `old`, or `old` has none of that name.
 pub fn changed_program<'p>(
     old: impl IntoIterator<Item = &'p ProgramRecord>,
     new: impl IntoIterator<Item = &'p ProgramRecord>,

@@ -57,8 +57,8 @@ pub(super) fn problem_of_name(path: &Path) -> Option<String> {
     found.map(Packing::problem)
 }
 
-/// The problem of the `bytes` of a file in a `format` in words; `None` if they are not compressed in
-/// one of these forms.
+/// The problem of the `bytes` of a file in a `format` in words; `None` if they are not compressed
+/// in one of these forms.
 pub(super) fn problem_of_content(bytes: &[u8], format: Format) -> Option<String> {
     let mut all = PACKINGS.iter();
     let found = all.find(|packing| bytes.starts_with(packing.start));

@@ -13,11 +13,11 @@
 //!
 //! The normal of the polygon is its vector area (Newell). For a slightly warped polygon it is that
 //! of the best-fitting plane. Polygons with missing or non-finite corners, or without area, become
-//! fans, for validation to report. Of corners on one line the polygon is cut **in halves**, so that a
-//! path along it passes few triangles. A polygon that repeats corners may have holes, with bridges to
-//! them. Any other one becomes a fan from the repeated corner, so that a triangle names it twice.
-//! Self-intersecting polygons are cut in some way. A polygon of k corners always becomes k - 2
-//! triangles with its orientation.
+//! fans, for validation to report. Of corners on one line the polygon is cut **in halves**, so that
+//! a path along it passes few triangles. A polygon that repeats corners may have holes, with
+//! bridges to them. Any other one becomes a fan from the repeated corner, so that a triangle names
+//! it twice. Self-intersecting polygons are cut in some way. A polygon of k corners always becomes
+//! k - 2 triangles with its orientation.
 
 use crate::vector::{cross, dot, sub};
 
@@ -113,7 +113,8 @@ fn are_on_one_line(positions: &[[f64; 3]], corners: &[u32]) -> bool {
     size > 0.0 && size.is_finite() && offsets.clone().all(is_beside)
 }
 
-/// The triangles of the part of a polygon from the one corner to the other, and a cut between these.
+/// The triangles of the part of a polygon from the one corner to the other, and a cut between
+/// these.
 ///
 /// Behind each cut lie half of the corners. Of a fan on one line, each corner sends windows through
 /// all triangles behind it: 9 million windows for 3,000 corners.

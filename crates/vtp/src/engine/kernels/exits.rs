@@ -20,8 +20,9 @@ const SLACK: f64 = MARGIN;
 /// above [`RESOLUTION`]. A source no farther than its own rounding counts as close as well.
 const CLOSE: f64 = RESOLUTION;
 
-/// How far from the straight line to the apex, as a fraction of the half-edge and of the path, a path
-/// may enter so that lengths hardly tell whether it is bent: a detour by δ is longer by 2·δ² or more.
+/// How far from the straight line to the apex, as a fraction of the half-edge and of the path, a
+/// path may enter so that lengths hardly tell whether it is bent: a detour by δ is longer by 2·δ²
+/// or more.
 const HARDLY_BENT: f64 = 2.0 * RESOLUTION;
 
 /// Windows that enter a face, and the sides on which their rays leave.

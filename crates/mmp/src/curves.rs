@@ -99,7 +99,7 @@ pub fn distances_from_curves(
 
 /// An event of the queue.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-enum Event {
+enum CurveEvent {
     /// A pseudo-source sends its windows.
     Vertex(VertexId),
     /// The stored window with this number crosses its face.
@@ -131,7 +131,7 @@ struct CurveRun<'m> {
     /// How much longer than the shortest path a window beside a thin face may be.
     doubt: f64,
     distances: Vec<f64>,
-    queue: MinHeap<Event>,
+    queue: MinHeap<CurveEvent>,
     windows: Vec<StoredRays>,
     /// The windows of each half-edge, ascending and disjoint.
     lists: Vec<Vec<u32>>,
@@ -292,7 +292,7 @@ impl<'m> CurveRun<'m> {
         if d < *known {
             *known = d;
             if self.mesh.is_pseudo_source(v) {
-                self.queue.push(d, Event::Vertex(v));
+                self.queue.push(d, CurveEvent::Vertex(v));
             }
         }
     }
@@ -384,7 +384,7 @@ impl<'m> CurveRun<'m> {
             state,
         });
         if state == State::Waits {
-            self.queue.push(rays.min_distance(), Event::Window(i));
+            self.queue.push(rays.min_distance(), CurveEvent::Window(i));
         }
         i
     }
@@ -397,9 +397,9 @@ impl<'m> CurveRun<'m> {
             }
             match event {
                 // A vertex is queued anew whenever it improves; its older events are void.
-                Event::Vertex(v) if self.distances[v.index()] == label => self.spawn(v),
-                Event::Vertex(_) => {}
-                Event::Window(i) => {
+                CurveEvent::Vertex(v) if self.distances[v.index()] == label => self.spawn(v),
+                CurveEvent::Vertex(_) => {}
+                CurveEvent::Window(i) => {
                     let StoredRays {
                         rays,
                         half_edge,

@@ -14,7 +14,7 @@ const MARGIN: f64 = 1.0 + 1e-9;
 ///
 /// They arrive from below the side's frame, and cross the side's triangle next.
 #[derive(Clone, Copy)]
-struct Beam<S> {
+struct FloodBeam<S> {
     side: usize,
     from: S,
     to: S,
@@ -181,13 +181,13 @@ struct VertexLines<'a, S> {
 impl<S: RealNumber> VertexLines<'_, S> {
     fn follow_from(&mut self, vertex: usize) -> Result<(), GaveUp> {
         let surface = self.surface;
-        let mut waiting: Vec<(usize, Beam<S>)> = surface.leaving[vertex]
+        let mut waiting: Vec<(usize, FloodBeam<S>)> = surface.leaving[vertex]
             .iter()
             .flat_map(|&leaving| {
                 // In the frame of the neighbour across the opposite side, that side is rotated by
                 // half a turn about its midpoint.
                 let opposite = surface.sides[next(leaving)];
-                let beam = Beam {
+                let beam = FloodBeam {
                     side: next(leaving),
                     from: S::zero(),
                     to: opposite.length,
@@ -238,7 +238,7 @@ impl<S: RealNumber> VertexLines<'_, S> {
     /// The advantage of the path through the tail decreases along the side, because no length grows
     /// faster than the position on the side. Its least value is therefore at the far end of the
     /// beam. The head is symmetric.
-    fn is_beaten(&self, beam: &Beam<S>) -> bool {
+    fn is_beaten(&self, beam: &FloodBeam<S>) -> bool {
         let entered = &self.surface.sides[beam.side];
         let head = self.surface.sides[next(beam.side)].tail;
         let [x, y] = beam.origin;
@@ -254,7 +254,7 @@ impl<S: RealNumber> VertexLines<'_, S> {
 /// The position at which the line to the apex crosses the beam's side, and the length of the
 /// shortest path to the apex through the beam: straight if the position is within the beam, else
 /// along its end ray.
-fn reach_apex<S: RealNumber>(surface: &PreciseSurface<S>, beam: &Beam<S>) -> (S, S) {
+fn reach_apex<S: RealNumber>(surface: &PreciseSurface<S>, beam: &FloodBeam<S>) -> (S, S) {
     let [cx, cy] = surface.sides[beam.side].apex;
     let [px, py] = beam.origin;
     let split = (cy * px - py * cx) / (cy - py);
@@ -271,16 +271,16 @@ fn reach_apex<S: RealNumber>(surface: &PreciseSurface<S>, beam: &Beam<S>) -> (S,
 /// one is in the frame of a neighbour whose side has the opposite direction.
 fn entering<S: RealNumber>(
     surface: &PreciseSurface<S>,
-    leaving: Beam<S>,
-) -> impl Iterator<Item = Beam<S>> {
+    leaving: FloodBeam<S>,
+) -> impl Iterator<Item = FloodBeam<S>> {
     let length = surface.sides[leaving.side].length;
     surface.beyond[leaving.side].iter().map(move |beyond| {
         let side = beyond.side;
         if !beyond.turned {
-            return Beam { side, ..leaving };
+            return FloodBeam { side, ..leaving };
         }
         let [x, y] = leaving.origin;
-        Beam {
+        FloodBeam {
             side,
             from: length - leaving.to,
             to: length - leaving.from,
@@ -292,9 +292,9 @@ fn entering<S: RealNumber>(
 /// The lines that leave through the side from tail to apex.
 fn left_part<S: RealNumber>(
     surface: &PreciseSurface<S>,
-    beam: &Beam<S>,
+    beam: &FloodBeam<S>,
     split: S,
-) -> Option<Beam<S>> {
+) -> Option<FloodBeam<S>> {
     let entered = surface.sides[beam.side];
     let side = prev(beam.side);
     let left = surface.sides[side];
@@ -309,7 +309,7 @@ fn left_part<S: RealNumber>(
         clamp(length * n / (n + m), length)
     };
     let (ux, uy) = (cx / length, cy / length);
-    kept(Beam {
+    kept(FloodBeam {
         side,
         from: at(beam.from),
         to: if beam.to >= split {
@@ -324,9 +324,9 @@ fn left_part<S: RealNumber>(
 /// The lines that leave through the side from apex to head.
 fn right_part<S: RealNumber>(
     surface: &PreciseSurface<S>,
-    beam: &Beam<S>,
+    beam: &FloodBeam<S>,
     split: S,
-) -> Option<Beam<S>> {
+) -> Option<FloodBeam<S>> {
     let entered = surface.sides[beam.side];
     let side = next(beam.side);
     let right = surface.sides[side];
@@ -340,7 +340,7 @@ fn right_part<S: RealNumber>(
         clamp(length * m / (n + m), length)
     };
     let (ux, uy) = (from_head(surface, beam.side) / length, -cy / length);
-    kept(Beam {
+    kept(FloodBeam {
         side,
         from: if beam.from <= split {
             S::zero()
@@ -368,6 +368,6 @@ fn clamp<S: RealNumber>(x: S, length: S) -> S {
 
 /// The beam, if it has a width and comes from below its side. A beam for which rounding says
 /// otherwise has at most one line.
-fn kept<S: RealNumber>(beam: Beam<S>) -> Option<Beam<S>> {
+fn kept<S: RealNumber>(beam: FloodBeam<S>) -> Option<FloodBeam<S>> {
     (beam.from < beam.to && beam.origin[1] < S::zero()).then_some(beam)
 }

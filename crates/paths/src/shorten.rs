@@ -61,7 +61,7 @@ impl Path {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn shortened(&self, mesh: &Mesh, closed: bool) -> Option<Self> {
-        let mut curve = Curve::along(mesh, self)?;
+        let mut curve = PieceRow::along(mesh, self)?;
         if closed {
             if self.points.first()?.vertex() != self.points.last()?.vertex() {
                 return None;
@@ -79,7 +79,7 @@ impl Path {
 
 /// A straight line between two vertices.
 #[derive(Clone, Debug)]
-struct Piece {
+struct LinePiece {
     ends: [VertexId; 2],
     length: f64,
     /// The directions of the line at its start and, back, at its end.
@@ -90,16 +90,16 @@ struct Piece {
 }
 
 /// A row of pieces, each from the end of the one before.
-struct Curve<'a> {
+struct PieceRow<'a> {
     mesh: &'a Mesh,
-    pieces: Vec<Piece>,
+    pieces: Vec<LinePiece>,
     /// The point that is left if there are no pieces.
     start: VertexId,
     /// How many more steps may be no shorter beyond rounding.
     patience: usize,
 }
 
-impl<'a> Curve<'a> {
+impl<'a> PieceRow<'a> {
     /// The curve along `path`; `None` if its ends are no vertices of `mesh` or it is not on it.
     fn along(mesh: &'a Mesh, path: &Path) -> Option<Self> {
         let is_on_edge = |point: &&Point| point.place != PathPlace::Face;
@@ -143,19 +143,19 @@ impl<'a> Curve<'a> {
     }
 
     /// The turn between two pieces, the second from the end of the first.
-    fn turn(&self, [before, after]: [&Piece; 2]) -> SideTurn {
+    fn turn(&self, [before, after]: [&LinePiece; 2]) -> SideTurn {
         let directions = [before.directions[1], after.directions[0]];
         SideTurn::least(self.mesh, after.ends[0], directions)
     }
 
-    fn is_straight(&self, turn: &SideTurn, [before, after]: [&Piece; 2]) -> bool {
+    fn is_straight(&self, turn: &SideTurn, [before, after]: [&LinePiece; 2]) -> bool {
         let lengths = [before.length, after.length];
         turn.is_straight(self.mesh, after.ends[0], lengths, BEND)
     }
 
     /// Whether pieces may take the place of some of this `length`: whether they are not longer.
     /// Steps that gain nothing but rounding are counted, so that there is an end to them.
-    fn accepts(&mut self, pieces: &[Piece], length: f64) -> bool {
+    fn accepts(&mut self, pieces: &[LinePiece], length: f64) -> bool {
         let new: f64 = pieces.iter().map(|piece| piece.length).sum();
         if new < (1.0 - GAIN) * length {
             return true;
@@ -231,7 +231,7 @@ impl<'a> Curve<'a> {
     /// again they show the piece as a chain of equal sides with equal turns: part of a regular
     /// polygon. On its way to the centre each side moves parallel to itself, so the vertex met
     /// first is the one nearest to a side. `None` if the only piece cannot be unfolded.
-    fn moved_on(&self, turn: &SideTurn) -> Option<Vec<Piece>> {
+    fn moved_on(&self, turn: &SideTurn) -> Option<Vec<LinePiece>> {
         let (mesh, piece) = (self.mesh, &self.pieces[0]);
         let v = piece.ends[0];
         let count = piece.crossings.len();
@@ -255,7 +255,7 @@ impl<'a> Curve<'a> {
             let loops = (0..ring.len())
                 .flat_map(ends)
                 .filter_map(|(u, j)| through(u, j));
-            let length = |pieces: &[Piece]| pieces.iter().map(|p| p.length).sum::<f64>();
+            let length = |pieces: &[LinePiece]| pieces.iter().map(|p| p.length).sum::<f64>();
             let least = loops.min_by(|a, b| length(a).total_cmp(&length(b)))?;
             return (length(&least) < (1.0 - GAIN) * piece.length).then_some(least);
         }
@@ -406,7 +406,7 @@ fn tightened(
     start: VertexId,
     crossings: Vec<EdgeCrossing>,
     end: VertexId,
-) -> Option<Vec<Piece>> {
+) -> Option<Vec<LinePiece>> {
     let kept = reduced(crossings.into_iter().enumerate());
     let mut crossings: Vec<EdgeCrossing> = kept.into_iter().map(|(_, crossing)| crossing).collect();
     // A path that starts by turning around its start starts in the last face of the turn.
@@ -419,7 +419,7 @@ fn tightened(
         return if start == end {
             Some(Vec::new())
         } else {
-            Some(vec![Piece::along_edge(mesh, [start, end])?])
+            Some(vec![LinePiece::along_edge(mesh, [start, end])?])
         };
     }
     let strip = Strip::unfolded(mesh, &crossings)?;
@@ -427,12 +427,12 @@ fn tightened(
     let pieces = stops.windows(2).map(|pair| {
         let (from, to) = (&pair[0], &pair[1]);
         let between = crossings.get(from.after..to.first).unwrap_or(&[]);
-        Piece::straight(mesh, [from.vertex, to.vertex], between)
+        LinePiece::straight(mesh, [from.vertex, to.vertex], between)
     });
     pieces.collect()
 }
 
-impl Piece {
+impl LinePiece {
     /// The line along the edge between `ends`.
     fn along_edge(mesh: &Mesh, ends: [VertexId; 2]) -> Option<Self> {
         let [from, to] = ends;
@@ -535,7 +535,7 @@ struct Strip {
 }
 
 /// A vertex on the shortest path across a strip.
-struct Stop {
+struct FunnelStop {
     vertex: VertexId,
     /// The first portal that it is on, and the one after the last.
     first: usize,
@@ -582,7 +582,7 @@ impl Strip {
 
     /// The vertices of the shortest path from the start to the end of the strip: these, and those
     /// at which it bends.
-    fn funnel(&self, start: VertexId, end: VertexId) -> Vec<Stop> {
+    fn funnel(&self, start: VertexId, end: VertexId) -> Vec<FunnelStop> {
         let mut funnel = Funnel::new(StripCorner {
             vertex: start,
             at: self.start,
@@ -606,7 +606,7 @@ impl Strip {
         let mut stops = Vec::new();
         while let Some(k) = last {
             let point = &funnel.points[k];
-            stops.push(Stop {
+            stops.push(FunnelStop {
                 vertex: point.corner.vertex,
                 first: point.first,
                 after: point.after,

@@ -4,7 +4,7 @@
 use geobench_window::simd::{LaneMask, Lanes};
 
 use super::columns::Windows;
-use super::exits::{Rays, Rule, Sides};
+use super::exits::{EnteringRays, Rule, Sides};
 use crate::engine::store::{Block, Columns};
 
 /// Bounds within which the product of two divisors can be inverted without loss of precision.
@@ -114,7 +114,7 @@ pub(crate) fn carry<L: Lanes, R: Rule>(
         let ends_left = m1.lt(zero);
         let Sides { tried, cut, limits } = rule.sides(
             simd,
-            &Rays {
+            &EnteringRays {
                 windows,
                 kept,
                 e,

@@ -27,7 +27,7 @@ const HARDLY_BENT: f64 = 2.0 * RESOLUTION;
 
 /// Windows that enter a face, and the sides on which their rays leave.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rays<L: Lanes> {
+pub(crate) struct EnteringRays<L: Lanes> {
     pub(super) windows: Windows<L>,
     /// The lanes whose windows are kept.
     pub(super) kept: L::Mask,
@@ -87,7 +87,7 @@ pub(crate) enum AllowedAngle {
 /// Decides which rays may leave through which exit.
 pub(crate) trait Rule {
     /// What the rule leaves of `rays`. That each ray leaves on its own side is ensured elsewhere.
-    fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L>;
+    fn sides<L: Lanes>(&self, simd: L::Token, rays: &EnteringRays<L>) -> Sides<L>;
 }
 
 /// No rule: all rays leave.
@@ -96,7 +96,7 @@ pub struct Free;
 
 impl Rule for Free {
     #[inline(always)]
-    fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L> {
+    fn sides<L: Lanes>(&self, simd: L::Token, rays: &EnteringRays<L>) -> Sides<L> {
         let (none, zero) = (L::mask(simd, 0), L::splat(simd, 0.0));
         Sides {
             tried: [rays.kept; 2],
@@ -216,7 +216,7 @@ impl BestPath {
         let [cx, cy] = apex;
         let lane = |x: f64| Scalar::splat((), x);
         let windows = Windows::new(window.map(lane));
-        let rays = Rays {
+        let rays = EnteringRays {
             windows,
             kept: Scalar::mask((), 1),
             e: lane(cy) - windows.py,
@@ -259,7 +259,7 @@ impl BestPath {
 
 impl Rule for BestPath {
     #[inline(always)]
-    fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L> {
+    fn sides<L: Lanes>(&self, simd: L::Token, rays: &EnteringRays<L>) -> Sides<L> {
         let Windows { b0, b1, py, .. } = rays.windows;
         let [first, last] = self.entries;
         let slack = L::splat(simd, self.slack);
@@ -335,7 +335,7 @@ pub struct Reach {
 
 impl Rule for Reach {
     #[inline(always)]
-    fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L> {
+    fn sides<L: Lanes>(&self, simd: L::Token, rays: &EnteringRays<L>) -> Sides<L> {
         let Windows {
             b0,
             b1,
@@ -363,7 +363,7 @@ impl Rule for Reach {
 /// Both rules.
 impl<A: Rule, B: Rule> Rule for (A, B) {
     #[inline(always)]
-    fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L> {
+    fn sides<L: Lanes>(&self, simd: L::Token, rays: &EnteringRays<L>) -> Sides<L> {
         self.0.sides(simd, rays).and(self.1.sides(simd, rays))
     }
 }
@@ -380,7 +380,7 @@ pub struct EveryBetterPath<'a> {
 
 impl Rule for EveryBetterPath<'_> {
     #[inline(always)]
-    fn sides<L: Lanes>(&self, simd: L::Token, rays: &Rays<L>) -> Sides<L> {
+    fn sides<L: Lanes>(&self, simd: L::Token, rays: &EnteringRays<L>) -> Sides<L> {
         let own = to_apex(simd, rays, self.apex) * L::splat(simd, WINS);
         let mut sides = Free.sides(simd, rays);
         for (path, length) in self.paths {
@@ -388,7 +388,7 @@ impl Rule for EveryBetterPath<'_> {
             if longer.any() {
                 let of_path = path.sides(
                     simd,
-                    &Rays {
+                    &EnteringRays {
                         kept: longer,
                         ..*rays
                     },
@@ -404,7 +404,7 @@ impl Rule for EveryBetterPath<'_> {
 /// The lengths of the shortest paths of windows to the apex: straight if the window sees it, else
 /// bent at the end nearest to the straight ray.
 #[inline(always)]
-fn to_apex<L: Lanes>(simd: L::Token, rays: &Rays<L>, apex: [f64; 2]) -> L {
+fn to_apex<L: Lanes>(simd: L::Token, rays: &EnteringRays<L>, apex: [f64; 2]) -> L {
     let Windows {
         b0,
         b1,
@@ -455,7 +455,7 @@ mod tests {
         };
         let sides = rule.sides(
             (),
-            &Rays {
+            &EnteringRays {
                 windows,
                 kept: Scalar::mask((), 1),
                 e: lane(1.0),

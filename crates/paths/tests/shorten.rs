@@ -8,12 +8,12 @@ use std::f64::consts::{PI, TAU};
 use geobench_mesh::{Mesh, Refined, SplitMix64, SurfacePoint, VertexId};
 use geobench_mmp::mmp_fast;
 use geobench_oracle::nasty::{self, Kind};
-use geobench_oracle::zoo;
+use geobench_oracle::{judge_geodesic, zoo};
 use geobench_paths::{Path, Paths};
 use geobench_window::{Goal, precision};
 
 use crate::judged::oracle_mesh::mesh_of;
-use crate::judged::path::judge_locally;
+use crate::judged::path::judged_points;
 use crate::judged::{report, surface};
 
 /// The shortest paths from each of `ways` to the next, as one path; `None` if one is unreachable or
@@ -60,7 +60,8 @@ fn flaw(mesh: &Mesh, [path, shorter]: [&Path; 2], closed: bool) -> Option<String
             return Some("its ends have moved".to_owned());
         }
     }
-    let judged = judge_locally(&surface(mesh), shorter, closed);
+    let points = judged_points(shorter);
+    let judged = judge_geodesic(&surface(mesh), &points, closed, shorter.length);
     judged.err().map(|flaw| flaw.to_string())
 }
 

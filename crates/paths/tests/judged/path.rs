@@ -1,9 +1,7 @@
 //! A traced path in the terms of the oracle's judge.
 
 use geobench_mesh::{Mesh, VertexId};
-use geobench_oracle::{
-    DoubleDouble, JudgedPoint, PathFlaw, PreciseSurface, judge_geodesic, judge_path,
-};
+use geobench_oracle::{DoubleDouble, JudgedPoint, PathFlaw, PreciseSurface, judge_path};
 use geobench_paths::{Path, PathPlace};
 
 /// The surface of `mesh` for the judge.
@@ -35,16 +33,8 @@ pub(crate) fn judge(
     judge_path(surface, &points, sources, target.raw(), [d, path.length])
 }
 
-/// Judges whether a path is locally shortest, if it is `closed` also where it ends.
-pub(crate) fn judge_locally(
-    surface: &PreciseSurface<DoubleDouble>,
-    path: &Path,
-    closed: bool,
-) -> Result<(), PathFlaw> {
-    judge_geodesic(surface, &judged_points(path), closed, path.length)
-}
-
-fn judged_points(path: &Path) -> Vec<JudgedPoint> {
+/// The points of a path. None may be inside a face.
+pub(crate) fn judged_points(path: &Path) -> Vec<JudgedPoint> {
     let points = path.points.iter().map(|point| match point.place {
         PathPlace::Vertex(v) => JudgedPoint::Vertex(v.raw()),
         PathPlace::Edge { ends, t } => JudgedPoint::Edge {

@@ -320,7 +320,7 @@ fn a_curve_of_one_point_is_that_point() {
     let mesh = Mesh::generate("terrain,n=9,seed=2").unwrap();
     for seed in 0..10 {
         let mut random = SplitMix64::new(seed);
-        let points: Vec<SurfacePoint> = (0..1 + random.below(3))
+        let points: Vec<SurfacePoint> = (0..=random.below(3))
             .map(|_| {
                 let face = FaceId::new(random.below(mesh.face_count()) as u32);
                 inside(&mesh, face, &mut random)

@@ -39,6 +39,7 @@ use crate::verdict::Verdict;
         "The targets, in the same forms; the search ends when all are reached"
     )),
 )]
+#[allow(clippy::struct_excessive_bools)] // Each is an option of its own.
 pub(crate) struct PathOptions {
     /// The model
     #[arg(value_name = "MODEL")]

@@ -48,6 +48,11 @@ const COMMANDS: [Files; 13] = [
         written: &[("--output", "csv")],
     },
     Files {
+        call: "distance square.off --algo mmp",
+        read: &[("--curve", "curve.csv")],
+        written: &[("--output", "csv")],
+    },
+    Files {
         call: "path --source 0 --target 2",
         read: &[
             MODEL,
@@ -132,6 +137,7 @@ fn sandbox() -> Sandbox {
     sandbox.write("sources.csv", "2\n");
     sandbox.write("targets.csv", "2\n");
     sandbox.write("pairs.csv", "2,0\n");
+    sandbox.write("curve.csv", "0\n1\n");
     sandbox.write("square.s0.csv", "0,0\n1,1\n2,1.4142135623730951\n3,1\n");
     sandbox.write(
         "suite.toml",

@@ -19,7 +19,7 @@ struct Files {
 
 const MODEL: (&str, &str) = ("", "square.off");
 
-const COMMANDS: [Files; 13] = [
+const COMMANDS: [Files; 14] = [
     Files {
         call: "run --algo vtp,mmp --repeat 1 --quiet",
         read: &[

@@ -105,7 +105,7 @@ pub(crate) fn curves(value: &Bound<'_, PyAny>) -> PyResult<Option<Vec<CurveSpec>
         return Ok(None);
     }
     let items: Vec<Bound<'_, PyAny>> = value.try_iter()?.collect::<PyResult<_>>()?;
-    if !items.iter().any(|item| item.is_instance_of::<PyCurve>()) {
+    if !items.iter().any(PyAnyMethods::is_instance_of::<PyCurve>) {
         return Ok(None);
     }
     let spec = |item: &Bound<'_, PyAny>| match item.cast::<PyCurve>() {

@@ -20,7 +20,7 @@ pub fn registered<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) -> io::R
 }
 
 /// Removes all temporary files and folders of this process. For a signal that ends it, since then
-/// nothing is dropped. None can be made afterwards: whoever tries waits for the end.
+/// nothing is dropped. None can be made afterwards: a thread that tries waits for the end.
 pub fn remove_all() {
     let made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
     for path in made.iter() {

@@ -16,7 +16,7 @@
 //! * [`distances`]: the oracle; [`search`] is the same with a limit on its work.
 //! * [`edge_graph_distances`], [`steiner_distances`], [`euclidean_distances`]: two upper bounds and
 //!   a lower bound that use no unfolding.
-//! * [`judge_path`]: whether a path is a shortest one; [`judge_geodesic`]: whether it is locally so.
+//! * [`judge_path`], [`judge_geodesic`]: whether a path is shortest, or locally shortest.
 //! * [`closed_forms`]: surfaces with formulas for their distances.
 //! * [`zoo`]: small surfaces with all features that have broken geodesic programs.
 //! * [`nasty`]: random meshes of kinds that break such programs.

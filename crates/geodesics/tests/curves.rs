@@ -401,6 +401,27 @@ fn degenerate_curves_are_points_and_unplaced_ones_are_refused() {
     );
 }
 
+/// The points differ in one coordinate by an ulp. In the frame of one side they were equal, and the
+/// rays between them had no direction: they kept out other windows.
+#[test]
+fn rounding_makes_the_ends_of_a_segment_one_point() {
+    let positions = [0.25, 0.25, 0.25, 0.0, 0.0, 0.0].into_iter().enumerate();
+    let position = |(k, z): (usize, f64)| [(k % 2) as f64, 10.0 * (k / 2) as f64, z];
+    let faces = vec![[0, 1, 2], [1, 3, 2], [2, 3, 4], [3, 5, 4]];
+    let mesh = Mesh::new(positions.map(position).collect(), faces).unwrap();
+    let middle = mesh.point_on_edge([5.into(), 3.into()], 0.5).unwrap();
+    let [p, q] = [0.125, 0.125_f64.next_up()].map(|weight| {
+        let weights = [0.125, weight, 0.75];
+        mesh.point_in_face(FaceId::new(2), weights).unwrap()
+    });
+    assert_ne!(p, q);
+    let points = solve(&mesh, &[Curve::new([middle]), Curve::new([p])]);
+    let found = solve(&mesh, &[Curve::new([middle]), Curve::new([p, q])]);
+    for (d, expected) in found.iter().zip(points) {
+        assert!((d - expected).abs() < 1e-14, "{d} {expected}");
+    }
+}
+
 #[test]
 fn a_segment_that_may_lie_in_two_faces_is_refused() {
     // Both sides of a triangle.

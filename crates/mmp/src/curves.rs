@@ -201,6 +201,10 @@ impl<'m> CurveRun<'m> {
             let [q, r] = segment.ends.map(|weights| self.below(h, weights));
             let (sx, sy) = (r[0] - q[0], r[1] - q[1]);
             let length = libm::hypot(sx, sy);
+            if length == 0.0 {
+                // Rounding makes the ends one point, whose cone is as short.
+                continue;
+            }
             // The unit vector that is perpendicular to the segment and leads to the edge.
             let sign = if sx < 0.0 { -1.0 } else { 1.0 };
             let (ux, uy) = (-sy / length * sign, sx / length * sign);

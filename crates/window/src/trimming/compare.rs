@@ -211,16 +211,16 @@ fn tie_between(old: &Window, new: &Window, lo: f64, hi: f64) -> f64 {
     if (first != second) & is_tie {
         new.px + u
     } else {
-        bisected_tie(old, new, lo, hi)
+        bisected(|x| old.distance(x) - new.distance(x), lo, hi)
     }
 }
 
-/// The tie point by bisection, where `tie_between` cannot tell the roots apart: where both σ are
-/// equal up to rounding, so are the roots, and their signs are rounding errors.
+/// A zero of `gain` between `lo` and `hi`, where its signs differ: the tie point where a formula
+/// cannot tell the roots apart. Where both σ are equal up to rounding, so are the roots, and their
+/// signs are rounding errors.
 #[cold]
 #[inline(never)]
-fn bisected_tie(old: &Window, new: &Window, mut lo: f64, mut hi: f64) -> f64 {
-    let gain = |x: f64| old.distance(x) - new.distance(x);
+pub(super) fn bisected(gain: impl Fn(f64) -> f64, mut lo: f64, mut hi: f64) -> f64 {
     let wins_first = gain(lo) > 0.0;
     loop {
         let middle = 0.5 * (lo + hi);

@@ -1,6 +1,6 @@
 //! What the division of an edge asks of the windows that compete for it.
 
-use super::compare::{SLIVER, doubt, is_sent_again, is_sliver, ties_between};
+use super::compare::{SLIVER, bisected, doubt, is_sent_again, is_sliver, ties_between};
 use super::foot::{ALONG, does_new_win, grazes, is_foot, is_shorter_at_foot};
 use crate::rays::{Beam, Rays};
 use crate::tie::TiePoints;
@@ -156,22 +156,6 @@ fn ties_of_beam_and_cone(beam: &Beam, cone: &Window) -> TiePoints {
     let greater = k * u + quarter.sqrt().copysign(u);
     let product = (cone.py - k) * (cone.py + k);
     TiePoints::of([greater / (v * v), product / greater].map(|t| cone.px + t))
-}
-
-/// A zero of `gain` between `lo` and `hi`, where its signs differ.
-fn bisected(gain: impl Fn(f64) -> f64, mut lo: f64, mut hi: f64) -> f64 {
-    let wins_first = gain(lo) > 0.0;
-    loop {
-        let middle = 0.5 * (lo + hi);
-        if middle <= lo || middle >= hi {
-            return middle;
-        }
-        if (gain(middle) > 0.0) == wins_first {
-            lo = middle;
-        } else {
-            hi = middle;
-        }
-    }
 }
 
 #[cfg(test)]

@@ -16,10 +16,7 @@ use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
 
 use crate::lines::{LineDirection, PLACE};
 use crate::path::{Path, PathPlace, Point};
-use crate::turn::{EdgeCrossing, SideTurn};
-
-/// Greatest rounding of the place where a path bends, as a fraction of the pieces that meet there.
-const BEND: f64 = 1e-12;
+use crate::turn::{BEND, EdgeCrossing, SideTurn};
 
 /// Greatest sine of the angle by which a path passes a vertex and counts as passing through it.
 const THROUGH: f64 = 1e-14;

@@ -8,7 +8,7 @@ use geobench_window::{Goal, Origin, Origins, SolveError, Solver, Sources};
 
 use crate::lines::{LineDirection, PLACE, StraightLine, lines_to};
 use crate::path::{Path, Point};
-use crate::turn::SideTurn;
+use crate::turn::{BEND, SideTurn};
 
 /// Greatest angle between the straight line to an image and a vertex that the path passes. It
 /// exceeds the error that unfolding adds to an image in faces of about one size.
@@ -21,9 +21,6 @@ const TOLERANCE: f64 = 5e-13;
 /// Greatest part of [`TOLERANCE`] that a straight piece may take, if it is one that the solver
 /// recorded: the rounding error of a distance.
 const ROUNDING: f64 = 3e-14;
-
-/// Greatest rounding of the place where a path bends, as a fraction of the two straight pieces.
-const BEND: f64 = 1e-12;
 
 /// Factors of [`BEND`] with which a search is repeated, if rounding hides the vertices at which the
 /// path is straight.

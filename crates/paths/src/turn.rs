@@ -7,6 +7,9 @@ use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
 
 use crate::lines::{LineDirection, PLACE};
 
+/// Greatest rounding of the place where a path bends, as a fraction of the pieces that meet there.
+pub(crate) const BEND: f64 = 1e-12;
+
 /// A passage from one face into another across their common edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct EdgeCrossing {

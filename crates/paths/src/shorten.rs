@@ -153,7 +153,7 @@ impl<'a> PieceRow<'a> {
     /// Whether pieces may take the place of some of this `length`: whether they are not longer.
     /// Steps that gain nothing but rounding are counted, so that there is an end to them.
     fn accepts(&mut self, pieces: &[LinePiece], length: f64) -> bool {
-        let new: f64 = pieces.iter().map(|piece| piece.length).sum();
+        let new = length_of(pieces);
         if new < (1.0 - GAIN) * length {
             return true;
         }
@@ -237,24 +237,11 @@ impl<'a> PieceRow<'a> {
         if ring.is_empty() {
             return Some(Vec::new());
         }
-        let through = |u: VertexId, j: usize| {
-            let around = ring[j + 1..].iter().chain(&ring[..=j]);
-            tightened(mesh, u, around.map(|&(_, crossing)| crossing).collect(), u)
-        };
         let is_turned = |c: &&EdgeCrossing| mesh.tail(c.from) == mesh.tail(c.to);
         if all.iter().filter(is_turned).count() % 2 == 1 {
-            // After one round the sides are exchanged. The shortest loop through a vertex of the
-            // ring.
-            let ends = |j: usize| {
-                let h = ring[j].1.from;
-                [mesh.tail(h), mesh.head(h)].map(|u| (u, j))
-            };
-            let loops = (0..ring.len())
-                .flat_map(ends)
-                .filter_map(|(u, j)| through(u, j));
-            let length = |pieces: &[LinePiece]| pieces.iter().map(|p| p.length).sum::<f64>();
-            let least = loops.min_by(|a, b| length(a).total_cmp(&length(b)))?;
-            return (length(&least) < (1.0 - GAIN) * piece.length).then_some(least);
+            // After one round the sides are exchanged.
+            let least = least_loop(mesh, &ring)?;
+            return (length_of(&least) < (1.0 - GAIN) * piece.length).then_some(least);
         }
         let strip = Strip::unfolded(mesh, &all)?;
         let first = &strip.portals[0];
@@ -292,7 +279,7 @@ impl<'a> PieceRow<'a> {
             let [a, b] = [i, j].map(|k| height(corner(k).at));
             a.total_cmp(&b)
         })?;
-        through(corner(nearest).vertex, nearest)
+        loop_through(mesh, &ring, corner(nearest).vertex, nearest)
     }
 
     fn to_path(&self) -> Path {
@@ -394,6 +381,34 @@ fn ring(all: &[EdgeCrossing]) -> Vec<(usize, EdgeCrossing)> {
         }
     }
     kept.into()
+}
+
+/// The shortest closed path from `v`, an end of the edge at the place `j` of a ring, once around
+/// it. `None` as of [`tightened`].
+fn loop_through(
+    mesh: &Mesh,
+    ring: &[(usize, EdgeCrossing)],
+    v: VertexId,
+    j: usize,
+) -> Option<Vec<LinePiece>> {
+    let around = ring[j + 1..].iter().chain(&ring[..=j]);
+    tightened(mesh, v, around.map(|&(_, crossing)| crossing).collect(), v)
+}
+
+/// The shortest closed path through a vertex of a ring and once around.
+fn least_loop(mesh: &Mesh, ring: &[(usize, EdgeCrossing)]) -> Option<Vec<LinePiece>> {
+    let ends = |j: usize| {
+        let h = ring[j].1.from;
+        [mesh.tail(h), mesh.head(h)].map(|v| (v, j))
+    };
+    let loops = (0..ring.len())
+        .flat_map(ends)
+        .filter_map(|(v, j)| loop_through(mesh, ring, v, j));
+    loops.min_by(|a, b| length_of(a).total_cmp(&length_of(b)))
+}
+
+fn length_of(pieces: &[LinePiece]) -> f64 {
+    pieces.iter().map(|piece| piece.length).sum()
 }
 
 /// The shortest path from `start` to `end` across the faces between `crossings`; without pieces if

@@ -94,8 +94,8 @@ fn unit(a: [f64; 2]) -> [f64; 2] {
 ///
 /// # Errors
 ///
-/// If the length is no length, the direction is perpendicular to the surface, the start is in no
-/// face, or the mesh has no positions.
+/// If the length is negative or not finite, the direction is perpendicular to the surface, the
+/// start is in no face, the mesh has no positions, or the line crosses more than 10,000,000 faces.
 pub fn line(
     mesh: &Mesh,
     start: &SurfacePoint,

@@ -13,8 +13,8 @@
 //!
 //! The normal of the polygon is its vector area (Newell). For a slightly warped polygon it is that
 //! of the best-fitting plane. Polygons with missing or non-finite corners, or without area, become
-//! fans, for validation to report. Of corners on one line the polygon is cut **in halves**, so that
-//! a path along it passes few triangles. A polygon that repeats corners may have holes, with
+//! fans, for validation to report. A polygon whose corners lie on one line is cut **in halves**, so
+//! that a path along it passes few triangles. A polygon that repeats corners may have holes, with
 //! bridges to them. Any other one becomes a fan from the repeated corner, so that a triangle names
 //! it twice. Self-intersecting polygons are cut in some way. A polygon of k corners always becomes
 //! k - 2 triangles with its orientation.
@@ -106,11 +106,12 @@ fn are_on_one_line(positions: &[[f64; 3]], corners: &[u32]) -> bool {
     };
     let size = extent(&farthest);
     let along = farthest.map(|x| x / size);
-    let is_beside = |p: [f64; 3]| {
+    // Comparisons with NaN are false: a corner that is not finite is not on the line.
+    let is_on_line = |p: [f64; 3]| {
         let across = cross(along, p.map(|x| x / size));
-        extent(&across) <= FLAT
+        across.iter().all(|x| x.abs() <= FLAT)
     };
-    size > 0.0 && size.is_finite() && offsets.clone().all(is_beside)
+    size > 0.0 && size.is_finite() && offsets.clone().all(is_on_line)
 }
 
 /// The triangles of the part of a polygon from the one corner to the other, and a cut between

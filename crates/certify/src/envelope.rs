@@ -143,11 +143,11 @@ impl EnvelopeBuilder {
         let distances = pieces.iter().map(|p| p.at(length / 2.0));
         let gap = gap * (length + distances.fold(f64::INFINITY, lesser));
         let equal = if pieces.len() > AT_ONCE { EQUAL } else { 0.0 };
-        self.by_halves(pieces, length, [gap, equal], envelope);
+        self.by_halves(pieces, length, gap, equal, envelope);
     }
 
-    /// As [`lower_envelope`](Self::lower_envelope), for a gap in units of the mesh, and the
-    /// fraction by which functions may differ that are not told apart.
+    /// As [`lower_envelope`](Self::lower_envelope), for a `gap` in units of the mesh. Functions
+    /// that differ by no more than the fraction `equal` are not told apart.
     ///
     /// Of many pieces the envelopes of both halves are merged, in O(n log² n). All pairs would be
     /// compared if the pieces are equal up to rounding, as those of the faces at one edge.
@@ -155,7 +155,8 @@ impl EnvelopeBuilder {
         &mut self,
         pieces: &[EnvelopePiece],
         length: f64,
-        limits: [f64; 2],
+        gap: f64,
+        equal: f64,
         envelope: &mut Vec<EnvelopePiece>,
     ) {
         if pieces.len() <= AT_ONCE {
@@ -164,17 +165,17 @@ impl EnvelopeBuilder {
                 let covers = move |p: &&EnvelopePiece| p.from <= begins_by && p.to >= ends_by;
                 pieces.iter().filter(covers)
             };
-            self.append_least(covering, limits, envelope);
+            self.append_least(covering, gap, equal, envelope);
             return;
         }
         let (left, right) = pieces.split_at(pieces.len() / 2);
         let halves = [left, right].map(|half| {
             let mut own = Vec::new();
-            self.by_halves(half, length, limits, &mut own);
+            self.by_halves(half, length, gap, equal, &mut own);
             own
         });
         let both = halves.each_ref().map(|half| &half[..]);
-        self.merge(both, length, limits[0], envelope);
+        self.merge(both, length, gap, envelope);
     }
 
     /// Appends the lower envelope of two envelopes on an edge of this length. A piece also covers
@@ -194,7 +195,7 @@ impl EnvelopeBuilder {
                 behind.take_while(move |p| p.from <= begins_by)
             })
         };
-        self.append_least(covering, [gap, EQUAL], envelope);
+        self.append_least(covering, gap, EQUAL, envelope);
     }
 
     /// Appends the least of the pieces between each two of the cuts. `covering` finds those that
@@ -203,7 +204,8 @@ impl EnvelopeBuilder {
     fn append_least<'a, I: Iterator<Item = &'a EnvelopePiece>>(
         &mut self,
         covering: impl Fn(f64, f64) -> I,
-        [gap, equal]: [f64; 2],
+        gap: f64,
+        equal: f64,
         envelope: &mut Vec<EnvelopePiece>,
     ) {
         let begin = envelope.len();

@@ -218,13 +218,13 @@ impl fmt::Display for PointSpec {
                 let [u, v, w] = weights.map(Number);
                 write!(f, "face:{face},{u},{v},{w}")
             }
-            Self::At(position) => write!(f, "at:{}", in_words(position)),
-            Self::Far(position) => write!(f, "far:{}", in_words(position)),
+            Self::At(position) => write!(f, "at:{}", coordinates(position)),
+            Self::Far(position) => write!(f, "far:{}", coordinates(position)),
         }
     }
 }
 
-fn in_words(position: &[f64; 3]) -> String {
+fn coordinates(position: &[f64; 3]) -> String {
     position.map(|x| Number(x).to_string()).join(",")
 }
 

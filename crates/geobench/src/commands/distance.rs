@@ -67,7 +67,8 @@ pub(crate) struct DistanceOptions {
 
     /// One matrix of all distances in FILE (.npy or .csv): a row for each source, a column for each
     /// vertex or target
-    #[arg(long, requires = "each")]
+    // clap does not require `each` where another option conflicts with it.
+    #[arg(long, requires = "each", conflicts_with_all = ["pairs", "curve", "borders"])]
     matrix: bool,
 
     #[command(flatten)]
@@ -136,7 +137,7 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     };
     if !options.quiet.is_set {
         if curves.is_empty() {
-            points.tell(&mesh, options.each || options.matrix);
+            points.tell(&mesh, options.each);
         } else {
             terminal::notes(&points.notes);
         }
@@ -155,8 +156,11 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
             algorithm.label()
         );
     }
-    let is_apart = options.each || options.matrix;
-    let tasks = if is_apart { points.sources.len() } else { 1 };
+    let tasks = if options.each {
+        points.sources.len()
+    } else {
+        1
+    };
     let row = format!("{}: distances by {}", model.name, algorithm.label());
     let bar = TaskBar::new(&row, tasks, !is_quiet);
     let request = DistanceCommand {

@@ -520,6 +520,8 @@ fn what_is_no_point_is_named() {
             "d.ply: a mesh has distances of all vertices",
         ),
         ("--source 0 --matrix -o d.csv", "--each"),
+        ("--borders --matrix -o d.csv", "cannot be used with"),
+        ("--pairs bad.txt --matrix -o d.csv", "cannot be used with"),
         ("--source 0 --each --matrix -o d.vtk", "d.vtk"),
     ] {
         let outcome = sandbox.call(&format!("distance square.off {arguments}"));

@@ -234,7 +234,9 @@ struct Number(f64);
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
-            x if x == 0.0 || (1e-15..1e21).contains(&x.abs()) => write!(f, "{x}"),
+            // Of both zeros, which are equal, the text is one.
+            x if x == 0.0 => f.write_str("0"),
+            x if (1e-15..1e21).contains(&x.abs()) => write!(f, "{x}"),
             x => write!(f, "{x:e}"),
         }
     }
@@ -623,6 +625,7 @@ mod tests {
         assert_eq!(parse(points).count(), 4);
         let far = "at:1e300,0,-2e-30";
         assert_eq!(parse(far).to_string(), far);
+        assert_eq!(parse("at:-0,0,-0.0").to_string(), "at:0,0,0");
         assert_eq!(parse("random:5").to_string(), "random:5,seed=1");
         assert_eq!(parse("Random:5,seed=9").to_string(), "random:5,seed=9");
     }

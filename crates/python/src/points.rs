@@ -261,7 +261,9 @@ fn is_no_list(value: &Bound<'_, PyAny>) -> bool {
 
 fn not_a_point(value: &Bound<'_, PyAny>, name: &str) -> PyErr {
     if value.is_instance_of::<PyCurve>() {
-        let message = format!("{name}: a curve is no point; it is a source of `distance`, by mmp");
+        let message = format!(
+            "{name}: a curve is no point; it is a source of `distance`, by mmp, alone or in a list"
+        );
         return PyTypeError::new_err(message);
     }
     let shown = value

@@ -35,11 +35,10 @@ impl LineDirection {
     pub(crate) fn of_edge(mesh: &Mesh, v: VertexId, to: VertexId) -> Option<Self> {
         let corners = mesh.outgoing(v).iter();
         let mut directions = corners.filter_map(|&corner| {
-            let [x, y] = mesh.apex(corner);
             if mesh.head(corner) == to {
                 Some(Self { corner, angle: 0.0 })
             } else {
-                let angle = y.atan2(x);
+                let angle = mesh.corner_angle(corner);
                 (mesh.apex_vertex(corner) == to).then_some(Self { corner, angle })
             }
         });

@@ -53,49 +53,8 @@ impl SideTurn {
     /// boundary, and from an edge of several faces into each of them. If no turn leads from one to
     /// the other, a path may bend at `v` anyhow.
     pub(crate) fn least(mesh: &Mesh, v: VertexId, [a, b]: [LineDirection; 2]) -> Self {
-        // The edges on both sides of a corner, each named by its other end, and the angle between.
-        let sides = |corner| {
-            let [x, y] = mesh.apex(corner);
-            let ends = [mesh.head(corner), mesh.apex_vertex(corner)];
-            (ends, y.atan2(x))
-        };
-        let corners: Vec<_> = (mesh.outgoing(v).iter())
-            .map(|&corner| (corner, sides(corner)))
-            .collect();
-        let mut reached: HashMap<VertexId, ReachedEdge> = HashMap::new();
-        let ([first, second], angle) = sides(a.corner);
-        for (edge, angle) in [(first, a.angle), (second, angle - a.angle)] {
-            let corner = a.corner;
-            let before = None;
-            let start = ReachedEdge {
-                angle,
-                corner,
-                before,
-            };
-            reached.insert(edge, start);
-        }
-        let mut is_done = false;
-        while !is_done {
-            is_done = true;
-            // Once around in each direction is enough where no edge has more than two faces.
-            for &(corner, ([first, second], angle)) in corners.iter().chain(corners.iter().rev()) {
-                for [from, to] in [[first, second], [second, first]] {
-                    let known = |edge| reached.get(edge).map_or(f64::INFINITY, |r| r.angle);
-                    let angle = known(&from) + angle;
-                    if angle < known(&to) {
-                        let before = Some(from);
-                        let by_corner = ReachedEdge {
-                            angle,
-                            corner,
-                            before,
-                        };
-                        reached.insert(to, by_corner);
-                        is_done = false;
-                    }
-                }
-            }
-        }
-        let ([first, second], angle) = sides(b.corner);
+        let reached = reached_edges(mesh, v, a);
+        let ([first, second], angle) = sides_of(mesh, b.corner);
         let ends = [(first, b.angle), (second, angle - b.angle)].into_iter();
         let by_edges = ends.filter_map(|(edge, angle)| {
             let reached = reached.get(&edge)?;
@@ -138,4 +97,56 @@ impl SideTurn {
         let [a, b] = lengths;
         (PI - self.angle) * a.min(b) <= bend * (a + b) + PLACE * longest
     }
+}
+
+/// The edges on both sides of a corner, each named by its other end, and the angle between.
+fn sides_of(mesh: &Mesh, corner: HalfEdgeId) -> ([VertexId; 2], f64) {
+    let ends = [mesh.head(corner), mesh.apex_vertex(corner)];
+    (ends, mesh.corner_angle(corner))
+}
+
+/// How the edges at `v`, each named by its other end, are reached by the least turn from a
+/// direction. Edges to which no turn leads are left out.
+fn reached_edges(
+    mesh: &Mesh,
+    v: VertexId,
+    direction: LineDirection,
+) -> HashMap<VertexId, ReachedEdge> {
+    let corners: Vec<_> = (mesh.outgoing(v).iter())
+        .map(|&corner| (corner, sides_of(mesh, corner)))
+        .collect();
+    let mut reached: HashMap<VertexId, ReachedEdge> = HashMap::new();
+    let LineDirection { corner, angle } = direction;
+    let ([first, second], whole) = sides_of(mesh, corner);
+    for (edge, angle) in [(first, angle), (second, whole - angle)] {
+        let before = None;
+        let start = ReachedEdge {
+            angle,
+            corner,
+            before,
+        };
+        reached.insert(edge, start);
+    }
+    let mut is_done = false;
+    while !is_done {
+        is_done = true;
+        // Once around in each direction is enough where no edge has more than two faces.
+        for &(corner, ([first, second], angle)) in corners.iter().chain(corners.iter().rev()) {
+            for [from, to] in [[first, second], [second, first]] {
+                let known = |edge| reached.get(edge).map_or(f64::INFINITY, |r| r.angle);
+                let angle = known(&from) + angle;
+                if angle < known(&to) {
+                    let before = Some(from);
+                    let by_corner = ReachedEdge {
+                        angle,
+                        corner,
+                        before,
+                    };
+                    reached.insert(to, by_corner);
+                    is_done = false;
+                }
+            }
+        }
+    }
+    reached
 }

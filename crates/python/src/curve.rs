@@ -2,6 +2,7 @@
 
 use geobench_harness::exec::source::PointSpec;
 use geobench_harness::measure::number::counted;
+use geobench_registry::check_curves;
 use geodesics::{Curve, Mesh, Stop, distances_from_curves};
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
@@ -12,9 +13,6 @@ use crate::algorithm::{MeshAlgorithm, warn};
 use crate::interrupt;
 use crate::points::{Finder, PyPoint, several, single};
 use crate::pool::{doubt, goal};
-
-/// The algorithm whose sources may be curves.
-pub(crate) const OF_CURVES: &str = "mmp";
 
 /// A polyline on the surface of a mesh, as a source of `Mesh.distance`: distances are exact from
 /// every point of it.
@@ -125,12 +123,8 @@ impl MeshAlgorithm {
         targets: Option<&Bound<'py, PyAny>>,
         with_nearest: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let label = self.kept.selection.label();
-        if label != OF_CURVES {
-            return Err(PyValueError::new_err(format!(
-                "source: sources of {label} are points; {OF_CURVES} starts from curves"
-            )));
-        }
+        check_curves(&self.kept.selection)
+            .map_err(|error| PyValueError::new_err(format!("source: {error}")))?;
         if with_nearest {
             return Err(PyValueError::new_err(
                 "nearest: the nearest of several sources is known of points, not of curves",

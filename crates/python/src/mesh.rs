@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use geobench_harness::measure::number::counted;
+use geobench_registry::OF_CURVES;
 use geodesics::mesh::{FaceId, MeshMeasures, Report, Severity, Tolerance};
 use geodesics::paths::Through;
 use geodesics::{
@@ -15,7 +16,7 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::algorithm::{MeshAlgorithm, named, one_path, selection};
 use crate::arrays;
-use crate::curve::{self, OF_CURVES, PyCurve};
+use crate::curve::{self, PyCurve};
 use crate::errors::{invalid, unreadable};
 use crate::field::PyField;
 use crate::from_arrays::{from_arrays, warn_of_copies};

@@ -91,6 +91,23 @@ pub fn usual(mesh: &Mesh) -> Selection {
     Selection::new(algorithm, Values::default())
 }
 
+/// The name of the algorithm whose sources may be curves.
+pub const OF_CURVES: &str = "mmp";
+
+/// Checks that sources of `selection` may be curves.
+///
+/// # Errors
+///
+/// If they are points only.
+pub fn check_curves(selection: &Selection) -> Result<(), UsageError> {
+    let label = selection.label();
+    if label == OF_CURVES {
+        return Ok(());
+    }
+    let message = format!("sources of {label} are points; {OF_CURVES} starts from curves");
+    Err(UsageError(message))
+}
+
 /// The algorithm of this name, be it one that is selected by name only.
 pub fn find(name: &str) -> Option<&'static Algorithm> {
     let mut all = algorithms().iter().chain(by_name_only());

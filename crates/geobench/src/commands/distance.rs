@@ -20,7 +20,7 @@ use geobench_harness::plan::suite::options::{
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::threads::Threads;
 use geobench_mesh::{Curve, Mesh, VertexId};
-use geobench_registry::{self as registry, Selection};
+use geobench_registry::{self as registry, OF_CURVES, Selection};
 use geobench_window::{Solver, Stop, precision};
 use geodesics::distances_from_curves;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
@@ -143,18 +143,13 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         }
     }
     let is_quiet = options.quiet.is_set || options.output == Path::new("-");
-    let algorithm = options.algorithm.algo.clone();
-    let algorithm = match algorithm {
+    let algorithm = match options.algorithm.algo.clone() {
         Some(algorithm) => algorithm,
         None if curves.is_empty() => registry::usual(&mesh),
         None => registry::select_one(OF_CURVES)?,
     };
-    if !curves.is_empty() && algorithm.label() != OF_CURVES {
-        bail!(
-            "{}: sources of {} are points; {OF_CURVES} starts from curves",
-            options.curves.option(),
-            algorithm.label()
-        );
+    if !curves.is_empty() {
+        registry::check_curves(&algorithm).with_context(|| options.curves.option())?;
     }
     let tasks = if options.each {
         points.sources.len()
@@ -189,9 +184,6 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     }
     Ok(Verdict::Passed)
 }
-
-/// The algorithm whose sources may be curves.
-const OF_CURVES: &str = "mmp";
 
 /// Maximum size in bytes of the rows of a matrix that are in memory, unless a single row is larger.
 const MOST_ROWS_BYTES: usize = 64 << 20;

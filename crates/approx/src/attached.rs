@@ -38,7 +38,7 @@ pub(crate) struct PointInFace {
 
 impl PointInFace {
     fn new(mesh: &Mesh, face: FaceId, weights: [f64; 3]) -> Self {
-        let sides = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
+        let sides = mesh.side_lengths(face);
         let apexes = mesh.apexes(face);
         let place = |k: usize| {
             let [end, third] = [weights[(k + 1) % 3], weights[(k + 2) % 3]];

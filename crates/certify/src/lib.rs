@@ -795,7 +795,7 @@ impl<'a> Claim<'a> {
             let corners = self.mesh.face_vertices(face);
             let least = corners.map(|v| self.distances[v.index()]);
             let least = least.into_iter().fold(f64::INFINITY, f64::min);
-            let edges = [0, 1, 2].map(|k| self.mesh.length(face.half_edge(k)));
+            let edges = self.mesh.side_lengths(face);
             let from = least - edges.into_iter().fold(0.0, f64::max);
             (from, in_face[face.index()])
         });

@@ -53,7 +53,7 @@ pub(crate) fn repair(field: &mut EdgeField<'_>, worst_first: &[FaceId]) -> Vec<F
         left -= faces.len();
         let mut found = Vec::new();
         for face in faces {
-            let counts = [0, 1, 2].map(|k| field.pieces(face.half_edge(k)).len());
+            let counts = face.half_edges().map(|h| field.pieces(h).len());
             let pieces = counts.into_iter().sum::<usize>();
             let Some(rest) = comparisons.checked_sub(pieces * pieces) else {
                 left = 0;

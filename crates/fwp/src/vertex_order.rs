@@ -89,7 +89,7 @@ impl VertexOrder {
             let joined = &mut self.joined[face.index()];
             if *joined == 0 {
                 *joined = self.step;
-                for h in [0, 1, 2].map(|corner| face.half_edge(corner).index()) {
+                for h in face.half_edges().map(HalfEdgeId::index) {
                     let waiting = &mut self.waiting[h];
                     if self.thin.is_beside(h) {
                         while let Some((label, event)) = self.arena.take(waiting) {

@@ -74,7 +74,7 @@ fn segments(mesh: &Mesh, curves: &[Curve]) -> Vec<CurveSegment> {
 }
 
 fn length(mesh: &Mesh, segment: &CurveSegment) -> f64 {
-    let lengths = [0, 1, 2].map(|k| mesh.length(segment.face.half_edge(k)));
+    let lengths = mesh.side_lengths(segment.face);
     let [a, b] = segment.ends;
     let d = [0, 1, 2].map(|k| b[k] - a[k]);
     // Half-edge k joins corners k and k + 1.

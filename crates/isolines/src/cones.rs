@@ -208,7 +208,7 @@ impl FaceCones {
                 cones.extend(Cone::new(centre, w.sigma, sides, angle, nearest));
             }
         }
-        let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
+        let lengths = mesh.side_lengths(face);
         Self {
             corners,
             cones,

@@ -320,7 +320,7 @@ impl DistanceField {
         let mut near = vec![Vec::new(); levels.len()];
         for face in mesh.faces() {
             let distances = mesh.face_vertices(face).map(|v| self.distances[v.index()]);
-            let size = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
+            let size = mesh.side_lengths(face);
             let size = size.into_iter().fold(0.0, f64::max);
             // Points of the face are no farther than its longest edge from a corner.
             let least = distances.into_iter().fold(f64::INFINITY, f64::min) - size;
@@ -469,7 +469,7 @@ impl<'a> Tracer<'a> {
         let field = self.field;
         let mesh = &field.refined.mesh;
         for &face in faces {
-            for h in [0, 1, 2].map(|k| face.half_edge(k)) {
+            for h in face.half_edges() {
                 let h = mesh.twin(h).map_or(h, |twin| twin.min(h));
                 if !self.edges.contains_key(&h) {
                     let at = self.crossings(h);

@@ -101,7 +101,7 @@ fn data_of(mesh: &mut Mesh) -> &mut MeshData {
 fn mark_slivers(mesh: &mut Mesh) {
     let mut extremes = Extremes::default();
     for face in mesh.faces() {
-        let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
+        let lengths = mesh.side_lengths(face);
         let longest = lengths[0].max(lengths[1]).max(lengths[2]);
         let twice_area = lengths[0] * mesh.apexes(face)[0][1];
         extremes = extremes.with(Extremes::of(longest, twice_area));

@@ -77,6 +77,12 @@ impl FaceId {
     pub const fn half_edge(self, corner: u32) -> HalfEdgeId {
         HalfEdgeId(3 * self.0 + corner)
     }
+
+    /// The half-edges of this face; the first one leaves corner 0.
+    #[inline]
+    pub const fn half_edges(self) -> [HalfEdgeId; 3] {
+        [self.half_edge(0), self.half_edge(1), self.half_edge(2)]
+    }
 }
 
 impl HalfEdgeId {

@@ -163,7 +163,7 @@ impl Shapes {
     fn of(mesh: &Mesh) -> Self {
         let (mut area, mut flat_faces, mut sum) = (0.0, 0, 0.0);
         for face in mesh.faces() {
-            let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
+            let lengths = mesh.side_lengths(face);
             let apex = mesh.apex(face.half_edge(0));
             let own_area = lengths[0] * apex[1] / 2.0;
             area += own_area;

@@ -345,6 +345,12 @@ impl Mesh {
         self.data.extremes.least_height
     }
 
+    /// The lengths of the half-edges of `face`, that of corner 0 first.
+    #[inline]
+    pub fn side_lengths(&self, face: FaceId) -> [f64; 3] {
+        face.half_edges().map(|h| self.length(h))
+    }
+
     /// Position of the apex vertex in the frame of `h`. Its y is positive. In a face without area
     /// it is about 1e-30 of the shorter edges.
     ///
@@ -361,7 +367,7 @@ impl Mesh {
         {
             return apexes;
         }
-        let lengths = [0, 1, 2].map(|k| self.length(face.half_edge(k)));
+        let lengths = self.side_lengths(face);
         if self.data.positions.is_empty() {
             apexes_from_lengths(lengths)
         } else {
@@ -378,7 +384,7 @@ impl Mesh {
         let mut shapes = FaceShapes::<N>::default();
         if self.data.positions.is_empty() || !self.data.frames.is_empty() {
             for (i, &face) in faces.iter().enumerate() {
-                let lengths = [0, 1, 2].map(|k| self.length(face.half_edge(k)));
+                let lengths = self.side_lengths(face);
                 shapes.set(i, lengths, self.apexes(face));
             }
             return shapes;

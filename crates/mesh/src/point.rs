@@ -239,7 +239,7 @@ impl Mesh {
             return Err(PointError::Sum { sum });
         }
         let weights = normalised(barycentric.map(|w| w.max(0.0)));
-        let lengths = [0, 1, 2].map(|k| self.length(face.half_edge(k)));
+        let lengths = self.side_lengths(face);
         let snap = (SNAP * lengths[largest(lengths)]).max(SHORTEST_EDGE);
         let twice_area = lengths[0] * self.apexes(face)[0][1];
         // Corner k is opposite to half-edge k + 1.

@@ -13,9 +13,7 @@
 //!
 //! The bounds of rounding are those of [`precision`](geobench_window::precision).
 
-use geobench_mesh::{
-    Curve, CurveError, CurveSegment, FaceId, HalfEdgeId, Mesh, SurfacePoint, VertexId,
-};
+use geobench_mesh::{Curve, CurveError, CurveSegment, HalfEdgeId, Mesh, SurfacePoint, VertexId};
 use geobench_window::precision::PLACE;
 use geobench_window::queue::MinHeap;
 use geobench_window::trimming::{Overlap, Owner, ThinFaces, foot, pieces};
@@ -165,7 +163,7 @@ impl<'m> CurveRun<'m> {
         }
         // It is on the mesh: its curve has been checked.
         for (face, weights) in self.mesh.faces_of(point).into_iter().flatten() {
-            for h in sides(face) {
+            for h in face.half_edges() {
                 let [px, py] = self.below(h, weights);
                 let tail = self.mesh.tail(h);
                 // The tail of `h` is the head of the exit.
@@ -193,11 +191,9 @@ impl<'m> CurveRun<'m> {
             return self.start_along_side(h, segment);
         }
         let face = segment.face;
-        let longest = sides(face)
-            .map(|h| self.mesh.length(h))
-            .into_iter()
-            .fold(0.0, f64::max);
-        for h in sides(face) {
+        let lengths = self.mesh.side_lengths(face);
+        let longest = lengths.into_iter().fold(0.0, f64::max);
+        for h in face.half_edges() {
             let [q, r] = segment.ends.map(|weights| self.below(h, weights));
             let (sx, sy) = (r[0] - q[0], r[1] - q[1]);
             let length = libm::hypot(sx, sy);
@@ -443,11 +439,6 @@ impl<'m> CurveRun<'m> {
             }
         }
     }
-}
-
-/// The half-edges of `face`.
-fn sides(face: FaceId) -> [HalfEdgeId; 3] {
-    [0, 1, 2].map(|k| face.half_edge(k))
 }
 
 /// The barycentric coordinate of the corner opposite to `h`.

@@ -316,7 +316,7 @@ fn corners_of(point: &Point) -> Vec<VertexId> {
 
 /// The half-edge of `face` between `ends`.
 fn side_of(mesh: &Mesh, face: FaceId, ends: [VertexId; 2]) -> Option<HalfEdgeId> {
-    let mut sides = (0..3).map(|k| face.half_edge(k));
+    let mut sides = face.half_edges().into_iter();
     sides.find(|&h| {
         let [a, b] = [mesh.tail(h), mesh.head(h)];
         ends == [a, b] || ends == [b, a]

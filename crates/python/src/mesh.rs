@@ -166,7 +166,7 @@ impl PyMesh {
     )> {
         let mesh = self.mesh();
         let copies = mesh.copies().map(|copy| copy.map(VertexId::raw)).collect();
-        let length_of = |f: FaceId| [0, 1, 2].map(|k| mesh.length(f.half_edge(k)));
+        let length_of = |f: FaceId| mesh.side_lengths(f);
         let lengths = mesh
             .positions()
             .is_empty()

@@ -181,7 +181,7 @@ impl Remover {
             return;
         }
         self.states[f as usize] = FaceProgress::Redundant;
-        for h in [0, 1, 2].map(|corner| face.half_edge(corner)) {
+        for h in face.half_edges() {
             // Boundary edges hold no windows.
             if let Some(twin) = wave.faces.twin(h)
                 && self.is_redundant(wave, twin)
@@ -228,7 +228,7 @@ impl Remover {
 
 /// The edges of `face` that can hold windows: all but boundary edges.
 fn edges_of(wave: &WaveState, face: FaceId) -> impl Iterator<Item = usize> {
-    let half_edges = [0, 1, 2].into_iter().map(move |c| face.half_edge(c));
+    let half_edges = face.half_edges().into_iter();
     half_edges.filter_map(|h| Some(edge_of(h, wave.faces.twin(h)?).0))
 }
 
@@ -267,7 +267,7 @@ fn prefetch_around(wave: &WaveState, f: Option<&u32>) {
 /// The distance d + e within which all points of face `f` are reached.
 fn bound(wave: &WaveState, f: u32) -> f64 {
     let face = FaceId::new(f);
-    let lengths = [0, 1, 2].map(|corner| wave.faces.length(face.half_edge(corner)));
+    let lengths = face.half_edges().map(|h| wave.faces.length(h));
     wave.nearest[f as usize] + lengths.into_iter().fold(0.0, f64::max)
 }
 

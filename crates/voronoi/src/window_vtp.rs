@@ -178,7 +178,7 @@ impl WindowVtp {
             if std::mem::replace(&mut self.joined[face.index()], true) {
                 continue;
             }
-            for h in [0, 1, 2].map(|corner| face.half_edge(corner)) {
+            for h in face.half_edges() {
                 if let Some(twin) = self.wave.faces.twin(h) {
                     let (e, is_reversed) = edge_of(h, twin);
                     if self.crosses_by_distance(h) {

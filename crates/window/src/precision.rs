@@ -303,7 +303,7 @@ pub fn doubt(mesh: &Mesh, distances: &[f64]) -> Option<Doubt> {
         let vertices = mesh.face_vertices(face);
         let corners = vertices.map(|v| distances[v.index()]);
         let is_reached = corners.iter().any(|d| d.is_finite());
-        let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
+        let lengths = mesh.side_lengths(face);
         let longest = lengths.into_iter().fold(0.0, f64::max);
         let component = components
             .get(vertices[0].index())

@@ -89,7 +89,7 @@ impl Vsp {
         let old = |f| numbering.old_face(FaceId::new(f));
         let count = mesh.face_count() as u32;
         let faces = (0..count).map(|f| {
-            let half_edges = [0, 1, 2].map(|k| old(f).half_edge(k));
+            let half_edges = old(f).half_edges();
             Face::new(mesh, half_edges, &numbering, 1.0 / mean_edge, &mut exit)
         });
         let faces = faces.collect();
@@ -144,7 +144,7 @@ impl Propagate for Vsp {
         self.faces.truncate(splice.face_count());
         self.corners.truncate(splice.face_count());
         for f in splice.faces() {
-            let half_edges = [0, 1, 2].map(|k| f.half_edge(k));
+            let half_edges = f.half_edges();
             let (numbering, scale) = (&self.numbering, 1.0 / self.mean_edge);
             let face = Face::new(&self.mesh, half_edges, numbering, scale, |_| BOUNDARY);
             let corners = self.mesh.face_vertices(f);

@@ -45,7 +45,7 @@ fn model_of(name: &str, mesh: &Mesh) -> Model {
         .map(|f| mesh.face_vertices(f).map(VertexId::raw))
         .collect();
     if mesh.positions().is_empty() {
-        let lengths = |f: FaceId| [0, 1, 2].map(|k| mesh.length(f.half_edge(k)));
+        let lengths = |f: FaceId| mesh.side_lengths(f);
         let lengths = faces().map(lengths).collect();
         return Model::from_lengths(name, mesh.vertex_count(), triangles, lengths);
     }

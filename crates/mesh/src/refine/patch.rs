@@ -28,7 +28,7 @@ pub(super) struct BarycentricShape {
 
 impl BarycentricShape {
     pub(super) fn new(mesh: &Mesh, face: FaceId) -> Self {
-        let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
+        let lengths = mesh.side_lengths(face);
         let apexes = mesh.apexes(face);
         let base = largest(lengths.map(|l| -l));
         let [x, y] = apexes[base];

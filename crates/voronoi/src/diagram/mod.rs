@@ -579,7 +579,7 @@ impl<'a> Builder<'a> {
             }
         }
         for face in mesh.faces() {
-            let along = [0, 1, 2].map(|k| self.line_along(face.half_edge(k)));
+            let along = face.half_edges().map(|h| self.line_along(h));
             if along == [None; 3] {
                 self.add_inner_face(face);
             } else {
@@ -630,7 +630,7 @@ impl<'a> Builder<'a> {
         if source == NO_SOURCE {
             return;
         }
-        let [first, second, third] = [0, 1, 2].map(|k| self.corner(face.half_edge(k)));
+        let [first, second, third] = face.half_edges().map(|h| self.corner(h));
         self.unions.sets.union(first, second);
         self.unions.sets.union(second, third);
         let [a, b, c] = corners(mesh, face);

@@ -197,7 +197,7 @@ impl FaceSites {
                 });
             }
         }
-        let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
+        let lengths = mesh.side_lengths(face);
         Self {
             corners,
             sites,

@@ -42,7 +42,7 @@ impl Quality {
             least = least.min(of_face);
             sum_of_least += of_face;
             narrow += angles.iter().filter(|&&angle| angle < 30.0).count();
-            let lengths = [0, 1, 2].map(|k| mesh.length(face.half_edge(k)));
+            let lengths = mesh.side_lengths(face);
             let longest = lengths.into_iter().fold(0.0, f64::max);
             let area = 0.5 * lengths[0] * apexes[0][1];
             let half = 0.5 * lengths.iter().sum::<f64>();

@@ -135,7 +135,7 @@ impl FaceLayout {
             *length = length.recip();
         }
         let faces = std::array::from_fn(|i| {
-            let sides = [0, 1, 2].map(|corner| old[i].half_edge(corner));
+            let sides = old[i].half_edges();
             let vertex = sides.map(|h| vertex(mesh.tail(h)));
             let [a, b, c] = vertex.map(|v| vertices[v as usize].flat);
             Self {

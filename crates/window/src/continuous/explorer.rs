@@ -1,6 +1,6 @@
 //! Searches for direct geodesics from one vertex after another.
 
-use geobench_mesh::{Splice, VertexId};
+use geobench_mesh::{FaceId, Splice, VertexId};
 
 use super::policy::Policy;
 use super::propagation::Continuous;
@@ -77,9 +77,7 @@ impl<W: Policy, Q: Discipline> Explorer<W, Q> {
         self.run.surface.resize(vertices);
         self.found.places.resize(vertices, u32::MAX);
         let faces = self.run.surface.faces();
-        let corners = splice
-            .faces()
-            .flat_map(|f| [0, 1, 2].map(|k| f.half_edge(k)));
+        let corners = splice.faces().flat_map(FaceId::half_edges);
         self.run.policy.reset_at(corners.map(|h| faces.number(h)));
         Some(undo)
     }

@@ -1,6 +1,6 @@
 //! Windows stored beside thin faces, to end those that wind around a needle, and at junctions.
 
-use geobench_mesh::{HalfEdgeId, Mesh, Splice};
+use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Splice};
 
 use super::foot::{foot, pieces};
 use super::insertion::{TrimmedList, Trimmer};
@@ -128,10 +128,7 @@ impl KeptWindows {
         } else {
             self.lists.resize(numbers, NO_LIST);
         }
-        for h in splice
-            .faces()
-            .flat_map(|f| [0, 1, 2].map(|k| f.half_edge(k)))
-        {
+        for h in splice.faces().flat_map(FaceId::half_edges) {
             let is_at_junction = mesh.junction_side(h).is_some();
             let beside = is_at_junction || self.limits.is_beside_on(mesh, h);
             if beside && self.lists.is_empty() {

@@ -101,7 +101,7 @@ impl ThinFaces {
         for face in mesh.faces().filter(|&face| limits.is_thin(mesh, face)) {
             let gates = mesh.junction_sides().len();
             thin.beside.resize(numbers + gates, false);
-            for h in [0, 1, 2].map(|corner| face.half_edge(corner)) {
+            for h in face.half_edges() {
                 thin.doubt = thin.doubt.max(MARGIN * mesh.length(h));
                 for h in mesh.along_edge(h) {
                     thin.beside[number(h)] = true;
@@ -138,10 +138,7 @@ impl ThinFaces {
         if !self.is_empty() {
             self.beside.resize(numbers + gates, false);
         }
-        for h in splice
-            .faces()
-            .flat_map(|f| [0, 1, 2].map(|k| f.half_edge(k)))
-        {
+        for h in splice.faces().flat_map(FaceId::half_edges) {
             let beside = is_beside_thin(mesh, h, self.limits);
             if beside && self.is_empty() {
                 self.beside.resize(numbers + gates, false);

@@ -174,8 +174,8 @@ impl<'p> UnitPlan<'p> {
         position.filter(|_| self.is_interleaved)
     }
 
-    /// Determines the reference answer, from a file or by a run. If the reference is an algorithm
-    /// of the plan, the run counts as its first warm-up, and the index of its cell is returned.
+    /// Determines the reference answer, by a proof, from a file or by a run. Returns the index of
+    /// the cell whose first warm-up the run was.
     fn find_reference(
         &self,
         cells: &mut [CellRuns<'p>],
@@ -198,21 +198,30 @@ impl<'p> UnitPlan<'p> {
             }
             _ => {}
         }
-        let reference = match &self.reference {
-            Reference::None => return Ok(None),
-            Reference::Files(files) => {
-                self.read_reference(files, context);
-                return Ok(None);
-            }
+        match &self.reference {
+            Reference::None => {}
+            Reference::Files(files) => self.read_reference(files, context),
             Reference::Unasked(_) if self.model.faces > Some(MOST_FACES_UNASKED) => {
                 context.check().unchecked = Some(format!(
                     "the model has more than {} faces; --check mmp-fast compares its distances",
                     grouped(MOST_FACES_UNASKED)
                 ));
-                return Ok(None);
             }
-            Reference::Algorithm(reference) | Reference::Unasked(reference) => reference,
-        };
+            Reference::Algorithm(reference) | Reference::Unasked(reference) => {
+                return self.run_reference(reference, cells, context);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Runs the reference, unless the journal has its failure. If it is an algorithm of the plan,
+    /// the run counts as its first warm-up, and the index of its cell is returned.
+    fn run_reference(
+        &self,
+        reference: &Selection,
+        cells: &mut [CellRuns<'p>],
+        context: &mut RunContext<'_, '_>,
+    ) -> anyhow::Result<Option<usize>> {
         let run = self.run_id(reference, Pass::Warmup, 0);
         let failed = |failure: &Failure| {
             let label = reference.label();

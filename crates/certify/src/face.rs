@@ -53,11 +53,12 @@ pub(crate) const SIZES: std::ops::Range<f64> = 1e-130..1e130;
 /// distance instead of along chains.
 const MOST_LINKS: usize = 1 << 26;
 
-/// The greatest number of pairs of pieces of two sides that are compared; with more, nothing is
-/// proven for the face. The greatest number of those that are compared in numbers of two doubles
-/// for each side: a face takes seconds at most. The others have the bound of rounded arithmetic. On
-/// scans a face has some hundred pairs.
+/// Greatest number of pairs of pieces of two sides that are compared; with more, nothing is proven
+/// for the face. On scans a face has some hundred pairs.
 const MOST_PAIRS: usize = 1 << 28;
+
+/// Greatest number of these pairs, for each side, that are compared in numbers of two doubles, so
+/// that a face takes seconds at most. The others have the bound of rounded arithmetic.
 const MOST_EXACT: usize = 1 << 16;
 
 /// Vectors shorter than this fraction of the margin have no reliable direction.

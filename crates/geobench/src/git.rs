@@ -5,8 +5,8 @@ use std::process::Command;
 
 use geobench_harness::schema::RepositoryRecord;
 
-/// What no configuration may change: that nothing is written, that no program of the repository is
-/// started, and that signatures are not shown among the texts.
+/// Options that override any configuration: nothing is written, no program of the repository is
+/// started, and signatures are not shown among the texts.
 const ALWAYS: [&str; 5] = [
     "--no-optional-locks",
     "-c",

@@ -98,7 +98,7 @@ pub(crate) struct CurvesOption {
 }
 
 impl CurvesOption {
-    /// The option that names the first one.
+    /// The option that asks for the first curve, for messages.
     pub(crate) fn option(&self) -> &'static str {
         if self.curve.is_empty() {
             "--borders"

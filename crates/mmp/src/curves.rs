@@ -122,7 +122,7 @@ enum State {
     Gone,
 }
 
-/// One run.
+/// The state of one run.
 struct CurveRun<'m> {
     mesh: &'m Mesh,
     faces: Faces,

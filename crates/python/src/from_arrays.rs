@@ -59,7 +59,7 @@ pub(crate) fn from_arrays(
     Ok((mesh, report))
 }
 
-/// What would be dropped of the first polygon that names a vertex twice in a row.
+/// Names the first polygon with the same vertex twice in a row, one of which a repair would drop.
 fn repeated_corner(polygons: &[Vec<u32>]) -> Option<String> {
     let outlines = polygons
         .iter()

@@ -70,11 +70,11 @@
 //! along a range have equal slopes there, hence equal directions. They have no foot: all of their
 //! rays have one direction. So the comparisons below hold for beams and cones alike.
 //!
-//! What is new is where a beam touches the cone at an end of its segment: along one ray, on which
-//! both are equal. A tie elsewhere is between rays that cross, so that both windows reach beyond
-//! it; this one is between rays that are parallel. If rounding put the end of the beam beyond its
-//! ray, there would be a gap, of an angle ε·S/r at the distance r. So a beam begins and ends
-//! [`PLACE`]·S within its segment. The cone is as short there, and both overlap beyond.
+//! A beam touches the cone at an end of its segment along one ray, on which both are equal. A tie
+//! elsewhere is between rays that cross, so that both windows reach beyond it; this one is between
+//! rays that are parallel. If rounding put the end of the beam beyond its ray, there would be a
+//! gap, of an angle ε·S/r at the distance r. So a beam begins and ends [`PLACE`]·S within its
+//! segment. The cone is as short there, and both overlap beyond.
 //!
 //! # Comparisons in which the first of equal windows stays
 //!

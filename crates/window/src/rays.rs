@@ -40,7 +40,7 @@ pub enum Rays {
     Beam(Beam),
 }
 
-/// What becomes of [`Rays`] in a face.
+/// The result of crossing a face: a path to the apex, and windows on the exits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrossedRays {
     /// Length of the shortest path to the apex: straight, or bent at an end of the interval.

@@ -1,4 +1,5 @@
-//! What the division of an edge asks of the windows that compete for it.
+//! Comparisons of windows that compete for an edge: of windows of points alone, or of segments as
+//! well.
 
 use super::compare::{SLIVER, bisected, doubt, is_sent_again, is_sliver, ties_between};
 use super::foot::{ALONG, does_new_win, grazes, is_foot, is_shorter_at_foot};
@@ -225,7 +226,7 @@ mod tests {
                     prop_assert!(won <= lost + 1e-12 * (1.0 + lost), "{x}: {won} {lost}");
                 }
             }
-            // What is left out are slivers.
+            // Only slivers are left out.
             let width: f64 = overlap.segments().iter().map(|s| s.end - s.start).sum();
             prop_assert!((width - (a[1] - a[0] + b[1] - b[0] - shared)).abs() < 1e-9);
         }

@@ -235,7 +235,7 @@ impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
             // Of both zeros, which are equal, the text is one.
-            x if x == 0.0 => f.write_str("0"),
+            0.0 => f.write_str("0"),
             x if (1e-15..1e21).contains(&x.abs()) => write!(f, "{x}"),
             x => write!(f, "{x:e}"),
         }

@@ -45,7 +45,7 @@ pub(crate) const FAMILY: &[Algorithm] = &[
     Algorithm {
         name: "ich",
         family: "ch-family",
-        paper: "Chen, Han 1990; Xin, Wang 2009, sections 3.2 and 3.3",
+        paper: "Xin, Wang 2009, sections 3.2 and 3.3; Chen, Han 1990",
         summary: "ich1 with the nearest windows first",
         departs: "the margin of the filter is relative, so that rounding never deletes one of two equal paths; keeps and trims windows beside thin faces and at junctions; drops no narrow windows",
         complexity: "time O(n^2 log n), space O(n^2)",

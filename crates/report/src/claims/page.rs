@@ -169,7 +169,8 @@ fn digest(report: &ClaimsReport) -> String {
 
 fn in_markdown(report: &ClaimsReport) -> String {
     let mut page = format!(
-        "# The papers' claims, one by one\n\n{}\n{}\n\n{HOW_TO_READ}\n",
+        "# The papers' claims, one by one\n\nWhat holds, by topic, and why it matters. The papers \
+         are named below the list.\n\n{}\n{}\n\n{HOW_TO_READ}\n",
         digest(report),
         markdown::table(&summary(report, |paper| format!(
             "{}: {}",

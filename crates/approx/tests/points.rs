@@ -81,7 +81,7 @@ fn points(mesh: &Mesh, random: &mut SplitMix64) -> Vec<SurfacePoint> {
 }
 
 #[test]
-fn dijkstra_finds_what_it_finds_on_the_refined_mesh() {
+fn dijkstra_has_the_distances_of_the_refined_mesh() {
     let mesh = Mesh::generate("terrain,n=12,seed=2").unwrap();
     let mut solver = Dijkstra::new(&mesh);
     let mut random = SplitMix64::new(1);

@@ -377,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn figures_are_computed_from_what_there_is() {
+    fn a_figure_without_its_counters_is_absent() {
         let mut cell = Cell::new("m", "a");
         let of = |key: &str, cell: &Cell| figure(key).unwrap().of(cell, Some(48_484));
         assert_eq!(of("valid", &cell), None);

@@ -325,7 +325,7 @@ fn labels_of_any_magnitude_are_safe() {
 /// An 8-bit birth comes round again after 256 rounds, as one public queue of buckets has found:
 /// what came during the round is then taken in it.
 #[test]
-fn a_round_never_takes_what_comes_during_it() {
+fn windows_that_arrive_during_a_round_wait_for_the_next() {
     let mut buckets = unit_buckets(BatchSize::Fixed(2));
     for id in 0..2 {
         buckets.push(0.0, window(id), &mut ());

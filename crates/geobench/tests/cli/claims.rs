@@ -62,7 +62,7 @@ fn verdicts_are_a_page_and_data() {
 
 /// Verdicts do not affect the exit status; unusable files do.
 #[test]
-fn the_status_tells_of_files_and_not_of_verdicts() {
+fn verdicts_do_not_change_the_exit_status() {
     let sandbox = with_result();
     sandbox.write("not.toml", &EXACT.replace("> 0", "< 0"));
     let table = sandbox.succeed("claims r.json --claims not.toml --format csv");

@@ -53,7 +53,7 @@ fn a_panic_costs_its_row_in_this_process_too() {
 }
 
 #[test]
-fn an_exit_costs_its_row_and_tells_the_last_words() {
+fn an_exit_fails_its_row_and_shows_the_end_of_stderr() {
     assert_eq!(
         provoke("test-exit", ""),
         (
@@ -65,7 +65,7 @@ fn an_exit_costs_its_row_and_tells_the_last_words() {
 }
 
 #[test]
-fn a_signal_costs_its_row_and_is_named() {
+fn a_signal_fails_its_row_and_is_named() {
     for (bad, message) in [
         (
             "test-segv",
@@ -124,7 +124,7 @@ fn an_endless_loop_ends_as_timeout_without_its_other_runs() {
 }
 
 #[test]
-fn a_limit_of_memory_ends_what_takes_more_as_out_of_memory() {
+fn a_cell_beyond_the_memory_limit_ends_as_out_of_memory() {
     let (status, message) = provoke("test-allocate", "--memory-limit 200MiB");
     assert_eq!(status, "out_of_memory");
     assert!(

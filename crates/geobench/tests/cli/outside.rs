@@ -688,7 +688,7 @@ fn a_suite_describes_its_own_programs() {
 }
 
 #[test]
-fn what_nobody_has_described_is_refused_before_anything_runs() {
+fn an_unknown_program_is_refused_before_the_run() {
     let sandbox = sandbox();
     for (arguments, complaint) in [
         (

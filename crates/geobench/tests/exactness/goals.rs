@@ -79,7 +79,7 @@ fn what_is_final_is_what_the_full_run_finds() {
 }
 
 #[test]
-fn a_near_target_needs_few_windows_of_what_is_said_to_end_early() {
+fn algorithms_that_end_early_take_few_windows_to_a_near_target() {
     let mut failures = Failures::default();
     let [small, large] =
         [3, 4].map(|n| Mesh::generate(&format!("sphere,subdiv={n},noise=0.1,seed=3")).unwrap());

@@ -185,7 +185,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_total_is_found_in_what_callgrind_writes() {
+    fn the_total_is_read_from_the_output_of_callgrind() {
         let text = "# callgrind format\nversion: 1\nevents: Ir\nsummary: 77\n\nfn=(1)\n0 77\n\ntotals: 1234567\n";
         assert_eq!(total(text), Some(1_234_567));
         assert_eq!(total("events: Ir\nsummary: 77 3\n"), Some(77));

@@ -548,7 +548,7 @@ mod tests {
     }
 
     #[test]
-    fn a_system_that_tells_nothing_is_not_accused_of_anything() {
+    fn missing_or_malformed_system_files_give_no_conditions() {
         assert_eq!(between(&[], &[]), Conditions::default());
         let nonsense = [
             ("proc/stat", "cpu x\n"),

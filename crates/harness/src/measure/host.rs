@@ -101,7 +101,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn linux_tells_everything() {
+    fn linux_gives_every_field() {
         let host = host();
         assert!(host.cores >= 1);
         assert!(host.memory_bytes.unwrap() > 1 << 20);

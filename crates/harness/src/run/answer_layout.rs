@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn targets_are_compared_and_named_as_what_they_are() {
+    fn targets_are_compared_and_named_by_their_place() {
         let layout = AnswerLayout::new(&goal("2,edge:0-1,0.5", None), 3);
         assert_eq!((layout.count(3), layout.noun()), (2, "targets"));
         assert_eq!(layout.of_stored(&[(0, 0.0), (2, 5.0)]), [(0, 5.0)]);

@@ -551,7 +551,7 @@ mod tests {
     }
 
     #[test]
-    fn scripts_ask_for_what_the_plan_needs() {
+    fn scripts_request_the_resources_of_the_plan() {
         let directory = ClusterDirectory::new(Path::new("/data/x y")).unwrap();
         let script = directory.text_of_part(&jobs()).unwrap();
         for line in [

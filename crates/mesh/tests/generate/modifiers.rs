@@ -95,7 +95,7 @@ fn noise_keeps_the_topology() {
 }
 
 #[test]
-fn noise_passes_over_what_is_broken() {
+fn noise_leaves_broken_faces_and_vertices_alone() {
     let mut soup = TriangleSoup::new(
         vec![
             [0.0; 3],

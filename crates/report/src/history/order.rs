@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn dates_order_what_no_repository_knows() {
+    fn dates_order_commits_that_no_repository_has() {
         let ordered = OrderedHistory::new(records(&["a", "b"]), &[hash('z')]);
         assert_eq!(names(&ordered.records), "ba");
         assert!(ordered.notes[0].contains("by the times of their commits"));

@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn families_are_what_is_left_without_the_size() {
+    fn a_family_is_the_specification_without_the_size() {
         let of = |against: Against, path: &str| against.family(&model("m_20k", path));
         assert_eq!(
             of(Against::Faces, "gen:torus,faces=20000,bump=0.1,seed=7"),

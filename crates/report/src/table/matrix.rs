@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_was_compared_is_best() {
+    fn only_compared_cells_are_marked_as_best() {
         // The second is approximate.
         let may_be_best = [true, false, true];
         let marked = |row: [Option<f64>; 3]| {

@@ -321,7 +321,7 @@ mod tests {
 
     #[test]
     #[allow(clippy::cast_sign_loss)]
-    fn looking_for_the_nearest_bucket_does_not_delay_what_is_pushed_before_it() {
+    fn a_search_for_the_nearest_bucket_delays_no_earlier_push() {
         let (mut buckets, mut turn) = (VertexBuckets::new(4, 1.0), Vec::new());
         assert_eq!(buckets.nearest(), None);
         for (v, d) in [(0, 2000.0), (1, 70.0), (1, 50.0)] {

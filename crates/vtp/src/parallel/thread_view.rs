@@ -191,7 +191,7 @@ mod tests {
     use geobench_window::{Count, Counter};
 
     #[test]
-    fn a_wave_settles_what_is_shortest_and_what_it_meets_first() {
+    fn an_offer_counts_if_it_is_shortest_or_the_first_of_its_thread() {
         let (shared, [mut a, mut b]) = two_threads();
         let (_, mut a) = a.view(&shared);
         let (_, mut b) = b.view(&shared);

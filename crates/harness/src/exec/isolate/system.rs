@@ -412,7 +412,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn linux_tells_what_is_asked() {
+    fn linux_gives_memory_and_kills() {
         assert!(kernel_out_of_memory_kills().is_some());
         let own = resident(std::process::id()).unwrap();
         assert!(own > 1 << 20, "{own}");

@@ -403,7 +403,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn models_are_found_by_what_their_files_are_called() {
+    fn models_are_found_by_the_names_of_their_files() {
         let directory = tempfile::tempdir().unwrap();
         std::fs::create_dir(directory.path().join("scans")).unwrap();
         for name in ["horse.obj", "scans/Asian_Dragon.ply.gz", "notes.txt"] {

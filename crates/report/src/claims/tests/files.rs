@@ -126,7 +126,7 @@ fn all_files_are_known_and_can_be_read() {
 
 /// Every suite, group, algorithm and model that a claim names exists.
 #[test]
-fn claims_are_about_what_suites_run() {
+fn every_suite_group_algorithm_and_model_of_a_claim_exists() {
     use geobench_harness::plan::suite::Suite;
 
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../bench-configs");

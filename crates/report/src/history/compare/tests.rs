@@ -356,7 +356,7 @@ fn a_gate_on_missing_cells_does_not_pass_a_file_that_lacks_some() {
 }
 
 #[test]
-fn cells_are_matched_by_what_they_are_and_not_by_their_names() {
+fn cells_are_matched_by_hash_and_parameters_not_by_name() {
     let (mut old, mut new) = (file(), file());
     // The model has another name, and its cells are in another order.
     for cell in &mut new.cells {

@@ -332,7 +332,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_front_is_what_nothing_beats() {
+    fn a_front_holds_the_points_that_no_other_beats() {
         let points = [[3.0, 1.0], [1.0, 9.0], [2.0, 9.0], [2.0, 4.0], [4.0, 1.0]];
         let on = front(points);
         assert_eq!(on, [[1.0, 9.0], [2.0, 4.0], [3.0, 1.0]]);

@@ -5,7 +5,7 @@
 FROM rust:1.95-bookworm AS build
 WORKDIR /source
 COPY . .
-RUN cargo build --release --locked --bin geobench && strip target/release/geobench
+RUN cargo build --release --locked --bin geobench
 
 FROM debian:bookworm-slim
 COPY --from=build /source/target/release/geobench /usr/local/bin/

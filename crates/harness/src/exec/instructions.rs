@@ -153,7 +153,7 @@ fn count_with(
     }
     let text = fs::read_to_string(counts.path()).context(FAILED)?;
     let Some(count) = total(&text).filter(|total| *total > 0) else {
-        bail!("callgrind counted nothing");
+        bail!("callgrind counted nothing; a program without symbols (strip) cannot be counted");
     };
     let simd = reply.simd;
     Ok(Some(InstructionCount { count, simd }))

@@ -58,7 +58,8 @@ pub enum RemeshError {
     /// The dual is not a triangulation, and adding sites did not make it one.
     #[error(
         "the dual of {sites} sites is no triangulation of the surface: {reason}; \
-         ask for more sites, or give the model more vertices there"
+         ask for another number of sites, or give the model more vertices \
+         (gen:file,path=MODEL,subdivide=1)"
     )]
     NoTriangulation {
         /// The number of sites, those that were added included.

@@ -2,6 +2,7 @@
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh};
 use geobench_window::Window;
+use geobench_window::precision::PLACE;
 
 use geobench_mesh::vector::{Point, add, cross_2d, dot, norm, scale, sub, turned};
 
@@ -97,11 +98,21 @@ impl Cone {
         self.sigma + norm(sub(x, self.centre))
     }
 
-    /// Whether `x` is in the cone, or outside by no more than rounding ([`CONE_SLACK`]).
-    fn sees(&self, x: Point) -> bool {
+    /// Whether `x` is in the cone, or outside by no more than rounding: that of its rays
+    /// ([`CONE_SLACK`]), or that of a place in a face of this `size`.
+    ///
+    /// A window that its rays graze has a cone of one direction along the edge. Points of the edge
+    /// between the image and the window, or behind the image, are on the line of the cone, but no
+    /// path through the window reaches them.
+    fn sees(&self, x: Point, size: f64) -> bool {
         let ray = sub(x, self.centre);
-        let slack = -CONE_SLACK * norm(ray);
-        cross_2d(self.right, ray) >= slack && cross_2d(ray, self.left) >= slack
+        let length = norm(ray);
+        let rounding = PLACE * size;
+        let slack = -(CONE_SLACK * length + rounding);
+        cross_2d(self.right, ray) >= slack
+            && cross_2d(ray, self.left) >= slack
+            && dot(self.right, ray).max(dot(self.left, ray)) >= slack
+            && length >= (1.0 - ROUNDING) * self.nearest - rounding
     }
 
     /// The intersections of its circle of `radius` with the line through `through`. `direction` has
@@ -230,7 +241,7 @@ impl FaceCones {
         let mut rivals = rivals.filter(|&(j, _)| j != i);
         !rivals.any(|(j, rival)| {
             let margin = if j < i { slack } else { -slack };
-            rival.distance(x) < level + margin && rival.sees(x)
+            rival.distance(x) < level + margin && rival.sees(x, self.size)
         })
     }
 
@@ -243,7 +254,11 @@ impl FaceCones {
 
     /// The index of the cone that gives `x` the shortest distance; `None` if no cone contains `x`.
     pub(crate) fn nearest(&self, x: Point) -> Option<usize> {
-        let seen = self.cones.iter().enumerate().filter(|(_, s)| s.sees(x));
+        let seen = self
+            .cones
+            .iter()
+            .enumerate()
+            .filter(|(_, s)| s.sees(x, self.size));
         let nearest = seen.min_by(|a, b| a.1.distance(x).total_cmp(&b.1.distance(x)));
         nearest.map(|(i, _)| i)
     }
@@ -259,7 +274,7 @@ impl FaceCones {
         let [first, second] = [next, last].map(unit);
         let least = ROUNDING * self.size;
         self.cones.iter().filter_map(move |cone| {
-            let is_ray = norm(sub(cone.centre, x)) > least && cone.sees(x);
+            let is_ray = norm(sub(cone.centre, x)) > least && cone.sees(x, self.size);
             let distance = cone.distance(x);
             let back = unit(cone.centre);
             let outside = -cross_2d(first, back).min(cross_2d(back, second)).min(0.0);
@@ -380,7 +395,10 @@ impl FaceCones {
                 continue;
             }
             let circle = cone.meets_circle(radius, other, its_radius);
-            let circle = circle.into_iter().flatten().filter(|&x| other.sees(x));
+            let circle = circle
+                .into_iter()
+                .flatten()
+                .filter(|&x| other.sees(x, self.size));
             circle.for_each(&mut cut);
             for side in [other.right, other.left] {
                 let found = cone.meets_line(radius, other.centre, side);

@@ -1,9 +1,14 @@
 //! Distances, gradients and paths at points of a field, beside solves on refined meshes.
 
 use geobench_isolines::DistanceField;
-use geobench_mesh::{FaceId, Mesh, SplitMix64, SurfacePoint};
+use geobench_mesh::{FaceId, Mesh, SplitMix64, SurfacePoint, VertexId};
+use geobench_mmp::mmp;
+use geobench_oracle::nasty;
 use geobench_vtp::VtpFast;
 use geobench_window::Solver;
+
+#[path = "../../oracle/tests/support/mesh.rs"]
+mod oracle_mesh;
 
 fn any_point(mesh: &Mesh, random: &mut SplitMix64) -> SurfacePoint {
     let face = FaceId::new(random.below(mesh.face_count()) as u32);
@@ -121,4 +126,37 @@ fn points_that_do_not_exist_are_refused() {
     assert!(field.distance(&point).is_err() && field.path(&point).is_err());
     assert!(field.gradient(&90.into()).is_err());
     assert_eq!(field.gradient(&0.into()).unwrap(), None);
+}
+
+/// Windows whose rays graze an edge, beside faces of no area, give their distances to no point in
+/// front of them.
+#[test]
+fn a_field_knows_the_points_beside_flat_faces() {
+    let mut random = SplitMix64::new(5);
+    let seeds = [
+        317, 329, 592, 642, 668, 838, 1239, 2155, 2910, 2992, 3338, 3801, 1164,
+    ];
+    for seed in seeds.into_iter().chain(0..120) {
+        let Ok(mesh) = oracle_mesh::mesh_of(&nasty::mesh(seed).model) else {
+            continue;
+        };
+        for _ in 0..3 {
+            let source = VertexId::new(random.below(mesh.vertex_count()) as u32).into();
+            let field = DistanceField::new(&mesh, &[source]).unwrap();
+            let farthest = (field.distances().iter())
+                .filter(|d| d.is_finite())
+                .fold(mesh.longest_edge(), |a, &b| a.max(b));
+            for _ in 0..8 {
+                let target = any_point(&mesh, &mut random);
+                let refined = mesh.with_points(&[source, target]).unwrap();
+                let [from, to] = [0, 1].map(|k| refined.vertices[k]);
+                let expected = mmp(&refined.mesh).solve(&[from]).unwrap().distances[to.index()];
+                let found = field.distance(&target).unwrap();
+                assert!(
+                    (found - expected).abs() <= 1e-8 * farthest || found == expected,
+                    "seed {seed}, {source:?} to {target:?}: {found:e}, but {expected:e}"
+                );
+            }
+        }
+    }
 }

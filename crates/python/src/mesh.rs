@@ -240,12 +240,13 @@ impl PyMesh {
         tuples(py, self.mesh().positions())
     }
 
-    /// (m, 3) int64: a copy of the corners of the faces. Faces whose orientation was repaired have
-    /// the new orientation.
+    /// (m, 3) int64: a copy of the corners of the faces, in the order and with the numbers that
+    /// `face`, `locate` and `Path.faces` use: those of the arrays or the file. Faces that were
+    /// turned over or left out are as they were given.
     #[getter]
     fn faces(&self, py: Python<'_>) -> PyResult<Py<PyArray2<i64>>> {
-        let corners = |face| self.mesh().face_vertices(face).map(|v| i64::from(v.raw()));
-        let rows: Vec<[i64; 3]> = self.mesh().faces().map(corners).collect();
+        let given = self.mesh().file_triangles().into_iter();
+        let rows: Vec<[i64; 3]> = given.map(|corners| corners.map(i64::from)).collect();
         tuples(py, &rows)
     }
 
@@ -255,7 +256,7 @@ impl PyMesh {
         self.mesh().vertex_count()
     }
 
-    /// int: number of faces.
+    /// int: number of faces of the surface. Those that were left out do not count.
     #[getter]
     fn n_faces(&self) -> usize {
         self.mesh().face_count()

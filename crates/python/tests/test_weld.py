@@ -50,7 +50,22 @@ def test_a_tolerance_is_a_fraction_of_the_size(tmp_path):
 def test_numbers_of_faces_are_those_of_the_array():
     faces = [[0, 1, 2], [1, 1, 2], [1, 2, 0], [0, 2, 5]]
     mesh = gd.Mesh(VERTICES, faces)
-    assert len(mesh.faces) == 2
+    assert mesh.n_faces == 2
+    np.testing.assert_array_equal(mesh.faces, faces)
     inside = mesh.distance(gd.face(2, 0.2, 0.3, 0.5))
     np.testing.assert_array_equal(inside, mesh.distance(gd.face(0, 0.5, 0.2, 0.3)))
     assert mesh.locate(gd.face(3, 0.2, 0.3, 0.5))[0] == 3
+
+
+def test_the_coordinates_of_paths_are_those_of_the_faces_that_are_given():
+    # The first face is left out, and one of the others is turned over.
+    faces = [[1, 1, 2], [0, 1, 2], [0, 3, 2]]
+    positions = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
+    for given in (faces, [[1, 1, 2], [0, 1, 2], [0, 2, 3]], [[0, 1, 2], [2, 1, 0], [0, 3, 2]]):
+        mesh = gd.Mesh(positions, given)
+        np.testing.assert_array_equal(mesh.faces, given)
+        path = mesh.path(gd.at(0.7, 0.2, 0), gd.at(0.1, 0.8, 0))
+        corners = mesh.vertices[mesh.faces[path.faces]]
+        np.testing.assert_allclose(
+            np.einsum("ki,kij->kj", path.barycentric, corners), path.points, atol=1e-15
+        )

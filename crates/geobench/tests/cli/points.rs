@@ -305,6 +305,7 @@ fn pairs_are_lines_of_a_file() {
             "cannot be used with",
         ),
         ("--pairs p.txt --each -o x.csv", "cannot be used with"),
+        ("--pairs p.txt --matrix -o x.csv", "cannot be used with"),
         ("-o x.csv", "--source"),
     ] {
         let said = sandbox.call(&format!("distance square.off {arguments}"));
@@ -368,6 +369,8 @@ fn curves_and_borders_are_sources_of_mmp_alone() {
         ("--curve gone.txt", "gone.txt: "),
         ("--curve c.txt --target 1", "cannot be used with"),
         ("--borders --pairs c.txt", "cannot be used with"),
+        ("--borders --matrix", "cannot be used with"),
+        ("--curve c.txt --source 0 --matrix", "cannot be used with"),
     ] {
         let said = sandbox.call(&format!("distance square.off {arguments} -o x.csv"));
         assert!(said.code == 2 && said.stderr.contains(message), "{said:?}");
@@ -520,8 +523,6 @@ fn what_is_no_point_is_named() {
             "d.ply: a mesh has distances of all vertices",
         ),
         ("--source 0 --matrix -o d.csv", "--each"),
-        ("--borders --matrix -o d.csv", "cannot be used with"),
-        ("--pairs bad.txt --matrix -o d.csv", "cannot be used with"),
         ("--source 0 --each --matrix -o d.vtk", "d.vtk"),
     ] {
         let outcome = sandbox.call(&format!("distance square.off {arguments}"));

@@ -16,7 +16,7 @@
 use geobench_mesh::{Curve, CurveError, CurveSegment, HalfEdgeId, Mesh, SurfacePoint, VertexId};
 use geobench_window::precision::PLACE;
 use geobench_window::queue::MinHeap;
-use geobench_window::trimming::{Overlap, Owner, ThinFaces, foot, pieces};
+use geobench_window::trimming::{Overlap, Owner, ThinFaces, is_near, pieces};
 use geobench_window::{
     Beam, Faces, Rays, Stop, Window, length_past_end, reach_over_edges, spawn_window,
 };
@@ -321,7 +321,7 @@ impl<'m> CurveRun<'m> {
             return;
         }
         match rays {
-            Rays::Cone(window) if foot(window, l).is_some() => {
+            Rays::Cone(window) if is_near(window, l) => {
                 let stored = self.lists[h.index()].iter();
                 let cones = stored.filter_map(|&i| match &self.windows[i as usize].rays {
                     Rays::Cone(window) => Some(window),

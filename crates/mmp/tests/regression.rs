@@ -56,6 +56,12 @@ fn a_source_close_to_a_ray_moved_the_ends_of_windows() {
     meshes::data::SOURCE_CLOSE_TO_A_RAY.check(solvers);
 }
 
+/// Three units in the last place of the edge, between two windows of the source.
+#[test]
+fn a_gap_beside_a_near_source_grew_behind_a_face_of_no_area() {
+    meshes::data::A_SOURCE_BESIDE_A_LONG_EDGE.check(solvers);
+}
+
 #[test]
 fn one_very_long_edge_kept_all_windows_in_memory() {
     let mesh = Mesh::generate("terrain,n=40,seed=1").unwrap();

@@ -5,7 +5,7 @@ use std::ops::Range;
 use geobench_mesh::HalfEdgeId;
 use geobench_window::Window;
 use geobench_window::blocks::BlockLists;
-use geobench_window::trimming::{TrimmedList, Trimmer, foot, pieces};
+use geobench_window::trimming::{TrimmedList, Trimmer, is_near, pieces};
 
 use crate::field::NO_SOURCE;
 
@@ -302,7 +302,7 @@ impl EdgeWindows {
         l: f64,
     ) {
         let new = Stored::waiting(*new, is_reversed, source);
-        if foot(&new.window, l).is_none() {
+        if !is_near(&new.window, l) {
             return self.insert_all(e, &[new], l, true);
         }
         let stored = self.list(e).iter().map(|s| &s.window);
@@ -310,7 +310,7 @@ impl EdgeWindows {
         self.insert_all(e, &pieces.collect::<Vec<_>>(), l, true);
     }
 
-    /// Inserts windows without a [foot], which then wait, on edge
+    /// Inserts windows as they are to be stored, which then wait, on edge
     /// `e` of length `l`. They are in the frame of the edge, mostly in ascending order. The effects
     /// are recorded in [`changes`](Self::changes).
     pub(crate) fn merge(&mut self, e: usize, batch: &[Stored], l: f64) {

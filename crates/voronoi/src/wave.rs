@@ -2,7 +2,7 @@
 //! trimmed on edges.
 
 use geobench_mesh::{HalfEdgeId, Mesh, Splice, VertexId};
-use geobench_window::trimming::{ThinFaces, foot};
+use geobench_window::trimming::{ThinFaces, is_near};
 use geobench_window::{
     Counter, Crossing, Exit, FaceView, Faces, Frame, Phase, Probe, Side, SolveError, VertexFilter,
     Way, Window, check_sources, is_beaten_from_ends, length_past_end, prefetch, spawn_window,
@@ -304,7 +304,7 @@ impl WaveState {
 
     /// Stores the windows of `batch`, which are in ascending order, on `h`. `h` has length `l` and
     /// twin `twin`. Returns the number of windows of which a part is stored. They are announced as
-    /// one arrival. Beside [thin faces](ThinFaces), and if one of them has a [foot], they are
+    /// one arrival. Beside [thin faces](ThinFaces), and if a source [`is_near`], they are
     /// announced one by one.
     fn arrive_all<P: Probe>(
         &mut self,
@@ -319,7 +319,7 @@ impl WaveState {
             probe.add(Counter::Filtered, batch.len() as u64);
             return 0;
         }
-        if self.thin.is_beside(h.index()) || batch.iter().any(|s| foot(&s.window, l).is_some()) {
+        if self.thin.is_beside(h.index()) || batch.iter().any(|s| is_near(&s.window, l)) {
             return self.arrive_one_by_one(h, batch, probe);
         }
         if is_reversed {

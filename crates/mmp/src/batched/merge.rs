@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use geobench_window::trimming::{PieceOrigin, TrimmedList, Trimmer, foot, pieces};
+use geobench_window::trimming::{PieceOrigin, TrimmedList, Trimmer, closing_gaps, is_near, pieces};
 use geobench_window::{Counter, Probe, Window};
 
 use super::store::{Store, waiting, waits};
@@ -22,13 +22,14 @@ impl Batch {
         self.levels.clear();
     }
 
-    /// The same windows, those with a [foot] split at it. They arrive at a list with the windows
+    /// The same windows, those whose source [`is_near`] in [`pieces`]. They arrive at a list with the windows
     /// `stored`.
     #[cold]
-    fn with_feet_apart(&self, l: f64, stored: &[Window]) -> Self {
+    fn in_pieces(&self, l: f64, stored: &[Window]) -> Self {
         let mut batch = Self::default();
         for (k, w) in self.windows.iter().enumerate() {
-            for piece in pieces(w, l, stored) {
+            let w = closing_gaps(w, l, &self.windows);
+            for piece in pieces(&w, l, stored) {
                 batch.windows.push(piece);
                 batch.levels.extend(self.levels.get(k));
             }
@@ -97,9 +98,9 @@ impl Merger {
             kept: 0,
         };
         let apart;
-        let has_feet = batch.windows.iter().any(|w| foot(w, l).is_some());
-        let all = if has_feet {
-            apart = batch.with_feet_apart(l, store.windows(i));
+        let has_near = batch.windows.iter().any(|w| is_near(w, l));
+        let all = if has_near {
+            apart = batch.in_pieces(l, store.windows(i));
             &apart
         } else {
             batch

@@ -1,7 +1,7 @@
 //! Inserts a window into a list: sorted, disjoint, trimmed at tie points.
 
 use geobench_window::Window;
-use geobench_window::trimming::{TrimmedList, Trimmer, foot, pieces};
+use geobench_window::trimming::{TrimmedList, Trimmer, is_near, pieces};
 
 use super::lists::{Direction, ListEntry, Lists, Slot, Slots};
 
@@ -55,14 +55,14 @@ impl Inserter {
         effects.to_queue.clear();
         (effects.new_pieces, effects.outdated) = (0, 0);
         (effects.trimmed, effects.removed) = (0, 0);
-        if foot(new, l).is_some() {
+        if is_near(new, l) {
             self.insert_pieces(lists, i, new, direction, l);
         } else {
             self.insert_piece(lists, i, new, direction, l);
         }
     }
 
-    /// [`insert`](Self::insert) for a window with a [foot], which is split at it.
+    /// [`insert`](Self::insert) for a window whose source [`is_near`].
     #[cold]
     #[inline(never)]
     fn insert_pieces(
@@ -81,7 +81,7 @@ impl Inserter {
         }
     }
 
-    /// [`insert`](Self::insert) for a window without a [foot] or split at it.
+    /// [`insert`](Self::insert) for a window as it is to be stored.
     #[inline]
     fn insert_piece(
         &mut self,

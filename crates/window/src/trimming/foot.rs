@@ -15,7 +15,7 @@
 //! A source a little above the edge has a wide foot, with the feet of other sources in it. Each of
 //! two such feet is compared at its own place.
 
-use super::compare::is_sent_again;
+use super::compare::{doubt, is_sent_again};
 use super::contender::Contender;
 use crate::precision::{GRAIN, PLACE};
 use crate::window::Window;
@@ -35,11 +35,26 @@ const CLOSE: f64 = 2.5 * PLACE;
 /// Rays that meet the edge farther away graze it.
 const STEEP: f64 = 20.0;
 
+/// The greatest height of a source, as a fraction of the edge, over which a gap of rounding between
+/// two of its windows turns a ray by more than [`ALONG`].
+const NEAR: f64 = CLEARANCE / ALONG;
+
+/// The greatest turn of a ray that closes a gap between two windows. The path bends by as much, at
+/// most as far from the source as the gap, and is longer by 5e-13 of that way.
+const TURN: f64 = 1e-6;
+
+/// Whether `w`, on an edge of length `l`, is to arrive in [`pieces`]: its source is so near to the
+/// edge that it may have a foot, or rays that rounding has turned.
+#[inline]
+pub fn is_near(w: &Window, l: f64) -> bool {
+    w.py.abs() <= NEAR * l
+}
+
 /// The foot of `w` on an edge of length `l`. `None` if the source is farther from the edge than 2.5
 /// [`PLACE`] of its length, or if `w` does not hold all directions of the source: an interval that
 /// ends at the foot has only some of them, and rounding hides which.
 #[inline]
-pub fn foot(w: &Window, l: f64) -> Option<[f64; 2]> {
+fn foot(w: &Window, l: f64) -> Option<[f64; 2]> {
     grazes(w, l).then(|| whole_foot(w, l))?
 }
 
@@ -118,9 +133,45 @@ fn along_edge(w: &Window, l: f64) -> Window {
     w.cut(b0, b1)
 }
 
+/// `w` with the gaps closed that rounding has left between it and those of `stored` that it meets
+/// along a ray: they have equal distances there.
+///
+/// Two windows that meet along a ray may be some units in the last place of the edge apart. Where
+/// the source is far nearer than the edge is long, such a gap is wide from the source. It grows on
+/// the way to a vertex, and behind a face of no area the bent path to that vertex goes along the
+/// edge, by half of the width. Windows are not widened elsewhere: around a needle, they would go
+/// around for a few units in the last place.
+#[must_use]
+pub fn closing_gaps<'a>(
+    w: &Window,
+    l: f64,
+    stored: impl IntoIterator<Item = &'a Window>,
+) -> Window {
+    let widest = CLEARANCE * l;
+    let turns_little = |end: f64| {
+        let x = end - w.px;
+        widest * w.py.abs() <= TURN * (x * x + w.py * w.py)
+    };
+    let [closes_left, closes_right] = [w.b0, w.b1].map(turns_little);
+    let (mut b0, mut b1) = (w.b0, w.b1);
+    let meets = |old: &Window, x: f64| {
+        let d = w.distance(x);
+        (old.distance(x) - d).abs() <= doubt(d, l)
+    };
+    for old in stored {
+        if closes_left && old.b1 < w.b0 && w.b0 - old.b1 <= widest && meets(old, w.b0) {
+            b0 = b0.min(old.b1);
+        }
+        if closes_right && w.b1 < old.b0 && old.b0 - w.b1 <= widest && meets(old, w.b1) {
+            b1 = b1.max(old.b0);
+        }
+    }
+    w.cut(b0, b1)
+}
+
 /// The pieces of a window that arrives at a list with the windows `stored`: its foot first, if it
 /// has one, then the parts on the left and right. A window with a foot reaches to the ends of the
-/// edge to which its rays lead.
+/// edge to which its rays lead, and one without to the windows that it meets along a ray.
 ///
 /// If a stored foot holds the place of the new one and stays there, the window has no foot of its
 /// own: all its directions pass through that place, where the stored window is no longer. What lies
@@ -131,10 +182,14 @@ fn along_edge(w: &Window, l: f64) -> Window {
 pub fn pieces<'a>(
     w: &Window,
     l: f64,
-    stored: impl IntoIterator<Item = &'a Window>,
+    stored: impl IntoIterator<Item = &'a Window, IntoIter: Clone>,
 ) -> impl Iterator<Item = Window> {
+    let mut stored = stored.into_iter();
     let own = foot(w, l);
-    let w = own.map_or(*w, |_| along_edge(w, l));
+    let w = match own {
+        Some(_) => along_edge(w, l),
+        None => closing_gaps(w, l, stored.clone()),
+    };
     let held = own.and_then(|[start, end]| {
         let own = w.cut(start, end);
         let holds = |old: &&Window| {
@@ -144,7 +199,7 @@ pub fn pieces<'a>(
                     .iter()
                     .all(|new| does_new_win(old, new, l) == Some(false))
         };
-        stored.into_iter().find(holds)
+        stored.find(holds)
     });
     let [start, end] = match held {
         Some(old) => [old.b0.max(w.b0), old.b1.min(w.b1)],

@@ -2,7 +2,7 @@
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Splice};
 
-use super::foot::{foot, pieces};
+use super::foot::{is_near, pieces};
 use super::insertion::{TrimmedList, Trimmer};
 use super::thin::ThinFaces;
 use crate::blocks::BlockLists;
@@ -232,7 +232,7 @@ impl KeptWindows {
         };
         let l = self.lengths[list];
         let mut parts = None;
-        if foot(new, l).is_some() {
+        if is_near(new, l) {
             let pieces: Vec<Window> = pieces(new, l, self.kept.entries(list)).collect();
             for piece in pieces {
                 self.insert(list, &piece, l, &mut parts);
@@ -244,7 +244,7 @@ impl KeptWindows {
         parts.map(|[b0, b1]| Window { b0, b1, ..*new })
     }
 
-    /// Stores `new`, which has no [foot] or is a piece of a window with one, in list `list` on an
+    /// Stores `new`, which [`is_near`] not, or is one of the [`pieces`] of such a window, in list `list` on an
     /// edge of length `l`. `parts` becomes the least range with its own and all that is stored.
     #[inline]
     fn insert(&mut self, list: usize, new: &Window, l: f64, parts: &mut Option<[f64; 2]>) {

@@ -15,7 +15,7 @@ mod overlap_range;
 mod thin;
 
 pub use compare::{is_sliver, ties_between};
-pub use foot::{foot, pieces};
+pub use foot::{closing_gaps, is_near, pieces};
 pub use insertion::{PieceOrigin, TrimmedList, Trimmer};
 pub use kept::KeptWindows;
 pub use overlap::{Overlap, Owner, Segment};

@@ -13,10 +13,12 @@
 //! the frame by some ε of its distance from the edge and of the longest side of the face, after n
 //! faces by at most n times as much. Windows are turned less often than one by one, when their
 //! chunk joins another. The distance that matters is that from the *origin* of the frame, which may
-//! be farther away than the source of a window. No origin is farther than the path is long, since
-//! it was the source of a window when the frame was chosen. So all that a comparison of lengths may
-//! miss is within [`MARGIN`] of the path. Where sides are compared, the distance of the origin
-//! counts as one of the coordinates ([`Chunk::blur`]).
+//! be farther away than the source of a window. No origin is farther than the path of the window
+//! that it was the source of when the frame was chosen. Other windows join a frame only if its
+//! origin is at most [`FARTHEST`] times as far as a path to the edge is long: from a source 1e-10
+//! away, windows that come back from edges of length 1 may wait on the same edge. So all that a
+//! comparison of lengths may miss is within [`MARGIN`] of the path. Where sides are compared, the
+//! distance of the origin counts as one of the coordinates ([`Chunk::blur`]).
 //!
 //! Turns are made vectors of [unit] length again wherever they are used to move windows. Without
 //! that, a window that joins one chunk after another is enlarged by the same error each time, and
@@ -60,6 +62,10 @@ const NARROWEST_SUM: f64 = 0.1;
 /// How far a source must be from both ends of a window for it to be in a chunk, as a fraction of
 /// the edge. The direction of a ray comes from the place of an end, which errs by ε of the edge.
 const NEAREST: f64 = 1e-3;
+
+/// How far an origin may be from the edge for windows to join its frame, in lengths of a shortest
+/// path to the edge. ε times this is far below the precision of distances.
+const FARTHEST: f64 = 1e4;
 
 /// How many chunks of a list are tried for joining.
 const TRIED: usize = 3;
@@ -113,6 +119,13 @@ impl Chunk {
     fn direction_outside(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [c, s] = self.turn;
         [c * x - s * y, s * x + c * y]
+    }
+
+    /// Whether windows may join the frame, on an edge to which a path of this `length` leads.
+    #[inline(always)]
+    fn is_near(&self, length: f64) -> bool {
+        let [x, y] = self.origin;
+        x.abs() + y.abs() <= FARTHEST * length
     }
 
     /// The side of the apex at `[x, y]` in the frame of the chunk on which all of it passes, left
@@ -384,7 +397,9 @@ impl ChunkStore {
             let [.., px, py, sigma] = row;
             let joins = |chunk: &Chunk| {
                 let slopes = directions.rays.map(|d| chunk.direction_inside(d));
-                usize::from(chunk.len) < ROOM && slopes.iter().all(|[x, y]| x.abs() <= STEEPEST * y)
+                usize::from(chunk.len) < ROOM
+                    && chunk.is_near(sigma + directions.shorter)
+                    && slopes.iter().all(|[x, y]| x.abs() <= STEEPEST * y)
             };
             if !chunks.last().is_some_and(joins) {
                 let [x, y] = directions.middle;
@@ -427,8 +442,8 @@ impl ChunkStore {
         true
     }
 
-    /// Appends the `chunk` to `list` beyond the left (0) or right (1) exit of `triangle`, or joins
-    /// it to one of the last chunks there.
+    /// Appends the `chunk` to `list` beyond the left (0) or right (1) exit of `triangle`, to which
+    /// a path of length `shortest` leads, or joins it to one of the last chunks there.
     #[inline(always)]
     pub(crate) fn push<L: Lanes>(
         &mut self,
@@ -437,12 +452,16 @@ impl ChunkStore {
         chunk: &Chunk,
         side: usize,
         triangle: &Triangle,
+        shortest: f64,
     ) {
         let chunk = chunk.beyond(side, triangle);
         let half = (ROOM / 2) as u16;
         if chunk.len <= half || list.last().is_some_and(|last| last.len <= half) {
             for last in list.iter_mut().rev().take(TRIED) {
-                if usize::from(last.len + chunk.len) <= ROOM && self.join::<L>(simd, last, &chunk) {
+                if usize::from(last.len + chunk.len) <= ROOM
+                    && last.is_near(shortest)
+                    && self.join::<L>(simd, last, &chunk)
+                {
                     self.drop(&chunk);
                     return;
                 }
@@ -639,7 +658,7 @@ mod tests {
                 let from = chunk;
                 store.leave::<Scalar>((), &from, &mut chunk, &part);
                 assert_eq!(chunk.len, from.len);
-                store.push::<Scalar>((), &mut list, &chunk, 0, &TRIANGLE);
+                store.push::<Scalar>((), &mut list, &chunk, 0, &TRIANGLE, 10.0);
             }
         }
         assert!(list.len() < 10, "chunks were joined");

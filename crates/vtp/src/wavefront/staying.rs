@@ -235,6 +235,7 @@ impl Staying {
         reach: [f64; 3],
     ) {
         let waited_on_left = behind[0].len();
+        let shortest = [0, 1].map(|side| reach[side].min(reach[side + 1]));
         // Whether the last part for the right has been deleted as a whole.
         let mut dead = false;
         let mut opened = self.opened.iter().enumerate();
@@ -243,7 +244,8 @@ impl Staying {
             if let Some(side) = passage {
                 if open[side] {
                     chunk.doubtful = was_dead && side == 1;
-                    (self.store).push::<L>(simd, &mut behind[side], chunk, side, triangle);
+                    let list = &mut behind[side];
+                    (self.store).push::<L>(simd, list, chunk, side, triangle, shortest[side]);
                 } else {
                     self.store.drop(chunk);
                 }
@@ -305,7 +307,7 @@ impl Staying {
                 };
                 let list = &mut behind[side];
                 if part.len > 0 {
-                    self.store.push::<L>(simd, list, &part, side, triangle);
+                    (self.store).push::<L>(simd, list, &part, side, triangle, shortest[side]);
                     continue;
                 }
                 // Windows are deleted from the outside; the neighbours of these may be next.

@@ -129,7 +129,8 @@ fn join(mut rounds: Vec<Cell>) -> Cell {
     cell.phases.management = over(|c| c.phases.management);
     cell.phases = cell.phases.of_time(cell.time.median);
     // `None` if the phases of one round were measured by a clock instead of by sampling.
-    cell.phases.samples = rounds.iter().map(|c| c.phases.samples).sum();
+    let samples = rounds.iter().map(|c| c.phases.samples);
+    cell.phases.samples = samples.reduce(|a, b| Some(a?.saturating_add(b?))).flatten();
     cell.memory.heap_peak_bytes = most(|c| c.memory.heap_peak_bytes);
     cell.memory.rss_peak_bytes = most(|c| c.memory.rss_peak_bytes);
     // No largest error is known if it is not finite.
@@ -194,6 +195,19 @@ mod tests {
         assert_eq!(time.samples, samples);
         assert_eq!(time.median, Some(f64::midpoint(samples[2], samples[3])));
         assert!(time.ci95.is_some() && time.note.is_none());
+    }
+
+    #[test]
+    fn counts_of_phases_beyond_the_largest_number_stay_there() {
+        let first = round(&MockBackend::default());
+        let mut second = first.clone();
+        second.cells[0].phases.samples = Some(u64::MAX);
+        for (of_first, expected) in [(Some(7), Some(u64::MAX)), (None, None)] {
+            let mut first = first.clone();
+            first.cells[0].phases.samples = of_first;
+            let joined = pool(named(vec![first, second.clone()]), None).unwrap();
+            assert_eq!(joined.cells[0].phases.samples, expected);
+        }
     }
 
     #[test]

@@ -22,8 +22,8 @@ impl Batch {
         self.levels.clear();
     }
 
-    /// The same windows, those whose source [`is_near`] in [`pieces`]. They arrive at a list with the windows
-    /// `stored`.
+    /// The same windows, those whose source [`is_near`] in [`pieces`]. They arrive at a list with
+    /// the windows `stored`.
     #[cold]
     fn in_pieces(&self, l: f64, stored: &[Window]) -> Self {
         let mut batch = Self::default();

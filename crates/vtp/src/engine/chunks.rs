@@ -28,9 +28,10 @@
 //!
 //! In the usual form every window offers a path to the apex, bent if it does not see it. Here only
 //! windows that see it do, and a ray that rounding has put into a gap between two windows is
-//! offered by either. A shadow is wider than that: behind a vertex with an angle of hardly more
-//! than 2π, which sends no windows, no window sees anything. So lists stay only on meshes in which
-//! such vertices are few, and there they send windows
+//! offered by either. The rounding is that of the longest edge of the mesh, so lists on edges that
+//! are hardly longer than it have the usual form. A shadow is wider than that: behind a vertex with
+//! an angle of hardly more than 2π, which sends no windows, no window sees anything. So lists stay
+//! only on meshes in which such vertices are few, and there they send windows
 //! ([`light_shadows`](super::layout::MeshLayout::light_shadows)).
 
 use geobench_window::prefetch_line;

@@ -2,8 +2,9 @@
 //!
 //! In such a list no window is touched that lies beside the apex. That saves most of the work on
 //! long lists, and costs more on short ones, so a wavefront chooses by the mean number of windows
-//! in its lists. Rules 2 and 3 are not applied. Beside thin and long faces, lists have the usual
-//! form. A list may have windows of both forms while it waits; they get one form when it crosses.
+//! in its lists. Rules 2 and 3 are not applied. Beside thin and long faces, and on edges far
+//! shorter than the longest one, lists have the usual form. A list may have windows of both forms
+//! while it waits; they get one form when it crosses.
 
 use geobench_mesh::{HalfEdgeId, VertexId};
 use geobench_window::simd::{CacheLine, Lanes, SimdProgram};
@@ -22,6 +23,11 @@ const LISTS: usize = 256;
 
 /// The lengths of edges for which the headers of chunks have the precision that they need.
 const LENGTHS: [f64; 2] = [1e-15, 1e15];
+
+/// How much longer than the [`blur`] of the mesh an edge must be for its lists to stay. A window
+/// offers its straight path to an apex that is beside its rays by at most the blur. From a source
+/// 1e-3 of the edge away that is an angle of 1e-5, and the path is too short by at most 5e-11.
+const SHARP: f64 = 1e8;
 
 /// The fraction of the least mean at which lists stay below which they no longer do.
 const HYSTERESIS: f64 = 0.75;
@@ -364,8 +370,10 @@ impl Wavefront {
         let mut chunks = self.staying.store.take(list);
         let layout = state.layout();
         let by_distance = |h| h != NO_TWIN && layout.is_by_distance(h);
-        let usual = by_distance(h) || layout.exits(h).into_iter().any(by_distance);
         let l = layout.length(h);
+        let usual = by_distance(h)
+            || layout.exits(h).into_iter().any(by_distance)
+            || l < SHARP * blur(layout.longest_edge);
         let len = self.store.len(list);
         let stays = self.staying.on
             && !usual

@@ -185,6 +185,9 @@ impl Descendants {
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let mark = format!("{}.{count}", process::id());
         command.env(MARK, &mark);
+        if ADOPTS.load(Ordering::Relaxed) {
+            OrphanOwners::see(&orphans(&started())).start(&mark);
+        }
         let (child, known) = spawn(command)?;
         let descendants = Self { child: known, mark };
         Ok((child, descendants))
@@ -285,8 +288,10 @@ fn mark(process: Process) -> Option<String> {
 /// To which children the orphans without a mark belong: each to the child that was at work when it
 /// was first seen. It cannot have been started by another, which waits for a request.
 ///
-/// Orphans are looked for when a child begins to work, while its memory is watched, and when it
-/// ends. So one that appears after the answer of a child still belongs to that child.
+/// A child is at work from its start on: an outside program may have orphans before this process
+/// awaits its answer. Orphans are looked for before a child starts and when it begins to work, while
+/// its memory is watched, and when it ends. So one that appears after the answer of a child still
+/// belongs to that child.
 #[derive(Debug)]
 pub(super) struct OrphanOwners {
     /// The orphans that were seen, each with the mark of its child. It has none if several children
@@ -294,7 +299,7 @@ pub(super) struct OrphanOwners {
     seen: Vec<(Process, Option<String>)>,
     /// The marks of the children whose answers this process awaits.
     at_work: Vec<String>,
-    /// The only child that was at work last.
+    /// The only child that was at work last, or has been started since.
     last: Option<String>,
 }
 
@@ -322,6 +327,17 @@ impl OrphanOwners {
         owners
     }
 
+    /// Tells that the child with this mark starts.
+    fn start(&mut self, mark: &str) {
+        self.last = self.at_work.is_empty().then(|| mark.to_owned());
+    }
+
+    /// Tells that the answer of the child with this mark is awaited.
+    fn begin(&mut self, mark: &str) {
+        self.at_work.push(mark.to_owned());
+        self.last = (self.at_work.len() == 1).then(|| mark.to_owned());
+    }
+
     /// Whether an orphan that was seen belongs to the child with this mark.
     fn has(&self, orphan: Process, mark: &str) -> bool {
         let found = self.seen.iter().find(|(seen, _)| *seen == orphan);
@@ -337,14 +353,8 @@ pub(super) struct AtWork {
 impl AtWork {
     fn begin(mark: &str) -> Self {
         if ADOPTS.load(Ordering::Relaxed) {
-            // Those that have appeared since the last child worked are of that child.
-            let mut owners = OrphanOwners::see(&orphans(&started()));
-            owners.at_work.push(mark.to_owned());
-            owners.last = owners
-                .at_work
-                .first()
-                .cloned()
-                .filter(|_| owners.at_work.len() == 1);
+            // Those that have appeared since the last child worked or started are of that child.
+            OrphanOwners::see(&orphans(&started())).begin(mark);
         }
         Self {
             mark: mark.to_owned(),
@@ -448,6 +458,24 @@ mod tests {
         assert!(own.start > 0);
         assert_eq!(look(process::id()).unwrap(), own);
         assert_eq!(look(u32::MAX), None);
+    }
+
+    #[test]
+    fn orphans_that_appear_before_the_answer_is_awaited_belong_to_the_child_that_starts() {
+        let mut owners = OrphanOwners {
+            seen: Vec::new(),
+            at_work: Vec::new(),
+            last: None,
+        };
+        owners.begin("a");
+        assert_eq!(owners.last.as_deref(), Some("a"));
+        owners.at_work.clear();
+        owners.start("b");
+        assert_eq!(owners.last.as_deref(), Some("b"));
+        // Two at work: whose they are is unknown.
+        owners.begin("b");
+        owners.start("c");
+        assert_eq!(owners.last, None);
     }
 
     #[test]

@@ -46,7 +46,7 @@ _Points = Union[
     NDArray[Union[np.integer[Any], np.floating[Any], np.bool_]],
     tuple[ArrayLike, NDArray[np.floating[Any]]],
 ]
-_Sources = Union[_Points, Curve, Sequence[Union[_Point, Curve]]]
+_Sources = Union[_Points, Curve, Iterable[Union[_Point, Curve]]]
 _Levels = Union[Sequence[float], NDArray[np.floating[Any]]]
 _Algorithm = Union[
     Literal[

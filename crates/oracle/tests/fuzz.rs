@@ -136,8 +136,8 @@ fn meshes_with_junctions_are_solved_right() {
 }
 
 /// Far vertices: distances around them were too short, and not in doubt. The oracle lost half of
-/// its digits on 78 and 138. Graded: in a list that stays, windows saw vertices beside their rays by
-/// less than the rounding of edges of length 1, on edges of 1e-10.
+/// its digits on 78 and 138. Graded: in a list that stays, windows saw vertices beside their rays
+/// by less than the rounding of edges of length 1, on edges of 1e-10.
 const BUILT_THAT_FAILED: [(Kind, u64); 8] = [
     (Kind::Graded, 3134),
     (Kind::Graded, 3411),

@@ -35,8 +35,9 @@ pub trait TrimmedList {
     fn window<'a>(&'a self, entry: &'a Self::Entry) -> &'a Window;
 
     /// New window number `k`, if there are so many. They may be in any order, but are mostly in
-    /// ascending order. A source that [is near](super::is_near) sends its windows in [pieces](super::pieces). Not called for a
-    /// window that is inserted [alone](Trimmer::insert_one).
+    /// ascending order. The window of a source that [is near](super::is_near) the edge arrives in
+    /// [pieces](super::pieces). Not called for a window that is inserted
+    /// [alone](Trimmer::insert_one).
     fn arriving(&self, _: usize) -> Option<Window> {
         None
     }

@@ -289,9 +289,9 @@ fn mark(process: Process) -> Option<String> {
 /// was first seen. It cannot have been started by another, which waits for a request.
 ///
 /// A child is at work from its start on: an outside program may have orphans before this process
-/// awaits its answer. Orphans are looked for before a child starts and when it begins to work, while
-/// its memory is watched, and when it ends. So one that appears after the answer of a child still
-/// belongs to that child.
+/// awaits its answer. Orphans are looked for before a child starts and when it begins to work,
+/// while its memory is watched, and when it ends. So one that appears after the answer of a child
+/// still belongs to that child.
 #[derive(Debug)]
 pub(super) struct OrphanOwners {
     /// The orphans that were seen, each with the mark of its child. It has none if several children

@@ -244,8 +244,9 @@ impl KeptWindows {
         parts.map(|[b0, b1]| Window { b0, b1, ..*new })
     }
 
-    /// Stores `new` in list `list`, on an edge of length `l`. Its source is not
-    /// [near](is_near) the edge, or it is one of the [`pieces`] of its window. `parts` becomes the least range with its own and all that is stored.
+    /// Stores `new` in list `list`, on an edge of length `l`. Its source is not [near](is_near) the
+    /// edge, or it is one of the [`pieces`] of a window. `parts` becomes the least range with its
+    /// own and all that is stored.
     #[inline]
     fn insert(&mut self, list: usize, new: &Window, l: f64, parts: &mut Option<[f64; 2]>) {
         let first = self.kept.leading(list, |w| w.b1 <= new.b0);

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::error::Error;
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt;
 
 use crate::scalar::RealNumber;
@@ -109,11 +109,11 @@ struct Room {
 /// Checks that `points` are a shortest path from one of `sources` to `target`, whose distance is
 /// `distance`; `told` is its length as the program tells it.
 ///
-/// The path must lead from triangle to triangle, and cross none twice. It must be as long as the
-/// distance to 1e-12 and the rounding of its points, straight wherever it crosses an edge, and have
-/// an angle of at least π on both sides of each vertex that it passes. A smaller angle is allowed
-/// where the vertices beside it leave no room for a shortcut that is longer than rounding. Lines
-/// and angles are measured with all digits of `S`.
+/// The path must lead from triangle to triangle, and cross none twice. It must be as long as it is
+/// told to be, and as the distance, to 1e-12 and the rounding of its points, straight wherever it
+/// crosses an edge, and have an angle of at least π on both sides of each vertex that it passes. A
+/// smaller angle is allowed where the vertices beside it leave no room for a shortcut that is
+/// longer than rounding. Lines and angles are measured with all digits of `S`.
 ///
 /// ```
 /// use geobench_oracle::{DoubleDouble, Model, PathFlaw, JudgedPoint, judge_path};
@@ -220,9 +220,15 @@ impl<S: RealNumber> PreciseSurface<S> {
         // The distance may be the difference of greater ones, elsewhere on the surface.
         let sides = self.sides.iter().map(|side| side.length.to_f64());
         let of_surface = PLACE * sides.fold(0.0, f64::max) * points as f64;
-        for found in [S::from_f64(told), length] {
-            let by = (found - S::from_f64(distance)).to_f64();
-            if by.is_nan() || by.abs() > LENGTH * distance + of_surface {
+        let (distance, told) = (S::from_f64(distance), S::from_f64(told));
+        for (by, rounding) in [
+            (told - distance, of_surface),
+            (length - distance, of_surface),
+            // The path itself has the rounding of its own triangles only.
+            (length - told, rounding),
+        ] {
+            let by = by.to_f64();
+            if by.is_nan() || by.abs() > LENGTH * distance.to_f64() + rounding {
                 return Err(PathFlaw::Length(by));
             }
         }
@@ -406,10 +412,19 @@ impl<S: RealNumber> PreciseSurface<S> {
         // Beside a triangle without area, the first crossing may be at the vertex itself. So the
         // directions are those of the whole line.
         let back = [-line[0], -line[1]];
+        // Back along a side, rounding decides between -π and π: within a triangle it is π.
+        let within = |angle: f64| {
+            if angle < -FRAC_PI_2 {
+                angle + TAU
+            } else {
+                angle
+            }
+        };
+        let at_start = turn(minus([S::zero(); 2], start_place), line);
         let at_end = turn(minus(ends[0], end_place), back);
         let directions = [
-            (prev(start), turn(minus([S::zero(); 2], start_place), line)),
-            (prev(side), if turned { -at_end } else { at_end }),
+            (prev(start), within(at_start)),
+            (prev(side), within(if turned { -at_end } else { at_end })),
         ];
         let mut farthest = (first, S::zero());
         let mut length = S::zero();
@@ -615,6 +630,27 @@ mod tests {
         );
         let told = judge_path(&strip, &right, &[1], 4, [d, d * (1.0 + 1e-11)]);
         assert!(matches!(told, Err(PathFlaw::Length(_))));
+    }
+
+    /// The rounding of long sides elsewhere once excused a length that is not that of the points.
+    #[test]
+    fn the_length_told_is_that_of_the_points() {
+        let far = [[0.0, 1e9, 0.0], [1e9, 1e9, 0.0], [0.0, 2e9, 0.0]];
+        let square = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+        let positions = [&square[..], &far].concat();
+        let surface = surface(&positions, &[[0, 1, 2], [1, 3, 2], [4, 5, 6]]);
+        let along = [0, 1, 3].map(JudgedPoint::Vertex);
+        let across = [
+            JudgedPoint::Vertex(0),
+            crossing(0, [1, 2], 0.5),
+            JudgedPoint::Vertex(3),
+        ];
+        let d = 2.0_f64.sqrt();
+        let judge = |points: &[JudgedPoint], told| judge_path(&surface, points, &[0], 3, [d, told]);
+        assert_eq!(judge(&across, d), Ok(()));
+        for (points, told) in [(across, d + 1e-9), (along, d)] {
+            assert!(matches!(judge(&points, told), Err(PathFlaw::Length(_))));
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The straight lines that may end a shortest path to a vertex, found by a search.
 
 use std::collections::HashMap;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use geobench_mesh::vector::{Point as Vector, cross_2d, dot, norm, sub};
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, VertexId};
@@ -28,6 +29,12 @@ impl LineDirection {
     /// The direction `to` at the tail of `corner`, where `along` is that of `corner`.
     pub(crate) fn new(corner: HalfEdgeId, along: Vector, to: Vector) -> Self {
         let angle = cross_2d(along, to).atan2(dot(along, to));
+        // Back along an edge, rounding decides between -π and π.
+        let angle = if angle < -FRAC_PI_2 {
+            angle + TAU
+        } else {
+            angle
+        };
         Self { corner, angle }
     }
 
@@ -192,8 +199,9 @@ pub(crate) fn lines_to(
     let mut slack = slack;
     loop {
         let search = LineSearch::run(mesh, distances, end, slack);
-        if !search.lines.is_empty() || slack > distance {
-            return search.sorted();
+        let lines = search.sorted();
+        if !lines.is_empty() || slack > distance {
+            return lines;
         }
         slack *= 1e3;
     }
@@ -423,13 +431,15 @@ impl<'a> LineSearch<'a> {
     ///
     /// In the frame of each edge, the image of the one end is that of the beam, unfolded from
     /// there; that of the other end is unfolded from that other end. So near both ends the points
-    /// err by the rounding of the faces between.
+    /// err by the rounding of the faces between. `None` if the points are too far for the slack.
     fn line(&self, found: &FoundLine) -> Option<StraightLine> {
         let mesh = self.mesh;
         let Some(last) = found.beam else {
             return StraightLine::along_edge(mesh, self.distances, [self.end, found.from]);
         };
-        let LineBeam { h, window, .. } = self.beams[last];
+        let LineBeam {
+            h, window, longest, ..
+        } = self.beams[last];
         // The vertex `from`, above the edge of the beam.
         let mut from = mesh.apex(h);
         let at_from = LineDirection::new(h.prev(), sub([0.0; 2], from), sub(window.source(), from));
@@ -437,6 +447,9 @@ impl<'a> LineSearch<'a> {
         let mut crossings = Vec::new();
         // The distance from `from` of the point before.
         let mut reached = 0.0;
+        // That point, and the length of the line up to it.
+        let mut before = from;
+        let mut length = 0.0;
         let mut next = Some(last);
         while let Some(i) = next {
             let LineBeam {
@@ -450,12 +463,13 @@ impl<'a> LineSearch<'a> {
             // `out`, the half-edge of the face before, which is on the side of the end.
             let l = mesh.length(h);
             let is_mirrored = mesh.tail(h) == mesh.tail(out);
-            let (window, from_here) = if is_mirrored {
-                (window.mirrored(l), [l - from[0], from[1]])
+            let here = |[x, y]: Vector| if is_mirrored { [l - x, y] } else { [x, y] };
+            let window = if is_mirrored {
+                window.mirrored(l)
             } else {
-                (window, from)
+                window
             };
-            let ([px, py], [x, y]) = (window.source(), from_here);
+            let ([px, py], [x, y]) = (window.source(), here(from));
             // The line meets the edge between the feet of its ends. Beside a face without height,
             // rounding may put an end on the wrong side of the edge: it counts as on the edge.
             let (above, below) = (y.max(0.0), (-py).max(0.0));
@@ -467,6 +481,7 @@ impl<'a> LineSearch<'a> {
             };
             let at = at.clamp(window.b0, window.b1);
             reached = norm([at - x, y]);
+            length += norm(sub([at, 0.0], here(before)));
             let ends = [mesh.tail(out), mesh.head(out)];
             crossings.push(Point::on_edge(out, ends, (l - at) / l));
             next = parent;
@@ -480,16 +495,23 @@ impl<'a> LineSearch<'a> {
             } else {
                 (view.frame.right, [view.frame.cx, view.frame.cy])
             };
+            before = [x0 + ux * at, y0 + uy * at];
             from = [x0 + ux * x - uy * y, y0 + uy * x + ux * y];
             if parent.is_none() {
                 at_end = LineDirection::new(entry, [1.0, 0.0], from);
             }
         }
+        // In the frame of the first edge, the end is at the origin.
+        length += norm(before);
+        let rounding = found.noise + PLACE * longest * crossings.len() as f64;
+        // Around a vertex nearer than the rounding of a position, windows may turn by more than π.
+        // Their lines are longer than the image is far.
+        let excess = (length - found.length - rounding).max(0.0);
         crossings.reverse();
-        Some(StraightLine {
+        (excess <= self.slack).then_some(StraightLine {
             from: found.from,
-            length: found.length,
-            excess: found.excess,
+            length: found.length + excess,
+            excess: found.excess + excess,
             directions: [at_end, at_from],
             crossings,
         })

@@ -1,6 +1,7 @@
 //! Tracing of paths from a vertex back to its source.
 
 use std::collections::{HashMap, HashSet};
+use std::slice;
 
 use geobench_mesh::vector::{cross_2d, dot, norm, sub};
 use geobench_mesh::{HalfEdgeId, Mesh, VertexId};
@@ -26,8 +27,8 @@ const ROUNDING: f64 = 3e-14;
 /// path is straight.
 const MORE: [f64; 4] = [1.0, 1e3, 1e6, f64::INFINITY];
 
-/// Length of a straight piece, as a fraction of the distance of the target, up to which a path is
-/// checked for faces that it crosses twice.
+/// Length of a straight piece, or of its way across a face, as a fraction of the distance of the
+/// target, up to which a path is checked for faces that it crosses twice.
 const WANDERING: f64 = 1e-10;
 
 /// Greatest number of straight pieces that a search tries for each factor but the last. Each is
@@ -486,6 +487,9 @@ impl Paths {
         }
         let at_end = LineDirection::new(h.prev(), right.0, [1.0, 0.0]);
         let mut crossings = Vec::new();
+        // Around a tip smaller than the rounding of distances, a line may wind at no length.
+        let short = WANDERING * self.distances[target.index()];
+        let (mut wanders, mut reached) = (false, 0.0);
         let mut out = h;
         for _ in 0..self.mesh.face_count() {
             let (a, b) = (right.0, left.0);
@@ -497,6 +501,8 @@ impl Paths {
                 return None;
             }
             crossings.push(Point::on_edge(out, [right.1, left.1], t));
+            wanders |= x - reached <= short;
+            reached = x;
             let g = self.entry(out).twin?;
             let [along, across] = self.entry(g).apex;
             if !(across > THIN && across < 1.0 / THIN) {
@@ -515,13 +521,14 @@ impl Paths {
                 let back = apex.map(|x| -x);
                 let to = [dot(edge, back), cross_2d(edge, back)];
                 let at_from = LineDirection::new(g.prev(), [-along, -across], to);
-                return Some(StraightLine {
+                let line = StraightLine {
                     from,
                     length: norm(apex),
                     excess: excess(apex, from),
                     directions: [at_end, at_from],
                     crossings,
-                });
+                };
+                return (!wanders || crosses_once(slice::from_ref(&line))).then_some(line);
             }
             if apex[1] > 0.0 {
                 left = (apex, from);

@@ -54,6 +54,10 @@ fn meshes_with_junctions() {
 /// * `graded`: a search gave up before it had tried the second line to the target.
 /// * `touching` 83684, 85529 and `membranes` 15420: of two windows that tie beside a vertex at a
 ///   junction, a search kept the one that does not lead straight on.
+/// * `near-duplicates`: a line turned around a vertex by more than π within the rounding of its
+///   images, and ran beyond its end and back.
+/// * `collinear-fan`: the judge measured the direction back along a side as -π.
+/// * `graded` 2220: a recorded line wound around a tip smaller than the rounding of distances.
 #[test]
 fn seeds_that_failed() {
     let mut failures = Vec::new();
@@ -69,6 +73,9 @@ fn seeds_that_failed() {
         (Kind::Touching, 83684),
         (Kind::Touching, 85529),
         (Kind::Membranes, 15420),
+        (Kind::NearDuplicates, 4667),
+        (Kind::CollinearFan, 4420),
+        (Kind::Graded, 2220),
     ] {
         let model = kind.mesh(seed).model;
         let mesh = mesh_of(&model).unwrap();

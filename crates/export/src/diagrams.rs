@@ -8,7 +8,7 @@ use geobench_mesh::{FaceId, Mesh, Refined};
 use geobench_voronoi::{BorderArc, Diagram, NO_SOURCE};
 use serde::Serialize;
 
-use crate::polylines::Polylines;
+use crate::polylines::{LineFormat, Polylines};
 use crate::vtk_xml::{Array, PolyData};
 use crate::{FileFormat, SourceLabel, json_line, no_coordinates};
 
@@ -49,6 +49,23 @@ impl DiagramFile<'_> {
         let weights = self.refined.in_parent(face, weights);
         (self.refined.parent(face), weights)
     }
+
+    /// The borders between cells as polylines, with the cells on both sides in formats of VTK.
+    ///
+    /// # Errors
+    ///
+    /// When the mesh has no coordinates.
+    pub fn borders(&self, format: LineFormat) -> anyhow::Result<Vec<u8>> {
+        let arcs = || self.diagram.arcs().iter();
+        let side =
+            |name, side: usize| Array::ints(name, arcs().map(|arc| cell_number(arc.sources[side])));
+        let lines = Polylines {
+            title: self.title("borders between the cells"),
+            lines: polylines(self.diagram).ok_or_else(|| no_coordinates(self.model))?,
+            scalars: vec![side("left", 0), side("right", 1)],
+        };
+        Ok(lines.render(format))
+    }
 }
 
 /// A file format for diagrams.
@@ -56,16 +73,14 @@ impl DiagramFile<'_> {
 pub enum DiagramFormat {
     /// Cells, vertices and arcs.
     Json,
-    /// The borders between cells as polylines.
-    Obj,
     /// The mesh coloured by cell, with faces cut along the borders. The vertex property `quality`
     /// is the number of the cell, -1 where no path leads.
     Ply,
     /// The same surface (XML `PolyData` of VTK), with the number of the cell of each face in the
     /// array `cell`.
     Vtp,
-    /// The borders as segments (legacy VTK), with the cells on both sides.
-    Vtk,
+    /// The borders as polylines.
+    Borders(LineFormat),
     /// A picture of the model coloured by cell, with borders and sources.
     Svg,
     /// The same picture as pixels.
@@ -76,10 +91,10 @@ impl FileFormat for DiagramFormat {
     const CONTENT: &'static str = "Voronoi diagrams";
     const ENDINGS: &'static [(&'static str, Self)] = &[
         ("json", Self::Json),
-        ("obj", Self::Obj),
+        ("obj", Self::Borders(LineFormat::Obj)),
         ("ply", Self::Ply),
         ("vtp", Self::Vtp),
-        ("vtk", Self::Vtk),
+        ("vtk", Self::Borders(LineFormat::Vtk)),
         ("svg", Self::Svg),
         ("png", Self::Png),
     ];
@@ -98,57 +113,10 @@ impl DiagramFormat {
     pub fn render(self, file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
         Ok(match self {
             Self::Json => json(file)?,
-            Self::Obj => BorderFormat::Obj.render(file)?,
             Self::Ply => CutSurface::of(file)?.ply(&file.title("cells"))?,
             Self::Vtp => CutSurface::of(file)?.vtp(&file.title("cells")),
-            Self::Vtk | Self::Svg | Self::Png => BorderFormat::Vtk.render(file)?,
-        })
-    }
-}
-
-/// A file format for the borders between cells, as polylines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BorderFormat {
-    /// Wavefront OBJ: a line for each arc.
-    Obj,
-    /// PLY (text): vertices and edges.
-    Ply,
-    /// XML `PolyData` of VTK: a line for each arc, with the cells on both sides.
-    Vtp,
-    /// Legacy VTK (text): segments, with the number of their arc and the cells on both sides.
-    Vtk,
-}
-
-impl FileFormat for BorderFormat {
-    const CONTENT: &'static str = "borders";
-    const ENDINGS: &'static [(&'static str, Self)] = &[
-        ("obj", Self::Obj),
-        ("ply", Self::Ply),
-        ("vtp", Self::Vtp),
-        ("vtk", Self::Vtk),
-    ];
-}
-
-impl BorderFormat {
-    /// The contents of a file in this format.
-    ///
-    /// # Errors
-    ///
-    /// When the mesh has no coordinates.
-    pub fn render(self, file: &DiagramFile<'_>) -> anyhow::Result<Vec<u8>> {
-        let arcs = || file.diagram.arcs().iter();
-        let side =
-            |name, side: usize| Array::ints(name, arcs().map(|arc| cell_number(arc.sources[side])));
-        let lines = Polylines {
-            title: file.title("borders between the cells"),
-            lines: polylines(file.diagram).ok_or_else(|| no_coordinates(file.model))?,
-            scalars: vec![side("left", 0), side("right", 1)],
-        };
-        Ok(match self {
-            Self::Obj => lines.obj().into_bytes(),
-            Self::Ply => lines.ply().into_bytes(),
-            Self::Vtp => lines.vtp(),
-            Self::Vtk => lines.vtk().into_bytes(),
+            Self::Borders(format) => file.borders(format)?,
+            Self::Svg | Self::Png => file.borders(LineFormat::Vtk)?,
         })
     }
 }

@@ -7,7 +7,7 @@ use geobench_mesh::{Mesh, vector};
 use geobench_window::{FrontWindow, WavefrontMoment};
 use serde::Serialize;
 
-use crate::polylines::Polylines;
+use crate::polylines::{LineFormat, Polylines};
 use crate::vtk_xml::Array;
 use crate::{FileFormat, SourceLabel, json_line, no_coordinates};
 
@@ -84,14 +84,8 @@ impl RunWavefront<'_> {
 pub enum IsolineFormat {
     /// Arcs of circles, in the planes of their faces.
     Json,
-    /// Wavefront OBJ: polylines.
-    Obj,
-    /// PLY (text): vertices and edges.
-    Ply,
-    /// XML `PolyData` of VTK: lines, with the distance of each.
-    Vtp,
-    /// Legacy VTK (text): segments, with the number of their line and its distance.
-    Vtk,
+    /// Polylines, with the distance of each in formats of VTK.
+    Lines(LineFormat),
     /// A picture of the model with the isolines.
     Svg,
     /// The same picture as pixels.
@@ -102,10 +96,10 @@ impl FileFormat for IsolineFormat {
     const CONTENT: &'static str = "isolines";
     const ENDINGS: &'static [(&'static str, Self)] = &[
         ("json", Self::Json),
-        ("obj", Self::Obj),
-        ("ply", Self::Ply),
-        ("vtp", Self::Vtp),
-        ("vtk", Self::Vtk),
+        ("obj", Self::Lines(LineFormat::Obj)),
+        ("ply", Self::Lines(LineFormat::Ply)),
+        ("vtp", Self::Lines(LineFormat::Vtp)),
+        ("vtk", Self::Lines(LineFormat::Vtk)),
         ("svg", Self::Svg),
         ("png", Self::Png),
     ];
@@ -124,10 +118,8 @@ impl IsolineFormat {
         }
         Ok(match self {
             Self::Json => json(set)?,
-            Self::Obj => set.polylines().obj().into_bytes(),
-            Self::Ply => set.polylines().ply().into_bytes(),
-            Self::Vtp => set.polylines().vtp(),
-            Self::Vtk | Self::Svg | Self::Png => set.polylines().vtk().into_bytes(),
+            Self::Lines(format) => set.polylines().render(format),
+            Self::Svg | Self::Png => set.polylines().render(LineFormat::Vtk),
         })
     }
 }

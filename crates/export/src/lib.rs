@@ -24,3 +24,4 @@ pub use format::{
     set_standard_output_form,
 };
 pub use label::SourceLabel;
+pub use polylines::LineFormat;

@@ -7,7 +7,7 @@ use geobench_paths::{Path, Point};
 use serde::Serialize;
 
 use crate::distances::csv_word;
-use crate::polylines::Polylines;
+use crate::polylines::{LineFormat, Polylines};
 use crate::vtk_xml::Array;
 use crate::{FileFormat, SourceLabel, json_line, no_coordinates};
 
@@ -40,14 +40,8 @@ pub enum PathFormat {
     Csv,
     /// Points with faces and barycentric coordinates, and the edges crossed.
     Json,
-    /// Wavefront OBJ: polylines.
-    Obj,
-    /// PLY (text): vertices and edges.
-    Ply,
-    /// XML `PolyData` of VTK: lines, with the length of each.
-    Vtp,
-    /// Legacy VTK (text): segments, with the number of their line and its length.
-    Vtk,
+    /// Polylines, with the length of each in formats of VTK.
+    Lines(LineFormat),
     /// A picture of the model with the paths.
     Svg,
     /// The same picture as pixels.
@@ -59,10 +53,10 @@ impl FileFormat for PathFormat {
     const ENDINGS: &'static [(&'static str, Self)] = &[
         ("csv", Self::Csv),
         ("json", Self::Json),
-        ("obj", Self::Obj),
-        ("ply", Self::Ply),
-        ("vtp", Self::Vtp),
-        ("vtk", Self::Vtk),
+        ("obj", Self::Lines(LineFormat::Obj)),
+        ("ply", Self::Lines(LineFormat::Ply)),
+        ("vtp", Self::Lines(LineFormat::Vtp)),
+        ("vtk", Self::Lines(LineFormat::Vtk)),
         ("svg", Self::Svg),
         ("png", Self::Png),
     ];
@@ -82,10 +76,8 @@ impl PathFormat {
         Ok(match self {
             Self::Csv => csv(set).into_bytes(),
             Self::Json => json(set)?,
-            Self::Obj => set.polylines().obj().into_bytes(),
-            Self::Ply => set.polylines().ply().into_bytes(),
-            Self::Vtp => set.polylines().vtp(),
-            Self::Vtk | Self::Svg | Self::Png => set.polylines().vtk().into_bytes(),
+            Self::Lines(format) => set.polylines().render(format),
+            Self::Svg | Self::Png => set.polylines().render(LineFormat::Vtk),
         })
     }
 }

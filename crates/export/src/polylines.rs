@@ -2,7 +2,31 @@
 
 use std::fmt::Write;
 
+use crate::FileFormat;
 use crate::vtk_xml::{Array, ArrayValues, CellKind, PolyData, vtk_title};
+
+/// A file format for polylines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineFormat {
+    /// Wavefront OBJ: segments.
+    Obj,
+    /// PLY (text): vertices and edges.
+    Ply,
+    /// XML `PolyData` of VTK: lines, with their numbers and values.
+    Vtp,
+    /// Legacy VTK (text): segments, with the numbers and values of their lines.
+    Vtk,
+}
+
+impl FileFormat for LineFormat {
+    const CONTENT: &'static str = "lines";
+    const ENDINGS: &'static [(&'static str, Self)] = &[
+        ("obj", Self::Obj),
+        ("ply", Self::Ply),
+        ("vtp", Self::Vtp),
+        ("vtk", Self::Vtk),
+    ];
+}
 
 /// Polylines with scalars.
 #[derive(Clone, Debug, Default)]
@@ -16,6 +40,16 @@ pub(crate) struct Polylines {
 }
 
 impl Polylines {
+    /// The contents of a file in this format.
+    pub(crate) fn render(&self, format: LineFormat) -> Vec<u8> {
+        match format {
+            LineFormat::Obj => self.obj().into_bytes(),
+            LineFormat::Ply => self.ply().into_bytes(),
+            LineFormat::Vtp => self.vtp(),
+            LineFormat::Vtk => self.vtk().into_bytes(),
+        }
+    }
+
     fn title(&self) -> String {
         vtk_title(&self.title)
     }
@@ -38,7 +72,7 @@ impl Polylines {
 
     /// Wavefront OBJ. Each segment is an element: `MeshLab` reads only the first segment of a
     /// longer one.
-    pub(crate) fn obj(&self) -> String {
+    fn obj(&self) -> String {
         let mut text = match self.title() {
             title if title.is_empty() => title,
             title => format!("# {title}\n"),
@@ -53,7 +87,7 @@ impl Polylines {
     }
 
     /// PLY (text): vertices and edges.
-    pub(crate) fn ply(&self) -> String {
+    fn ply(&self) -> String {
         let mut text = format!(
             "ply\nformat ascii 1.0\ncomment {}\nelement vertex {}\nproperty double x\n\
              property double y\nproperty double z\nelement edge {}\nproperty int vertex1\n\
@@ -73,7 +107,7 @@ impl Polylines {
 
     /// Legacy VTK (text): an unstructured grid of segments, because some readers know no polylines
     /// and no other kinds of data. Each has the number of its line and the scalars of it.
-    pub(crate) fn vtk(&self) -> String {
+    fn vtk(&self) -> String {
         let (points, segments) = (self.points(), self.segments().count());
         let mut text = format!(
             "# vtk DataFile Version 3.0\n{}\nASCII\nDATASET UNSTRUCTURED_GRID\n\
@@ -111,7 +145,7 @@ impl Polylines {
     }
 
     /// XML `PolyData` of VTK: polylines with their scalars.
-    pub(crate) fn vtp(&self) -> Vec<u8> {
+    fn vtp(&self) -> Vec<u8> {
         let points = self.lines.concat();
         let lengths = self.lines.iter().map(|line| line.len() as u32);
         let offsets = lengths.scan(0, |end, length| {

@@ -8,10 +8,10 @@ use std::time::Instant;
 
 use anyhow::{Context, anyhow};
 use clap::Args;
-use geobench_export::diagrams::{self, BorderFormat, DiagramFile, DiagramFormat, LabelFormat};
+use geobench_export::diagrams::{self, DiagramFile, DiagramFormat, LabelFormat};
 use geobench_export::output::{OutputFile, check_files, prepare_one};
 use geobench_export::picture::{Paint, Scene, View};
-use geobench_export::{FileFormat, no_coordinates};
+use geobench_export::{FileFormat, LineFormat, no_coordinates};
 use geobench_harness::measure::number::counted;
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::io as mesh_io;
@@ -84,7 +84,7 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
     let (format, output) = prepare_one::<DiagramFormat>(&options.output)?;
     let view = options.view.of(format.is_picture())?;
     let borders = options.borders.as_deref();
-    let borders = borders.map(prepare_one::<BorderFormat>).transpose()?;
+    let borders = borders.map(prepare_one::<LineFormat>).transpose()?;
     let labels = options.labels.as_deref();
     let labels = labels.map(prepare_one::<LabelFormat>).transpose()?;
     let dual_file = match &options.dual {
@@ -148,7 +148,7 @@ pub(crate) fn voronoi(options: &VoronoiOptions) -> anyhow::Result<Verdict> {
         Ok(())
     }));
     if let Some((format, output)) = borders {
-        note(format.render(&file).and_then(|text| output.write(&text)));
+        note(file.borders(format).and_then(|text| output.write(&text)));
     }
     if let Some((format, output)) = labels {
         note(output.write(&format.render(&file)));

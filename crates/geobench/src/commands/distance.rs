@@ -96,21 +96,14 @@ const THREADS_HELP: &str = "Threads that read the model, set up the solver and w
     [default: 1]";
 
 pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
-    let form = if options.matrix {
-        DistanceOutput::Matrix(MatrixFormat::of_path(&options.output)?)
-    } else {
-        DistanceOutput::Field(FieldFormat::of_path(&options.output)?)
-    };
-    if options.each && !options.matrix && options.output == Path::new("-") {
-        bail!("--each writes a file for each source: name one, or add --matrix for a single table");
-    }
+    let form = DistanceOutput::of(options)?;
     let output = OutputFile::prepare(&options.output)?;
     let model = options.reading.model(&options.model)?;
-    let read = model.source_file().into_iter();
-    let read = read.chain(options.sources.file());
-    let read = read.chain(options.goal.target.file());
-    let read = read.chain(options.curves.files());
-    let read: Vec<&Path> = read.chain(options.pairs.pairs.as_deref()).collect();
+    let read: Vec<&Path> = model
+        .source_file()
+        .into_iter()
+        .chain(options.files())
+        .collect();
     // With `--each` the output only names the files of the sources.
     if options.matrix || !options.each {
         check_files([&output], &read)?;
@@ -119,15 +112,6 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     let sources = options.sources.all()?;
     let targets = far.targets(&options.goal.target)?;
     let pairs = options.pairs.read(far)?;
-    if let DistanceOutput::Field(format) = &form
-        && format.is_mesh()
-        && (targets.is_some() || pairs.is_some())
-    {
-        bail!(
-            "{}: a mesh has distances of all vertices; for those of targets use .csv, .json or .npy",
-            options.output.display()
-        );
-    }
     let threads = Threads::start(options.threads.number())?;
     let mesh = threads.run(|| options.reading.mesh(&model, options.quiet.is_set))?;
     let curves = options.curves.on(&mesh, far, options.quiet.is_set)?;
@@ -143,14 +127,7 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         }
     }
     let is_quiet = options.quiet.is_set || options.output == Path::new("-");
-    let algorithm = match options.algorithm.algo.clone() {
-        Some(algorithm) => algorithm,
-        None if curves.is_empty() => registry::usual(&mesh),
-        None => registry::select_one(OF_CURVES)?,
-    };
-    if !curves.is_empty() {
-        registry::check_curves(&algorithm).with_context(|| options.curves.option())?;
-    }
+    let algorithm = options.algorithm_on(&mesh, !curves.is_empty())?;
     let tasks = if options.each {
         points.sources.len()
     } else {
@@ -185,6 +162,33 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
+impl DistanceOptions {
+    /// The files that the command reads beside the model.
+    fn files(&self) -> impl Iterator<Item = &Path> {
+        let files = self.sources.file().into_iter();
+        let files = files.chain(self.goal.target.file());
+        let files = files.chain(self.curves.files());
+        files.chain(self.pairs.pairs.as_deref())
+    }
+
+    /// The algorithm on `mesh`.
+    ///
+    /// # Errors
+    ///
+    /// If there are curves, which it does not take as sources.
+    fn algorithm_on(&self, mesh: &Mesh, has_curves: bool) -> anyhow::Result<Selection> {
+        let algorithm = match self.algorithm.algo.clone() {
+            Some(algorithm) => algorithm,
+            None if has_curves => registry::select_one(OF_CURVES)?,
+            None => registry::usual(mesh),
+        };
+        if has_curves {
+            registry::check_curves(&algorithm).with_context(|| self.curves.option())?;
+        }
+        Ok(algorithm)
+    }
+}
+
 /// Maximum size in bytes of the rows of a matrix that are in memory, unless a single row is larger.
 const MOST_ROWS_BYTES: usize = 64 << 20;
 
@@ -195,6 +199,36 @@ const NUMBER_BYTES: usize = 20;
 enum DistanceOutput {
     Field(FieldFormat),
     Matrix(MatrixFormat),
+}
+
+impl DistanceOutput {
+    /// The output that `options` ask for.
+    ///
+    /// # Errors
+    ///
+    /// If the file has no known format, is standard output for several files, or a mesh for the
+    /// distances of targets.
+    fn of(options: &DistanceOptions) -> anyhow::Result<Self> {
+        if options.matrix {
+            return Ok(Self::Matrix(MatrixFormat::of_path(&options.output)?));
+        }
+        let format = FieldFormat::of_path(&options.output)?;
+        if options.each && options.output == Path::new("-") {
+            bail!(
+                "--each writes a file for each source: name one, or add --matrix for a single table"
+            );
+        }
+        let goal = &options.goal.target;
+        let has_targets = goal.target.is_some() || goal.file().is_some();
+        if format.is_mesh() && (has_targets || options.pairs.pairs.is_some()) {
+            bail!(
+                "{}: a mesh has distances of all vertices; for those of targets use .csv, .json or \
+                 .npy",
+                options.output.display()
+            );
+        }
+        Ok(Self::Field(format))
+    }
 }
 
 /// One distance field and its file.

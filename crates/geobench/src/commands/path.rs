@@ -1,22 +1,22 @@
 //! `geobench path`.
 
-use clap::Args;
-use geobench_harness::exec::source::PointSpec;
-use geobench_harness::measure::number::counted;
-use geobench_harness::plan::suite::options::{NotNegative, TargetOption};
-use geobench_registry as registry;
 use std::fmt::Write;
-use std::path::Path as FilePath;
-use std::path::PathBuf;
+use std::path::{Path as FilePath, PathBuf};
 
 use anyhow::{Context, bail};
+use clap::Args;
 use geobench_export::FileFormat;
 use geobench_export::output::{check_files, prepare_one};
 use geobench_export::paths::{FoundPath, PathFormat, PathSet};
-use geobench_export::picture::Scene;
+use geobench_export::picture::{Scene, View};
+use geobench_harness::exec::model::ModelRef;
+use geobench_harness::exec::source::PointSpec;
+use geobench_harness::measure::number::counted;
+use geobench_harness::plan::suite::options::{NotNegative, TargetOption};
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::{Mesh, VertexId};
 use geobench_paths::{Path, PathPlace, Paths, Point, Through, line};
+use geobench_registry::{self as registry, Selection};
 use geobench_window::{Goal, Solver, precision};
 
 use crate::args::{AlgorithmOption, MODELS_HELP, QuietOption, ViewOption};
@@ -143,68 +143,26 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     if !options.quiet.is_set {
         points.tell(mesh, false);
     }
-    let refined = &points.refined.mesh;
     let algorithm = options.algorithm.algo.clone();
-    let algorithm = algorithm.unwrap_or_else(|| registry::usual(mesh));
-    let build = || algorithm.build(refined);
-    let mut solver: Option<Box<dyn Solver>> = None;
-    let line = options.direction.zip(options.length);
-    let (paths, method) = if let Some((direction, length)) = line {
-        let paths = straightest(mesh, &points, direction, length.0);
-        (paths.with_context(|| model.path.clone())?, "straightest")
-    } else if options.through {
-        let [(source, _)] = &points.sources[..] else {
-            let count = counted(points.sources.len(), "source");
-            bail!("--through: a path starts at one source, not at {count}");
-        };
-        let through = Through {
-            closed: options.closed,
-            shorten: options.shorten,
-        };
-        let solver = &mut **solver.get_or_insert_with(build);
-        let paths = one_through(solver, &points, source, through, &model.name);
-        let paths = paths.with_context(|| algorithm.label().to_owned())?;
-        let method = if options.shorten {
-            "locally shortest"
-        } else {
-            algorithm.label()
-        };
-        (paths, method)
-    } else {
-        let solver = &mut **solver.get_or_insert_with(build);
-        let paths = shortest(solver, mesh, &points, &model.name, output.is_some());
-        let paths = paths.with_context(|| algorithm.label().to_owned())?;
-        (paths, algorithm.label())
+    let mut command = PathCommand {
+        options,
+        model: &model,
+        mesh,
+        points: &points,
+        algorithm: algorithm.unwrap_or_else(|| registry::usual(mesh)),
+        solver: None,
     };
+    let paths = command.paths(output.is_some())?;
     if let Some((format, output)) = output {
-        let set = PathSet {
-            model: &model.name,
-            algorithm: method,
-            mesh,
-            paths: &paths.found,
-        };
         let contents = if format.is_picture() {
-            // The colours of the picture need the distances of all vertices.
-            let solver = solver.get_or_insert_with(build);
-            let distances = solver.solve(&points.source_vertices())?.distances;
-            let lines = paths.found.iter().filter_map(|found| found.path.as_ref());
-            let lines: Vec<_> = lines.map(|(_, path)| path.polyline(mesh)).collect();
-            let scene = Scene {
-                sources: &points.positions(mesh),
-                paths: &lines,
-                view,
-                ..Scene::new(mesh, &distances)
-            };
-            let title = if options.direction.is_some() {
-                "Straightest lines"
-            } else if options.shorten {
-                "Locally shortest path"
-            } else {
-                "Shortest paths"
-            };
-            scene.draw(format == PathFormat::Png, &model.name, title)?
+            command.picture(&paths.found, format == PathFormat::Png, view)?
         } else {
-            format.render(&set)?
+            format.render(&PathSet {
+                model: &model.name,
+                algorithm: command.method(),
+                mesh,
+                paths: &paths.found,
+            })?
         };
         output.write(&contents)?;
     }
@@ -214,6 +172,18 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     Ok(paths.verdict)
 }
 
+/// Data shared by the steps of the command.
+struct PathCommand<'a> {
+    options: &'a PathOptions,
+    model: &'a ModelRef,
+    /// The mesh of the model.
+    mesh: &'a Mesh,
+    points: &'a LocatedPoints,
+    algorithm: Selection,
+    /// On the refined mesh, set up when it is first needed.
+    solver: Option<Box<dyn Solver>>,
+}
+
 /// The paths of a command.
 struct CommandPaths {
     found: Vec<FoundPath>,
@@ -221,96 +191,158 @@ struct CommandPaths {
     verdict: Verdict,
 }
 
-/// The shortest paths to all targets. Those that are neither written, which `keeps_all` says, nor
-/// listed are counted only: paths to all vertices may take gigabytes.
-fn shortest(
-    solver: &mut dyn Solver,
-    mesh: &Mesh,
-    points: &LocatedPoints,
-    model: &str,
-    keeps_all: bool,
-) -> anyhow::Result<CommandPaths> {
-    let refined = &points.refined.mesh;
-    let targets: Vec<(SourceLabel, VertexId)> = match &points.targets {
-        None => {
-            let label = |v: VertexId| (SourceLabel::Vertex(v.raw()), v);
-            mesh.vertices().map(label).collect()
-        }
-        Some((labels, vertices)) => {
-            let vertices = vertices.iter().copied();
-            labels.iter().cloned().zip(vertices).collect()
-        }
-    };
-    let goal = match points.target_vertices() {
-        Some(targets) => Goal::targets(targets.iter().copied()),
-        None => Goal::everything(),
-    };
-    let paths = Paths::find(solver, refined, &points.source_vertices(), &goal)?;
-    if let Some(doubt) = precision::doubt(refined, paths.distances()) {
-        terminal::warning(&format!("{model}: {doubt}"));
+impl PathCommand<'_> {
+    fn solver(&mut self) -> &mut dyn Solver {
+        let refined = &self.points.refined.mesh;
+        let solver = &mut self.solver;
+        &mut **solver.get_or_insert_with(|| self.algorithm.build(refined))
     }
-    let mut all = CommandPaths {
-        found: Vec::new(),
-        totals: Totals::default(),
-        verdict: Verdict::Passed,
-    };
-    let keeps_all = keeps_all || targets.len() <= LINES;
-    for (target, vertex) in targets {
-        match paths.to(vertex) {
-            Ok(path) => {
-                if path.is_none() {
+
+    /// The paths that the options ask for, all of them if `keeps_all`.
+    fn paths(&mut self, keeps_all: bool) -> anyhow::Result<CommandPaths> {
+        let (options, points) = (self.options, self.points);
+        if let Some((direction, length)) = options.direction.zip(options.length) {
+            let lines = straightest(self.mesh, points, direction, length.0);
+            return lines.with_context(|| self.model.path.clone());
+        }
+        let paths = if options.through {
+            let [(source, _)] = &points.sources[..] else {
+                let count = counted(points.sources.len(), "source");
+                bail!("--through: a path starts at one source, not at {count}");
+            };
+            self.one_through(source)
+        } else {
+            self.shortest(keeps_all)
+        };
+        paths.with_context(|| self.algorithm.label().to_owned())
+    }
+
+    /// How the paths are found, for files.
+    fn method(&self) -> &str {
+        if self.options.direction.is_some() {
+            "straightest"
+        } else if self.options.shorten {
+            "locally shortest"
+        } else {
+            self.algorithm.label()
+        }
+    }
+
+    /// The model with the paths, in the colours of the distances of all vertices, as PNG or SVG.
+    fn picture(
+        &mut self,
+        paths: &[FoundPath],
+        png: bool,
+        view: Option<View>,
+    ) -> anyhow::Result<Vec<u8>> {
+        let (mesh, points) = (self.mesh, self.points);
+        let distances = self.solver().solve(&points.source_vertices())?.distances;
+        let lines = paths.iter().filter_map(|found| found.path.as_ref());
+        let lines: Vec<_> = lines.map(|(_, path)| path.polyline(mesh)).collect();
+        let scene = Scene {
+            sources: &points.positions(mesh),
+            paths: &lines,
+            view,
+            ..Scene::new(mesh, &distances)
+        };
+        let title = if self.options.direction.is_some() {
+            "Straightest lines"
+        } else if self.options.shorten {
+            "Locally shortest path"
+        } else {
+            "Shortest paths"
+        };
+        scene.draw(png, &self.model.name, title)
+    }
+
+    /// Warns of distances that are in doubt.
+    fn warn_of_doubt(&self, paths: &Paths) {
+        if let Some(doubt) = precision::doubt(&self.points.refined.mesh, paths.distances()) {
+            terminal::warning(&format!("{}: {doubt}", self.model.name));
+        }
+    }
+
+    /// The shortest paths to all targets. Those that are neither written, which `keeps_all` says,
+    /// nor listed are counted only: paths to all vertices may take gigabytes.
+    fn shortest(&mut self, keeps_all: bool) -> anyhow::Result<CommandPaths> {
+        let (mesh, points) = (self.mesh, self.points);
+        let targets: Vec<(SourceLabel, VertexId)> = match &points.targets {
+            None => {
+                let label = |v: VertexId| (SourceLabel::Vertex(v.raw()), v);
+                mesh.vertices().map(label).collect()
+            }
+            Some((labels, vertices)) => {
+                let vertices = vertices.iter().copied();
+                labels.iter().cloned().zip(vertices).collect()
+            }
+        };
+        let goal = match points.target_vertices() {
+            Some(targets) => Goal::targets(targets.iter().copied()),
+            None => Goal::everything(),
+        };
+        let (refined, sources) = (&points.refined.mesh, points.source_vertices());
+        let paths = Paths::find(self.solver(), refined, &sources, &goal)?;
+        self.warn_of_doubt(&paths);
+        let mut all = CommandPaths {
+            found: Vec::new(),
+            totals: Totals::default(),
+            verdict: Verdict::Passed,
+        };
+        let keeps_all = keeps_all || targets.len() <= LINES;
+        for (target, vertex) in targets {
+            match paths.to(vertex) {
+                Ok(path) => {
+                    if path.is_none() {
+                        all.verdict = Verdict::Failed;
+                    }
+                    let path = path.map(|path| points.told(mesh, path));
+                    all.totals.add(&target, path.as_ref());
+                    if keeps_all {
+                        all.found.push(FoundPath { target, path });
+                    }
+                }
+                Err(lost) => {
+                    terminal::warning(&format!("{}: {lost}", self.model.name));
                     all.verdict = Verdict::Failed;
                 }
-                let path = path.map(|path| points.told(mesh, path));
-                all.totals.add(&target, path.as_ref());
-                if keeps_all {
-                    all.found.push(FoundPath { target, path });
-                }
-            }
-            Err(lost) => {
-                terminal::warning(&format!("{model}: {lost}"));
-                all.verdict = Verdict::Failed;
             }
         }
+        Ok(all)
     }
-    Ok(all)
-}
 
-/// The path from the only source through all targets.
-fn one_through(
-    solver: &mut dyn Solver,
-    points: &LocatedPoints,
-    source: &SourceLabel,
-    through: Through,
-    model: &str,
-) -> anyhow::Result<CommandPaths> {
-    let refined = &points.refined;
-    let path = through.path(refined, &refined.vertices, |[from, to]| {
-        let paths = Paths::find(solver, &refined.mesh, from, &Goal::targets([to]))?;
-        if let Some(doubt) = precision::doubt(&refined.mesh, paths.distances()) {
-            terminal::warning(&format!("{model}: {doubt}"));
+    /// The path from the only source through all targets.
+    fn one_through(&mut self, source: &SourceLabel) -> anyhow::Result<CommandPaths> {
+        let through = Through {
+            closed: self.options.closed,
+            shorten: self.options.shorten,
+        };
+        let points = self.points;
+        let refined = &points.refined;
+        let path = through.path(refined, &refined.vertices, |[from, to]| {
+            let paths = Paths::find(self.solver(), &refined.mesh, from, &Goal::targets([to]))?;
+            self.warn_of_doubt(&paths);
+            anyhow::Ok(paths.to(to)?)
+        })?;
+        if through.shorten && path.as_ref().is_some_and(|path| path.length == 0.0) {
+            terminal::notes(&["the path contracts to a point".to_owned()]);
         }
-        anyhow::Ok(paths.to(to)?)
-    })?;
-    if through.shorten && path.as_ref().is_some_and(|path| path.length == 0.0) {
-        terminal::notes(&["the path contracts to a point".to_owned()]);
+        let last = points.labels().and_then(<[SourceLabel]>::last);
+        let target = last.filter(|_| !through.closed).unwrap_or(source).clone();
+        let path = path.map(|path| (source.clone(), path));
+        let mut totals = Totals::default();
+        totals.add(&target, path.as_ref());
+        let verdict = if path.is_some() {
+            Verdict::Passed
+        } else {
+            Verdict::Failed
+        };
+        let found = vec![FoundPath { target, path }];
+        Ok(CommandPaths {
+            found,
+            totals,
+            verdict,
+        })
     }
-    let last = points.labels().and_then(<[SourceLabel]>::last);
-    let target = last.filter(|_| !through.closed).unwrap_or(source).clone();
-    let path = path.map(|path| (source.clone(), path));
-    let mut totals = Totals::default();
-    totals.add(&target, path.as_ref());
-    let verdict = if path.is_some() {
-        Verdict::Passed
-    } else {
-        Verdict::Failed
-    };
-    let found = vec![FoundPath { target, path }];
-    Ok(CommandPaths {
-        found,
-        totals,
-        verdict,
-    })
 }
 
 /// The straightest line from each source. The target is its end.

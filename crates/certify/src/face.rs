@@ -469,33 +469,10 @@ impl SidePair<'_> {
             .get_or_insert_with(|| self.transform.straight(&exact_piece.distance));
         // Rounding is harmless here: `close` only decides when a bound is good enough.
         let close = CLOSE * other.at_ends()[0];
-        // The straight distance is a lower bound of all paths from the piece. So how much `other`
-        // is above it bounds the violation.
-        let at = |t: Ball| (exact_other.distance.at(t) - straight.at(t)).upper();
-        let width = other.to - other.from;
-        let simple = if other.distance.peak(&from.straight) <= self.margin {
-            peak(&exact_other.distance, &straight)
-        } else {
-            // The chord of `other` minus a tangent of the straight distance bounds the difference,
-            // and equals it at the point of tangency. If the bound is clearly negative at the other
-            // end, the difference at the point of tangency is the greatest one that matters.
-            let [first, last] = other.at_ends();
-            let [value, slope] = from.straight.tangent(other.from);
-            if last - (value + slope * width) <= -self.margin {
-                at(exact_other.from)
-            } else {
-                let [value, slope] = from.straight.tangent(other.to);
-                if first - (value - slope * width) <= -self.margin {
-                    at(exact_other.to)
-                } else {
-                    f64::INFINITY
-                }
-            }
-        };
+        let simple = self.above_straight(other, &from.straight, &exact_other, &straight);
         if simple <= greater(close, self.excess) {
             return greater(simple, 0.0);
         }
-        let pieces = &self.sides[0].pieces;
         let begin = from.reaches.bounds(1);
         let mut most = 0.0_f64;
         let mut range = [f64::NEG_INFINITY, f64::INFINITY];
@@ -516,19 +493,7 @@ impl SidePair<'_> {
             if is_beyond {
                 continue;
             }
-            let border = from.borders[usize::from(!at_end)].get_or_insert_with(|| {
-                let [left, right] = if at_end {
-                    [Some(from.piece), pieces.get(from.index + 1)]
-                } else {
-                    [
-                        from.index.checked_sub(1).map(|i| &pieces[i]),
-                        Some(from.piece),
-                    ]
-                };
-                let bends = !is_concave(left, right, self.margin);
-                self.transform
-                    .border(&exact_piece, &straight, at_end, bends)
-            });
+            let border = self.border(from, at_end, &exact_piece, &straight);
             let (k, beyond) = if at_end {
                 range[0] = border.at;
                 (0, [f64::NEG_INFINITY, border.at])
@@ -550,6 +515,59 @@ impl SidePair<'_> {
         } else {
             most
         }
+    }
+
+    /// An upper bound of how much `other`, exactly `exact_other`, is above the straight distance
+    /// from a piece, exactly `straight`. That is a lower bound of all paths from the piece, so the
+    /// result bounds the violation. Infinite if no bound is found in a few steps.
+    fn above_straight(
+        &self,
+        other: &SidePiece,
+        rounded: &RoundedDistance,
+        exact_other: &ExactPiece,
+        straight: &Distance,
+    ) -> f64 {
+        if other.distance.peak(rounded) <= self.margin {
+            return peak(&exact_other.distance, straight);
+        }
+        let at = |t: Ball| (exact_other.distance.at(t) - straight.at(t)).upper();
+        // The chord of `other` minus a tangent of the straight distance bounds the difference, and
+        // equals it at the point of tangency. If the bound is clearly negative at the other end,
+        // the difference at the point of tangency is the greatest one that matters.
+        let width = other.to - other.from;
+        let [first, last] = other.at_ends();
+        let [value, slope] = rounded.tangent(other.from);
+        if last - (value + slope * width) <= -self.margin {
+            return at(exact_other.from);
+        }
+        let [value, slope] = rounded.tangent(other.to);
+        if first - (value - slope * width) <= -self.margin {
+            return at(exact_other.to);
+        }
+        f64::INFINITY
+    }
+
+    /// Where the straight paths from a piece end, and the bent ones there; kept in `from`.
+    fn border(
+        &self,
+        from: &mut FromPiece<'_>,
+        at_end: bool,
+        piece: &ExactPiece,
+        straight: &Distance,
+    ) -> Border {
+        let pieces = &self.sides[0].pieces;
+        *from.borders[usize::from(!at_end)].get_or_insert_with(|| {
+            let [left, right] = if at_end {
+                [Some(from.piece), pieces.get(from.index + 1)]
+            } else {
+                [
+                    from.index.checked_sub(1).map(|i| &pieces[i]),
+                    Some(from.piece),
+                ]
+            };
+            let bends = !is_concave(left, right, self.margin);
+            self.transform.border(piece, straight, at_end, bends)
+        })
     }
 
     /// Whether a piece is certainly nowhere above the bent paths. `difference` is how much it is

@@ -162,7 +162,7 @@ impl DistanceField {
         let with_target = self.refined.mesh.with_points(&[target])?;
         let mut distances = self.distances.clone();
         distances.resize(with_target.mesh.vertex_count(), distance);
-        let paths = Paths::of_distances(&with_target.mesh, distances);
+        let paths = Paths::of_distances(&with_target.mesh, distances)?;
         let path = paths.to(with_target.vertices[0])?;
         Ok(path.map(|path| {
             let path = path.of_original(&with_target);

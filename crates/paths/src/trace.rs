@@ -64,6 +64,17 @@ pub enum TraceError {
         /// Number of vertices of the mesh.
         vertices: usize,
     },
+    /// The number of distances differs from the number of vertices.
+    #[error("{distances} distances for {vertices} vertices; give one for each")]
+    DistanceCount {
+        /// Number of distances.
+        distances: usize,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// A distance is negative or not a number.
+    #[error("the distance of vertex {0} is negative or not a number")]
+    NoDistance(VertexId),
     /// No straight line continues the path. This is a defect of the program.
     #[error("no straight line continues the path to vertex {target}; please report the mesh")]
     Lost {
@@ -155,13 +166,29 @@ impl Paths {
     /// The shortest paths of a field with these exact `distances` of all vertices of `mesh`,
     /// without the origins that a solver records: every path is found by a search from its end,
     /// which takes longer.
-    pub fn of_distances(mesh: &Mesh, distances: Vec<f64>) -> Self {
-        Self {
+    ///
+    /// # Errors
+    ///
+    /// [`TraceError::DistanceCount`] or [`TraceError::NoDistance`] if they cannot be distances.
+    pub fn of_distances(mesh: &Mesh, distances: Vec<f64>) -> Result<Self, TraceError> {
+        let vertices = mesh.vertex_count();
+        if distances.len() != vertices {
+            let distances = distances.len();
+            return Err(TraceError::DistanceCount {
+                distances,
+                vertices,
+            });
+        }
+        // A search for a path to a distance that is not a number would never end.
+        if let Some(v) = distances.iter().position(|d| d.is_nan() || *d < 0.0) {
+            return Err(TraceError::NoDistance(VertexId::new(v as u32)));
+        }
+        Ok(Self {
             mesh: mesh.clone(),
-            origins: Origins::none(distances.len()),
+            origins: Origins::none(vertices),
             distances,
             entries: Vec::new(),
-        }
+        })
     }
 
     /// For each vertex the source of its shortest path; `None` if no path leads there. The source

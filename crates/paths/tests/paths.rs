@@ -4,10 +4,11 @@
 mod judged;
 
 use geobench_mesh::{FaceId, Mesh, SplitMix64, SurfacePoint, VertexId};
+use geobench_mmp::mmp;
 use geobench_oracle::zoo;
 use geobench_paths::{PathPlace, Paths, TraceError};
 use geobench_vtp::VtpFast;
-use geobench_window::Goal;
+use geobench_window::{Goal, Solver};
 
 use crate::judged::oracle_mesh::mesh_of;
 use crate::judged::{check, report, solvers};
@@ -33,6 +34,28 @@ fn a_run_for_one_target_traces_the_same_path() {
             let target = VertexId::new(target);
             assert_eq!(one.to(target), all.to(target), "{name} to {target}");
         }
+    }
+}
+
+#[test]
+fn distances_that_cannot_be_those_of_the_mesh_are_an_error() {
+    let mesh = Mesh::generate("grid,n=2").unwrap();
+    let distances = mmp(&mesh).solve(&[0.into()]).unwrap().distances;
+    let found = |distances: &[f64]| Paths::of_distances(&mesh, distances.to_vec());
+    let path = found(&distances).unwrap().to(8.into()).unwrap().unwrap();
+    assert!((path.length - 8.0_f64.sqrt()).abs() < 1e-12);
+    assert_eq!(
+        found(&distances[..7]).map(drop),
+        Err(TraceError::DistanceCount {
+            distances: 7,
+            vertices: 9
+        })
+    );
+    for wrong in [f64::NAN, -1.0] {
+        let mut distances = distances.clone();
+        distances[4] = wrong;
+        let error = TraceError::NoDistance(4.into());
+        assert_eq!(found(&distances).map(drop), Err(error));
     }
 }
 

@@ -469,17 +469,8 @@ impl<'a> LineSearch<'a> {
             } else {
                 window
             };
-            let ([px, py], [x, y]) = (window.source(), here(from));
-            // The line meets the edge between the feet of its ends. Beside a face without height,
-            // rounding may put an end on the wrong side of the edge: it counts as on the edge.
-            let (above, below) = (y.max(0.0), (-py).max(0.0));
-            let at = if above + below > f64::EPSILON * (x - px).abs() {
-                px + below / (above + below) * (x - px)
-            } else {
-                // The edge lies along the line. The next point is no nearer to `from`.
-                x + reached * (px - x).signum()
-            };
-            let at = at.clamp(window.b0, window.b1);
+            let [x, y] = here(from);
+            let at = on_edge([x, y], window.source(), reached).clamp(window.b0, window.b1);
             reached = norm([at - x, y]);
             length += norm(sub([at, 0.0], here(before)));
             let ends = [mesh.tail(out), mesh.head(out)];
@@ -515,6 +506,20 @@ impl<'a> LineSearch<'a> {
             directions: [at_end, at_from],
             crossings,
         })
+    }
+}
+
+/// Where the line from `from`, on or above the edge, to the end, on or below it, meets the edge. The
+/// point before it on the line is `reached` from `from`.
+fn on_edge([x, y]: Vector, [px, py]: Vector, reached: f64) -> f64 {
+    // Beside a face without height, rounding may put an end on the wrong side of the edge: it counts
+    // as on the edge.
+    let (above, below) = (y.max(0.0), (-py).max(0.0));
+    if above + below > f64::EPSILON * (x - px).abs() {
+        px + below / (above + below) * (x - px)
+    } else {
+        // The edge lies along the line. The next point is no nearer to `from`.
+        x + reached * (px - x).signum()
     }
 }
 

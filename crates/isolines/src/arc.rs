@@ -58,7 +58,7 @@ impl CircleArc {
     /// rounding; the result is between 0 and 1.5π.
     pub fn angle(&self) -> f64 {
         let [from, to] = self.ends.map(|end| sub(end, self.centre));
-        let angle = cross_2d(from, to).atan2(dot(from, to));
+        let angle = libm::atan2(cross_2d(from, to), dot(from, to));
         // An arc spans at most half a circle. Rounding can make the angle of a half circle
         // slightly more than π, and that of a very short arc negative.
         if angle < -0.5 * PI {
@@ -83,13 +83,13 @@ impl CircleArc {
     pub fn points(&self, tolerance: f64) -> Vec<[f64; 2]> {
         let angle = self.angle();
         // A chord over the angle 2a deviates from the arc by r (1 - cos a).
-        let half = (1.0 - tolerance / self.radius).clamp(-1.0, 1.0).acos();
+        let half = libm::acos((1.0 - tolerance / self.radius).clamp(-1.0, 1.0));
         let chord = (2.0 * half).clamp(1e-4, 2.0 * PI / CHORDS);
         let parts = (angle / chord).ceil().max(1.0);
         let mut points = vec![self.ends[0]];
         let from = sub(self.ends[0], self.centre);
         for i in (1_u32..).map(f64::from).take_while(|&i| i < parts) {
-            let (sin, cos) = (angle * i / parts).sin_cos();
+            let (sin, cos) = libm::sincos(angle * i / parts);
             let spoke = [cos * from[0] - sin * from[1], sin * from[0] + cos * from[1]];
             points.push(add(self.centre, spoke));
         }

@@ -77,7 +77,7 @@ impl Cone {
 
     /// The point of the circle of `radius` at `angle` from the right side.
     pub(crate) fn at(&self, angle: f64, radius: f64) -> Point {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = libm::sincos(angle);
         let direction = add(scale(self.right, cos), scale(turned(self.right), sin));
         add(self.centre, scale(direction, radius))
     }
@@ -85,7 +85,7 @@ impl Cone {
     /// The angle from the right side to the direction of `x`.
     fn angle_of(&self, x: Point) -> f64 {
         let ray = sub(x, self.centre);
-        cross_2d(self.right, ray).atan2(dot(self.right, ray))
+        libm::atan2(cross_2d(self.right, ray), dot(self.right, ray))
     }
 
     /// The radius of the circle of points at distance `level`; not positive if there is none.
@@ -189,7 +189,7 @@ impl FaceCones {
         let mut cones = Vec::new();
         for (k, v) in mesh.face_vertices(face).into_iter().enumerate() {
             let sides = [1, 2].map(|i| sub(corners[(k + i) % 3], corners[k]));
-            let angle = cross_2d(sides[0], sides[1]).atan2(dot(sides[0], sides[1]));
+            let angle = libm::atan2(cross_2d(sides[0], sides[1]), dot(sides[0], sides[1]));
             cones.extend(Cone::new(
                 corners[k],
                 distances[v.index()],
@@ -214,8 +214,8 @@ impl FaceCones {
                 // the window the angle is π; adding 0.0 turns -0.0, which would give -π, into 0.0.
                 let height = -w.py + 0.0;
                 let opposite = (w.b1 - w.px) * (w.b0 - w.px) + w.py * w.py;
-                let angle = (height * (w.b1 - w.b0)).atan2(opposite);
-                let nearest = (w.nearest_abscissa() - w.px).hypot(w.py);
+                let angle = libm::atan2(height * (w.b1 - w.b0), opposite);
+                let nearest = libm::hypot(w.nearest_abscissa() - w.px, w.py);
                 cones.extend(Cone::new(centre, w.sigma, sides, angle, nearest));
             }
         }

@@ -28,7 +28,7 @@ pub(crate) struct LineDirection {
 impl LineDirection {
     /// The direction `to` at the tail of `corner`, where `along` is that of `corner`.
     pub(crate) fn new(corner: HalfEdgeId, along: Vector, to: Vector) -> Self {
-        let angle = cross_2d(along, to).atan2(dot(along, to));
+        let angle = libm::atan2(cross_2d(along, to), dot(along, to));
         // Back along an edge, rounding decides between -π and π.
         let angle = if angle < -FRAC_PI_2 {
             angle + TAU

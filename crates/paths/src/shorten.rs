@@ -483,7 +483,7 @@ impl LinePiece {
             let along = sub(corner.at, at);
             LineDirection {
                 corner: h.prev(),
-                angle: cross_2d(along, way).abs().atan2(dot(along, way)),
+                angle: libm::atan2(cross_2d(along, way).abs(), dot(along, way)),
             }
         };
         let tail_of = |h: HalfEdgeId, portal: &[StripCorner; 2]| {

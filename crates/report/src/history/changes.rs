@@ -62,7 +62,7 @@ pub fn changes(values: &[f64], least: f64) -> Vec<LevelChange> {
     if values.len() < 2 * SHORTEST || values.iter().any(|v| !(v.is_finite() && *v > 0.0)) {
         return Vec::new();
     }
-    let logarithms: Vec<f64> = values.iter().map(|value| value.ln()).collect();
+    let logarithms: Vec<f64> = values.iter().map(|&value| libm::log(value)).collect();
     let noise = noise(&logarithms).max(least / 5.0);
     let clean = without_outliers(&logarithms, noise);
     let cuts = confirmed(&clean, &partition(&clean, noise));
@@ -78,7 +78,7 @@ pub fn changes(values: &[f64], least: f64) -> Vec<LevelChange> {
     let mut before = level(&pieces[0]);
     for piece in &pieces[1..] {
         let after = level(piece);
-        if (after / before).ln().abs() >= (1.0 + least).ln() {
+        if libm::log(after / before).abs() >= libm::log(1.0 + least) {
             found.push(LevelChange {
                 index: piece.0,
                 before,
@@ -118,7 +118,7 @@ fn without_outliers(values: &[f64], noise: f64) -> Vec<f64> {
 /// The start index of every piece except the first, in ascending order.
 fn partition(values: &[f64], noise: f64) -> Vec<usize> {
     let n = values.len();
-    let penalty = 4.0 * (n as f64).ln() + 6.0;
+    let penalty = 4.0 * libm::log(n as f64) + 6.0;
     // Prefix sums of the values and of their squares. Values are taken relative to the first one,
     // which keeps the sums small.
     let (mut sums, mut squares) = (vec![0.0; n + 1], vec![0.0; n + 1]);
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_series_has_no_change() {
+    fn short_series_and_series_with_a_zero_have_no_change() {
         assert_eq!(changes(&[], 0.02), []);
         assert_eq!(changes(&[1.0, 1.0, 1.0, 2.0, 2.0], 0.02), []);
         assert_eq!(changes(&[1.0, 1.0, 1.0, 0.0, 2.0, 2.0, 2.0], 0.02), []);

@@ -288,9 +288,9 @@ fn last_level(values: &[f64], least: f64) -> Vec<f64> {
     let level = &values[start..];
     let middle = |values: &[f64]| median(values).unwrap_or(f64::NAN);
     let centre = middle(level);
-    let off = |value: &f64| (value / centre).ln().abs();
+    let off = |value: &f64| libm::log(value / centre).abs();
     let spread = middle(&level.iter().map(off).collect::<Vec<_>>()) / NORMAL_MAD;
-    let far = (FAR * spread).max((1.0 + least).ln());
+    let far = (FAR * spread).max(libm::log(1.0 + least));
     let is_kept = |value: &&f64| level.len() < FEWEST_OF_LEVEL || off(value) <= far;
     level.iter().filter(is_kept).copied().collect()
 }
@@ -314,13 +314,13 @@ fn time(
         return None;
     }
     let n = medians.len() as f64;
-    let logarithms: Vec<f64> = medians.iter().map(|median| median.ln()).collect();
+    let logarithms: Vec<f64> = medians.iter().map(|&median| libm::log(median)).collect();
     let mean = logarithms.iter().sum::<f64>() / n;
     let squares: f64 = logarithms.iter().map(|x| (x - mean).powi(2)).sum();
     let deviation = (squares / (n - 1.0)).sqrt() * (1.0 + 1.0 / n).sqrt();
     let reach = student(medians.len() - 1) * deviation;
-    let ratio = (new.ln() - mean).exp();
-    let ci95 = [ratio * (-reach).exp(), ratio * reach.exp()];
+    let ratio = libm::exp(libm::log(new) - mean);
+    let ci95 = [ratio * libm::exp(-reach), ratio * libm::exp(reach)];
     let noise = noise(&logarithms);
     let is_noise = noise.is_some_and(|noise| (ratio.max(1.0 / ratio) - 1.0) <= noise);
     let rule = rule.filter(|_| !is_noise);
@@ -329,7 +329,7 @@ fn time(
     Some(GateLine {
         cell: cell.cell.clone(),
         figure: kind.name(),
-        base: Some(mean.exp()),
+        base: Some(libm::exp(mean)),
         new: Some(new),
         ratio: Some(ratio),
         ci95: Some(ci95),
@@ -351,7 +351,7 @@ const FEWEST_CHANGES: usize = 4;
 fn noise(logarithms: &[f64]) -> Option<f64> {
     let changes = logarithms.windows(2);
     let mut changes: Vec<f64> = changes
-        .map(|pair| (pair[1] - pair[0]).abs().exp() - 1.0)
+        .map(|pair| libm::exp((pair[1] - pair[0]).abs()) - 1.0)
         .collect();
     if changes.len() < FEWEST_CHANGES {
         return None;
@@ -495,7 +495,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_faster_beyond_the_limit_is_an_improvement() {
+    fn a_time_below_the_limit_is_an_improvement() {
         let mut records = history()[..8].to_vec();
         for sample in &mut records[7].cells[0].samples {
             *sample /= 1.3;

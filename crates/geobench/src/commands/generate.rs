@@ -7,11 +7,12 @@ use clap::Args;
 use geobench_export::output::{OutputFile, check_files};
 use geobench_export::{STANDARD, ending_of};
 use geobench_harness::exec::model::ModelRef;
+use geobench_harness::plan::suite::options::DecompressionOption;
 use geobench_mesh::io as mesh_io;
 
+use crate::args::QuietOption;
 use crate::progress::TaskBar;
 use crate::verdict::Verdict;
-use geobench_harness::plan::suite::options::DecompressionOption;
 
 #[derive(Args, Debug)]
 #[command(after_long_help = geobench_mesh::generate::help())]
@@ -26,6 +27,9 @@ pub(crate) struct GenOptions {
     /// File to write: .obj, .ply, .off or .stl, each also .gz
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
+
+    #[command(flatten)]
+    quiet: QuietOption,
 }
 
 /// Extensions of the mesh files that can be written.
@@ -38,7 +42,7 @@ pub(crate) fn generate(options: &GenOptions) -> anyhow::Result<Verdict> {
     let output = OutputFile::prepare(&options.output)?;
     let model = ModelRef::generated(&options.spec)?;
     check_files([&output], model.source_file())?;
-    let is_shown = options.output != Path::new(STANDARD);
+    let is_shown = !options.quiet.is_set && options.output != Path::new(STANDARD);
     let bar = TaskBar::new(&format!("{}: vertices and faces", model.path), 2, is_shown);
     let soup = model.read(options.decompression.limit())?;
     bar.done();

@@ -26,7 +26,7 @@ fn a_model_is_written_in_every_form_and_reads_back_the_same() {
 fn the_prefix_may_stand_or_not() {
     let sandbox = Sandbox::new();
     sandbox.succeed("gen gen:cube,n=2 -o a.obj");
-    sandbox.succeed("gen cube,n=2 -o b.obj");
+    sandbox.succeed("gen cube,n=2 --quiet -o b.obj");
     assert_eq!(sandbox.read("a.obj"), sandbox.read("b.obj"));
     let message = sandbox.refuse("gen cube,n=2 -o -");
     assert!(message.starts_with("-: --output-format says"), "{message}");

@@ -12,7 +12,7 @@ use pyo3::exceptions::{PyImportError, PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::curve::curves;
+use crate::curve::{curves, listed};
 use crate::errors::{PrecisionWarning, path_error, solve_error};
 use crate::interrupt;
 use crate::path::{PyPath, tuples};
@@ -133,6 +133,7 @@ impl MeshAlgorithm {
         targets: Option<&Bound<'py, PyAny>>,
         with_nearest: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let source = &listed(source)?;
         if let Some(curves) = curves(source)? {
             return self.distance_from_curves(py, curves, radius, targets, with_nearest);
         }

@@ -7,11 +7,11 @@ use geodesics::{Curve, Mesh, Stop, distances_from_curves};
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyList, PyTuple};
+use pyo3::types::{PyIterator, PyList, PyTuple};
 
 use crate::algorithm::{MeshAlgorithm, warn};
 use crate::interrupt;
-use crate::points::{Finder, PyPoint, several, single};
+use crate::points::{Finder, PyPoint, in_order, several, single};
 use crate::pool::{doubt, goal};
 
 /// A polyline on the surface of a mesh, as a source of `Mesh.distance`: distances are exact from
@@ -48,7 +48,7 @@ impl PyCurve {
     #[new]
     #[pyo3(signature = (points, closed = false))]
     fn new(points: &Bound<'_, PyAny>, closed: bool) -> PyResult<Self> {
-        let points = several(points, "points", 0)?;
+        let points = in_order(points, "points")?;
         Ok(Self { points, closed })
     }
 
@@ -88,6 +88,15 @@ impl PyCurve {
         };
         borders.map(curve).collect()
     }
+}
+
+/// A list of the items of `value` if it is an iterator, which can be read only once.
+pub(crate) fn listed<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let Ok(items) = value.cast::<PyIterator>() else {
+        return Ok(value.clone());
+    };
+    let items: Vec<Bound<'_, PyAny>> = items.try_iter()?.collect::<PyResult<_>>()?;
+    Ok(PyList::new(value.py(), items)?.into_any())
 }
 
 /// The points of a curve and whether it is closed.

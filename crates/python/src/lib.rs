@@ -18,6 +18,7 @@ mod field;
 mod from_arrays;
 mod interrupt;
 mod isolines;
+mod location;
 mod making;
 mod mesh;
 mod path;

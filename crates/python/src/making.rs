@@ -1,10 +1,12 @@
-//! Meshes from files, from generators and from pickled ones.
+//! Meshes from files and from generators, and pickled ones.
 
 use std::path::PathBuf;
 
 use geobench_harness::exec::expected::stem;
 use geodesics::io::ReadOptions;
-use geodesics::{Mesh, TriangleSoup, generate};
+use geodesics::mesh::FaceId;
+use geodesics::{Mesh, TriangleSoup, VertexId, generate};
+use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -12,10 +14,49 @@ use crate::arrays;
 use crate::errors::{invalid, unreadable};
 use crate::from_arrays::weld_of;
 use crate::mesh::PyMesh;
+use crate::path::tuples;
 use crate::points::SharedMesh;
 
-/// A pickled mesh: the positions, the triangles of the file, the copies of welded vertices, the
-/// number of vertices and the lengths of a mesh without positions, the name and the defects.
+/// The state of a pickled mesh: the positions, the triangles of the file, the copies of welded
+/// vertices, the number of vertices and the lengths of a mesh without positions, the name and the
+/// defects.
+pub(crate) type MeshState = (
+    Py<PyArray2<f64>>,
+    Py<PyArray2<u32>>,
+    Vec<[u32; 2]>,
+    Option<(usize, Vec<[f64; 3]>)>,
+    String,
+    Vec<String>,
+);
+
+impl PyMesh {
+    /// The arguments of [`_mesh`] for this mesh.
+    pub(crate) fn state(&self, py: Python<'_>) -> PyResult<MeshState> {
+        let mesh = self.mesh();
+        let copies = mesh.copies().map(|copy| copy.map(VertexId::raw)).collect();
+        let length_of = |f: FaceId| mesh.side_lengths(f);
+        let lengths = mesh
+            .positions()
+            .is_empty()
+            .then(|| (mesh.vertex_count(), mesh.faces().map(length_of).collect()));
+        let corners = |face| mesh.face_vertices(face).map(VertexId::raw);
+        let triangles = if lengths.is_some() {
+            mesh.faces().map(corners).collect()
+        } else {
+            mesh.file_triangles()
+        };
+        Ok((
+            tuples(py, mesh.positions())?,
+            tuples(py, &triangles)?,
+            copies,
+            lengths,
+            self.name.clone(),
+            self.defects.clone(),
+        ))
+    }
+}
+
+/// A pickled mesh, made anew from its [state](MeshState).
 #[pyfunction]
 pub(crate) fn _mesh(
     py: Python<'_>,

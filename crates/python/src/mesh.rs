@@ -4,17 +4,15 @@ use std::path::PathBuf;
 
 use geobench_harness::measure::number::counted;
 use geobench_registry::OF_CURVES;
-use geodesics::mesh::{FaceId, MeshMeasures, Report, Severity, Tolerance};
+use geodesics::mesh::{MeshMeasures, Report, Severity, Tolerance};
 use geodesics::paths::Through;
-use geodesics::{
-    Mesh, PointError, RemeshOptions, Stop, SurfacePoint, TriangleSoup, VertexId, io, line,
-};
+use geodesics::{Mesh, PointError, RemeshOptions, Stop, TriangleSoup, io, line};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
-use crate::algorithm::{MeshAlgorithm, named, one_path, selection};
+use crate::algorithm::{MeshAlgorithm, one_path, selection};
 use crate::arrays;
 use crate::curve::{self, PyCurve};
 use crate::errors::{invalid, unreadable};
@@ -22,8 +20,10 @@ use crate::field::PyField;
 use crate::from_arrays::{from_arrays, warn_of_copies};
 use crate::interrupt;
 use crate::isolines::{self, PyIsoline};
+use crate::location::locate;
+use crate::making::MeshState;
 use crate::path::{PyPath, tuples};
-use crate::points::{Finder, SharedMesh, core, several, single};
+use crate::points::{Finder, SharedMesh, core, single};
 use crate::voronoi::PyVoronoi;
 
 /// An immutable triangle mesh, validated when it is made. Vertices keep their numbers. Faces
@@ -111,19 +111,6 @@ impl PyMesh {
     pub(crate) fn mesh(&self) -> &Mesh {
         &self.surface.mesh
     }
-
-    /// A point that was found, and its distance from the position that was given.
-    fn located(&self, (found, distance): &(SurfacePoint, f64)) -> Located {
-        let (face, weights) = match self.mesh().face_of(found) {
-            Some((face, weights)) => {
-                let (triangle, weights) = self.mesh().in_file(face, weights);
-                (i64::from(triangle), weights)
-            }
-            None => (-1, [0.0; 3]),
-        };
-        let position = self.mesh().position_of(found);
-        (face, weights.into(), position.map(Into::into), *distance)
-    }
 }
 
 #[pymethods]
@@ -150,42 +137,8 @@ impl PyMesh {
         slf
     }
 
-    fn __reduce__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(
-        Bound<'py, PyAny>,
-        (
-            Py<PyArray2<f64>>,
-            Py<PyArray2<u32>>,
-            Vec<[u32; 2]>,
-            Option<(usize, Vec<[f64; 3]>)>,
-            String,
-            Vec<String>,
-        ),
-    )> {
-        let mesh = self.mesh();
-        let copies = mesh.copies().map(|copy| copy.map(VertexId::raw)).collect();
-        let length_of = |f: FaceId| mesh.side_lengths(f);
-        let lengths = mesh
-            .positions()
-            .is_empty()
-            .then(|| (mesh.vertex_count(), mesh.faces().map(length_of).collect()));
-        let corners = |face| mesh.face_vertices(face).map(VertexId::raw);
-        let triangles = if lengths.is_some() {
-            mesh.faces().map(corners).collect()
-        } else {
-            mesh.file_triangles()
-        };
-        let state = (
-            tuples(py, mesh.positions())?,
-            tuples(py, &triangles)?,
-            copies,
-            lengths,
-            self.name.clone(),
-            self.defects.clone(),
-        );
-        Ok((core(py)?.getattr("_mesh")?, state))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, MeshState)> {
+        Ok((core(py)?.getattr("_mesh")?, self.state(py)?))
     }
 
     /// Makes a mesh from edge lengths alone. The surface need not be embeddable in space.
@@ -382,30 +335,7 @@ impl PyMesh {
         py: Python<'py>,
         points: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let mut finder = Finder::new(py, &self.surface);
-        if let Ok(spec) = single(points, "points") {
-            let found = finder.find_from(spec, "points")?;
-            let (face, weights, position, distance) = self.located(&found);
-            let place = (face, weights, position, distance);
-            return named(py, "Location", place);
-        }
-        let specs = several(points, "points", self.mesh().vertex_count())?;
-        let places = specs
-            .into_iter()
-            .map(|spec| finder.find_from(spec, "points"));
-        let places: Vec<_> = places.collect::<PyResult<_>>()?;
-        let places: Vec<Located> = places.iter().map(|place| self.located(place)).collect();
-        let weights: Vec<[f64; 3]> = places.iter().map(|p| p.1.into()).collect();
-        let positions: Option<Vec<[f64; 3]>> = places.iter().map(|p| p.2.map(Into::into)).collect();
-        let arrays = (
-            PyArray1::from_iter(py, places.iter().map(|p| p.0)),
-            tuples(py, &weights)?,
-            positions
-                .map(|positions| tuples(py, &positions))
-                .transpose()?,
-            PyArray1::from_iter(py, places.iter().map(|p| p.3)),
-        );
-        named(py, "Location", arrays)
+        locate(py, &self.surface, points)
     }
 
     /// The vertices nearest in space to positions, found in a tree that is built once.
@@ -522,6 +452,7 @@ impl PyMesh {
         nearest: bool,
         algorithm: Option<&str>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let source = &curve::listed(source)?;
         let algorithm = match algorithm {
             None if curve::curves(source)?.is_some() => Some(OF_CURVES),
             given => given,
@@ -953,10 +884,6 @@ impl PyMesh {
         )
     }
 }
-
-/// A face, barycentric coordinates in it, the position, and the distance from the position that was
-/// given.
-type Located = (i64, (f64, f64, f64), Option<(f64, f64, f64)>, f64);
 
 /// Reads the argument `rng` (SPEC 7 of Scientific Python): whatever it is, `default_rng` makes a
 /// generator of it, which draws the seed.

@@ -282,6 +282,15 @@ pub(crate) fn several(
     name: &str,
     vertices: usize,
 ) -> PyResult<Vec<PointSpec>> {
+    read(value, name, Some(vertices))
+}
+
+/// Reads points whose order counts, as [`several`] does. They cannot be a mask.
+pub(crate) fn in_order(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<PointSpec>> {
+    read(value, name, None)
+}
+
+fn read(value: &Bound<'_, PyAny>, name: &str, vertices: Option<usize>) -> PyResult<Vec<PointSpec>> {
     if let Some(point) = one(value, name)? {
         return Ok(vec![point]);
     }
@@ -314,7 +323,7 @@ fn in_sequence(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<PointSpec>>
 fn in_arrays(
     value: &Bound<'_, PyAny>,
     name: &str,
-    vertices: usize,
+    vertices: Option<usize>,
 ) -> PyResult<Option<Vec<PointSpec>>> {
     if let Ok(pair) = value.cast::<PyTuple>()
         && pair.len() == 2
@@ -346,7 +355,15 @@ fn in_arrays(
             }
             Ok(Some(positions.map(PointSpec::At).collect()))
         }
+        (b'f', 1) if array.len() == 3 => Err(PyValueError::new_err(format!(
+            "{name}: the shape is (3,), but (k, 3) is needed; at(x, y, z) is one position"
+        ))),
         (b'b', _) => {
+            let Some(vertices) = vertices else {
+                return Err(PyTypeError::new_err(format!(
+                    "{name}: a mask has no order; give the points in their order"
+                )));
+            };
             if array.ndim() != 1 || array.len() != vertices {
                 return Err(PyValueError::new_err(format!(
                     "{name}: a mask has a truth value for each of the {vertices} vertices, and not \

@@ -46,6 +46,8 @@ def test_borders_loops_and_points_are_sources_together(grid):
     together = grid.distance([gd.Curve([0, 1, 2]), 24, gd.vertex(20)])
     parts = [grid.distance(gd.Curve([0, 1, 2])), grid.distance([24, 20])]
     np.testing.assert_allclose(together, np.minimum(*parts), rtol=0, atol=1e-14)
+    one_by_one = (source for source in [gd.Curve([0, 1, 2]), 24, 20])
+    np.testing.assert_array_equal(grid.distance(one_by_one), together)
     assert gd.generate("sphere,subdiv=1").borders() == []
 
 
@@ -63,7 +65,7 @@ def test_others_refuse_curves_by_name(grid, algorithm):
         grid.distance(gd.Curve([0, 1]), algorithm=algorithm)
 
 
-def test_what_has_no_curves_says_so(grid):
+def test_curves_are_refused_where_points_are_meant(grid):
     curve = gd.Curve([0, 1])
     for call in (
         lambda: grid.path(curve, 7),
@@ -84,6 +86,8 @@ def test_what_has_no_curves_says_so(grid):
         grid.distance(gd.Curve([0, 99]))
     with pytest.raises(ValueError, match="NaN is not a coordinate"):
         gd.Curve(np.array([[0, 0, np.nan]]))
+    with pytest.raises(TypeError, match="points: a mask has no order; give the points in"):
+        gd.Curve(np.ones(grid.n_vertices, bool))
     with pytest.raises(ValueError, match="empty"):
         gd.Curve([])
     with pytest.raises(TypeError):

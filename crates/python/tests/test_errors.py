@@ -44,7 +44,7 @@ def test_meshes(vertices, faces, error, text):
         gd.Mesh(vertices, faces)
 
 
-def test_what_crosses_no_edges_of_many_faces_says_so():
+def test_algorithms_that_cross_no_edges_of_many_faces_are_refused():
     mesh = gd.Mesh(np.vstack([V, V[:1] + 3]), [[0, 1, 2], [0, 2, 3], [2, 0, 4]])
     assert "more than two faces" in mesh.defects[0]
     assert np.array_equal(mesh.distance(1), mesh.distance(1, algorithm="mmp"))

@@ -138,7 +138,7 @@ def test_a_dual_that_is_none_says_where(torus):
         torus.voronoi([0]).dual()
 
 
-def test_labels_of_what_no_source_reaches(square):
+def test_labels_of_unreachable_vertices(square):
     assert square.voronoi([0, 2]).labels.tolist()[4] == -1
 
 
@@ -218,7 +218,7 @@ def test_lines_on_a_plane_and_a_cube():
         ([1, 0, 0], float("nan"), "no length"),
     ],
 )
-def test_what_is_no_line_is_an_error(direction, length, message):
+def test_invalid_directions_and_lengths_are_errors(direction, length, message):
     with pytest.raises(ValueError, match=message):
         gd.generate("grid,n=2").trace(gd.face(0, 0.2, 0.3, 0.5), direction, length)
 

@@ -55,6 +55,8 @@ def test_location_of_arrays(torus):
     near = torus.nearest_vertices(torus.vertices + 1e-6)
     assert (near == np.arange(torus.n_vertices)).all()
     assert torus.nearest_vertex(*torus.vertices[7]) == 7
+    with pytest.raises(ValueError, match=r"points: the shape is \(3,\), but \(k, 3\) is needed; at\(x"):
+        torus.locate(np.array([1.0, 2.0, 3.0]))
     with pytest.raises(ValueError, match="positions: the shape"):
         torus.nearest_vertices([1.0, 2.0, 3.0])
     rng = np.random.default_rng(1)

@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn what_leaves_the_surface_is_no_path() {
+    fn paths_that_leave_the_surface_have_no_length() {
         let [a, b, c, d] = [0, 1, 2, 3].map(VertexId::new);
         let [from, to] = [b, d].map(PathPoint::Vertex);
         let none = |points: &[PathPoint]| {

@@ -353,7 +353,7 @@ fn a_proof_of_a_sheet_without_area_ends() {
 }
 
 #[test]
-fn what_no_source_reaches_is_infinite() {
+fn unreachable_vertices_are_infinite() {
     // Two triangles that share nothing.
     let positions = [
         [0.0, 0.0],

@@ -384,7 +384,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_written_is_found_at_once() {
+    fn outputs_that_cannot_be_written_are_errors_at_once() {
         let directory = tempfile::tempdir().unwrap();
         let error = OutputFile::prepare(directory.path()).unwrap_err();
         assert!(error.to_string().contains("it is a directory"));

@@ -315,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_printed_meanwhile_stays_above_and_the_rest_goes() {
+    fn printed_lines_stay_above_the_bar_which_is_cleared() {
         let (terminal, mut progress) = progress(80);
         for i in 0..2 {
             progress.loading("horse");

@@ -86,7 +86,7 @@ fn solvers_of_the_timed_runs_are_no_part_of_the_peak() {
 
 /// Counting runs store levels in maps. These once made lists of windows look 50 % larger.
 #[test]
-fn what_is_kept_for_the_counts_is_no_memory_of_the_algorithm() {
+fn memory_of_the_counters_is_not_counted() {
     let model = "gen:torus,faces=5000,bump=0.1,seed=7";
     let purposes = [
         ("vtp", Pass::Profile),

@@ -154,7 +154,7 @@ fn running_in(sandbox: &Sandbox) -> Vec<String> {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_an_outside_program_had_started_outlived_it() {
+fn processes_of_an_outside_program_outlived_it() {
     let sandbox = Sandbox::with_square();
     let quiet = "< /dev/null > /dev/null 2>&1";
     let leaves = |name, start: &str| {
@@ -254,7 +254,7 @@ fn the_daemon_of_one_program_failed_the_cells_of_others() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_a_child_had_started_outlived_it() {
+fn processes_of_a_child_outlived_it() {
     let sandbox = Sandbox::with_square();
     for algorithms in ["test-spawn", "test-spawn,vtp,test-spawn{after=2}"] {
         sandbox.succeed(&format!("run square.off --algo {algorithms} --repeat 2"));
@@ -495,7 +495,7 @@ mod missing_instructions {
     }
 
     #[test]
-    fn what_valgrind_does_not_know_was_not_counted() {
+    fn instructions_unknown_to_valgrind_were_not_counted() {
         let sandbox = Sandbox::with_square();
         let (stderr, cell) = count(&sandbox, "test-illegal");
         assert_eq!(stderr, "");

@@ -487,7 +487,7 @@ fn every_key_is_described() {
 }
 
 #[test]
-fn what_is_wrong_is_named_with_its_line() {
+fn errors_name_file_and_line() {
     for (suite, message) in WRONG {
         let (_directory, output) = run(suite, "--quiet");
         let text = String::from_utf8(output.stderr).unwrap();

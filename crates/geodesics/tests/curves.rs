@@ -350,7 +350,7 @@ fn closed_curves_have_a_segment_back() {
 }
 
 #[test]
-fn a_radius_leaves_out_what_is_farther() {
+fn distances_beyond_the_radius_are_infinite() {
     let mesh = Mesh::generate("terrain,n=12,seed=4").unwrap();
     let mut random = SplitMix64::new(1);
     let curves = vec![walk(&mesh, 8, &mut random)];

@@ -129,7 +129,7 @@ fn points_on_edges_and_in_faces_are_sources() {
 }
 
 #[test]
-fn what_no_path_reaches_is_infinitely_far() {
+fn unreachable_vertices_are_infinitely_far() {
     let mesh = square();
     assert_eq!(mesh.distances_from(0).unwrap()[4], f64::INFINITY);
     let from_afar = mesh.distances_from(4).unwrap();
@@ -138,7 +138,7 @@ fn what_no_path_reaches_is_infinitely_far() {
 }
 
 #[test]
-fn errors_name_what_is_wrong() {
+fn errors_name_the_vertex_or_source() {
     let mesh = square();
     assert_eq!(
         mesh.distances_from(5),

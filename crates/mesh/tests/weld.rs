@@ -129,7 +129,7 @@ fn a_tolerance_is_a_fraction() {
 }
 
 #[test]
-fn what_welding_would_join_is_noted() {
+fn coincident_vertices_are_noted() {
     let (_, report) = mesh_of(unwelded(&cube(), 0.0));
     let note = Defect::CoincidentVertices {
         exact: 28,

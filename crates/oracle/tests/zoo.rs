@@ -64,7 +64,7 @@ fn a_path_passes_a_pinch_from_one_fan_into_another() {
 }
 
 #[test]
-fn what_is_apart_is_not_reached() {
+fn other_components_are_not_reached() {
     let model = zoo::with_isolated_vertices(&zoo::octahedron(), &[3]);
     let found = from(&model.surface::<f64>(), 0);
     assert_eq!(found.iter().filter(|d| d.is_infinite()).count(), 2);

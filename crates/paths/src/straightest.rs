@@ -536,7 +536,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_line_is_an_error() {
+    fn invalid_directions_and_lengths_are_errors() {
         let grid = Mesh::generate("grid,n=2").unwrap();
         let start = grid.point_in_face(0.into(), [0.2, 0.3, 0.5]).unwrap();
         let fails = |direction, length| line(&grid, &start, direction, length).unwrap_err();

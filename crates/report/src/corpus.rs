@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_or_differs_is_told() {
+    fn missing_and_changed_models_are_named() {
         let directory = tempfile::tempdir().unwrap();
         let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
         std::fs::write(directory.path().join("spot.obj"), triangle).unwrap();

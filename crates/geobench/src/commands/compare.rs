@@ -216,7 +216,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ranges_are_found_in_what_a_history_knows() {
+    fn ranges_of_commits_are_found_in_a_history() {
         let line: Vec<String> = (0..5).map(|k| format!("{k}abcdef")).collect();
         let found = |range| range_in(range, &line).map(<[String]>::len);
         assert_eq!(range_in("HEAD~3..HEAD", &line), Some(&line[..3]));

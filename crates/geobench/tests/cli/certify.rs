@@ -131,7 +131,7 @@ fn files_without_all_vertices_are_certified_if_they_are_allowed() {
 }
 
 #[test]
-fn what_cannot_be_read_is_told() {
+fn missing_files_and_sources_are_named() {
     let sandbox = Sandbox::new();
     let said = sandbox.refuse("certify gen:torus,faces=500 --source 0 --distances none.csv");
     assert!(said.contains("none.csv"), "{said}");

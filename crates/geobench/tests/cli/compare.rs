@@ -29,7 +29,7 @@ fn a_run_is_no_worse_than_itself() {
 }
 
 #[test]
-fn another_count_is_status_1_if_a_rule_says_so() {
+fn a_count_beyond_its_rule_is_status_1() {
     let sandbox = Sandbox::with_square();
     stored(&sandbox, "a.json");
     let mut changed = sandbox.json("a.json");
@@ -48,7 +48,7 @@ fn another_count_is_status_1_if_a_rule_says_so() {
 }
 
 #[test]
-fn missing_cells_are_status_1_if_a_rule_says_so() {
+fn missing_cells_are_status_1_under_the_rule_missing() {
     let sandbox = Sandbox::with_square();
     stored(&sandbox, "a.json");
     let mut part = sandbox.json("a.json");
@@ -129,7 +129,7 @@ fn cells_with_another_queue_in_the_plan_are_other_cells() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_status_2_and_names_file_and_field() {
+fn files_that_do_not_compare_are_status_2_with_file_and_field() {
     let sandbox = Sandbox::with_square();
     stored(&sandbox, "a.json");
     sandbox.succeed("run gen:cube,n=2 --algo mmp -o other.json --quiet --repeat 1");

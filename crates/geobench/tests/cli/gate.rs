@@ -66,7 +66,7 @@ fn comments_and_short_loops_pass_and_are_shown() {
 }
 
 #[test]
-fn what_the_gate_is_for_is_caught() {
+fn the_gate_catches_regressions() {
     let stricter = rules().replace("instructions=2%", "instructions=1%");
     let outcome = compared(SLOWER, &stricter);
     assert_eq!(outcome.code, 1);

@@ -95,7 +95,7 @@ fn results_of_other_targets_are_not_mixed() {
 }
 
 #[test]
-fn what_cannot_end_early_is_refused_by_name() {
+fn algorithms_that_cannot_end_early_are_refused_by_name() {
     let sandbox = Sandbox::with_square();
     let refused = sandbox.refuse("run square.off --algo mmp,pvtp,heat --target 1");
     assert!(

@@ -466,7 +466,7 @@ fn a_killed_run_that_adds_loses_no_model_that_has_ended() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_log_says_when_a_model_begins_and_ends_and_what_a_signal_does() {
+fn a_log_has_begin_and_end_of_models_and_signals() {
     let sandbox = Sandbox::with_square();
     let run = "run square.off --algo mmp --repeat 1 --warmup 0";
     let log = sandbox.call(run).stderr;
@@ -498,7 +498,7 @@ fn a_cell_without_counts_has_timed_runs_only() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn who_interrupts_a_run_gets_the_cells_that_are_done() {
+fn an_interrupted_run_writes_the_complete_cells() {
     for signal in [Signal::INT, Signal::TERM] {
         let sandbox = Sandbox::with_square();
         sandbox.write(
@@ -544,7 +544,7 @@ fn who_interrupts_a_run_gets_the_cells_that_are_done() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn who_interrupts_a_run_at_its_first_cell_gets_empty_files() {
+fn a_run_interrupted_at_its_first_cell_writes_empty_files() {
     let sandbox = Sandbox::with_square();
     let looping = Looping::start(
         &sandbox,

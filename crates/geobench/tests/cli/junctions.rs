@@ -73,7 +73,7 @@ fn isolines_continue_on_each_sheet() {
 }
 
 #[test]
-fn what_does_not_cross_them_says_so() {
+fn algorithms_that_do_not_cross_them_are_refused() {
     let sandbox = with_models();
     for (model, why) in [
         ("book.obj", "edges with more than two faces: use mmp-fast"),
@@ -127,7 +127,7 @@ const LEFT_OUT: &str = "left out, because they cross no edges with more than two
     that cannot be oriented: ";
 
 #[test]
-fn a_run_leaves_out_what_it_was_not_asked_for_by_name() {
+fn a_run_leaves_out_such_algorithms_unless_named() {
     let sandbox = with_models();
     sandbox.write(
         "flat.obj",
@@ -165,7 +165,7 @@ fn a_run_leaves_out_what_it_was_not_asked_for_by_name() {
 }
 
 #[test]
-fn what_is_named_fails_also_beside_its_family() {
+fn a_named_algorithm_fails_also_beside_its_family() {
     let sandbox = with_models();
     let outcome = sandbox.call("run book.obj --algo mmp,vtp,vtp-family --repeat 1 -o r.json");
     assert_eq!(outcome.code, 2, "{}", outcome.stderr);

@@ -94,7 +94,7 @@ fn the_parts_joined_are_the_whole() {
 }
 
 #[test]
-fn different_runs_on_one_machine_are_joined_and_what_differs_is_said() {
+fn different_runs_on_one_machine_are_joined_and_differences_noted() {
     let sandbox = Sandbox::with_square();
     let run = "run square.off --quiet --isolate none --repeat 2";
     sandbox.succeed(&format!("{run} --algo mmp,vtp -o a.json"));
@@ -230,7 +230,7 @@ fn a_dash_is_standard_input_and_output() {
 }
 
 #[test]
-fn what_does_not_belong_together_is_not_joined() {
+fn incomplete_or_different_parts_are_not_joined() {
     let sandbox = sandbox();
     run_parts(&sandbox, 3);
     assert_eq!(
@@ -333,7 +333,7 @@ fn a_part_has_a_journal_of_its_own() {
 }
 
 #[test]
-fn a_part_with_nothing_to_do_says_so() {
+fn a_part_without_units_is_warned_of() {
     let sandbox = Sandbox::with_square();
     let run = "run square.off --algo vtp --repeat 1 --warmup 0 --shard";
     let warned = |part: &str| {
@@ -376,7 +376,7 @@ fn a_model_that_one_part_cannot_load_fails_in_its_cells_alone() {
 }
 
 #[test]
-fn what_was_measured_stays_if_the_model_is_refused_now() {
+fn earlier_cells_stay_if_the_model_is_refused_now() {
     let sandbox = Sandbox::with_square();
     let run = "run square.off --quiet --repeat 2 --algo mmp --add-to r.json";
     sandbox.succeed("run square.off --quiet --repeat 2 --algo mmp -o r.json");

@@ -132,7 +132,7 @@ fn a_program_that_is_called_once_for_each_run_needs_no_asking() {
 }
 
 #[test]
-fn whatever_an_outside_program_does_costs_its_own_row() {
+fn a_broken_outside_program_costs_its_own_row() {
     let sandbox = sandbox();
     let all: Vec<String> = SCRIPTS
         .iter()

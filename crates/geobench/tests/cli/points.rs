@@ -116,7 +116,7 @@ fn a_position_farther_away_than_the_size_of_the_model_must_be_meant() {
 }
 
 #[test]
-fn targets_and_radius_limit_what_is_written() {
+fn distances_are_limited_to_targets_and_radius() {
     let sandbox = Sandbox::with_square();
     let said = sandbox.succeed(
         "distance square.off --source 1 --target 0 --target edge:0-3,0.5 \
@@ -461,7 +461,7 @@ fn each_source_has_a_file_of_its_own() {
 }
 
 #[test]
-fn what_is_no_point_is_named() {
+fn invalid_points_are_named() {
     let sandbox = Sandbox::with_square();
     sandbox.write("bad.txt", "0\n\nedge:1-3,0.5\n");
     sandbox.write("worse.txt", "0\nx\n");

@@ -23,7 +23,7 @@ fn rounds_become_one_file() {
 }
 
 #[test]
-fn what_cannot_be_joined_is_refused() {
+fn rounds_of_other_benchmarks_are_refused() {
     let sandbox = Sandbox::with_square();
     sandbox.succeed("run square.off --algo mmp,vtp --repeat 1 --warmup 0 -o a.json --quiet");
     sandbox.succeed("run square.off --algo mmp --repeat 1 --warmup 0 -o b.json --quiet");

@@ -53,14 +53,14 @@ fn every_form_of_mesh_is_written_and_read() {
 }
 
 #[test]
-fn too_few_sites_become_more_and_the_summary_says_so() {
+fn sites_are_added_where_there_are_too_few() {
     let sandbox = Sandbox::new();
     let said = sandbox.succeed("remesh gen:torus,faces=3000 --sites 3 -o e.obj");
     assert!(said.contains(" sites more than asked for"), "{said}");
 }
 
 #[test]
-fn what_cannot_be_made_is_refused_and_leaves_no_file() {
+fn refused_meshes_leave_no_file() {
     let sandbox = Sandbox::new();
     for (arguments, part) in [
         (

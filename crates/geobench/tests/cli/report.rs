@@ -93,7 +93,7 @@ fn the_picture_is_chosen() {
 }
 
 #[test]
-fn what_cannot_be_reported_is_refused() {
+fn unusable_results_are_refused() {
     let sandbox = with_result();
     assert!(
         sandbox

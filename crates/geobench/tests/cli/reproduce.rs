@@ -63,7 +63,7 @@ fn a_paper_stands_for_its_suites() {
 }
 
 #[test]
-fn what_there_is_not_is_named_before_anything_runs() {
+fn missing_suites_are_named_before_anything_runs() {
     let sandbox = Sandbox::new();
     let outcome = reproduce(&sandbox, "kept -- 000-figure-12 000-table-9");
     assert_eq!(outcome.code, 3);

@@ -213,7 +213,7 @@ fn a_journal_of_another_model_or_of_other_options_is_refused() {
 }
 
 #[test]
-fn what_cannot_be_a_journal_is_refused_before_the_first_cell() {
+fn other_files_than_journals_are_refused_before_the_first_cell() {
     let sandbox = Sandbox::with_square();
     let run = "run square.off --algo mmp --quiet --resume";
     sandbox.write("notes.txt", "mine\n");

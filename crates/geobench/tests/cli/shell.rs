@@ -40,7 +40,7 @@ fn bash_completes_with_the_script() {
 }
 
 #[test]
-fn manual_pages_hold_what_help_says() {
+fn manual_pages_have_the_text_of_help() {
     let sandbox = Sandbox::new();
     let page = sandbox.succeed("man");
     assert!(

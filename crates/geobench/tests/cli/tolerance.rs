@@ -87,7 +87,7 @@ fn the_tolerance_replaces_the_relative_part() {
 
 /// A distant component, or a single distant vertex, once excused any error near the source.
 #[test]
-fn what_is_far_away_does_not_excuse_errors() {
+fn a_large_component_does_not_widen_the_tolerance() {
     let sandbox = Sandbox::new();
     let shifted = |by: usize| format!("3 {} {} {}\n", by, by + 1, by + 2);
     // A component of size 1 and one of size 1e6, with a source in each.

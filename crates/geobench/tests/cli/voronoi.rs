@@ -190,7 +190,7 @@ fn unusable_arguments_are_named() {
 }
 
 #[test]
-fn what_no_source_reaches_has_no_label() {
+fn unreachable_vertices_have_no_label() {
     let sandbox = Sandbox::new();
     sandbox.write(
         "two.off",

@@ -92,7 +92,7 @@ fn a_tolerance_behind_a_blank_is_named() {
 }
 
 #[test]
-fn what_is_found_is_said() {
+fn components_and_coincident_vertices_are_noted() {
     let sandbox = with_seam();
     let apart = sandbox.call("distance seam.obj --source 1 -o d.csv");
     for part in [

@@ -66,7 +66,7 @@ pub(crate) fn check(run: &mut Run<'_>, sources: &[u32], seed: u64, failures: &mu
 }
 
 #[test]
-fn what_is_final_is_what_the_full_run_finds() {
+fn final_distances_are_those_of_the_full_run() {
     let mut failures = Failures::default();
     for (seed, model) in (0..).zip(zoo::small()) {
         let mesh = mesh_of(&model);

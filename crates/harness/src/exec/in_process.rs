@@ -450,7 +450,7 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_holds_the_targets_in_their_order_or_what_lies_within_the_radius() {
+    fn answers_hold_targets_in_order_or_distances_within_the_radius() {
         let mmp = select_one("mmp").unwrap();
         on_a_triangle(|session| {
             let mut run = |targets: &str, radius, pass| {

@@ -677,7 +677,7 @@ mod tests {
     }
 
     #[test]
-    fn what_looks_like_a_model_and_cannot_be_read_is_named() {
+    fn unreadable_model_files_are_named() {
         let root = tempfile::tempdir().unwrap();
         let path = |name: &str| root.path().join(name);
         fs::write(path("a.off"), FACE).unwrap();

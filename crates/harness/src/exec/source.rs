@@ -703,7 +703,7 @@ mod tests {
     }
 
     #[test]
-    fn points_are_found_and_what_is_not_as_asked_for_is_said() {
+    fn points_are_located_and_moved_ones_are_noted() {
         let positions = vec![[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
         let mesh = Mesh::new(positions, vec![[0, 1, 2]]).unwrap();
         let mut locator = Locator::new(&mesh);

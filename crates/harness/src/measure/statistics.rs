@@ -537,7 +537,7 @@ mod tests {
     }
 
     #[test]
-    fn few_samples_have_no_interval_and_say_so() {
+    fn fewer_than_six_samples_have_no_interval() {
         let few = summarise(&[1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
         assert_eq!((few.ci95, few.outliers), (None, None));
         assert!(too_few(5).unwrap().contains("fewer than 6"));
@@ -633,7 +633,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_far_out_on_either_side_is_found() {
+    fn outliers_on_both_sides_are_found() {
         let samples = [1.0, 1.02, 0.98, 1.01, 0.99, 9.0, 0.1];
         assert_eq!(outliers(&samples), [5, 6]);
         assert!(outliers(&[1.0, 1.02, 0.98, 1.01, 0.99]).is_empty());
@@ -694,7 +694,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_ratio_has_none() {
+    fn unusable_samples_have_no_ratio() {
         assert_eq!(paired_ratio(&[], &[]), None);
         assert_eq!(paired_ratio(&[1.0], &[1.0, 2.0]), None);
         assert_eq!(paired_ratio(&[1.0], &[0.0]), None);

@@ -190,7 +190,7 @@ fn a_crash_costs_one_cell() {
 }
 
 #[test]
-fn a_reference_that_crashes_leaves_the_others_unchecked_and_says_so() {
+fn cells_without_their_reference_are_unchecked() {
     let backend = MockBackend {
         alter: Some(|step, _| match step.algorithm.label() {
             "mmp" => Some(crate::exec::Failure {
@@ -277,7 +277,7 @@ fn figures_come_from_the_runs_that_are_meant_for_them() {
 }
 
 #[test]
-fn without_a_check_only_what_is_no_number_is_wrong() {
+fn without_a_check_only_nan_is_wrong() {
     let mut plan = plan(&["cow"], "vtp", "0");
     plan.reference = Reference::None;
     let records = run_mock(&plan, &MockBackend::default());
@@ -307,7 +307,7 @@ impl Listener for Impatient {
 }
 
 #[test]
-fn who_asks_to_stop_gets_what_is_done() {
+fn an_interrupted_run_returns_the_complete_cells() {
     let plan = plan(&["cow", "horse"], "mmp,ich,vtp", "0");
     let stopped_after = |runs| {
         let backend = MockBackend {

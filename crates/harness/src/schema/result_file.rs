@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_result_file_is_refused() {
+    fn other_files_than_results_are_refused() {
         let error = format!("{:#}", read(Path::new("/no/such.json")).unwrap_err());
         assert!(error.starts_with("/no/such.json: cannot be read: "));
         assert!(refused("").starts_with("r.json: not a result file: EOF"));
@@ -154,7 +154,7 @@ mod unfinished_tests {
     use crate::schema::{Cell, ModelRecord};
 
     #[test]
-    fn what_a_killed_run_had_is_read_from_its_store() {
+    fn results_of_a_killed_run_are_read_from_its_store() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("r.json");
         let mut head = result(Records::default());

@@ -249,7 +249,7 @@ fn anisotropy_is_reached_and_the_shape_stays() {
 }
 
 #[test]
-fn anisotropy_out_of_reach_says_what_is_in_reach() {
+fn the_error_for_an_unreachable_anisotropy_has_the_range() {
     let error = "anisotropic,g=100"
         .parse::<Spec>()
         .expect_err("too stretched");

@@ -16,7 +16,7 @@ fn fails(format: Format, bytes: impl AsRef<[u8]>, message: &str) {
 }
 
 #[test]
-fn what_cannot_be_opened() {
+fn files_that_cannot_be_opened_are_errors() {
     let dir = tempfile::tempdir().unwrap();
     let check = |name: &str, content: Option<&[u8]>, message: &str| {
         let path = dir.path().join(name);
@@ -516,7 +516,7 @@ fn truncated_files_are_refused() {
 }
 
 #[test]
-fn what_cannot_be_written() {
+fn files_that_cannot_be_written_are_errors() {
     let soup = parse(Format::Obj, "v 0 0 0\nf 1 1 1\n").unwrap();
     let error = write(Path::new("a.gts"), &soup).unwrap_err().to_string();
     assert_eq!(

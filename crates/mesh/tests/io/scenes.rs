@@ -94,7 +94,7 @@ pub(crate) fn collada(nodes: &str) -> String {
 }
 
 #[test]
-fn what_has_no_surface_says_so() {
+fn scenes_without_faces_are_errors() {
     let file = collada("<node><instance_geometry url=\"#g\"/></node>");
     fails(
         Format::Collada,

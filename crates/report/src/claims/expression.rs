@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_has_no_value() {
+    fn expressions_that_are_not_finite_have_no_value() {
         let (leaves, nodes) = exact(&[1.0, 0.0]);
         let [one, zero] = [0, 1].map(|i: usize| Box::new(nodes[i].clone()));
         assert_eq!(leaves.value(&Expression::Ratio(one, zero)), None);

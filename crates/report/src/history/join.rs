@@ -525,7 +525,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_compare_is_refused_and_what_differs_is_named() {
+    fn runs_that_do_not_compare_are_refused_and_differences_noted() {
         let a = file(&["horse"], "mmp");
         let with = |change: fn(&mut ResultFile)| {
             let mut b = file(&["horse"], "vtp");

@@ -426,7 +426,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_history_is_refused() {
+    fn directories_without_valid_records_are_refused() {
         let directory = tempfile::tempdir().unwrap();
         let error = read_all(directory.path()).unwrap_err().to_string();
         assert!(error.contains("no records in this directory"), "{error}");

@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn what_solved_nothing_does_not_hide_the_means() {
+    fn algorithms_that_solve_nothing_are_left_out_of_means() {
         let rows = [
             vec![Some(1.0), Some(2.0), None],
             vec![Some(1.0), Some(8.0), None],

@@ -378,7 +378,7 @@ fn several_sources_are_shown_by_their_median() {
 }
 
 #[test]
-fn a_check_against_a_file_of_some_vertices_says_so() {
+fn the_number_of_checked_vertices_is_shown() {
     let mut file = result(run_mock(
         &plan(&["horse"], "mmp,vtp", "0,1"),
         &MockBackend::default(),
@@ -498,7 +498,7 @@ fn a_set_up_within_each_solve_is_not_the_best() {
 }
 
 #[test]
-fn what_times_are_worth_is_said() {
+fn doubts_about_times_are_noted() {
     let mut plan = plan(&["horse"], "mmp,vtp", "0");
     plan.group.ratios_to = Some("vtp".into());
     plan.sampling = geobench_harness::plan::sampling::Sampling::Fixed(3);

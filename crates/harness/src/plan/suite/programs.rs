@@ -323,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_understood_is_named_with_its_line() {
+    fn errors_name_file_and_line() {
         let complaints = [
             (
                 "repeat = 3\n",

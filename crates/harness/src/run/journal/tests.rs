@@ -133,7 +133,7 @@ fn essence(records: &Records) -> String {
 }
 
 #[test]
-fn what_is_complete_is_not_repeated_and_not_even_loaded() {
+fn complete_models_are_neither_run_nor_loaded() {
     let desk = Desk::new();
     let first = MockBackend::default();
     let whole = desk.run(&small(), &first);
@@ -314,7 +314,7 @@ fn a_reference_that_failed_is_not_tried_again() {
 }
 
 #[test]
-fn a_journal_of_another_run_is_refused_and_says_what_differs() {
+fn a_journal_of_another_run_is_refused_with_the_difference() {
     let desk = Desk::new();
     desk.run(&small(), &MockBackend::default());
     let refused = |change: fn(&mut Plan)| {

@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_rule_is_refused() {
+    fn invalid_rules_are_refused() {
         assert_eq!(
             refused("time"),
             "`time` is not a rule; write NAME=LIMIT, such as time=10%"

@@ -169,7 +169,7 @@ fn a_rule_on_time_is_broken_only_by_an_interval_beyond_it() {
 }
 
 #[test]
-fn what_does_not_end_well_any_more_is_worse_under_any_rules() {
+fn a_cell_that_fails_now_is_worse_under_any_rules() {
     for status in [
         Status::Timeout,
         Status::OutOfMemory,

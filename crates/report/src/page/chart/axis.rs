@@ -356,7 +356,7 @@ mod tests {
     }
 
     #[test]
-    fn whatever_the_values_there_is_an_axis() {
+    fn every_range_of_values_has_an_axis() {
         for log in [false, true] {
             for values in [
                 [0.0, 0.0],

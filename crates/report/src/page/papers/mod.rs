@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_understood_is_refused_with_its_line() {
+    fn errors_name_the_line() {
         let head = "paper,table,model,vertices,faces,algorithm,printed,status,time,note\n";
         let line = |fields: &str| refused(&format!("{head}P,T,m,,10,mmp,MMP,ok,1.5,\n{fields}\n"));
         assert!(line("P,T,m,,10,mpp,MMP,ok,1.5,").starts_with("x, line 3: there is no algorithm"));

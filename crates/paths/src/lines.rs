@@ -509,11 +509,11 @@ impl<'a> LineSearch<'a> {
     }
 }
 
-/// Where the line from `from`, on or above the edge, to the end, on or below it, meets the edge. The
-/// point before it on the line is `reached` from `from`.
+/// Where the line from `from`, on or above the edge, to the end, on or below it, meets the edge.
+/// The point before it on the line is `reached` from `from`.
 fn on_edge([x, y]: Vector, [px, py]: Vector, reached: f64) -> f64 {
-    // Beside a face without height, rounding may put an end on the wrong side of the edge: it counts
-    // as on the edge.
+    // Beside a face without height, rounding may put an end on the wrong side of the edge: it
+    // counts as on the edge.
     let (above, below) = (y.max(0.0), (-py).max(0.0));
     if above + below > f64::EPSILON * (x - px).abs() {
         px + below / (above + below) * (x - px)

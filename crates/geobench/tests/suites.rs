@@ -376,7 +376,7 @@ const WRONG: &[(&str, &str)] = &[
     ("repeat = \"a", "suite.toml, line 1: invalid basic string"),
     (
         "\nrepaet = 1",
-        "suite.toml, line 2: there is no key `repaet` here, did you mean `repeat`?; known are ext, group, full, models,",
+        "suite.toml, line 2: there is no key `repaet` here (did you mean `repeat`?); known are ext, group, full, models,",
     ),
     ("[group]\nname = 'a'", "suite.toml, line 1: `group`: a list"),
     (
@@ -401,7 +401,7 @@ const WRONG: &[(&str, &str)] = &[
     ),
     (
         "[[group]]\nname = 'a'\nmodels = [{ paht = 'x' }]",
-        "suite.toml, line 3: there is no key `paht` here, did you mean `path`?; known are path, optional, real,",
+        "suite.toml, line 3: there is no key `paht` here (did you mean `path`?); known are path, optional, real,",
     ),
     (
         "models = [{ path = 'gen:cube', subdivide = 1 }]",
@@ -425,7 +425,7 @@ const WRONG: &[(&str, &str)] = &[
     ),
     (
         "algorithms = ['vtp',\n 'mpm']",
-        "suite.toml, line 2: `algorithms`: there is no algorithm `mpm`, did you mean `mmp`?",
+        "suite.toml, line 2: `algorithms`: there is no algorithm `mpm` (did you mean `mmp`?)",
     ),
     (
         "algorithms = [{ name = 'mmp', kmaxx = 3 }]",
@@ -445,11 +445,11 @@ const WRONG: &[(&str, &str)] = &[
     ),
     (
         "check = 'mpm'",
-        "`check`: there is no algorithm `mpm`, did you mean `mmp`?",
+        "`check`: there is no algorithm `mpm` (did you mean `mmp`?)",
     ),
     (
         "rows = ['tme']",
-        "`rows`: there is no row `tme`, did you mean `time`?",
+        "`rows`: there is no row `tme` (did you mean `time`?)",
     ),
     (
         "[[group]]\nname = 'a'\nmodels = [{ path = 'none.obj', optional = true }]",

@@ -1,11 +1,11 @@
 //! Suggestions for mistyped names.
 
-/// The text `, did you mean `NAME`?` with the name in `known` that is most similar to `name`; empty
+/// The text ` (did you mean `NAME`?)` with the name in `known` that is most similar to `name`; empty
 /// if none is similar. Letter case is ignored. For error messages.
 ///
 /// ```
 /// let known = ["sphere", "torus"];
-/// assert_eq!(geobench_mesh::did_you_mean("Tours", &known), ", did you mean `torus`?");
+/// assert_eq!(geobench_mesh::did_you_mean("Tours", &known), " (did you mean `torus`?)");
 /// assert_eq!(geobench_mesh::did_you_mean("box", &known), "");
 /// ```
 pub fn did_you_mean(name: &str, known: &[&str]) -> String {
@@ -22,7 +22,7 @@ pub fn did_you_mean(name: &str, known: &[&str]) -> String {
         .filter_map(|known| Some((edits(known)?, known)))
         .min()
         .map_or_else(String::new, |(_, known)| {
-            format!(", did you mean `{known}`?")
+            format!(" (did you mean `{known}`?)")
         })
 }
 
@@ -34,10 +34,10 @@ mod tests {
     fn misspellings_are_found_and_nothing_else() {
         let known = ["sphere", "uvsphere", "torus", "tetrahedron"];
         let found = |name| did_you_mean(name, &known);
-        assert_eq!(found("shpere"), ", did you mean `sphere`?");
-        assert_eq!(found("Tours"), ", did you mean `torus`?");
-        assert_eq!(found("tetraeder"), ", did you mean `tetrahedron`?");
-        assert_eq!(found("tetra"), ", did you mean `tetrahedron`?");
+        assert_eq!(found("shpere"), " (did you mean `sphere`?)");
+        assert_eq!(found("Tours"), " (did you mean `torus`?)");
+        assert_eq!(found("tetraeder"), " (did you mean `tetrahedron`?)");
+        assert_eq!(found("tetra"), " (did you mean `tetrahedron`?)");
         assert_eq!(found("te"), "");
         assert_eq!(did_you_mean("foo", &["box", "fmm"]), "");
         assert_eq!(found("xyz"), "");

@@ -108,7 +108,7 @@ def test_sources(square, source, error, text):
         ({"radius": np.nan}, ValueError, "radius: NaN"),
         ({"targets": []}, ValueError, "targets: empty"),
         ({"targets": [99]}, IndexError, "targets vertex 99 does not exist"),
-        ({"algorithm": "vpt"}, ValueError, "algorithm: there is no algorithm `vpt`, did you mean `vtp`"),
+        ({"algorithm": "vpt"}, ValueError, "algorithm: there is no algorithm `vpt` .did you mean `vtp`"),
         ({"algorithm": "exact"}, ValueError, "asks for"),
         ({"algorithm": "fwp-mmp{kmax=0}"}, ValueError, "kmax"),
     ],

@@ -28,7 +28,7 @@ fn wrong_usage() {
         ),
         (
             "run square.off --algo vtq",
-            "there is no algorithm `vtq`, did you mean `vtp`?; known are",
+            "there is no algorithm `vtq` (did you mean `vtp`?); known are",
         ),
         (
             "run square.off --algo mmp{k=1}",
@@ -139,7 +139,7 @@ fn models_that_are_not_there() {
         ),
         (
             "run gen:spere",
-            "gen:spere: unknown model family `spere`, did you mean",
+            "gen:spere: unknown model family `spere` (did you mean",
         ),
         (
             "run gen:sphere,sub=2",

@@ -491,7 +491,7 @@ fn an_error_in_an_answer_names_the_key() {
     assert_eq!(call.code, 1, "{}", call.stderr);
     assert_eq!(
         sandbox.json("r.json")["cells"][1]["message"],
-        "broke the protocol: there is no key `sec`, did you mean `seconds`?; known are seconds, \
+        "broke the protocol: there is no key `sec` (did you mean `seconds`?); known are seconds, \
          setup_seconds, rss_peak_bytes, heap_peak_bytes, counters, refused, ready (starting)"
     );
     let call = sandbox.call("run square.off --ext typo.toml --algo ext:unused");
@@ -693,7 +693,7 @@ fn an_unknown_program_is_refused_before_the_run() {
     for (arguments, complaint) in [
         (
             "run square.off --algo ext:honets --ext peers.toml",
-            "there is no outside program `honets`, did you mean `ext:honest`?",
+            "there is no outside program `honets` (did you mean `ext:honest`?)",
         ),
         (
             "run square.off --algo ext:honest",

@@ -414,12 +414,12 @@ mod tests {
         };
         assert_eq!(
             wrong(r#"{"sec": 1}"#),
-            "there is no key `sec`, did you mean `seconds`?; known are seconds, setup_seconds, \
+            "there is no key `sec` (did you mean `seconds`?); known are seconds, setup_seconds, \
              rss_peak_bytes, heap_peak_bytes, counters, refused, ready"
         );
         assert_eq!(
             wrong(r#"{"seconds": 1, "counters": {"propogated": 7}}"#),
-            "there is no counter `propogated`, did you mean `propagated`?; `geobench algos \
+            "there is no counter `propogated` (did you mean `propagated`?); `geobench algos \
              --counters` lists them"
         );
         assert_eq!(

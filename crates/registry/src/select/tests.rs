@@ -148,7 +148,7 @@ fn in_a_table_auto_is_scalar_except_for_fast_forms() {
 #[test]
 fn an_unknown_name_brings_the_nearest_one() {
     let message = select("vtq").unwrap_err().to_string();
-    assert!(message.starts_with("there is no algorithm `vtq`, did you mean `vtp`?"));
+    assert!(message.starts_with("there is no algorithm `vtq` (did you mean `vtp`?)"));
     assert!(message.contains("known are mmp, "));
     let message = select("a-b-c-d").unwrap_err().to_string();
     assert!(message.starts_with("there is no algorithm `a-b-c-d`; known are"));
@@ -214,7 +214,7 @@ fn parameters_are_refused_with_what_would_be_right() {
     for (item, message) in [
         (
             "no-one{kmx=1}",
-            "algorithm `no-one` has no parameter `kmx`, did you mean `kmax`?; it has kmax, bucket, order",
+            "algorithm `no-one` has no parameter `kmx` (did you mean `kmax`?); it has kmax, bucket, order",
         ),
         (
             "no-one{kmax=0}",

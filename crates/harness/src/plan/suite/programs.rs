@@ -303,7 +303,7 @@ mod tests {
         assert_eq!(fast.files, ["fast.so"]);
         assert_eq!(
             programs.find("fats").unwrap_err().to_string(),
-            "there is no outside program `fats`, did you mean `ext:fast`?: describe it in a table \
+            "there is no outside program `fats` (did you mean `ext:fast`?): describe it in a table \
              [ext.fats] of the suite file, or of a file given with --ext; described are fast"
         );
     }
@@ -359,7 +359,7 @@ mod tests {
             ),
             (
                 "[ext.a]\ncomand = []\n",
-                "peers.toml, line 2: there is no key `comand` here, did you mean `command`?; known are command, protocol, approximate, prepare, cleanup, parameters, version, source, changes, compiler, flags, files",
+                "peers.toml, line 2: there is no key `comand` here (did you mean `command`?); known are command, protocol, approximate, prepare, cleanup, parameters, version, source, changes, compiler, flags, files",
             ),
             (
                 "[ext.'a,b']\ncommand = []\n",

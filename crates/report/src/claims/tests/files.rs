@@ -14,7 +14,7 @@ fn mistakes_in_files_are_named_with_their_line() {
     for (test, expected) in [
         (
             "of = [\"vtp\"]\nhold = \"> 1\"",
-            at(1) + "there is no key `hold` here, did you mean `holds`?",
+            at(1) + "there is no key `hold` here (did you mean `holds`?)",
         ),
         (
             "of = [\"vpt\"]\nholds = \"> 1\"",

@@ -244,7 +244,7 @@ mod tests {
         let unknown = refused("propogated=0");
         assert!(
             unknown.starts_with(
-                "there is no rule `propogated`, did you mean `propagated`?; known are time, outside_time, claimed_time, missing, "
+                "there is no rule `propogated` (did you mean `propagated`?); known are time, outside_time, claimed_time, missing, "
             ),
             "{unknown}"
         );

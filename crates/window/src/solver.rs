@@ -78,15 +78,15 @@ pub enum SolveError {
     /// The mesh has edges with more than two faces, and no diagram continues there.
     #[error(
         "edges with more than two faces, which Voronoi diagrams and remeshing do not cross: split \
-         the surface there (give each sheet vertices of its own, or leave out --weld), or use the \
-         commands distance, path or isolines, whose usual algorithm crosses them"
+         the surface there (give each sheet vertices of its own, which --weld would join), or use \
+         the commands distance, path or isolines, whose usual algorithm crosses them"
     )]
     DiagramAtManyFaces,
     /// The mesh cannot be oriented, and diagrams need an orientation.
     #[error(
         "a surface that cannot be oriented, on which Voronoi diagrams and remeshing do not work: \
-         cut it open (give both sides of a cut vertices of their own, or leave out --weld), or use \
-         the commands distance, path or isolines, whose usual algorithm solves it"
+         cut it open (give both sides of a cut vertices of their own, which --weld would join), or \
+         use the commands distance, path or isolines, whose usual algorithm solves it"
     )]
     DiagramNotOrientable,
     /// A source or target is a point that this mesh does not have.

@@ -422,7 +422,7 @@ mod tests {
     }
 
     #[test]
-    fn points_next_to_edges_and_vertices_are_moved_there_and_say_so() {
+    fn points_next_to_edges_and_vertices_are_moved_there() {
         let near = in_face(0, [1e-13, 0.5, 0.5 - 1e-13]).unwrap();
         assert!(matches!(near.place(), Place::Edge(..)));
         assert!(near.moved() > 0.0 && near.moved() <= 1e-12 * 32.0_f64.sqrt());
@@ -444,7 +444,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_point_is_named() {
+    fn errors_name_the_vertex_edge_or_weight() {
         let says = |result: Result<SurfacePoint, PointError>| result.unwrap_err().to_string();
         assert_eq!(
             says(on_edge(0, 9, 0.5)),

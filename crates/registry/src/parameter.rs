@@ -541,7 +541,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_given_has_its_default() {
+    fn parameters_not_given_have_their_default() {
         let all = [K, WIDTH, LIMIT];
         let values = Values::new(
             &all,

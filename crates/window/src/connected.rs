@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_connected_or_not_final_stays_infinite() {
+    fn unconnected_and_unfinished_vertices_stay_infinite() {
         let mesh = Mesh::generate("grid,n=2").unwrap();
         let mut nothing = vec![INFINITE; 9];
         reach_over_edges(&mesh, &mut nothing, &mut ());

@@ -100,7 +100,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_due_goes_with_the_nearest_list() {
+    fn windows_within_the_slack_are_due() {
         let positions = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
         let soup = TriangleSoup::new(positions, vec![[0, 1, 2]]);
         let mesh = Mesh::from_soup(soup).expect("a triangle is a mesh").0;
@@ -120,7 +120,7 @@ mod tests {
 
     /// A list of which nothing is due would have its turn again and again.
     #[test]
-    fn whatever_the_slack_the_nearest_window_is_due() {
+    fn the_nearest_window_is_due_for_any_slack() {
         let soup = TriangleSoup::new(
             vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]],
             vec![[0, 1, 2]],

@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_decided_at_an_end_stays() {
+    fn cells_at_the_ends_stay() {
         let line = SegmentCells::envelope(vec![(window(0.0), 3)], std::iter::empty(), 2.0, [1, 2]);
         assert_eq!(line.cells().collect::<Vec<_>>(), [1, 3, 2]);
         assert_eq!((line.changes[0].at, line.changes[1].at), (0.0, 1.0));

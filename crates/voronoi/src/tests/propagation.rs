@@ -115,7 +115,7 @@ fn from_one_source_on_a_closed_surface_nothing_stays() {
 }
 
 #[test]
-fn the_periodic_check_leaves_what_the_continuous_one_leaves() {
+fn both_checks_leave_the_same_windows() {
     let mesh = Mesh::generate("torus,faces=5000,bump=0.1,seed=3").unwrap();
     let sources = some_vertices(&mesh, 10, 1);
     let count = |removal| {

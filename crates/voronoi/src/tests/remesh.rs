@@ -191,7 +191,7 @@ fn every_component_gets_a_mesh() {
 }
 
 #[test]
-fn what_cannot_be_remeshed_is_refused() {
+fn impossible_remeshing_is_refused() {
     let mesh = Mesh::generate("cube,n=1").unwrap();
     let options = |sites| RemeshOptions {
         sites,

@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_taken_out_has_no_turn_and_one_when_it_comes_back() {
+    fn a_removed_vertex_has_no_turn_until_pushed_again() {
         let mut buckets = VertexBuckets::new(4, 1.0);
         for distance in [3.5, 5000.5] {
             assert!(!buckets.remove(1));
@@ -352,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_late_has_its_turn_at_once() {
+    fn a_late_vertex_is_in_the_next_turn() {
         let mut buckets = VertexBuckets::new(2, 1.0);
         let mut turn = Vec::new();
         buckets.push(0, 5.0);

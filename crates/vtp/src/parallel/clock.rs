@@ -41,7 +41,7 @@ mod tests {
     use std::thread;
 
     #[test]
-    fn what_a_thread_waits_is_not_work() {
+    fn waiting_is_not_work() {
         let mut clock = Clock::start();
         let slept = clock.pause(|| {
             let inside = Clock::start();

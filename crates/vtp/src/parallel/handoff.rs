@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_to_a_vertex_that_has_had_its_turn_crosses_at_once() {
+    fn windows_handed_to_a_vertex_after_its_turn_cross_at_once() {
         let (shared, [mut a, mut b]) = two_threads();
         let v = saddle(&shared.layout);
         b.find(&shared, path(&shared.layout, v, 0, 4.0));

@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn threads_that_meet_see_what_all_have_done() {
+    fn threads_that_meet_see_the_work_of_all() {
         let mut lag = LagLimit::new(3);
         lag.reset(3);
         let done = [0, 1, 2].map(|_| AtomicU32::new(0));

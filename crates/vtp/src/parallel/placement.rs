@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_on_the_side_of_another_thread_is_given_first() {
+    fn vertices_on_the_side_of_another_thread_are_given_first() {
         for (scale, shift) in [(1.0, 0.0), (1.0, 1e9), (1e50, 0.0), (1e-50, 0.0)] {
             let mut soup = plane();
             for position in &mut soup.positions {

@@ -225,7 +225,7 @@ mod tests {
     };
 
     #[test]
-    fn a_window_on_the_edge_is_its_foot_and_what_lies_beside() {
+    fn a_window_on_the_edge_is_its_foot_and_two_sides() {
         let all: Vec<Window> = pieces(&ON_EDGE, 1.0, []).collect();
         let [foot, left, right] = all[..] else {
             panic!("{all:?}")

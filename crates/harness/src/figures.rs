@@ -349,7 +349,8 @@ mod tests {
         assert_eq!(time().key, "time");
         let message = figure("levls").unwrap_err().to_string();
         assert!(
-            message.starts_with("there is no row `levls` (did you mean `levels`?); known are time,")
+            message
+                .starts_with("there is no row `levls` (did you mean `levels`?); known are time,")
         );
     }
 

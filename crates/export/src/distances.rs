@@ -497,7 +497,7 @@ mod tests {
     }
 
     #[test]
-    fn csv_says_inf() {
+    fn csv_has_inf_for_unreachable_vertices() {
         assert_eq!(
             String::from_utf8(render(FieldFormat::Csv)).unwrap(),
             "vertex,distance\n0,0\n1,3\n2,4\n3,inf\n"
@@ -566,7 +566,7 @@ mod tests {
     }
 
     #[test]
-    fn json_says_null_and_how_often() {
+    fn json_has_null_for_unreachable_vertices_and_counts_them() {
         let value: serde_json::Value = serde_json::from_slice(&render(FieldFormat::Json)).unwrap();
         assert_eq!(value["distances"], serde_json::json!([0.0, 3.0, 4.0, null]));
         assert_eq!(value["unreachable"], 1);

@@ -57,7 +57,7 @@ def check_with_pygeodesic(mesh):
     assert not mesh.wrong_distances(mesh.distance(source), expected).size
 
 
-def test_one_rule_says_which_distances_are_wrong():
+def test_distances_beyond_the_tolerance_are_wrong():
     square = gd.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
     right = np.array([0, 1, 2**0.5, 1])
     off = right + [1e-13, -9e-10, 2e-9, 0]

@@ -133,7 +133,7 @@ def test_the_dual_is_a_mesh():
     assert (dual.vertices == mesh.vertices[sources]).all()
 
 
-def test_a_dual_that_is_none_says_where(torus):
+def test_a_dual_that_is_no_mesh_names_the_cell(torus):
     with pytest.raises(ValueError, match="cell 0 is no disc"):
         torus.voronoi([0]).dual()
 

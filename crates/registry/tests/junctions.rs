@@ -46,7 +46,7 @@ fn an_edge_may_have_many_faces() {
 }
 
 #[test]
-fn algorithms_solve_meshes_with_junctions_or_say_that_they_do_not() {
+fn algorithms_solve_meshes_with_junctions_or_refuse_them() {
     for mesh in meshes() {
         let refusal = SolveError::at_junctions(&mesh);
         let of_diagrams = SolveError::diagram_at_junctions(&mesh);

@@ -64,7 +64,7 @@ fn a_part_goes_on_from_the_journal_of_its_node() {
 }
 
 #[test]
-fn wrong_use_is_told() {
+fn wrong_usage_is_an_error() {
     let sandbox = Sandbox::new();
     for (arguments, problem) in [
         (format!("cluster -o runs -- {RUN}"), "--shards is missing"),

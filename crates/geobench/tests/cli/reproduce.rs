@@ -77,7 +77,7 @@ fn missing_suites_are_named_before_anything_runs() {
 
 /// A suite with a failure keeps its results. The exit status reports the failure.
 #[test]
-fn a_failed_cell_is_kept_and_told() {
+fn a_failed_cell_is_kept_and_reported() {
     let sandbox = Sandbox::new();
     sandbox.write("broken.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n");
     let call = "kept --repeat 1 --warmup 0 broken.off gen:octahedron -- 000-figure-12";

@@ -144,7 +144,7 @@ fn writes_every_field_of_the_result_file() {
 }
 
 #[test]
-fn a_few_samples_have_no_interval_and_the_file_says_why() {
+fn a_few_samples_have_a_note_in_place_of_an_interval() {
     let sandbox = Sandbox::with_square();
     let text = sandbox.succeed("run square.off --repeat 2 --format json --algo mmp");
     let result: Value = serde_json::from_str(&text).unwrap();

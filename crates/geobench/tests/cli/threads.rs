@@ -20,7 +20,7 @@ fn threads(result: &Value) -> Vec<(String, u64)> {
 }
 
 #[test]
-fn cells_say_how_many_threads_they_used() {
+fn cells_record_the_number_of_threads() {
     let sandbox = Sandbox::new();
     for place in ["process", "none"] {
         sandbox.succeed(&format!(
@@ -43,7 +43,7 @@ fn cells_say_how_many_threads_they_used() {
 }
 
 #[test]
-fn one_thread_is_the_default_and_suites_can_say_more() {
+fn one_thread_is_the_default_of_suites() {
     let sandbox = Sandbox::new();
     sandbox.write(
         "suite.toml",
@@ -181,7 +181,7 @@ fn distances_on_threads_are_the_same_but_for_rounding() {
 }
 
 #[test]
-fn each_source_has_its_own_field_whatever_the_number_of_threads() {
+fn each_source_has_the_same_field_with_any_number_of_threads() {
     let sandbox = Sandbox::new();
     let fields = |options: &str, name: &str| {
         let said = sandbox.succeed(&format!(

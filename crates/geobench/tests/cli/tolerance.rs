@@ -19,7 +19,7 @@ fn sandbox() -> Sandbox {
 }
 
 #[test]
-fn rounding_of_the_field_is_no_error_whatever_is_asked_for() {
+fn rounding_of_the_field_is_no_error_at_any_tolerance() {
     let sandbox = sandbox();
     for goal in [
         "",

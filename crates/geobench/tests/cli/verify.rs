@@ -51,7 +51,7 @@ fn a_damaged_file_of_distances_is_named_with_its_line() {
 }
 
 #[test]
-fn answers_in_doubt_are_told_and_counted_apart() {
+fn answers_in_doubt_are_named_and_counted_apart() {
     let sandbox = Sandbox::new();
     // The edges from vertex 2 are far longer than the distances.
     sandbox.write(

@@ -566,7 +566,7 @@ mod tests {
     }
 
     #[test]
-    fn too_short_a_run_says_nothing_of_others() {
+    fn a_run_that_is_too_short_has_no_other_load() {
         let idle = own([0; 4]);
         let after = |ticks: &str| {
             let start = [
@@ -595,7 +595,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn this_system_tells_who_had_the_processors() {
+    fn this_system_gives_the_times_of_processors() {
         let snapshot = Snapshot::take(std::path::Path::new("/"));
         assert!(snapshot.load.is_some());
         let idle = own([0; 4]);

@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn infinite_against_finite_and_not_a_number_are_wrong_whatever_the_tolerance() {
+    fn infinite_against_finite_and_nan_are_wrong_at_any_tolerance() {
         for (found, expected) in [(INF, 1.0), (1.0, INF), (f64::NAN, 1.0), (f64::NAN, INF)] {
             let result = compare(&[found], &[expected], 1e9);
             assert!(!result.agrees(), "{found} {expected}");

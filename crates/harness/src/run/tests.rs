@@ -393,7 +393,7 @@ fn cells_at_the_same_time_have_the_results_of_one_after_the_other_in_the_same_or
 }
 
 #[test]
-fn as_many_cells_run_at_the_same_time_as_asked_for_and_the_reference_comes_first() {
+fn jobs_limit_the_cells_at_a_time_and_the_reference_is_first() {
     static RUNNING: AtomicUsize = AtomicUsize::new(0);
     static MOST: AtomicUsize = AtomicUsize::new(0);
     let plan = plan(&["cow"], "vtp,mmp,ich,fwp-mmp", "0");

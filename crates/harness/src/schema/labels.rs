@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn a_label_names_what_differs_from_the_defaults_of_today() {
+    fn a_label_has_the_parameters_that_differ_from_the_defaults() {
         let new = |queue| json!({"queue": queue, "crossing": "single", "threshold": "none"});
         assert_eq!(of("ich", &new("heap")), "ich");
         assert_eq!(of("ich", &new("calendar")), "ich{queue=calendar}");

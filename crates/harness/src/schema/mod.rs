@@ -838,7 +838,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_count_that_is_none_is_named_without_a_name_of_the_code() {
+    fn counters_that_are_no_numbers_are_errors() {
         let problem = |text: &str| {
             let value: serde_json::Value = serde_json::from_str(text).unwrap();
             counters_as_map::deserialize(value).unwrap_err().to_string()

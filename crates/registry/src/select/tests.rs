@@ -210,7 +210,7 @@ fn a_label_is_the_same_however_values_are_written() {
 }
 
 #[test]
-fn parameters_are_refused_with_what_would_be_right() {
+fn wrong_parameters_are_refused_with_the_valid_ones() {
     for (item, message) in [
         (
             "no-one{kmx=1}",

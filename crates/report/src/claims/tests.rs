@@ -627,7 +627,7 @@ fn runs_that_must_fail_are_looked_for_on_large_models() {
 }
 
 #[test]
-fn claims_without_results_say_why() {
+fn claims_without_results_have_a_reason() {
     let file = |rest: &str| {
         let head = HEAD.replace("suite = \"s\"\n", rest);
         ClaimsFile::parse(Path::new("c.toml"), &head).unwrap()

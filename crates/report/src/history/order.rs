@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn commits_are_in_the_order_of_git_whatever_the_dates() {
+    fn commits_are_in_the_order_of_git_and_not_of_dates() {
         // Measured in the order e, a, c, b; d was not measured.
         let records = records(&["edcba", "a", "cba", "ba"]);
         let ordered = OrderedHistory::new(records.clone(), &[]);

@@ -558,7 +558,7 @@ mod tests {
     }
 
     #[test]
-    fn an_end_says_how_and_why() {
+    fn the_wait_status_and_stderr_give_status_and_message() {
         for (wait_status, words, kernel, status, message) in [
             (
                 3 << 8,

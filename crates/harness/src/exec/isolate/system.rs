@@ -461,7 +461,7 @@ mod tests {
     }
 
     #[test]
-    fn orphans_that_appear_before_the_answer_is_awaited_belong_to_the_child_that_starts() {
+    fn early_orphans_belong_to_the_child_that_starts() {
         let mut owners = OrphanOwners {
             seen: Vec::new(),
             at_work: Vec::new(),

@@ -26,9 +26,9 @@ use crate::path::{PyPath, tuples};
 use crate::points::{Finder, SharedMesh, core, single};
 use crate::voronoi::PyVoronoi;
 
-/// An immutable triangle mesh, validated when it is made. Vertices keep their numbers. Faces
-/// without three different vertices and second copies are left out of `faces`; numbers of faces are
-/// those of the array or file.
+/// An immutable triangle mesh, validated when it is made. Vertices and faces keep their numbers.
+/// Faces without three different vertices and second copies are left out of the surface, but not of
+/// `faces`.
 ///
 /// Surfaces need not be closed, connected, manifold or orientable. Algorithms that do not cross
 /// edges with more than two faces, or surfaces that cannot be oriented, raise `ValueError`.

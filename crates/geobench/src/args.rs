@@ -133,7 +133,7 @@ pub(crate) fn in_one_line(error: &clap::Error) -> String {
     let text = text.strip_prefix("error: ").unwrap_or(&text);
     let text = text.split("\nUsage:").next().unwrap_or(text);
     let text = text.split("\nFor more information").next().unwrap_or(text);
-    // An option that does not exist is no file either.
+    // Without the tip of clap to pass an unknown option as a value: no file is meant by it.
     let lines = text
         .lines()
         .filter(|line| !line.contains("as a value, use '--"));

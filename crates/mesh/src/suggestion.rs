@@ -1,7 +1,7 @@
 //! Suggestions for mistyped names.
 
-/// The text ` (did you mean `NAME`?)` with the name in `known` that is most similar to `name`; empty
-/// if none is similar. Letter case is ignored. For error messages.
+/// The text ` (did you mean `NAME`?)` with the name in `known` that is most similar to `name`;
+/// empty if none is similar. Letter case is ignored. For error messages.
 ///
 /// ```
 /// let known = ["sphere", "torus"];

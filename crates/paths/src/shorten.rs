@@ -39,7 +39,8 @@ impl Path {
     /// there may be none: the result is then a single point, of length 0. On a surface of one side
     /// a path that returns with its sides exchanged stays at one vertex, where it may bend.
     ///
-    /// `None` if an end is no vertex of `mesh`, or the path leaves the surface.
+    /// `None` if an end is no vertex of `mesh`, if the path leaves the surface, or if it is
+    /// `closed` and its ends differ.
     ///
     /// ```
     /// use geobench_mesh::Mesh;

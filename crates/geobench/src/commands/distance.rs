@@ -175,7 +175,7 @@ impl DistanceOptions {
     ///
     /// # Errors
     ///
-    /// If there are curves, which it does not take as sources.
+    /// If there are curves and it does not take them as sources.
     fn algorithm_on(&self, mesh: &Mesh, has_curves: bool) -> anyhow::Result<Selection> {
         let algorithm = match self.algorithm.algo.clone() {
             Some(algorithm) => algorithm,
@@ -343,6 +343,7 @@ impl DistanceCommand<'_> {
             .collect();
         let mut labels = self.points.source_labels();
         labels.extend(curves.iter().map(|(label, _)| label.clone()));
+        // All borders have one label.
         labels.dedup();
         let radius = self.options.goal.spec().radius;
         let limit = radius.unwrap_or(f64::INFINITY);

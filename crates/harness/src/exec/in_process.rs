@@ -24,9 +24,8 @@ const ENOUGH_SAMPLES: u64 = 2400;
 /// A profiled run is not repeated after this time, even with fewer samples, unless there are none.
 const LONGEST_PROFILE: Duration = Duration::from_secs(1);
 
-/// The profiled runs of a short solve end after this number of times the first of them, and at
-/// least
-/// [`SHORTEST_PROFILE`]: the profile would take most of the time of a small cell.
+/// The profiled runs of a short solve end after this number of times the first of them, and after
+/// [`SHORTEST_PROFILE`] at least: longer ones would take most of the time of a small cell.
 const MOST_PROFILED: u32 = 100;
 
 /// Profiled runs may take this time.

@@ -327,12 +327,12 @@ impl OrphanOwners {
         owners
     }
 
-    /// Tells that the child with this mark starts.
+    /// Records that the child with this mark starts.
     fn start(&mut self, mark: &str) {
         self.last = self.at_work.is_empty().then(|| mark.to_owned());
     }
 
-    /// Tells that the answer of the child with this mark is awaited.
+    /// Records that the answer of the child with this mark is awaited.
     fn begin(&mut self, mark: &str) {
         self.at_work.push(mark.to_owned());
         self.last = (self.at_work.len() == 1).then(|| mark.to_owned());

@@ -218,7 +218,7 @@ impl Comparison {
     }
 
     fn in_words(&self, faster: &str, slower: &str, of_next: bool) -> String {
-        let factor = ratio(self.factor);
+        let factor = grouped_ratio(self.factor);
         let models = self.models_in_words();
         let Some([low, high]) = self.interval else {
             return format!(
@@ -231,7 +231,7 @@ impl Comparison {
             return self.reversed().in_words(slower, faster, false);
         }
         if low <= 1.0 {
-            let factor = format!("{factor} [{}, {}]", ratio(low), ratio(high));
+            let factor = format!("{factor} [{}, {}]", grouped_ratio(low), grouped_ratio(high));
             return format!(
                 "No difference between {faster} and {slower}: {faster} is {factor} times as \
                  fast{models}."
@@ -275,7 +275,9 @@ impl Comparison {
             ""
         };
         let range = match range_of(self.ratios.iter().copied()) {
-            Some([low, high]) if models > 1 => format!(", {} to {}", ratio(low), ratio(high)),
+            Some([low, high]) if models > 1 => {
+                format!(", {} to {}", grouped_ratio(low), grouped_ratio(high))
+            }
             _ => String::new(),
         };
         let slower = match self.slower_on() {
@@ -289,13 +291,13 @@ impl Comparison {
             }) => format!(
                 ", at {} faces, the largest size{solved}; {} at {} faces",
                 grouped(*many),
-                ratio(*smallest),
+                grouped_ratio(*smallest),
                 grouped(*few)
             ),
             Some(Growth { smallest, .. }) => format!(
                 " (geometric mean over {}{largest}{solved}{range}{slower}; {} at the smallest sizes)",
                 counted(models, "model"),
-                ratio(*smallest)
+                grouped_ratio(*smallest)
             ),
             None if models == 1 => format!(", on the only model{solved}"),
             None => format!(" (geometric mean over {models} models{solved}{range}{slower})"),
@@ -304,7 +306,7 @@ impl Comparison {
 }
 
 /// A ratio in words, with thousands separators.
-fn ratio(value: f64) -> String {
+fn grouped_ratio(value: f64) -> String {
     if value < 999.5 {
         number::ratio(value)
     } else {
@@ -314,7 +316,7 @@ fn ratio(value: f64) -> String {
 
 /// A ratio above 1, which is not shown as 1.
 fn above_one(value: f64) -> String {
-    let text = ratio(value);
+    let text = grouped_ratio(value);
     if text == "1.00" {
         format!("{value:.4}")
     } else {

@@ -177,7 +177,8 @@ impl SurfaceSolver {
     ///     mesh.nearest_point(place).map(|found| found.0)
     /// };
     /// let ways = [at(0.5, 0.0, 0.4)?, at(1.0, 0.5, 0.6)?, at(0.5, 1.0, 0.5)?, at(0.0, 0.5, 0.6)?];
-    /// let belt = SurfaceSolver::new(&mesh).shortened_path(ways, true)?.expect("it is in one piece");
+    /// let mut solver = SurfaceSolver::new(&mesh);
+    /// let belt = solver.shortened_path(ways, true)?.expect("it is in one piece");
     /// let around = 2.0 * (high[0] - low[0] + high[1] - low[1]);
     /// assert!((belt.length - around).abs() < 1e-12);
     /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -201,8 +201,8 @@ def test_lines_on_a_plane_and_a_cube():
     cube = gd.generate("cube,n=3,side=3")
     around = cube.trace(gd.at(1.2, 0.4, 3), [0, 1, 0], 12)
     np.testing.assert_allclose(around.points[-1], around.points[0], atol=1e-12)
-    # A corner of the cube has three right angles. From the diagonal of one of its faces the line goes
-    # on along the opposite edge.
+    # A corner of the cube has three right angles. From the diagonal of one of its faces the line
+    # goes on along the opposite edge.
     through = cube.trace(gd.at(2, 2, 3), [1, 1, 0], 2 * 2**0.5)
     passed = [cube.nearest_vertex(3, 3, z) for z in (3, 2)]
     assert through.vertices[1:-1].tolist() == passed

@@ -190,8 +190,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// The error for an option whose value may be left out and is written behind a blank. A value
-/// stands behind `=` there. A number behind the blank would be read as the name of a model.
+/// The error for an option whose value may be left out, if a number follows it after a blank. The
+/// value of such an option follows `=`. The number would be read as the name of a model.
 fn detached_value(program: &clap::Command, words: &[OsString]) -> Option<String> {
     let mut commands = words.iter().skip(1);
     let command = commands.find_map(|word| program.find_subcommand(word))?;
@@ -203,8 +203,9 @@ fn detached_value(program: &clap::Command, words: &[OsString]) -> Option<String>
     pairs.find_map(|pair| {
         let (option, value) = (pair[0].to_str()?.strip_prefix("--")?, pair[1].to_str()?);
         let is_number = value.parse::<f64>().is_ok() && !Path::new(value).exists();
-        (is_number && may_lack_value(option))
-            .then(|| format!("the value of --{option} stands behind `=`: write --{option}={value}"))
+        (is_number && may_lack_value(option)).then(|| {
+            format!("the value of --{option} follows `=` without a blank: write --{option}={value}")
+        })
     })
 }
 

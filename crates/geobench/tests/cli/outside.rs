@@ -753,7 +753,7 @@ fn the_record_has_the_provenance_of_outside_programs() {
     );
 
     sandbox.write("lib.so", "abcd");
-    let changed = "the file lib.so of ext:honest is another one";
+    let changed = "the file lib.so of ext:honest has changed";
     for more in ["--resume j.jsonl", "--add-to old.json"] {
         let refused = run(more);
         assert_eq!(refused.code, 2, "{more}");

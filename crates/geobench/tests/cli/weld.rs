@@ -68,9 +68,9 @@ fn a_tolerance_joins_vertices_that_are_close() {
     }
 }
 
-/// A value behind a blank was taken for a model that does not exist.
+/// A value after a blank was taken for a model that does not exist.
 #[test]
-fn a_tolerance_behind_a_blank_is_named() {
+fn a_tolerance_after_a_blank_is_an_error() {
     let sandbox = with_seam();
     for command in [
         "distance close.obj --source 1 -o d.json --weld 1e-5",
@@ -79,7 +79,7 @@ fn a_tolerance_behind_a_blank_is_named() {
     ] {
         let said = sandbox.refuse(command);
         assert_eq!(
-            said, "the value of --weld stands behind `=`: write --weld=1e-5",
+            said, "the value of --weld follows `=` without a blank: write --weld=1e-5",
             "{command}"
         );
     }
@@ -88,7 +88,7 @@ fn a_tolerance_behind_a_blank_is_named() {
     sandbox.refuse("info --weld 8 seam.obj");
     sandbox.succeed("info --weld seam.obj");
     let said = sandbox.refuse("info --weld 7");
-    assert!(!said.contains("behind"), "{said}");
+    assert!(!said.contains("blank"), "{said}");
 }
 
 #[test]

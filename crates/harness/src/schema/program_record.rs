@@ -88,7 +88,7 @@ pub fn changed_program<'p>(
         let found = differences?.pop()?;
         let name = &program.name;
         if let Some(file) = hashed(&found.place).and_then(|place| program.files.get(place)) {
-            return Some(format!("the file {} of {name} is another one", file.path));
+            return Some(format!("the file {} of {name} has changed", file.path));
         }
         let place = found.place.trim_start_matches("provenance.");
         Some(format!(
@@ -137,7 +137,7 @@ mod tests {
         assert_eq!(changed_program([&first, &second], [&first]), None);
         assert_eq!(
             changed_program([&first], [&first, &second]).unwrap(),
-            "the file ../bb/a of ext:a is another one"
+            "the file ../bb/a of ext:a has changed"
         );
         assert_eq!(
             changed_program([&first], [&program("2", "aa")]).unwrap(),

@@ -127,7 +127,8 @@ pub fn mmp_fast(mesh: &Mesh) -> Batched<NearestLists> {
 }
 
 /// [`mmp`] in batches: the nearest window is propagated together with those of its half-edge that
-/// are at most `slack` mean edge lengths further; O(faces).
+/// are at most `slack` mean edge lengths further, or less far [where many faces are
+/// small](NearestLists::new); O(faces).
 ///
 /// At a slack of 1, the [default](NearestLists::SLACK) of [`mmp_fast`], it propagates 0.3 to 1 %
 /// more windows in half the time on scans. At a slack of 0 the order is that of [`mmp`], except for

@@ -182,6 +182,8 @@ pub(crate) fn verify(options: &VerifyOptions) -> anyhow::Result<Verdict> {
 struct VerifyTally {
     answers: usize,
     wrong: usize,
+    /// Algorithms without an answer, and answers without a reference.
+    failed: usize,
     /// Answers that differ from others by no more than is in doubt.
     undecided: usize,
     /// Right answers in doubt.
@@ -192,17 +194,18 @@ struct VerifyTally {
 
 impl VerifyTally {
     fn count(&mut self, verdict: &AnswerVerdict) {
-        self.answers += 1;
+        self.answers += usize::from(verdict.word != Word::Failed);
         match verdict.word {
+            Word::Failed => self.failed += 1,
             Word::Wrong => self.wrong += 1,
             Word::InDoubt => self.undecided += 1,
             Word::Ok => self.doubtful += usize::from(verdict.doubt.is_some()),
         }
     }
 
-    /// Whether answers disagree.
+    /// Whether answers disagree or are missing.
     const fn has_failed(&self) -> bool {
-        self.wrong > 0 || self.undecided > 0
+        self.wrong > 0 || self.undecided > 0 || self.failed > 0
     }
 
     fn text(&self) -> String {
@@ -216,7 +219,11 @@ impl VerifyTally {
             0 => String::new(),
             some => format!("; {some} in doubt differ"),
         };
-        format!("{agreeing} of {answers} answers agree{doubtful}{undecided}")
+        let failed = match self.failed {
+            0 => String::new(),
+            some => format!("; {some} failed"),
+        };
+        format!("{agreeing} of {answers} answers agree{doubtful}{undecided}{failed}")
     }
 }
 
@@ -381,7 +388,7 @@ impl LoadedModelCheck<'_> {
             let mut cluster = None;
             match done {
                 Err(failure) => {
-                    verdict.wrong(&failure.message);
+                    verdict.failed(&failure.message);
                     if is_reference {
                         state.checks.unchecked = Some(failure.message);
                     }
@@ -461,7 +468,7 @@ impl LoadedModelCheck<'_> {
             checks.answer = Some(Answer::of(REFERENCE, &found));
             state.doubt = verdict.doubt;
         } else if checks.answer.is_none() {
-            verdict.wrong("the reference failed, so there is nothing to agree with");
+            verdict.failed("the reference failed, so there is nothing to agree with");
             vote.cluster = checks.cluster_of_differing(&found, tolerance);
         } else {
             if !verdict.may_differ {
@@ -686,6 +693,8 @@ enum Word {
     /// It differs, by no more than is in doubt.
     InDoubt,
     Wrong,
+    /// There is no answer, or nothing to compare it with.
+    Failed,
 }
 
 /// The verdict on one answer.
@@ -703,6 +712,12 @@ impl AnswerVerdict {
     /// Marks the answer as wrong, for the reason `why`.
     fn wrong(&mut self, why: &str) {
         self.word = Word::Wrong;
+        self.remarks.push(why.to_owned());
+    }
+
+    /// Says why there is nothing to judge.
+    fn failed(&mut self, why: &str) {
+        self.word = Word::Failed;
         self.remarks.push(why.to_owned());
     }
 
@@ -801,6 +816,7 @@ impl AnswerVerdict {
             Word::Ok => "ok",
             Word::InDoubt => "IN DOUBT",
             Word::Wrong => "WRONG",
+            Word::Failed => "FAILED",
         };
         format!("{word}: {}", self.remarks.join("; "))
     }

@@ -194,7 +194,7 @@ fn verify_goes_on_after_a_crash() {
     let text = call.stdout;
     assert_eq!(call.code, 1, "{text}");
     assert_eq!(
-        text.matches("test-segv: WRONG: was killed by signal 11 (SIGSEGV)")
+        text.matches("test-segv: FAILED: was killed by signal 11 (SIGSEGV)")
             .count(),
         2
     );

@@ -105,11 +105,29 @@ fn algorithms_that_do_not_cross_them_are_refused() {
             text.contains("fwp-mmp: ok") && text.contains("ich: ok"),
             "{text}"
         );
-        let outcome = sandbox.call(&format!("run {model} --algo mmp,vtp"));
-        assert_eq!(outcome.code, 2, "{}", outcome.stderr);
-        let named = format!("vtp: {why}");
-        assert!(outcome.stderr.contains(&named), "{}", outcome.stderr);
-        assert!(outcome.stdout.contains(&named), "{}", outcome.stdout);
+        // The others are checked, also if the first one would be the reference of other models.
+        for list in ["mmp,vtp", "vtp,mmp", "vtp-fast,vtp,ich,mmp"] {
+            let outcome = sandbox.call(&format!("run {model} --algo {list} --repeat 1"));
+            assert_eq!(outcome.code, 2, "{list}: {}", outcome.stderr);
+            let named = format!("vtp: {why}");
+            assert!(outcome.stderr.contains(&named), "{}", outcome.stderr);
+            assert!(outcome.stdout.contains(&named), "{}", outcome.stdout);
+            assert!(
+                outcome.stdout.contains("checked against "),
+                "{}",
+                outcome.stdout
+            );
+            assert!(
+                !outcome.stdout.contains("not checked"),
+                "{}",
+                outcome.stdout
+            );
+        }
+        // A reference that is asked for stays.
+        let outcome = sandbox.call(&format!(
+            "run {model} --algo vtp,mmp --check vtp --repeat 1"
+        ));
+        assert_eq!(outcome.code, 1, "{}", outcome.stderr);
     }
 }
 
@@ -174,7 +192,7 @@ fn a_named_algorithm_fails_also_beside_its_family() {
     let verified = sandbox.call("verify book.obj --algo mmp,vtp,vtp-family");
     assert_eq!(verified.code, 1);
     assert!(
-        verified.stdout.contains("vtp: WRONG: vtp: edges"),
+        verified.stdout.contains("vtp: FAILED: vtp: edges"),
         "{}",
         verified.stdout
     );

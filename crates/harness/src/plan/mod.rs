@@ -80,7 +80,7 @@ impl Reference {
     /// The default: `mmp-fast` if it is measured; otherwise the first exact algorithm; otherwise
     /// `mmp-fast`, which then runs for the check only. Never an approximate algorithm, which would
     /// make correct answers count as wrong. The only exact algorithm of a run is compared with
-    /// another one.
+    /// another one. The default is optional: a model may get another one.
     pub fn usual(algorithms: &[Selection]) -> Self {
         const USUAL: &str = "mmp-fast";
         const OTHER: &str = "ich-fast";
@@ -92,7 +92,7 @@ impl Reference {
                 named(OTHER).map_or(Self::None, Self::Unasked)
             }
             (Some(_), [_]) => named(USUAL).map_or(Self::None, Self::Unasked),
-            (Some(selection), _) => Self::Algorithm(selection.clone()),
+            (Some(selection), _) => Self::Algorithm(selection.clone().as_optional()),
             (None, []) => Self::None,
             (None, _) => named(USUAL).map_or(Self::None, Self::Algorithm),
         }
@@ -241,14 +241,18 @@ impl Plan {
         all.filter(|one| !self.leaves_out(one.label(), model))
     }
 
-    /// The reference on `model`. Another one takes the place of a default that is left out.
+    /// The reference on `model`. Another one takes the place of a default that is left out or does
+    /// not cross the junctions of the model.
     pub(crate) fn reference_on(&self, model: &ModelRecord) -> Reference {
+        let is_able = |one: &Selection| {
+            !self.leaves_out(one.label(), model)
+                && (model.junctions.is_none() || one.crosses_junctions())
+        };
         match &self.reference {
-            Reference::Algorithm(one)
-                if one.is_optional() && self.leaves_out(one.label(), model) =>
-            {
-                let left: Vec<Selection> = self.algorithms_on(model).cloned().collect();
-                match Reference::usual(&left) {
+            Reference::Algorithm(one) if one.is_optional() && !is_able(one) => {
+                let able = self.algorithms_on(model).filter(|one| is_able(one));
+                let able: Vec<Selection> = able.cloned().collect();
+                match Reference::usual(&able) {
                     Reference::Unasked(other) => Reference::Algorithm(other),
                     usual => usual,
                 }

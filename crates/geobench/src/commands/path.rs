@@ -318,7 +318,9 @@ impl PathCommand<'_> {
         };
         let points = self.points;
         let refined = &points.refined;
+        let mut parts = 0;
         let path = through.path(refined, &refined.vertices, |[from, to]| {
+            parts += 1;
             let paths = Paths::find(self.solver(), &refined.mesh, from, &Goal::targets([to]))?;
             self.warn_of_doubt(&paths);
             anyhow::Ok(paths.to(to)?)
@@ -326,8 +328,10 @@ impl PathCommand<'_> {
         if through.shorten && path.as_ref().is_some_and(|path| path.length == 0.0) {
             terminal::notes(&["the path contracts to a point".to_owned()]);
         }
-        let last = points.labels().and_then(<[SourceLabel]>::last);
-        let target = last.filter(|_| !through.closed).unwrap_or(source).clone();
+        // The end of the path, or of the first part that does not exist.
+        let back = through.closed.then_some(source);
+        let ends = points.labels().unwrap_or_default().iter().chain(back);
+        let target = ends.take(parts).last().unwrap_or(source).clone();
         let path = path.map(|path| (source.clone(), path));
         let mut totals = Totals::default();
         totals.add(&target, path.as_ref());

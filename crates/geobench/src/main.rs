@@ -179,13 +179,19 @@ fn main() -> ExitCode {
         terminal::error(&problem);
         return ExitCode::from(2);
     }
-    let arguments = program.try_get_matches_from(words);
+    let arguments = program.try_get_matches_from(&words);
     match arguments.and_then(|found| Arguments::from_arg_matches(&found)) {
         Ok(Arguments {
             command: Command::Cell { model, settings },
             ..
         }) => cell(&model, &settings),
-        Ok(arguments) => command(arguments),
+        Ok(arguments) => match unused_form(&arguments, &words) {
+            Some(problem) => {
+                terminal::error(&problem);
+                ExitCode::from(2)
+            }
+            None => command(arguments),
+        },
         Err(error) => usage(&error),
     }
 }
@@ -206,6 +212,28 @@ fn detached_value(program: &clap::Command, words: &[OsString]) -> Option<String>
         (is_number && may_lack_value(option)).then(|| {
             format!("the value of --{option} follows `=` without a blank: write --{option}={value}")
         })
+    })
+}
+
+/// The error for a format of standard input or output if no file is `-`. It would have no effect,
+/// and a file would have another format than the one that was asked for.
+fn unused_form(arguments: &Arguments, words: &[OsString]) -> Option<String> {
+    let forms = [
+        ("--input-format", &arguments.input_format),
+        ("--output-format", &arguments.output_format),
+    ];
+    let (option, form) = forms
+        .into_iter()
+        .find_map(|(o, form)| Some((o, form.as_ref()?)))?;
+    let is_standard = |word: &OsString| {
+        let word = word.to_string_lossy();
+        word == "-" || word == "-o-" || word.ends_with("=-")
+    };
+    (!words.iter().any(is_standard)).then(|| {
+        format!(
+            "{option} {form}: no file is `-`, and the ending of any other file names its format; \
+             leave the option out, or write `-`"
+        )
     })
 }
 

@@ -56,6 +56,10 @@ fn wrong_usage() {
         ),
         ("run square.off --seed -1", "a whole number from 0 to"),
         (
+            "run square.off --min-time 6s --max-time 1s",
+            "`min-time` is 6 s and above the 1 s of `max-time`; lower it",
+        ),
+        (
             "run square.off --wavefront --no-counts",
             "'--wavefront' cannot be used with '--no-counts'",
         ),

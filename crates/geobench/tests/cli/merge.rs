@@ -227,6 +227,25 @@ fn a_dash_is_standard_input_and_output() {
         refusal.starts_with("-: --input-format says in which form"),
         "{refusal}"
     );
+    // The ending of a file names its format, so that the options would have no effect.
+    for (command, option) in [
+        ("info square.off --input-format obj", "--input-format obj"),
+        (
+            "gen torus -o torus.ply --output-format obj",
+            "--output-format obj",
+        ),
+        (
+            "distance square.off --source 0 -o d.csv --output-format nonsense",
+            "--output-format nonsense",
+        ),
+    ] {
+        let refusal = sandbox.refuse(command);
+        assert!(
+            refusal.starts_with(&format!("{option}: no file is `-`")),
+            "{refusal}"
+        );
+    }
+    assert!(!sandbox.path("torus.ply").exists());
 }
 
 #[test]

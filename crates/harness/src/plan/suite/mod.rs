@@ -133,7 +133,10 @@ pub fn plans(
             model::collect(&arguments)?
         } else {
             // This bounds the built-in suite to about a minute, even on a noisy machine.
-            asked.max_time.get_or_insert(MODELS_MAX_TIME);
+            let least = asked.min_time.map_or(0.0, |time| time.0);
+            asked
+                .max_time
+                .get_or_insert(Seconds(MODELS_MAX_TIME.0.max(least)));
             model::collect(MODELS)?
         };
         if asked.algorithms.algorithms.is_some() || asked.simd.simd.is_some() {
@@ -279,7 +282,7 @@ fn plan(
         sources,
         sources_together: settings.sources_together.unwrap_or(false),
         goal,
-        sampling: settings.sampling(),
+        sampling: settings.sampling()?,
         warmup: settings.warmup.map_or(1, |runs| runs.0 as usize),
         counts: settings.counts.unwrap_or(true),
         reference: reference.unwrap_or_else(|| Reference::usual(&algorithms)),

@@ -174,16 +174,28 @@ impl Settings {
     }
 
     /// The timed runs of each cell.
-    pub(super) fn sampling(&self) -> Sampling {
+    ///
+    /// # Errors
+    ///
+    /// If the least time is above the greatest.
+    pub(super) fn sampling(&self) -> Result<Sampling, UsageError> {
         if let Some(repeat) = self.repeat {
-            return Sampling::Fixed(repeat.0 as usize);
+            return Ok(Sampling::Fixed(repeat.0 as usize));
+        }
+        if let (Some(Seconds(least)), Some(Seconds(greatest))) = (self.min_time, self.max_time)
+            && least > greatest
+        {
+            return Err(UsageError(format!(
+                "`min-time` is {least} s and above the {greatest} s of `max-time`; lower it, or \
+                 raise `max-time`"
+            )));
         }
         let usual = Precision::USUAL;
-        Sampling::UntilPrecise(Precision {
+        Ok(Sampling::UntilPrecise(Precision {
             relative: self.precision.map_or(usual.relative, |share| share.0),
             min_time: self.min_time.map_or(usual.min_time, |time| time.0),
             max_time: self.max_time.map_or(usual.max_time, |time| time.0),
-        })
+        }))
     }
 
     /// Reads settings from the keys of a table that are left.

@@ -83,6 +83,7 @@ pub(crate) fn init(options: &InitOptions) -> anyhow::Result<Verdict> {
             format!("{}: {}{state}\n", file.path, file.shows)
         });
         terminal::print(&lines.collect::<String>())?;
+        tell_place();
         return Ok(Verdict::Passed);
     }
     let present: Vec<&str> = FILES.iter().filter(exists).map(|file| file.path).collect();
@@ -118,7 +119,30 @@ pub(crate) fn init(options: &InitOptions) -> anyhow::Result<Verdict> {
         said.push(replace.to_owned());
     }
     terminal::print(&(said.concat() + NEXT))?;
+    tell_place();
     Ok(Verdict::Passed)
+}
+
+/// Writes a note if the current directory is not the top one of a repository, the only one whose
+/// workflows GitHub reads and in which the action runs.
+fn tell_place() {
+    let Ok(here) = std::env::current_dir() else {
+        return;
+    };
+    // In a work tree and in a submodule it is a file.
+    let top = here.ancestors().find(|path| path.join(".git").exists());
+    let note = match top {
+        Some(top) if top == here => return,
+        Some(top) => format!(
+            "the top directory of the repository is {}: GitHub reads no workflow below it, and the \
+             action looks for benchmarks there; run init there, or move the files",
+            top.display()
+        ),
+        None => "the current directory is in no repository: GitHub reads workflows in the top \
+                 directory of one only; run git init here, or move the files into that directory"
+            .to_owned(),
+    };
+    terminal::notes(&[note]);
 }
 
 /// An action with its version.

@@ -169,6 +169,33 @@ fn init_writes_files_that_work_and_replaces_none() {
     assert!(shown.contains("ext:solver (approx.)"), "{shown}");
 }
 
+/// GitHub reads workflows in the top directory of a repository only.
+#[test]
+fn init_says_where_its_workflow_is_not_read() {
+    let sandbox = Sandbox::new();
+    let note = |directory: &str, arguments: &str| {
+        std::fs::create_dir_all(sandbox.path(directory)).unwrap();
+        let mut init = sandbox.command(arguments);
+        let output = init.current_dir(sandbox.path(directory)).output().unwrap();
+        assert!(output.status.success());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let outside = "geobench: note: the current directory is in no repository";
+    for arguments in ["init", "init --list"] {
+        let said = note("outside", arguments);
+        assert!(said.starts_with(outside), "{said}");
+    }
+    std::fs::create_dir_all(sandbox.path("mine/.git")).unwrap();
+    assert_eq!(note("mine", "init"), "");
+    for arguments in ["init", "init --list"] {
+        let said = note("mine/sub", arguments);
+        assert!(said.contains("/mine: GitHub reads no workflow below"), "{said}");
+    }
+    // The top directory of a work tree.
+    sandbox.write("mine/tree/.git", "gitdir: elsewhere");
+    assert_eq!(note("mine/tree", "init"), "");
+}
+
 /// Every action is pinned by the hash of a commit, in our workflows and in those of others.
 #[test]
 fn actions_are_pinned_and_tokens_may_do_little() {
@@ -249,6 +276,25 @@ fn pushes_are_recorded_also_at_the_same_time() {
     let (status, shown) = finished(&sandbox, "mine", step);
     assert_eq!(status, 2, "{shown}");
     assert!(shown.contains("HEAD does not build"), "{shown}");
+}
+
+#[test]
+fn a_record_without_a_remote_is_refused_before_anything_is_built() {
+    let sandbox = repository();
+    let record = || {
+        let step = track(&sandbox, "mine", "record", &[("BUILD", "touch built")]);
+        let (status, shown) = finished(&sandbox, "mine", step);
+        assert_eq!(status, 2, "{shown}");
+        assert!(!sandbox.path("mine/built").exists());
+        shown
+    };
+    std::fs::remove_dir_all(sandbox.path("remote")).unwrap();
+    let shown = record();
+    assert!(shown.contains("the remote origin cannot be read"), "{shown}");
+    git(&sandbox, "mine", &["remote", "remove", "origin"]);
+    let shown = record();
+    assert!(shown.contains("there is no remote origin"), "{shown}");
+    assert!(shown.contains("git remote add origin URL"), "{shown}");
 }
 
 #[test]

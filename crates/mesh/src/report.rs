@@ -317,9 +317,17 @@ fn advice(kind: DefectKind, defects: &[Defect]) -> String {
         DefectKind::NonFiniteCoordinate => "correct or remove them",
         DefectKind::RepeatedVertex => "remove such faces",
         DefectKind::LengthOutOfRange => {
+            // Only lengths that were given can be negative or not a number.
+            let is_no_length = |defect: &Defect| {
+                matches!(defect, Defect::LengthOutOfRange { length, .. } if length.is_nan() || *length < 0.0)
+            };
+            let action = if defects.iter().any(is_no_length) {
+                "correct the lengths"
+            } else {
+                "scale the model"
+            };
             return format!(
-                "scale the model, so that all lengths lie between {SHORTEST_EDGE:e} and \
-                 {LONGEST_EDGE:e}"
+                "{action}, so that all lengths lie between {SHORTEST_EDGE:e} and {LONGEST_EDGE:e}"
             );
         }
         DefectKind::UnequalLengths => "give both triangles of an edge the same number",

@@ -520,6 +520,23 @@ fn lengths_follow_their_edges_when_a_face_is_turned_over() {
 
 #[test]
 fn lengths_that_cannot_be_are_named() {
+    let advice = |length: f64| {
+        let lengths = [[1.0, length, 1.0]];
+        let error = Mesh::from_lengths(3, &[[0, 1, 2]], &lengths).unwrap_err();
+        error.to_string()
+    };
+    for (length, action) in [
+        (-1.0, "correct the"),
+        (f64::NAN, "correct the"),
+        (1e99, "scale the"),
+    ] {
+        let message = advice(length);
+        assert!(message.contains(action), "{message}");
+        assert!(
+            message.contains("so that all lengths lie between 1e-60 and 1e60"),
+            "{message}"
+        );
+    }
     let one = |lengths: [f64; 3]| {
         let error = Mesh::from_lengths(3, &[[0, 1, 2]], &[lengths]).unwrap_err();
         error.report.defects

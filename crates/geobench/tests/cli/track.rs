@@ -189,7 +189,10 @@ fn init_says_where_its_workflow_is_not_read() {
     assert_eq!(note("mine", "init"), "");
     for arguments in ["init", "init --list"] {
         let said = note("mine/sub", arguments);
-        assert!(said.contains("/mine: GitHub reads no workflow below"), "{said}");
+        assert!(
+            said.contains("/mine: GitHub reads no workflow below"),
+            "{said}"
+        );
     }
     // The top directory of a work tree.
     sandbox.write("mine/tree/.git", "gitdir: elsewhere");
@@ -290,7 +293,10 @@ fn a_record_without_a_remote_is_refused_before_anything_is_built() {
     };
     std::fs::remove_dir_all(sandbox.path("remote")).unwrap();
     let shown = record();
-    assert!(shown.contains("the remote origin cannot be read"), "{shown}");
+    assert!(
+        shown.contains("the remote origin cannot be read"),
+        "{shown}"
+    );
     git(&sandbox, "mine", &["remote", "remove", "origin"]);
     let shown = record();
     assert!(shown.contains("there is no remote origin"), "{shown}");

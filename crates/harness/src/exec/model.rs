@@ -579,19 +579,22 @@ fn read_file(path: &Path, options: ReadOptions) -> Result<TriangleSoup, String> 
     if let Some(problem) = not_a_file(path) {
         return Err(problem);
     }
-    options.read(path).map_err(|error| match error {
-        mesh_io::FileError::TooLarge {
-            path,
-            compressed,
-            limit,
-        } => format!(
-            "{}: {} decompress to more than {}; if the file can be trusted, raise the limit with \
-             --max-decompressed SIZE",
-            path.display(),
-            MemoryLimit(Some(compressed)),
-            MemoryLimit(Some(limit))
-        ),
-        error => error.to_string(),
+    options.read(path).map_err(|error| {
+        let problem = match &error {
+            mesh_io::FileError::TooLarge {
+                compressed, limit, ..
+            } => format!(
+                "{} decompress to more than {}",
+                MemoryLimit(Some(*compressed)),
+                MemoryLimit(Some(*limit))
+            ),
+            mesh_io::FileError::OverLimit { place, problem, .. } => format!("{place}{problem}"),
+            error => return error.to_string(),
+        };
+        format!(
+            "{}: {problem}; if the file can be trusted, raise the limit with --max-decompressed SIZE",
+            path.display()
+        )
     })
 }
 

@@ -61,6 +61,17 @@ pub enum FileError {
         /// The most bytes that it may decompress to.
         limit: u64,
     },
+    /// What the file holds takes more than the limit of decompressed sizes: parts of an archive,
+    /// arrays, or the meshes that the nodes of a scene place.
+    #[error("{path}: {place}{problem}; raise the limit if the file can be trusted")]
+    OverLimit {
+        /// The path asked for.
+        path: PathBuf,
+        /// The position in the file.
+        place: FilePosition,
+        /// What takes more than the limit.
+        problem: String,
+    },
     /// The content is not valid in its format.
     #[error("{path}: {place}{problem}")]
     Malformed {
@@ -122,27 +133,46 @@ impl fmt::Display for FilePosition {
     }
 }
 
-/// A [`FileError::Malformed`] without its path.
+/// A [`FileError::Malformed`] or [`FileError::OverLimit`] without its path.
 #[derive(Debug)]
 pub(super) struct Flaw {
     pub(super) place: FilePosition,
     pub(super) problem: String,
+    /// Whether the file may be valid, and takes more than the limit.
+    pub(super) is_over_limit: bool,
 }
 
 impl Flaw {
+    /// A problem at a position.
+    pub(super) fn at(place: FilePosition, problem: impl Into<String>) -> Self {
+        Self {
+            place,
+            problem: problem.into(),
+            is_over_limit: false,
+        }
+    }
+
     /// A problem with the file as a whole.
     pub(super) fn file(problem: impl Into<String>) -> Self {
-        Self {
-            place: FilePosition::File,
-            problem: problem.into(),
-        }
+        Self::at(FilePosition::File, problem)
     }
 
     /// A problem in line `line`, counted from 1.
     pub(super) fn line(line: u64, problem: impl Into<String>) -> Self {
+        Self::at(FilePosition::Line(line), problem)
+    }
+
+    /// The same, of a file that takes more than the limit.
+    pub(super) fn over_limit(self) -> Self {
         Self {
-            place: FilePosition::Line(line),
-            problem: problem.into(),
+            is_over_limit: true,
+            ..self
         }
+    }
+
+    /// The same, in a part of the file.
+    pub(super) fn within(mut self, part: &str) -> Self {
+        self.problem.insert_str(0, &format!("{part}: "));
+        self
     }
 }

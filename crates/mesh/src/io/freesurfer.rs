@@ -38,15 +38,15 @@ pub(super) fn read(bytes: &[u8]) -> Result<FileMesh, Flaw> {
     let [vertices, faces] = counts_of(counts);
     let part = |kind, from: usize, count: usize| {
         // Twelve bytes each.
-        data.get(12 * from..12 * (from + count))
-            .ok_or_else(|| Flaw {
-                place: FilePosition::Element {
-                    kind,
-                    number: (data.len() / 12).saturating_sub(from) as u64,
-                    byte: bytes.len() as u64,
-                },
-                problem: format!("the file ends before it, of {count}; fetch it again"),
-            })
+        data.get(12 * from..12 * (from + count)).ok_or_else(|| {
+            let place = FilePosition::Element {
+                kind,
+                number: (data.len() / 12).saturating_sub(from) as u64,
+                byte: bytes.len() as u64,
+            };
+            let problem = format!("the file ends before it, of {count}; fetch it again");
+            Flaw::at(place, problem)
+        })
     };
     let positions = words(part("vertex", 0, vertices)?);
     let corners = words(part("face", vertices, faces)?);

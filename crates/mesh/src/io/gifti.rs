@@ -55,8 +55,8 @@ pub(super) fn read(bytes: &[u8], path: &Path, room: u64) -> Result<FileMesh, Fla
     let triangles: Vec<Node<'_, '_>> = of_kind("NIFTI_INTENT_TRIANGLE").collect();
     if points.len() != triangles.len() || points.is_empty() {
         return Err(Flaw::file(format!(
-            "it has {} point sets and {} sets of triangles; a surface is one of each (.surf.gii), \
-             other files hold its data",
+            "the number of its point sets is {}, that of its sets of triangles {}; a surface has \
+             one of each (.surf.gii), other files hold its data",
             points.len(),
             triangles.len()
         )));
@@ -125,7 +125,13 @@ fn triples<T: Copy + std::str::FromStr>(
         } else if COMPRESSED.contains(&encoding) {
             let mut bytes = Vec::new();
             if !inflate(&coded()?[..], room, &mut bytes) {
-                return Err(damaged());
+                let is_over = bytes.len() as u64 > room;
+                let problem = "decompresses to more than the limit";
+                return Err(if is_over {
+                    flaw(array, problem).over_limit()
+                } else {
+                    damaged()
+                });
             }
             bytes
         } else {

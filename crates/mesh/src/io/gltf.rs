@@ -31,6 +31,12 @@ const MOST_ROUNDING: f64 = 1e-3;
 pub(super) fn read(bytes: &[u8], path: &Path, room: u64) -> Result<FileMesh, Flaw> {
     let (json, binary) = parts(bytes)?;
     let json: Value = serde_json::from_slice(json).map_err(|error| {
+        if !json.trim_ascii_start().starts_with(b"{") {
+            return Flaw::file(
+                "it starts neither with glTF, as a .glb does, nor with {, as JSON does; fetch or \
+                 save it again",
+            );
+        }
         Flaw::line(
             error.line() as u64,
             format!("this is no valid JSON: {error}"),
@@ -341,7 +347,8 @@ impl GltfFile<'_> {
 
     /// The numbers of an accessor with `columns` columns, row after row.
     fn accessor(&mut self, number: usize, columns: usize) -> Result<Vec<f64>, Flaw> {
-        let wrong = |problem: &str| Flaw::file(format!("accessor {number}: {problem}"));
+        let within = |flaw: Flaw| flaw.within(&format!("accessor {number}"));
+        let wrong = |problem: &str| within(Flaw::file(problem));
         let accessors = list(self.json, "accessors");
         let accessor = accessors
             .get(number)
@@ -379,17 +386,17 @@ impl GltfFile<'_> {
         };
         let mut numbers = self
             .numbers(&rows(accessor, kind, columns, count)?)
-            .map_err(|p| wrong(&p))?;
+            .map_err(within)?;
         let sparse = &accessor["sparse"];
         if let Some(changes) = number_of(sparse, "count")? {
             let (places, values) = (&sparse["indices"], &sparse["values"]);
             let (index, _) = component(places).ok_or_else(unknown)?;
             let places = self
                 .numbers(&rows(places, index, 1, changes)?)
-                .map_err(|p| wrong(&p))?;
+                .map_err(within)?;
             let values = self
                 .numbers(&rows(values, kind, columns, changes)?)
-                .map_err(|p| wrong(&p))?;
+                .map_err(within)?;
             for (&place, value) in places.iter().zip(values.chunks_exact(columns)) {
                 if !(0.0..count as f64).contains(&place) {
                     return Err(wrong(&format!(
@@ -410,24 +417,35 @@ impl GltfFile<'_> {
     }
 
     /// The numbers of rows in a buffer; zeros without a buffer.
-    fn numbers(&mut self, rows: &Rows) -> Result<Vec<f64>, String> {
+    fn numbers(&mut self, rows: &Rows) -> Result<Vec<f64>, Flaw> {
         let Rows {
             view,
-            offset,
-            kind,
             columns,
             count,
+            ..
         } = *rows;
         let total = count
             .checked_mul(columns)
             .filter(|&total| total < usize::MAX / 8);
-        let total = total.ok_or("its count is too large")?;
+        let total = total.ok_or_else(|| Flaw::file("its count is too large"))?;
         // Any number of primitives may name the same accessor.
         let bytes = 8 * total as u64;
-        self.scene.pay(bytes).map_err(|flaw| flaw.problem)?;
-        let Some(number) = view else {
-            return Ok(vec![0.0; total]);
-        };
+        self.scene.pay(bytes)?;
+        match view {
+            Some(number) => self.numbers_of_view(rows, number).map_err(Flaw::file),
+            None => Ok(vec![0.0; total]),
+        }
+    }
+
+    /// The numbers of rows in the bufferView `number`.
+    fn numbers_of_view(&mut self, rows: &Rows, number: usize) -> Result<Vec<f64>, String> {
+        let Rows {
+            offset,
+            kind,
+            columns,
+            count,
+            ..
+        } = *rows;
         let json = self.json;
         let view = list(json, "bufferViews").get(number);
         let view = view.ok_or_else(|| format!("there is no bufferView {number}"))?;

@@ -377,7 +377,17 @@ impl ReadOptions {
             (Format::FreeSurfer, _) => freesurfer::read(bytes),
         };
         let soup = mesh.and_then(|mesh| mesh.into_soup(self.weld));
-        soup.map_err(|Flaw { place, mut problem }| {
+        soup.map_err(|flaw| {
+            let Flaw {
+                place, mut problem, ..
+            } = flaw;
+            if flaw.is_over_limit {
+                return FileError::OverLimit {
+                    path: owned(),
+                    place,
+                    problem: shortened(problem),
+                };
+            }
             if let Some(problem) = foreign_form(bytes, format) {
                 return malformed(FilePosition::File, problem);
             }

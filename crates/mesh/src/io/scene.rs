@@ -176,8 +176,9 @@ impl Assembly {
         self.room = self.room.checked_sub(bytes).ok_or_else(|| {
             Flaw::file(
                 "the meshes that its nodes place take more memory than the limit of decompressed \
-                 sizes; raise the limit if the file can be trusted",
+                 sizes",
             )
+            .over_limit()
         })?;
         Ok(())
     }

@@ -100,16 +100,15 @@ fn read_binary(bytes: &[u8]) -> Result<FileMesh, Flaw> {
                 "its numbers have the high byte first, and those of STL the low byte; save it again",
             ));
         }
-        return Err(Flaw {
-            place: FilePosition::Element {
-                kind: "triangle",
-                number: there as u64,
-                byte: (HEADER + there * TRIANGLE) as u64,
-            },
-            problem: format!(
-                "the file ends within it, though the header declares {count} triangles; fetch it again"
-            ),
-        });
+        let place = FilePosition::Element {
+            kind: "triangle",
+            number: there as u64,
+            byte: (HEADER + there * TRIANGLE) as u64,
+        };
+        let problem = format!(
+            "the file ends within it, though the header declares {count} triangles; fetch it again"
+        );
+        return Err(Flaw::at(place, problem));
     }
     if !has_triangles(bytes, count) && count > 0 && has_attributes(bytes, count) {
         return Err(Flaw::file(

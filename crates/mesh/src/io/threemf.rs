@@ -28,7 +28,7 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<FileMesh, Flaw> {
     let mut archive = Archive { bytes, room };
     let main = archive.main()?;
     let mut texts = vec![(main.clone(), archive.text(&main)?)];
-    let document = xml::parse(&texts[0].1).map_err(|flaw| within(&main, flaw))?;
+    let document = xml::parse(&texts[0].1).map_err(|flaw| flaw.within(&main))?;
     let others = document.descendants().filter_map(path_of);
     let others: BTreeSet<String> = others.map(str::to_owned).collect();
     for name in others.into_iter().filter(|name| *name != main) {
@@ -36,7 +36,7 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<FileMesh, Flaw> {
         texts.push((name, text));
     }
     let documents = texts.iter().map(|(name, text)| {
-        let document = xml::parse(text).map_err(|flaw| within(name, flaw))?;
+        let document = xml::parse(text).map_err(|flaw| flaw.within(name))?;
         Ok((name.as_str(), document))
     });
     let documents = documents.collect::<Result<Vec<_>, Flaw>>()?;
@@ -46,7 +46,7 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<FileMesh, Flaw> {
         scene: Assembly::new(room),
     };
     for (name, document) in &documents {
-        check_extensions(document.root_element()).map_err(|flaw| within(name, flaw))?;
+        check_extensions(document.root_element()).map_err(|flaw| flaw.within(name))?;
         for object in descendants(document.root_element(), "object") {
             if let Some(id) = object.attribute("id") {
                 model.objects.insert((*name, id), object);
@@ -61,7 +61,7 @@ pub(super) fn read(bytes: &[u8], room: u64) -> Result<FileMesh, Flaw> {
         .collect();
     model
         .place(&main, &items)
-        .map_err(|flaw| within(&main, flaw))?;
+        .map_err(|flaw| flaw.within(&main))?;
     model.scene.into_mesh()
 }
 
@@ -76,12 +76,6 @@ fn check_extensions(model: Node<'_, '_>) -> Result<(), Flaw> {
         }
     }
     Ok(())
-}
-
-/// A flaw in a part of the archive.
-fn within(name: &str, mut flaw: Flaw) -> Flaw {
-    flaw.problem.insert_str(0, &format!("{name}: "));
-    flaw
 }
 
 /// The file in the archive that an element refers to, without the slash at its start.
@@ -106,7 +100,7 @@ impl Archive<'_> {
             return Ok(USUAL.to_owned());
         };
         let text = xml::text(&relations);
-        let document = xml::parse(&text).map_err(|flaw| within("_rels/.rels", flaw))?;
+        let document = xml::parse(&text).map_err(|flaw| flaw.within("_rels/.rels"))?;
         let mut relations = descendants(document.root_element(), "Relationship");
         let model = relations.find(|relation| {
             relation
@@ -160,10 +154,7 @@ impl Archive<'_> {
             };
             read.map_err(|e| damaged(e.to_string()))?;
             self.room = self.room.checked_sub(part.len() as u64).ok_or_else(|| {
-                Flaw::file(
-                    "its parts decompress to more than the limit; raise the limit if the file can \
-                     be trusted",
-                )
+                Flaw::file("its parts decompress to more than the limit").over_limit()
             })?;
             return Ok(Some(part));
         }

@@ -97,14 +97,11 @@ pub(super) fn push_cells(cells: &Cells, types: &[u32], faces: &mut FaceList) -> 
             (6, _) => faces.push_strip(corners),
             (8, &[a, b, c, d]) => faces.push(&[a, b, d, c]),
             _ => {
-                return Err(Flaw {
-                    place: FilePosition::File,
-                    problem: format!(
-                        "cell {cell}, counted from 0, is of type {kind} with {} corners: no flat \
-                         face; save the surface (in ParaView: Extract Surface, Triangulate)",
-                        corners.len()
-                    ),
-                });
+                return Err(Flaw::file(format!(
+                    "cell {cell}, counted from 0, is of type {kind} with {} corners: no flat \
+                     face; save the surface (in ParaView: Extract Surface, Triangulate)",
+                    corners.len()
+                )));
             }
         }
     }
@@ -201,10 +198,7 @@ impl<'a> VtkCursor<'a> {
         } else {
             FilePosition::Line(lines as u64)
         };
-        Flaw {
-            place,
-            problem: problem.into(),
-        }
+        Flaw::at(place, problem)
     }
 
     /// The rest of the line.

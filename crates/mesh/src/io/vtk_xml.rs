@@ -256,6 +256,7 @@ impl Arrays<'_> {
                 array,
                 "the arrays take more than the limit of decompressed sizes",
             )
+            .over_limit()
         })?;
         Ok((bytes, kind))
     }
@@ -299,12 +300,10 @@ impl Arrays<'_> {
         let mut bytes = Vec::new();
         for &size in &sizes[3..] {
             let (block, after) = rest.split_at_checked(size)?;
-            if !inflate(
-                block,
-                self.room.saturating_sub(bytes.len() as u64),
-                &mut bytes,
-            ) {
-                return None;
+            let room = self.room.saturating_sub(bytes.len() as u64);
+            if !inflate(block, room, &mut bytes) {
+                // What is over the limit is no damage.
+                return Some(bytes).filter(|bytes| bytes.len() as u64 > self.room);
             }
             rest = after;
         }

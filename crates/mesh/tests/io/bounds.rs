@@ -3,9 +3,9 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use geobench_mesh::io::{Format, ReadOptions};
+use geobench_mesh::io::{FileError, Format, ReadOptions};
 
-use crate::scene_samples::three_mf_of;
+use crate::scene_samples::{gifti, three_mf_of};
 use crate::scenes::{TRIANGLE, collada, gltf};
 use crate::{fails, parse};
 
@@ -59,8 +59,14 @@ fn arrays_are_not_read_without_bound() {
     };
     let fails = |format, file: &str| {
         let error = options.read_bytes(file.as_bytes(), format, Path::new("test"));
-        let error = error.unwrap_err().to_string();
+        let error = error.unwrap_err();
+        assert!(matches!(error, FileError::OverLimit { .. }), "{error}");
+        let error = error.to_string();
         assert!(error.contains("limit of decompressed sizes"), "{error}");
+        assert!(
+            error.ends_with("; raise the limit if the file can be trusted"),
+            "{error}"
+        );
     };
     let primitive = "{\"attributes\":{\"POSITION\":0}}";
     let many =
@@ -93,6 +99,14 @@ fn arrays_are_not_read_without_bound() {
              encoding=\"base64\">_JAAAAA=={zeros}</AppendedData></VTKFile>"
         ),
     );
+    // Compressed data over the limit is not damaged.
+    let options = ReadOptions {
+        max_decompressed: Some(8),
+        ..ReadOptions::default()
+    };
+    let error = options.read_bytes(&gifti(true), Format::Gifti, Path::new("test"));
+    let error = error.unwrap_err();
+    assert!(matches!(error, FileError::OverLimit { .. }), "{error}");
 }
 
 #[test]
@@ -120,7 +134,16 @@ fn bombs_and_deep_documents_are_refused() {
     let message = error.to_string();
     assert!(message.contains(" … ") && message.len() < 1000, "{message}");
     let deep = "[".repeat(200_000) + &"]".repeat(200_000);
-    fails(Format::Gltf, deep, "line 1: this is no valid JSON");
+    fails(
+        Format::Gltf,
+        "{".to_owned() + &deep,
+        "line 1: this is no valid JSON",
+    );
+    fails(
+        Format::Gltf,
+        "\u{1}\u{2}rubbish",
+        "it starts neither with glTF, as a .glb does",
+    );
     // A megabyte of blanks in a kilobyte.
     let blanks = " ".repeat(1 << 20);
     let options = ReadOptions {

@@ -323,7 +323,7 @@ fn collada() -> Vec<u8> {
     .into_bytes()
 }
 
-fn gifti(is_compressed: bool) -> Vec<u8> {
+pub(crate) fn gifti(is_compressed: bool) -> Vec<u8> {
     let array = |intent: &str, kind: &str, rows: usize, text: &str, bytes: &[u8]| {
         let (encoding, data) = if is_compressed {
             ("GZipBase64Binary", STANDARD.encode(zlib(bytes)))

@@ -195,10 +195,7 @@ impl<'a, const BIG_ENDIAN: bool> Binary<'a, BIG_ENDIAN> {
     }
 
     fn flaw(&self, problem: impl Into<String>) -> Flaw {
-        Flaw {
-            place: self.place,
-            problem: problem.into(),
-        }
+        Flaw::at(self.place, problem)
     }
 
     /// The first 32 bits of `bytes` as a number.

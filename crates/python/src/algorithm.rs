@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use geobench_harness::measure::number::counted;
 use geobench_registry::{self as registry, MOST_THREADS, Selection, SimdChoice};
 use geodesics::mesh::Insertion;
 use geodesics::paths::Through;
@@ -278,9 +279,9 @@ impl MeshAlgorithm {
         let targets = targets.unwrap_or_default();
         if sources.len() != targets.len() {
             return Err(PyValueError::new_err(format!(
-                "targets: {} points, but there are {} sources",
-                targets.len(),
-                sources.len()
+                "targets: {}, but {}",
+                counted(targets.len(), "point"),
+                counted(sources.len(), "source")
             )));
         }
         // One run for all targets of a source.

@@ -141,6 +141,19 @@ pub(crate) fn positions(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[f
     Ok(rows(view.as_array(), Some)?.unwrap_or_default())
 }
 
+/// Reads a vector: three real numbers.
+pub(crate) fn vector(value: &Bound<'_, PyAny>, name: &str) -> PyResult<[f64; 3]> {
+    let array = array_of(value, name)?;
+    if array.shape() != [3] {
+        return Err(PyValueError::new_err(format!(
+            "{name}: the shape is {}, but (3,) is needed",
+            shape_of(&array)
+        )));
+    }
+    let numbers = reals(array.as_any(), name)?;
+    Ok(std::array::from_fn(|k| numbers[k]))
+}
+
 /// Reads triangles: an `(m, 3)` array of vertex numbers.
 pub(crate) fn triangles(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[u32; 3]>> {
     let mut array = array_of(value, name)?;
@@ -256,6 +269,10 @@ pub(crate) fn count(value: i64, name: &str, least: u32) -> PyResult<usize> {
 /// Reads polygons: a list of sequences of vertex numbers.
 pub(crate) fn polygons(value: &Bound<'_, PyList>, name: &str) -> PyResult<Vec<Vec<u32>>> {
     let each = value.iter().enumerate().map(|(face, corners)| {
+        // So that Ctrl-C ends the call.
+        if face.is_multiple_of(1 << 12) {
+            value.py().check_signals()?;
+        }
         // Bytes and truth values would be read as numbers.
         let array = array_of(&corners, name)?;
         let corners: Option<Vec<i64>> = match array.dtype().kind() {

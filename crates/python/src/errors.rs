@@ -52,7 +52,23 @@ pub(crate) fn mesh_error(py: Python<'_>, message: String, defects: Vec<String>) 
 
 /// The exception for a file that cannot be read or written.
 pub(crate) fn unreadable(py: Python<'_>, error: &FileError) -> PyErr {
-    let message = error.to_string();
+    let message = match error {
+        // No argument raises the limit.
+        FileError::TooLarge { path, limit, .. } => format!(
+            "{}: it decompresses to more than {limit} bytes; decompress it first if it can be \
+             trusted",
+            path.display()
+        ),
+        FileError::OverLimit {
+            path,
+            place,
+            problem,
+        } => format!(
+            "{}: {place}{problem}; save it as OBJ or PLY",
+            path.display()
+        ),
+        _ => error.to_string(),
+    };
     match error {
         FileError::NotFound { .. } => PyFileNotFoundError::new_err(message),
         FileError::Directory { .. } => PyIsADirectoryError::new_err(message),

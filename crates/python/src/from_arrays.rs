@@ -1,13 +1,14 @@
 //! A mesh from arrays.
 
 use geodesics::mesh::{Defect, DefectKind, Report};
-use geodesics::{Mesh, TriangleSoup, Weld, io};
+use geodesics::{Mesh, Stop, TriangleSoup, Weld, io};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 
 use crate::arrays;
 use crate::errors::{invalid, mesh_error};
+use crate::interrupt;
 use crate::points::warn_user;
 
 /// The mesh of the arguments of `Mesh`. Without `weld` there is a warning if vertices are at one
@@ -25,7 +26,7 @@ pub(crate) fn from_arrays(
         .call_method1("arrays_of", (vertices, faces))?
         .extract()?;
     let positions = arrays::positions(&vertices, "vertices")?;
-    let mut soup = if let Ok(polygons) = faces.cast::<PyList>() {
+    let soup = if let Ok(polygons) = faces.cast::<PyList>() {
         let polygons = arrays::polygons(polygons, "faces")?;
         if !repair && let Some(text) = repeated_corner(&polygons) {
             return Err(mesh_error(
@@ -34,16 +35,22 @@ pub(crate) fn from_arrays(
                 vec![text],
             ));
         }
-        py.detach(|| io::polygons(positions, polygons))
-            .map_err(|error| mesh_error(py, error.to_string(), Vec::new()))?
+        let corners = polygons.iter().map(Vec::len).sum();
+        interrupt::call(py, corners, &Stop::default(), move || {
+            io::polygons(positions, polygons)
+        })?
+        .map_err(|error| mesh_error(py, error.to_string(), Vec::new()))?
     } else {
         TriangleSoup::new(positions, arrays::triangles(&faces, "faces")?)
     };
     let wanted = weld_of(weld)?;
-    if let Some(weld) = wanted {
-        py.detach(|| soup.weld(weld));
-    }
-    let made = py.detach(|| Mesh::from_soup(soup));
+    let made = interrupt::call(py, soup.triangles.len(), &Stop::default(), move || {
+        let mut soup = soup;
+        if let Some(weld) = wanted {
+            soup.weld(weld);
+        }
+        Mesh::from_soup(soup)
+    })?;
     let (mesh, report) = made.map_err(|error| invalid(py, &error, ""))?;
     if !repair {
         let repaired = report.summaries().into_iter();

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use geobench_harness::exec::expected::stem;
 use geodesics::io::ReadOptions;
 use geodesics::mesh::FaceId;
-use geodesics::{Mesh, TriangleSoup, VertexId, generate};
+use geodesics::{Mesh, Stop, TriangleSoup, VertexId, generate};
 use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -13,6 +13,7 @@ use pyo3::prelude::*;
 use crate::arrays;
 use crate::errors::{invalid, unreadable};
 use crate::from_arrays::weld_of;
+use crate::interrupt;
 use crate::mesh::PyMesh;
 use crate::path::tuples;
 use crate::points::SharedMesh;
@@ -69,15 +70,19 @@ pub(crate) fn _mesh(
 ) -> PyResult<PyMesh> {
     let triangles = arrays::triangles(triangles, "triangles")?;
     let made = if let Some((n, lengths)) = lengths {
-        Mesh::from_lengths(n, &triangles, &lengths)
+        interrupt::call(py, triangles.len(), &Stop::default(), move || {
+            Mesh::from_lengths(n, &triangles, &lengths)
+        })
     } else {
         let soup = TriangleSoup {
             copies,
             ..TriangleSoup::new(arrays::positions(positions, "positions")?, triangles)
         };
-        py.detach(|| Mesh::from_soup(soup))
+        interrupt::call(py, soup.triangles.len(), &Stop::default(), move || {
+            Mesh::from_soup(soup)
+        })
     };
-    let (mesh, _) = made.map_err(|error| invalid(py, &error, ""))?;
+    let (mesh, _) = made?.map_err(|error| invalid(py, &error, ""))?;
     Ok(PyMesh {
         surface: SharedMesh::new(mesh),
         name,
@@ -117,8 +122,8 @@ pub(crate) fn read(
         weld: weld_of(weld)?,
         ..ReadOptions::default()
     };
-    let soup = py
-        .detach(|| options.read(&path))
+    let file = path.clone();
+    let soup = interrupt::long(py, &Stop::default(), move || options.read(&file))?
         .map_err(|error| unreadable(py, &error))?;
     let place = path.display().to_string();
     PyMesh::new(py, soup, stem(&path), &place, weld.is_none())
@@ -169,7 +174,8 @@ pub(crate) fn read(
 pub(crate) fn generated(py: Python<'_>, spec: &str) -> PyResult<PyMesh> {
     let wrong = |error: generate::GenerateError| PyValueError::new_err(format!("spec: {error}"));
     let parsed: generate::Spec = spec.parse().map_err(wrong)?;
-    let soup = py.detach(|| generate::generate(&parsed)).map_err(wrong)?;
+    let soup = interrupt::long(py, &Stop::default(), move || generate::generate(&parsed))?;
+    let soup = soup.map_err(wrong)?;
     let name = spec.strip_prefix("gen:").unwrap_or(spec);
     PyMesh::new(py, soup, name.to_owned(), spec, false)
 }

@@ -10,7 +10,7 @@ use geodesics::{Mesh, PointError, RemeshOptions, Stop, TriangleSoup, io, line};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::PyDict;
 
 use crate::algorithm::{MeshAlgorithm, one_path, selection};
 use crate::arrays;
@@ -85,7 +85,8 @@ impl PyMesh {
         place: &str,
         warns: bool,
     ) -> PyResult<Self> {
-        let made = py.detach(|| Mesh::from_soup(soup));
+        let faces = soup.triangles.len();
+        let made = interrupt::call(py, faces, &Stop::default(), move || Mesh::from_soup(soup))?;
         let (mesh, report) = made.map_err(|error| invalid(py, &error, place))?;
         if warns {
             warn_of_copies(py, &report, place)?;
@@ -181,7 +182,9 @@ impl PyMesh {
         let n = arrays::count(n, "n", 0)?;
         let triangles = arrays::triangles(faces, "faces")?;
         let lengths = arrays::positions(lengths, "lengths")?;
-        let made = py.detach(|| Mesh::from_lengths(n, &triangles, &lengths));
+        let made = interrupt::call(py, triangles.len(), &Stop::default(), move || {
+            Mesh::from_lengths(n, &triangles, &lengths)
+        })?;
         let (mesh, report) = made.map_err(|error| invalid(py, &error, ""))?;
         Ok(Self::of(mesh, &report, name.to_owned()))
     }
@@ -675,8 +678,7 @@ impl PyMesh {
         length: f64,
     ) -> PyResult<PyPath> {
         let start = Finder::new(py, &self.surface).find(single(point, "point")?, "point")?;
-        let rows = arrays::positions(PyList::new(py, [direction])?.as_any(), "direction")?;
-        let direction = rows.first().copied().unwrap_or_default();
+        let direction = arrays::vector(direction, "direction")?;
         let path = py.detach(|| line(self.mesh(), &start, direction, length));
         let path = path.map_err(|error| PyValueError::new_err(error.to_string()))?;
         PyPath::new(py, self.mesh(), &path)

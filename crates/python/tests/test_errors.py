@@ -1,6 +1,7 @@
 """Error messages name the argument, the vertex or the face."""
 
 import pickle
+import sys
 import types
 
 import numpy as np
@@ -166,6 +167,20 @@ def test_tables_are_their_values(torus):
     np.testing.assert_array_equal(torus.distance(near), torus.distance(near.to_numpy()))
 
 
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="exceptions have no notes")
+def test_notes_name_arguments_of_another_type(square):
+    for argument, call, arguments, named in [
+        ("algorithm", gd.Solver, (V, F), {}),
+        ("algorithm", gd.Solver, (square, F), {}),
+        ("nearest", square.distance, (0,), {"nearest": "x"}),
+        ("path", gd.read, (b"x.obj",), {}),
+        ("n", gd.Mesh.from_lengths, ("x", F, V), {}),
+    ]:
+        with pytest.raises(TypeError) as raised:
+            call(*arguments, **named)
+        assert f"while processing '{argument}'" in raised.value.__notes__
+
+
 def test_other_calls(square, tmp_path):
     def fails(error, text, call, *arguments, **named):
         with pytest.raises(error, match=text):
@@ -183,6 +198,7 @@ def test_other_calls(square, tmp_path):
     fails(ValueError, "every: a step of 0.00001 asks for", square.isolines, 0, every=1e-5)
     fails(ValueError, "levels: -1", square.isolines, 0, levels=[1, -1])
     fails(TypeError, "mesh: a geodesics.Mesh is needed, not str", gd.Solver, "mesh.obj")
+    fails(ValueError, r"direction: the shape is \(2,\), but \(3,\)", square.trace, 0, [0, 0], 1)
     fails(ValueError, "simd", gd.Solver, square, simd="sse9")
     fails(ValueError, r"distances: the shape is \(4,\), but \(5,\)", gd.certify, square, 0, V[:, 0])
     d = square.distance(0)

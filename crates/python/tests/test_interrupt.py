@@ -19,6 +19,8 @@ CALLS = {
     "voronoi": "mesh.voronoi(range(0, 90000, 3))",
     "isolines": "mesh.isolines(0, every=0.1)",
     "certify": "gd.certify(mesh, 0)",
+    "generate": "gd.generate('torus,faces=4000000')",
+    "Mesh": "gd.Mesh(large.vertices, large.faces)",
     "run": "gd.run(['mmp', 'vtp'], [mesh], repeat=10_000)",
 }
 
@@ -35,6 +37,7 @@ def test_ctrl_c_ends_a_call(name):
         signal.signal(signal.SIGINT, signal.default_int_handler)
         mesh = gd.generate("terrain,n=300,seed=1")
         solver = gd.Solver(mesh, "mmp") if {name!r} == "solver" else None
+        large = gd.generate("torus,faces=1000000") if {name!r} == "Mesh" else None
         print("ready", flush=True)
         try:
             while True:

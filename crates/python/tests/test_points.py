@@ -81,7 +81,7 @@ def test_pairs(torus):
     found = torus.pairs(P, Q, threads=2)
     each = [torus.distance(p, targets=q)[0] for p, q in zip(P, Q)]
     np.testing.assert_allclose(found, each, rtol=1e-12)
-    with pytest.raises(ValueError, match="targets: 1 points, but there are 2 sources"):
+    with pytest.raises(ValueError, match="targets: 1 point, but 2 sources"):
         torus.pairs([1, 2], [3])
 
 

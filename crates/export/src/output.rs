@@ -53,7 +53,7 @@ impl OutputFile {
                 OpenOptions::new()
                     .append(true)
                     .open(&path)
-                    .map_err(|error| plain(&error))
+                    .map_err(|error| anyhow::anyhow!("{}", error.kind()))
                     .with_context(|| format!("{shown}: cannot be written"))?;
                 found.is_file()
             }
@@ -68,7 +68,7 @@ impl OutputFile {
         };
         if replace {
             file.temporary("")
-                .map_err(|error| plain(&error))
+                .map_err(|error| file.plain(&error))
                 .with_context(|| file.failure())?;
         }
         Ok(file)
@@ -146,7 +146,7 @@ impl OutputFile {
         }
         let file = self
             .temporary(ending)
-            .map_err(|error| plain(&error))
+            .map_err(|error| self.plain(&error))
             .with_context(|| self.failure())?;
         write(file.path()).with_context(|| self.failure())?;
         self.replace_by(file).with_context(|| self.failure())
@@ -169,11 +169,26 @@ impl OutputFile {
 
     /// A temporary file in the same directory, so that it can be renamed to the path.
     fn temporary(&self, ending: &str) -> io::Result<tempfile::NamedTempFile> {
-        let directory = match self.path.parent() {
+        temporary_file(self.directory(), ending)
+    }
+
+    fn directory(&self) -> &Path {
+        match self.path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
-        };
-        temporary_file(directory, ending)
+        }
+    }
+
+    /// The error of making the temporary file, without its name, which would confuse users.
+    fn plain(&self, error: &io::Error) -> anyhow::Error {
+        match error.kind() {
+            // As /proc, which has no other files than its own.
+            io::ErrorKind::NotFound if self.directory().is_dir() => {
+                anyhow::anyhow!("no file can be made in its directory")
+            }
+            io::ErrorKind::NotFound => anyhow::anyhow!("its directory does not exist"),
+            kind => anyhow::anyhow!("{kind}"),
+        }
     }
 }
 
@@ -214,6 +229,8 @@ pub fn make_directory(path: &Path) -> anyhow::Result<()> {
         let problem = match error.kind() {
             io::ErrorKind::AlreadyExists => "a file has this name".to_owned(),
             io::ErrorKind::NotADirectory => "a part of its path is a file".to_owned(),
+            // Directories that are not there would have been made.
+            io::ErrorKind::NotFound => "the one above it takes no others".to_owned(),
             kind => kind.to_string(),
         };
         anyhow::anyhow!("{}: cannot be made: {problem}", path.display())
@@ -267,14 +284,6 @@ fn in_canonical_directory(path: &Path) -> PathBuf {
         Some(fs::canonicalize(directory).ok()?.join(path.file_name()?))
     };
     canonical().unwrap_or_else(|| path.to_owned())
-}
-
-/// The error without the name of the temporary file, which would confuse users.
-fn plain(error: &io::Error) -> anyhow::Error {
-    match error.kind() {
-        io::ErrorKind::NotFound => anyhow::anyhow!("its directory does not exist"),
-        kind => anyhow::anyhow!("{kind}"),
-    }
 }
 
 /// Checks that no two outputs are the same file, and that none is among the files that the command
@@ -393,6 +402,20 @@ mod tests {
         assert!(
             format!("{error:#}").contains("x.csv: cannot be written: its directory does not exist")
         );
+        if cfg!(target_os = "linux") {
+            let error = OutputFile::prepare(Path::new("/proc/x.csv")).unwrap_err();
+            let error = format!("{error:#}");
+            assert!(
+                error.ends_with(": no file can be made in its directory"),
+                "{error}"
+            );
+            let error = make_directory(Path::new("/proc/x/y")).unwrap_err();
+            let error = error.to_string();
+            assert!(
+                error.ends_with(": the one above it takes no others"),
+                "{error}"
+            );
+        }
     }
 
     #[test]

@@ -78,7 +78,16 @@ impl SiteRecords {
                 records.add(path, name.into_owned())?;
             }
         }
-        anyhow::ensure!(!records.results.is_empty(), "no result file is given");
+        let names: Vec<String> = paths
+            .iter()
+            .map(|path| path.display().to_string())
+            .collect();
+        anyhow::ensure!(
+            !records.results.is_empty(),
+            "{}: no result file is there; name one that `run -o FILE.json` has written, or a \
+             directory of them",
+            names.join(", ")
+        );
         let started = |record: &SiteRecord| record.result.started.clone();
         records.results.sort_by(|a, b| {
             let newest_first = started(b).cmp(&started(a));

@@ -277,3 +277,11 @@ fn distances_of_a_smooth_surface_are_no_errors() {
         assert!(!one.is_wrong() && one.max_error().is_none());
     }
 }
+
+#[test]
+fn a_directory_without_results_is_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let error = SiteRecords::read(&[directory.path().to_owned()]).unwrap_err();
+    let start = format!("{}: no result file is there", directory.path().display());
+    assert!(error.to_string().starts_with(&start), "{error}");
+}

@@ -176,6 +176,17 @@ fn sources_come_from_files_in_every_command() {
     let mut piped = sandbox.command("distance square.off --sources - -o read.csv");
     piped.write_stdin("1\nedge:0-3,0.5\n").assert().success();
     assert_eq!(sandbox.read("read.csv"), sandbox.read("named.csv"));
+    for arguments in ["-", "square.off --targets -"] {
+        let options = "--input-format off --sources - -o read.csv";
+        let mut twice = sandbox.command(&format!("distance {arguments} {options}"));
+        let said = twice.write_stdin("1\n").output().unwrap();
+        let error = String::from_utf8(said.stderr).unwrap();
+        let problem = "-: two arguments are standard input, which can be read once; name a file";
+        assert!(
+            said.status.code() == Some(2) && error.contains(problem),
+            "{error}"
+        );
+    }
 
     sandbox.succeed("distance square.off --source 2 --sources s.txt --each --matrix -o m.csv");
     let rows: Vec<String> = (sandbox.read("m.csv").lines())

@@ -10,6 +10,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use anyhow::Context;
 use bytesize::ByteSize;
@@ -43,10 +44,25 @@ const MOST_FROM_DEVICE: u64 = 1 << 20;
 /// When it cannot be read, is too large or is not UTF-8.
 pub fn read_text(path: &Path) -> io::Result<String> {
     if path == Path::new("-") {
-        text_of(io::stdin().lock(), MOST_TEXT)
+        text_of(standard_input()?, MOST_TEXT)
     } else {
         read_file(path)
     }
+}
+
+/// Standard input, for the only argument that reads it.
+///
+/// # Errors
+///
+/// If another argument has read it. It would be empty now.
+pub(crate) fn standard_input() -> io::Result<io::StdinLock<'static>> {
+    static IS_READ: AtomicBool = AtomicBool::new(false);
+    if IS_READ.swap(true, Relaxed) {
+        return Err(io::Error::other(
+            "two arguments are standard input, which can be read once; name a file for one of them",
+        ));
+    }
+    Ok(io::stdin().lock())
 }
 
 /// As [`read_text`], but `-` is a file like others.

@@ -12,6 +12,7 @@ use geobench_mesh::io as mesh_io;
 use tempfile::TempDir;
 
 use crate::lock::lock;
+use crate::usage;
 
 /// The form of standard input, named like an ending. Set once, from the command line.
 static FORM: OnceLock<String> = OnceLock::new();
@@ -43,11 +44,12 @@ pub(super) fn file() -> Result<PathBuf, String> {
     if let Some(folder) = &*folder {
         return Ok(folder.path().join(name));
     }
+    let mut standard_input = usage::standard_input().map_err(|error| format!("-: {error}"))?;
     let keep = || {
         let make = || tempfile::Builder::new().prefix("geobench-").tempdir();
         let folder = temporary::registered(make)?;
         let path = folder.path().join(name);
-        keep_at_most(MOST, &mut io::stdin().lock(), &mut File::create(&path)?)?;
+        keep_at_most(MOST, &mut standard_input, &mut File::create(&path)?)?;
         Ok((folder, path))
     };
     let (kept, path) = keep().map_err(|error: io::Error| {

@@ -8,6 +8,7 @@ use geobench_window::Goal;
 use sha2::{Digest, Sha256};
 
 use crate::exec::source::{PointSpec, TargetSpec};
+use crate::measure::number::shortest;
 
 /// Maximum length of a list of targets in the name of a goal. A longer list is named by its
 /// number of targets and a hash.
@@ -76,7 +77,7 @@ impl fmt::Display for GoalSpec {
             before = " ";
         }
         match self.radius {
-            Some(radius) => write!(f, "{before}within {radius}"),
+            Some(radius) => write!(f, "{before}within {}", shortest(radius)),
             None => Ok(()),
         }
     }
@@ -97,6 +98,7 @@ mod tests {
         assert_eq!(label("", None), None);
         assert_eq!(label("17", None).unwrap(), "to 17");
         assert_eq!(label("", Some(2.5)).unwrap(), "within 2.5");
+        assert_eq!(label("", Some(1e-300)).unwrap(), "within 1e-300");
         assert_eq!(label("17,3", Some(0.5)).unwrap(), "to 17,3 within 0.5");
         let many = |last: &str| {
             let all: Vec<String> = (0..100).map(|v| v.to_string()).collect();

@@ -11,6 +11,7 @@ use std::str::FromStr;
 use std::time::{Instant, SystemTime};
 
 use crate::measure::host::{kibibytes, load, text};
+use crate::measure::number::counted;
 use crate::schema::Conditions;
 
 /// A run counts as disturbed if other processes keep more processors busy than this, on average.
@@ -141,18 +142,20 @@ fn doubts(conditions: &Conditions) -> Vec<String> {
             end as f64 / 1e9
         ));
     }
-    let happened = |count: Option<u64>| count.filter(|count| *count > 0);
+    let happened = |count: Option<u64>| count.filter(|count| *count > 0).map(|n| n as usize);
     if let Some(pages) = happened(conditions.swapped_pages) {
-        doubts.push(format!("the system swapped {pages} pages"));
+        doubts.push(format!("the system swapped {}", counted(pages, "page")));
     }
     if let Some(times) = happened(conditions.thermal_throttles) {
         doubts.push(format!(
-            "processors were too hot and slowed down {times} times"
+            "processors were too hot and slowed down {}",
+            counted(times, "time")
         ));
     }
     if let Some(times) = happened(conditions.cgroup_throttles) {
         doubts.push(format!(
-            "the control group ran out of its share of the processors {times} times"
+            "the control group ran out of its share of the processors {}",
+            counted(times, "time")
         ));
     }
     doubts

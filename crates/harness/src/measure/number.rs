@@ -81,6 +81,16 @@ pub fn scientific(value: f64) -> String {
     }
 }
 
+/// The shortest digits that read back exactly, with an exponent below 1e-6 and from 1e21.
+pub fn shortest(value: f64) -> String {
+    let is_usual = (1e-6..1e21).contains(&value.abs()) || value == 0.0 || !value.is_finite();
+    if is_usual {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
+}
+
 /// A number with its noun: `1 loop`, `2 loops`, `2 vertices`.
 pub fn counted(count: usize, thing: &str) -> String {
     match (count, thing.strip_suffix("ex")) {
@@ -103,6 +113,17 @@ mod tests {
         assert_eq!(decimals([1e-9], 6), 6);
         assert_eq!(decimals([0.0], 6), 0);
         assert_eq!(decimals([], 6), 0);
+    }
+
+    #[test]
+    fn tiny_and_huge_numbers_have_an_exponent() {
+        let all = [0.0, 1.0, 2.5, 1e-6, 1e20, f64::INFINITY].map(shortest);
+        assert_eq!(
+            all,
+            ["0", "1", "2.5", "0.000001", "100000000000000000000", "inf"]
+        );
+        let all = [9e-7, 1e-300, -1.5e-12, 1e21].map(shortest);
+        assert_eq!(all, ["9e-7", "1e-300", "-1.5e-12", "1e21"]);
     }
 
     #[test]

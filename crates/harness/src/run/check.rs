@@ -5,6 +5,8 @@ use std::fmt;
 use anyhow::ensure;
 use geobench_mesh::Tolerance;
 
+use crate::measure::number::{counted, shortest};
+
 /// How distances differ from a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deviation {
@@ -59,7 +61,8 @@ impl Disagreement {
         let (abs, rel) = difference(self.found, self.expected);
         format!(
             "{place} is at {} instead of {} (difference {abs:.3e}, relative {rel:.3e})",
-            self.found, self.expected
+            shortest(self.found),
+            shortest(self.expected)
         )
     }
 }
@@ -79,7 +82,8 @@ pub(crate) fn check_length(found: &[f64], expected: usize) -> anyhow::Result<()>
     let found = found.len();
     ensure!(
         found == expected,
-        "{found} distances where the reference has {expected}"
+        "{} where the reference has {expected}",
+        counted(found, "distance")
     );
     Ok(())
 }
@@ -248,7 +252,7 @@ mod tests {
     fn different_numbers_of_vertices_cannot_be_compared() {
         assert_eq!(
             check_length(&[0.0], 2).unwrap_err().to_string(),
-            "1 distances where the reference has 2"
+            "1 distance where the reference has 2"
         );
     }
 

@@ -18,7 +18,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use geobench_harness::measure::mann_whitney::mann_whitney;
-use geobench_harness::measure::number::group;
+use geobench_harness::measure::number::{counted, group};
 use geobench_harness::measure::statistics::{median, paired_ratio, unpaired_ratio};
 use geobench_harness::schema::{Cell, CellId, ResultFile, Status, changed_program};
 use geobench_registry::UsageError;
@@ -468,7 +468,8 @@ fn notes_on_machines(old: &ResultFile, new: &ResultFile) -> Vec<String> {
     let elsewhere = cells_on_other_nodes(old, new);
     if elsewhere > 0 {
         notes.push(format!(
-            "{elsewhere} cells ran on different nodes of a cluster: their times say little"
+            "{} ran on different nodes of a cluster: such times say little",
+            counted(elsewhere, "cell")
         ));
     }
     if old.tool.rustc != new.tool.rustc {

@@ -9,7 +9,7 @@ use geobench_export::FileFormat;
 use geobench_export::isolines::{IsolineFormat, IsolineSet, RunWavefront};
 use geobench_export::output::{check_files, prepare_one};
 use geobench_export::picture::Scene;
-use geobench_harness::measure::number::counted;
+use geobench_harness::measure::number::{counted, shortest};
 use geobench_isolines::{DistanceField, Isoline};
 use geobench_registry::Selection;
 use geobench_window::{Fronts, Goal, Observer, WavefrontMoment, precision};
@@ -109,14 +109,16 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     let farthest = finite.fold(0.0, f64::max);
     let levels = match options.every {
         Some(every) => field.levels_every(every).context("--every")?,
-        None => options.levels.clone(),
+        None => distinct(&options.levels),
     };
     let isolines = field.isolines(&levels);
     for isoline in &isolines {
         if isoline.gap > GAP * isoline.distance {
             terminal::warning(&format!(
                 "{}: the isoline at {} has a gap of {:.1e}, beside faces with no area",
-                model.name, isoline.distance, isoline.gap
+                model.name,
+                shortest(isoline.distance),
+                isoline.gap
             ));
         }
     }
@@ -167,6 +169,17 @@ pub(crate) fn isolines(options: &IsolinesOptions) -> anyhow::Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
+/// `levels`, each once.
+fn distinct(levels: &[f64]) -> Vec<f64> {
+    let mut kept: Vec<f64> = Vec::new();
+    for &level in levels {
+        if !kept.contains(&level) {
+            kept.push(level);
+        }
+    }
+    kept
+}
+
 /// The wavefront of a run of `algorithm` at these distances.
 fn fronts_of(
     algorithm: &Selection,
@@ -196,11 +209,12 @@ fn summary_of_fronts(wavefront: &RunWavefront<'_>, levels: &[f64]) -> String {
         for WavefrontMoment { at, record, .. } in wavefront.fronts {
             let _ = writeln!(
                 text,
-                "wavefront of {} at {at}: {} at {} on average (standard deviation {:.3e}), after {} \
+                "wavefront of {} at {}: {} at {} on average (standard deviation {:.3e}), after {} \
                  were propagated",
                 wavefront.algorithm,
+                shortest(*at),
                 counted(record.windows as usize, "window"),
-                record.distance,
+                shortest(record.distance),
                 record.deviation,
                 record.parents
             );
@@ -221,11 +235,12 @@ fn summary(path: &Path, isolines: &[Isoline], farthest: f64) -> String {
     let all = isolines.iter().flat_map(|isoline| &isoline.lines);
     let arcs: usize = all.map(|line| line.arcs.len()).sum();
     let mut text = format!(
-        "{}: {}, {}, {}; the farthest vertex is at {farthest}\n",
+        "{}: {}, {}, {}; the farthest vertex is at {}\n",
         path.display(),
         counted(isolines.len(), "isoline"),
         counted(lines, "line"),
         counted(arcs, "arc"),
+        shortest(farthest),
     );
     if isolines.len() <= LINES {
         for isoline in isolines {
@@ -233,10 +248,10 @@ fn summary(path: &Path, isolines: &[Isoline], farthest: f64) -> String {
             let _ = writeln!(
                 text,
                 "distance {}: {}, {}, length {}",
-                isoline.distance,
+                shortest(isoline.distance),
                 counted(closed, "loop"),
                 counted(isoline.lines.len() - closed, "open line"),
-                isoline.length()
+                shortest(isoline.length())
             );
         }
     }

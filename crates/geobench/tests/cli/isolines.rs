@@ -239,3 +239,26 @@ fn wrong_input_is_named() {
         );
     }
 }
+
+#[test]
+fn a_level_given_twice_is_one_isoline() {
+    let sandbox = Sandbox::new();
+    sandbox.write("square.off", SQUARE);
+    let said = sandbox.succeed("isolines square.off --source 0 --levels 1,1e-12,1.0,1 -o i.json");
+    assert!(
+        said.contains("\ndistance 1: ") && said.contains("\ndistance 1e-12: "),
+        "{said}"
+    );
+    assert_eq!(
+        said.lines()
+            .filter(|line| line.starts_with("distance "))
+            .count(),
+        2
+    );
+    let levels = &sandbox.json("i.json")["levels"];
+    assert_eq!(
+        [&levels[0]["distance"], &levels[1]["distance"]],
+        [1.0, 1e-12]
+    );
+    assert_eq!(levels.as_array().unwrap().len(), 2);
+}

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
-use clap::Args;
+use clap::{ArgGroup, Args};
 use geobench_harness::exec::model::{largest_component, surface_components};
 use geobench_harness::exec::point_files::{Pair, curve_in, pairs_in};
 use geobench_harness::exec::source::{Locator, PointSpec, SourceSpec, TargetSpec};
@@ -17,9 +17,11 @@ use crate::terminal;
 
 /// Sources of a command on one model.
 #[derive(Args, Debug)]
-#[command(mut_arg("source", |source| {
-    source.required_unless_present("sources").help(SOURCES_HELP)
-}))]
+#[command(
+    mut_arg("source", |source| source.help(SOURCES_HELP)),
+    // Commands with other sources add these.
+    group(ArgGroup::new("from").required(true).multiple(true).args(["source", "sources"])),
+)]
 pub(crate) struct SourcesOptions {
     #[command(flatten)]
     source: SourceOption,

@@ -13,7 +13,7 @@ use geobench_export::FileFormat;
 use geobench_export::distances::{DistanceFile, FieldFormat, FieldTargets, MatrixFormat};
 use geobench_export::output::{OutputFile, check_files};
 use geobench_harness::exec::expected::file_word;
-use geobench_harness::measure::number::counted;
+use geobench_harness::measure::number::{counted, shortest};
 use geobench_harness::plan::suite::options::{
     GoalOptions, SimdOption, ThreadsOption, WIDEST_SIMD_HELP,
 };
@@ -36,7 +36,7 @@ use crate::verdict::Verdict;
 #[command(
     after_help = MODELS_HELP,
     mut_arg("algo", |algo| algo.help(ALGORITHM_HELP)),
-    mut_arg("source", |source| source.required_unless_present_any(["pairs", "curve", "borders"])),
+    mut_group("from", |from| from.args(["pairs", "curve", "borders"])),
     mut_arg("threads", |threads| threads.help(THREADS_HELP)),
     mut_arg("simd", |simd| simd.help(WIDEST_SIMD_HELP)),
 )]
@@ -538,7 +538,7 @@ fn summary(distances: &[f64], noun: &str, name: impl Fn(usize) -> String, path: 
         .rev()
         .max_by(|(_, a), (_, b)| a.total_cmp(b))
         .map_or_else(String::new, |(place, d)| {
-            format!(", the farthest is {} at {d}", name(place))
+            format!(", the farthest is {} at {}", name(place), shortest(*d))
         });
     format!(
         "{}: {}, {} unreachable{farthest}\n",

@@ -87,7 +87,7 @@ fn wrong_usage() {
         ),
         (
             "distance square.off -o x.csv",
-            "required arguments were not provided: --source <SRC>",
+            "required arguments were not provided: <--source <SRC>|--sources <FILE>|--pairs <FILE>|",
         ),
         (
             "distance square.off --source 0 --algo all -o x.csv",

@@ -50,6 +50,24 @@ fn a_small_gzip_file_took_gigabytes() {
 }
 
 #[test]
+fn a_large_count_in_a_gltf_file_named_no_option() {
+    let sandbox = Sandbox::new();
+    let accessor = "{\"componentType\":5126,\"count\":4000000000,\"type\":\"VEC3\"}";
+    let file = format!(
+        "{{\"asset\":{{\"version\":\"2.0\"}},\"scenes\":[{{\"nodes\":[0]}}],\
+         \"nodes\":[{{\"mesh\":0}}],\"accessors\":[{accessor}],\
+         \"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0}}}}]}}]}}"
+    );
+    sandbox.write("large.gltf", &file);
+    let error = sandbox.call("info large.gltf").stderr;
+    assert!(error.contains("large.gltf: accessor 0: "), "{error}");
+    assert!(
+        error.contains("raise the limit with --max-decompressed SIZE"),
+        "{error}"
+    );
+}
+
+#[test]
 fn a_raised_limit_of_decompression_reaches_child_processes() {
     let sandbox = Sandbox::with_square();
     bomb(&sandbox, "blank.off.gz", 80);

@@ -119,12 +119,11 @@ pub(crate) fn table(record: &Record) -> String {
         );
     }
     let rest: Vec<&Line> = lines().filter(|line| !line.certified).collect();
-    text.push_str(&causes(&rest));
-    if !rest.is_empty() {
-        text.push_str(
-            "\n| not certified | too long | too short | worst place |\n|---|--:|--:|---|\n",
-        );
+    if rest.is_empty() {
+        return text;
     }
+    text.push_str(&causes(&rest));
+    text.push_str("\n| not certified | too long | too short | worst place |\n|---|--:|--:|---|\n");
     for line in rest {
         let _ = writeln!(
             text,

@@ -241,17 +241,17 @@ impl Plan {
         all.filter(|one| !self.leaves_out(one.label(), model))
     }
 
-    /// The reference on `model`. Another one takes the place of a default that is left out or does
-    /// not cross the junctions of the model.
+    /// The reference on `model`. A default is chosen anew among the algorithms that are not left
+    /// out and cross the junctions of the model.
     pub(crate) fn reference_on(&self, model: &ModelRecord) -> Reference {
-        let is_able = |one: &Selection| {
-            !self.leaves_out(one.label(), model)
-                && (model.junctions.is_none() || one.crosses_junctions())
-        };
         match &self.reference {
-            Reference::Algorithm(one) if one.is_optional() && !is_able(one) => {
-                let able = self.algorithms_on(model).filter(|one| is_able(one));
-                let able: Vec<Selection> = able.cloned().collect();
+            Reference::Algorithm(one) if one.is_optional() => {
+                let is_able =
+                    |one: &&Selection| model.junctions.is_none() || one.crosses_junctions();
+                let able: Vec<_> = self.algorithms_on(model).filter(is_able).cloned().collect();
+                if able.len() == self.algorithms.len() {
+                    return self.reference.clone();
+                }
                 match Reference::usual(&able) {
                     Reference::Unasked(other) => Reference::Algorithm(other),
                     usual => usual,

@@ -93,7 +93,11 @@ impl NearestLists {
             return self.slack;
         }
         match event.kind() {
-            EventKind::Window(h, _) => self.slack_of_faces[h.face().index()],
+            // A face that is added for a point of the surface has none.
+            EventKind::Window(h, _) => {
+                let face = h.face().index();
+                self.slack_of_faces.get(face).copied().unwrap_or(0.0)
+            }
             EventKind::Vertex(_) => self.slack,
         }
     }

@@ -5,7 +5,7 @@
 //! square root: 1e-8 of an edge instead of 1e-16.
 
 use crate::corner::corner_angle;
-use crate::vector::{cross, dot, norm, sub};
+use crate::vector::{column, cross, dot, norm, sub};
 
 /// Least height of a face over its longest edge, as a fraction of its shortest edge. It is far
 /// below rounding, so no distance changes. It ensures that a ray passes each vertex on a definite
@@ -84,21 +84,26 @@ pub(crate) fn measure<const N: usize>(corners: &[[[f64; N]; 3]; 3]) -> FaceShape
     let mut shapes = FaceShapes::default();
     let mut projections = [[0.0; N]; 3];
     for i in 0..N {
-        let [a, b, c] = [0, 1, 2].map(|k| [0, 1, 2].map(|axis| corners[k][axis][i]));
+        let [a, b, c] = [
+            column(&corners[0], i),
+            column(&corners[1], i),
+            column(&corners[2], i),
+        ];
         let edges = [sub(b, a), sub(c, b), sub(a, c)];
-        let lengths = edges.map(norm);
-        let [p, q, r] = lengths;
+        let [p, q, r] = [norm(edges[0]), norm(edges[1]), norm(edges[2])];
+        let lengths = [p, q, r];
         let (first, second) = (p >= q && p >= r, q >= r);
         // Selects the two shorter edges without a branch.
-        let select = |if_first: [f64; 3], if_second: [f64; 3], if_third: [f64; 3]| {
-            [0, 1, 2].map(|axis| {
-                let other = if second {
-                    if_second[axis]
-                } else {
-                    if_third[axis]
-                };
-                if first { if_first[axis] } else { other }
-            })
+        let one = |x: f64, y: f64, z: f64| {
+            let other = if second { y } else { z };
+            if first { x } else { other }
+        };
+        let select = |x: [f64; 3], y: [f64; 3], z: [f64; 3]| {
+            [
+                one(x[0], y[0], z[0]),
+                one(x[1], y[1], z[1]),
+                one(x[2], y[2], z[2]),
+            ]
         };
         let normal = cross(
             select(edges[1], edges[2], edges[0]),

@@ -29,6 +29,7 @@ use crate::rows::RowTable;
 use crate::soup::TriangleSoup;
 use crate::stand_ins::StandIns;
 use crate::threads;
+use crate::vector::column;
 
 /// The data of a sound mesh, without its positions and triangles.
 pub(crate) struct Sound {
@@ -270,7 +271,7 @@ fn measure_all(
         }
         let found = measure(&corners);
         for i in 0..triangles.len() {
-            let own = found.lengths.map(|l| l[i]);
+            let own = column(&found.lengths, i);
             let (longest, twice_area) = (found.longest[i], found.twice_areas[i]);
             let in_range = |l: &f64| (SHORTEST_EDGE..=LONGEST_EDGE).contains(l);
             let upright = twice_area > FLAT_HEIGHT * longest * longest;
@@ -282,7 +283,7 @@ fn measure_all(
             }
             extremes = extremes.with(Extremes::of(longest, twice_area));
             lengths[base + i] = own;
-            take_angles(base + i, found.angles.map(|angle| angle[i]));
+            take_angles(base + i, column(&found.angles, i));
         }
     }
     Some((slivers, extremes))
@@ -373,18 +374,25 @@ struct Fan {
 #[derive(Default)]
 struct RingEnds {
     list: Vec<u32>,
-    /// The vertices with their indices, sorted; used for long lists.
+    /// The vertices, then [`NO_TWIN`], which is no vertex; used for short lists.
+    few: [u32; FEW],
+    /// The vertices with their indices, sorted; used for longer lists.
     sorted: Vec<(u32, u32)>,
 }
 
-/// Lists up to this length are searched linearly.
-const LINEAR_SEARCH: usize = 24;
+/// Length up to which a list is compared as a whole, by vector instructions.
+const FEW: usize = 8;
 
 impl RingEnds {
     fn set(&mut self, ends: impl Iterator<Item = u32>) {
         self.list.clear();
         self.list.extend(ends);
-        if self.list.len() > LINEAR_SEARCH {
+        if self.list.len() <= FEW {
+            self.few = [NO_TWIN; FEW];
+            for (place, &end) in self.few.iter_mut().zip(&self.list) {
+                *place = end;
+            }
+        } else {
             self.sorted.clear();
             self.sorted.extend(self.list.iter().copied().zip(0..));
             self.sorted.sort_unstable();
@@ -394,21 +402,19 @@ impl RingEnds {
     /// The only index at which `x` occurs.
     #[inline]
     fn only(&self, x: u32) -> Found {
-        let (mut count, mut place) = (0, 0);
-        if self.list.len() > LINEAR_SEARCH {
-            let first = self.sorted.partition_point(|entry| entry.0 < x);
-            for entry in self.sorted[first..].iter().take_while(|entry| entry.0 == x) {
-                count += 1;
-                place = entry.1;
+        let (count, place) = if self.list.len() <= FEW {
+            // All bits, since an early exit is hard to predict.
+            let mut found = 0u32;
+            for (i, &y) in self.few.iter().enumerate() {
+                found |= u32::from(x == y) << i;
             }
+            (found.count_ones(), found.trailing_zeros())
         } else {
-            // Without an early exit, which is hard to predict.
-            for (i, &y) in self.list.iter().enumerate() {
-                let same = x == y;
-                count += u32::from(same);
-                place = if same { i as u32 } else { place };
-            }
-        }
+            let first = self.sorted.partition_point(|entry| entry.0 < x);
+            let found = self.sorted[first..].iter().take_while(|entry| entry.0 == x);
+            let place = self.sorted.get(first).map_or(0, |entry| entry.1);
+            (found.count() as u32, place)
+        };
         match count {
             0 => Found::Nowhere,
             1 => Found::At(place),
@@ -605,6 +611,9 @@ mod tests {
             "torus,faces=300",
             "terrain,n=9,seed=2",
             "grid,n=6",
+            // Fans of 9 and of 40 faces.
+            "cylinder,slices=9,stacks=2,ends=capped",
+            "cylinder,slices=40,stacks=1,ends=capped",
         ] {
             for holes in 0..40 {
                 let mut soup = shuffled(generated(spec), &mut random);

@@ -3,6 +3,13 @@
 /// A point or vector in the plane of a face.
 pub type Point = [f64; 2];
 
+/// Entry `i` of each array. `map` of an array is not always compiled inline, and then a loop over
+/// `i` has no vector instructions.
+#[inline]
+pub fn column<const N: usize>(arrays: &[[f64; N]; 3], i: usize) -> [f64; 3] {
+    [arrays[0][i], arrays[1][i], arrays[2][i]]
+}
+
 /// a + b.
 #[inline]
 pub fn add<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
+use geobench_mesh::vector::column;
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Numbering, RowTable, Splice, VertexId, threads};
 use geobench_window::Probe;
 use geobench_window::prefetch_line;
@@ -135,21 +136,25 @@ impl FaceLayout {
             *length = length.recip();
         }
         let faces = std::array::from_fn(|i| {
-            let sides = old[i].half_edges();
-            let vertex = sides.map(|h| vertex(mesh.tail(h)));
-            let [a, b, c] = vertex.map(|v| vertices[v as usize].flat);
+            let [a, b, c] = mesh.face_vertices(old[i]);
+            let vertex = [vertex(a), vertex(b), vertex(c)];
+            let twin = |corner| {
+                let twin = mesh.twin(old[i].half_edge(corner));
+                twin.map_or(NO_TWIN, &number)
+            };
+            let flat = |corner: usize| vertices[vertex[corner] as usize].flat;
             Self {
-                length: shapes.lengths.map(|l| l[i]),
+                length: column(&shapes.lengths, i),
                 vertex,
-                twin: sides.map(|h| mesh.twin(h).map_or(NO_TWIN, &number)),
+                twin: [twin(0), twin(1), twin(2)],
                 state: FaceState::default(),
-                apex_x: shapes.apexes_x.map(|x| x[i]),
-                inverse_length: inverse.map(|l| l[i]),
+                apex_x: column(&shapes.apexes_x, i),
+                inverse_length: column(&inverse, i),
                 twice_area: shapes.twice_areas[i],
-                flat: [c, a, b],
+                flat: [flat(2), flat(0), flat(1)],
             }
         });
-        let angles = std::array::from_fn(|i| shapes.angles.map(|angle| angle[i] as f32));
+        let angles = std::array::from_fn(|i| column(&shapes.angles, i).map(|angle| angle as f32));
         (faces, angles)
     }
 
@@ -229,6 +234,11 @@ fn has_shadow(mesh: &Mesh, v: VertexId) -> bool {
     !mesh.is_pseudo_source(v) && mesh.total_angle(v) - straight >= -FLATNESS
 }
 
+/// Whether the direction of an edge of this length is known within the widening of spawn wedges.
+fn is_known(mesh: &Mesh, length: f64) -> bool {
+    blur(mesh.longest_edge()) < f64::from(WIDENING) * length
+}
+
 /// All of `parts`, one after the other.
 fn concatenated<T: Copy>(mut parts: Vec<Vec<T>>) -> Vec<T> {
     if parts.len() == 1 {
@@ -258,14 +268,18 @@ pub(crate) struct VertexFacts {
 impl VertexFacts {
     /// The properties of `v`. With `lit`, vertices that [have shadows](has_shadow) send windows.
     fn new(mesh: &Mesh, v: VertexId, lit: bool) -> Self {
-        let error = blur(mesh.longest_edge());
-        let is_known = |(_, length): (VertexId, f64)| error < f64::from(WIDENING) * length;
+        let is_known = |(_, length): (VertexId, f64)| is_known(mesh, length);
+        Self::of(mesh, v, lit, || mesh.neighbours(v).all(is_known))
+    }
+
+    /// The same; `is_known` tells whether the directions of all edges at `v` are known.
+    fn of(mesh: &Mesh, v: VertexId, lit: bool, is_known: impl Fn() -> bool) -> Self {
         Self {
             pseudo_source: mesh.is_pseudo_source(v) || lit && has_shadow(mesh, v),
             all_around: mesh.is_boundary(v)
                 || mesh.is_pinched(v)
                 || mesh.is_beside_sliver(v)
-                || !mesh.neighbours(v).all(is_known),
+                || !is_known(),
             boundary: mesh.is_boundary(v),
             flat: is_flat(mesh, v),
             total_angle: mesh.total_angle(v) as f32,
@@ -313,10 +327,17 @@ impl MeshLayout {
     pub(crate) fn new(mesh: &Mesh, numbering: &Numbering) -> Self {
         let vertex_count = mesh.vertex_count();
         let old_vertex = |v: usize| numbering.old_vertex(VertexId::new(v as u32));
+        // In one pass over the lengths, which spares one around each vertex.
+        let all_known = mesh.half_edges().all(|h| is_known(mesh, mesh.length(h)));
+        let facts = |v| {
+            if all_known {
+                VertexFacts::of(mesh, v, false, || true)
+            } else {
+                VertexFacts::new(mesh, v, false)
+            }
+        };
         let vertices = threads::each(threads::ranges(vertex_count, 4), |range| {
-            range
-                .map(|v| VertexFacts::new(mesh, old_vertex(v), false))
-                .collect()
+            range.map(|v| facts(old_vertex(v))).collect()
         });
         let vertices: Vec<VertexFacts> = concatenated(vertices);
         let several = |block| FaceLayout::several(mesh, numbering, &vertices, TOGETHER * block);

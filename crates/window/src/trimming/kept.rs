@@ -75,8 +75,9 @@ impl KeptWindows {
         let mut kept = Self::default();
         let thin = ThinFaces::of(mesh, numbers, &number);
         let mut doubt = thin.doubt();
-        for h in mesh.half_edges() {
-            let is_at_junction = mesh.has_junctions() && mesh.junction_side(h).is_some();
+        let none = thin.is_empty() && !mesh.has_junctions();
+        for h in mesh.half_edges().take_while(|_| !none) {
+            let is_at_junction = mesh.junction_side(h).is_some();
             if is_at_junction {
                 doubt = doubt.max(MARGIN * mesh.length(h));
             }

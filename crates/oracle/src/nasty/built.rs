@@ -390,6 +390,32 @@ pub(super) fn part(faces: u32, random: &mut Random) -> Draft {
     draft
 }
 
+pub(super) fn rims(faces: u32, random: &mut Random) -> Draft {
+    let holes = random.whole(1, 6);
+    // Faces on both sides and on the wall of each hole.
+    let cuts = (faces / (4 * holes)).max(3);
+    let [width, depth] = [f64::from(holes), random.between(1.0, 2.0)];
+    let corners = [[0.0, 0.0], [width, 0.0], [width, depth], [0.0, depth]];
+    let mut outlines = vec![corners.to_vec()];
+    for hole in 0..holes {
+        let radius = random.between(0.02, 0.45);
+        let turn = random.between(0.0, 1.0);
+        let rim = (0..cuts).rev().map(|k| {
+            let place = (f64::from(k) + turn) / f64::from(cuts);
+            let [x, y, _] = on_circle(place, radius, 0.0);
+            [f64::from(hole) + 0.5 + x, depth / 2.0 + y]
+        });
+        outlines.push(rim.collect());
+    }
+    let mut draft = Draft::default();
+    for &[x, y] in outlines.iter().flatten() {
+        draft.add([x, y, 0.0]);
+    }
+    draft.faces = triangulate(&outlines);
+    draft.thicken(random.magnitude(-3, 0), 1, 0.0, random);
+    draft
+}
+
 pub(super) fn needle_strip(faces: u32, random: &mut Random) -> Draft {
     let width = random.magnitude(-10, 0);
     let wave = random.below(3);

@@ -131,6 +131,8 @@ kinds! {
         Fan = "fan", built::fan;
         /// A drilled plate as from a solid modeller: long thin faces beside short ones, fillets.
         Part = "part", built::part;
+        /// A plate of few long faces with finely cut holes.
+        Rims = "rims", built::rims;
         /// A strip of equal thin faces.
         NeedleStrip = "needle-strip", built::needle_strip;
         /// A rough surface with few thin faces.

@@ -10,7 +10,7 @@ use geobench_harness::exec::interrupt;
 use geobench_harness::exec::model::{self, ModelRef};
 use geobench_harness::exec::source::{PointSpec, SourceSpec};
 use geobench_harness::exec::{Backend, Observation, Pass, Session, Step};
-use geobench_harness::measure::number::scientific;
+use geobench_harness::measure::number::{counted, scientific};
 use geobench_harness::plan::suite::options::{
     AlgorithmsOption, DecompressionOption, GoalOptions, LimitOptions, SimdOption, SourceOption,
     ThreadsOption, ToleranceOption, WIDEST_SIMD_HELP, WeldOption,
@@ -495,8 +495,9 @@ impl LoadedModelCheck<'_> {
         }
         if is_reference {
             let unreachable = found.iter().filter(|d| d.is_infinite()).count();
-            let (count, noun) = (found.len(), checks.layout.noun());
-            let remark = format!("reference for {count} {noun}, {unreachable} unreachable");
+            let count = found.len();
+            let places = counted(count, checks.layout.noun());
+            let remark = format!("reference for {places}, {unreachable} unreachable");
             verdict.remarks.push(remark);
             let components = self.record.components.unwrap_or(1);
             if components > 1 && self.goal.is_everything() && !self.options.quiet.is_set {
@@ -745,8 +746,8 @@ impl AnswerVerdict {
         let comparison = layout.compare(found, expected, &rule, self.may_differ);
         let mut name = field.path.display().to_string();
         if comparison.compared < found.len() {
-            let (compared, count, noun) = (comparison.compared, found.len(), layout.noun());
-            name = format!("{name} at {compared} of {count} {noun}");
+            let places = counted(found.len(), layout.noun());
+            name = format!("{name} at {} of {places}", comparison.compared);
         }
         self.judge(&name, &comparison, layout, None);
     }
@@ -781,11 +782,10 @@ impl AnswerVerdict {
             self.word = Word::InDoubt;
         }
         self.remarks.push(format!(
-            "differs from {reference}: {}; {} of {} {} differ",
+            "differs from {reference}: {}; {} of {} differ",
             layout.describe(worst),
             comparison.disagreeing,
-            comparison.compared,
-            layout.noun()
+            counted(comparison.compared, layout.noun())
         ));
     }
 

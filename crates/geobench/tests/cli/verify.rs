@@ -17,6 +17,11 @@ fn agreement_is_one_line_per_answer() {
     assert!(lines[2].starts_with("square: source 2: mmp-fast: ok: agrees with ./square.s2.csv"));
     assert_eq!(lines[4], "4 of 4 answers agree");
     assert_eq!(sandbox.succeed("verify square.off --quiet"), "");
+    let one = sandbox.succeed("verify square.off --algo mmp-fast --target 3");
+    assert!(
+        one.contains(": ok: reference for 1 target, 0 unreachable\n"),
+        "{one}"
+    );
 }
 
 #[test]

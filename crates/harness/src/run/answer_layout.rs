@@ -98,11 +98,11 @@ impl AnswerLayout {
         }
     }
 
-    /// What the places of an answer are called: `vertices` or `targets`.
+    /// What a place of an answer is called: `vertex` or `target`.
     pub const fn noun(&self) -> &'static str {
         match self.targets {
-            None => "vertices",
-            Some(_) => "targets",
+            None => "vertex",
+            Some(_) => "target",
         }
     }
 
@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn targets_are_compared_and_named_by_their_place() {
         let layout = AnswerLayout::new(&goal("2,edge:0-1,0.5", None), 3);
-        assert_eq!((layout.count(3), layout.noun()), (2, "targets"));
+        assert_eq!((layout.count(3), layout.noun()), (2, "target"));
         assert_eq!(layout.of_stored(&[(0, 0.0), (2, 5.0)]), [(0, 5.0)]);
         let worst = |vertex| Disagreement {
             vertex,

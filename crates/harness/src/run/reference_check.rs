@@ -4,6 +4,7 @@ use geobench_mesh::Tolerance;
 use geobench_registry::{self as registry, CERTIFICATE, Selection};
 
 use crate::exec::{Failure, Observation, Session, Step};
+use crate::measure::number::counted;
 use crate::run::agreement::{self, Clusters};
 use crate::run::answer_layout::AnswerLayout;
 use crate::run::check::{self, Deviation};
@@ -305,13 +306,12 @@ impl ReferenceCheck {
         let name = self.answer.as_ref().map(|answer| answer.name.as_str());
         let failure = comparison.worst.map(|worst| {
             wrong(format!(
-                "differs from {}: {}; {} of {} {} differ by more than {tolerance:e} relative and \
+                "differs from {}: {}; {} of {} differ by more than {tolerance:e} relative and \
                  rounding{}",
                 name.unwrap_or("no reference"),
                 self.layout.describe(&worst),
                 comparison.disagreeing,
-                comparison.compared,
-                self.layout.noun(),
+                counted(comparison.compared, self.layout.noun()),
                 self.scale.remark()
             ))
         });

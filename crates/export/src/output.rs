@@ -200,7 +200,16 @@ impl OutputFile {
 /// If standard output is full.
 pub fn write_standard_output(contents: &[u8]) -> io::Result<()> {
     let mut out = io::stdout().lock();
-    match out.write_all(contents).and_then(|()| out.flush()) {
+    unless_reader_ended(out.write_all(contents).and_then(|()| out.flush()))
+}
+
+/// The result `written` of writing to standard output. It is no error that the reader has ended.
+///
+/// # Errors
+///
+/// The error of `written`, if it is another one.
+pub fn unless_reader_ended(written: io::Result<()>) -> io::Result<()> {
+    match written {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         written => written,
     }

@@ -304,12 +304,15 @@ fn command(arguments: Arguments) -> ExitCode {
 /// Prints the help if it was requested, else the error as a single line. Returns the exit status.
 fn usage(error: &clap::Error) -> ExitCode {
     match error.kind() {
-        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            // Write errors are ignored.
-            let _ = error.print();
-            ExitCode::SUCCESS
-        }
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => match terminal::print_help(error) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                terminal::error(&format!("{error:#}"));
+                ExitCode::from(2)
+            }
+        },
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            // It goes to standard error: there is no other place to report a write error.
             let _ = error.print();
             ExitCode::from(2)
         }

@@ -5,7 +5,7 @@ use std::io::{self, IsTerminal, Write};
 use anyhow::Context;
 use clap::ValueEnum;
 use geobench_export::escape::{for_terminal, printable};
-use geobench_export::output::write_standard_output;
+use geobench_export::output::{unless_reader_ended, write_standard_output};
 use geobench_harness::exec::interrupt;
 use geobench_report::table::Look;
 use terminal_size::{Width, terminal_size_of};
@@ -72,8 +72,20 @@ pub(crate) fn print_rendered(text: &str) -> anyhow::Result<()> {
     }
 }
 
+/// Prints the help or the version that clap has made in place of arguments.
+///
+/// # Errors
+///
+/// As [`print()`].
+pub(crate) fn print_help(help: &clap::Error) -> anyhow::Result<()> {
+    let printed = help.print().and_then(|()| io::stdout().flush());
+    unless_reader_ended(printed).context(UNWRITABLE)
+}
+
+const UNWRITABLE: &str = "standard output: cannot be written";
+
 fn write_out(text: &str) -> anyhow::Result<()> {
-    write_standard_output(text.as_bytes()).context("standard output: cannot be written")
+    write_standard_output(text.as_bytes()).context(UNWRITABLE)
 }
 
 /// Writes an error to standard error as a single line.

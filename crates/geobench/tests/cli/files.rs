@@ -439,18 +439,28 @@ fn standard_output_is_no_file_that_is_read() {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_standard_output_is_named() {
-    let full = fs::OpenOptions::new().write(true).open("/dev/full");
-    let output = Command::new(cargo_bin("geobench"))
-        .arg("suites")
-        .stdout(full.unwrap())
-        .output()
-        .unwrap();
-    assert_eq!(output.status.code(), Some(2));
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(
-        said.starts_with("geobench: error: standard output: cannot be written: No space"),
-        "{said}"
-    );
+    for call in [
+        "suites",
+        "--help",
+        "--version",
+        "help run",
+        "run -h",
+        "completions bash",
+        "man run",
+    ] {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full");
+        let output = Command::new(cargo_bin("geobench"))
+            .args(call.split(' '))
+            .stdout(full.unwrap())
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2), "{call}");
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            said.starts_with("geobench: error: standard output: cannot be written: No space"),
+            "{call}: {said}"
+        );
+    }
 }
 
 #[test]

@@ -23,7 +23,6 @@ mod scale;
 #[cfg(test)]
 mod tests;
 mod unit;
-mod unit_plan;
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;

@@ -1,4 +1,15 @@
 //! The cells of one model and one source.
+//!
+//! `plan` is what they share. `runs` executes their runs in order, after `reference` has found the
+//! reference answer. `outcome` judges each answer: where it differs from the reference, `dispute`
+//! finds who is right; `label_check` checks labels.
+
+mod dispute;
+mod label_check;
+mod outcome;
+mod plan;
+mod reference;
+mod runs;
 
 use geobench_registry::Selection;
 
@@ -15,7 +26,9 @@ use crate::run::journal::{Journal, RunId};
 use crate::run::log::RunLog;
 use crate::run::order::RunOrder;
 use crate::run::proof::Decision;
-use crate::run::unit_plan::UnitPlan;
+use crate::run::unit::plan::UnitPlan;
+use crate::run::unit::reference::prepare;
+use crate::run::unit::runs::{make_runs, make_runs_of_cells};
 use crate::schema::{Cell, ModelRecord};
 
 /// The cells of one model and source. Unless several cells run concurrently, their runs are
@@ -133,10 +146,8 @@ impl<'p> Unit<'p> {
                 log,
                 checks: &checks,
             };
-            let done = self
-                .plan
-                .prepare(&mut self.cells, &mut context)
-                .and_then(|warmed| self.plan.make_runs(&mut self.cells, warmed, &mut context));
+            let done = prepare(&self.plan, &mut self.cells, &mut context)
+                .and_then(|warmed| make_runs(&self.plan, &mut self.cells, warmed, &mut context));
             self.decision = context.check().decision.take();
             stopped_or(done)?;
         }
@@ -161,7 +172,8 @@ impl<'p> Unit<'p> {
         self.begin(log);
         if !self.is_complete() {
             let checks = self.plan.checks(self.decision.take());
-            let done = self.plan.make_runs_of_cells(
+            let done = make_runs_of_cells(
+                &self.plan,
                 &mut self.cells,
                 first,
                 &|| backend.open_further(model, self.plan.model),

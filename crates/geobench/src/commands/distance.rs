@@ -13,9 +13,11 @@ use geobench_export::FileFormat;
 use geobench_export::distances::{DistanceFile, FieldFormat, FieldTargets, MatrixFormat};
 use geobench_export::output::{OutputFile, check_files};
 use geobench_harness::exec::expected::file_word;
+use geobench_harness::exec::point_files::Pair;
+use geobench_harness::exec::source::{SourceSpec, TargetSpec};
 use geobench_harness::measure::number::{counted, shortest};
 use geobench_harness::plan::suite::options::{
-    GoalOptions, SimdOption, ThreadsOption, WIDEST_SIMD_HELP,
+    GoalOptions, SimdOption, ThreadsOption, WIDEST_SIMD_HELP, Wanted,
 };
 use geobench_harness::schema::SourceLabel;
 use geobench_mesh::threads::Threads;
@@ -108,34 +110,15 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
     if options.matrix || !options.each {
         check_files([&output], &read)?;
     }
-    let far = options.sources.far;
-    let sources = options.sources.all()?;
-    let targets = far.targets(&options.goal.target)?;
-    let pairs = options.pairs.read(far)?;
+    let given = GivenPoints::of(options)?;
     let threads = Threads::start(options.threads.number())?;
     let mesh = threads.run(|| options.reading.mesh(&model, options.quiet.is_set))?;
-    let curves = options.curves.on(&mesh, far, options.quiet.is_set)?;
-    let points = match &pairs {
-        Some(pairs) => LocatedPoints::of_pairs(&mesh, pairs)?,
-        None => LocatedPoints::new(&mesh, &sources, targets.as_deref(), &model.path)?,
-    };
-    if !options.quiet.is_set {
-        if curves.is_empty() {
-            points.tell(&mesh, options.each);
-        } else {
-            terminal::notes(&points.notes);
-        }
-    }
-    let is_quiet = options.quiet.is_set || options.output == Path::new("-");
+    let curves = (options.curves).on(&mesh, options.sources.far, options.quiet.is_set)?;
+    let points = given.on(&mesh, &model.path)?;
+    options.tell(&mesh, &points, &curves);
     let algorithm = options.algorithm_on(&mesh, !curves.is_empty())?;
-    let tasks = if options.each {
-        points.sources.len()
-    } else {
-        1
-    };
-    let row = format!("{}: distances by {}", model.name, algorithm.label());
-    let bar = TaskBar::new(&row, tasks, !is_quiet);
-    let request = DistanceCommand {
+    let bar = options.bar(&model.name, &algorithm, &points);
+    let command = DistanceCommand {
         options,
         read: &read,
         bar: &bar,
@@ -145,21 +128,51 @@ pub(crate) fn distance(options: &DistanceOptions) -> anyhow::Result<Verdict> {
         points: &points,
         threads: &threads,
     };
-    let summaries = match form {
-        DistanceOutput::Field(format) if !curves.is_empty() => {
-            vec![request.of_curves(format, &output, &curves)?]
-        }
-        DistanceOutput::Field(format) if pairs.is_some() => vec![request.pairs(format, &output)?],
-        DistanceOutput::Matrix(format) => vec![request.matrix(format, &output)?],
-        DistanceOutput::Field(format) => request.fields(format, output)?,
-    };
+    let summaries = command.write(form, output, &curves)?;
     drop(bar);
-    for summary in summaries {
-        if !is_quiet {
+    if !options.is_quiet() {
+        for summary in summaries {
             terminal::print(&summary)?;
         }
     }
     Ok(Verdict::Passed)
+}
+
+/// The points of the options and of their files, not looked up yet.
+struct GivenPoints {
+    sources: Vec<Wanted<SourceSpec>>,
+    /// `None` for all vertices.
+    targets: Option<Vec<Wanted<TargetSpec>>>,
+    /// In place of sources and targets.
+    pairs: Option<Vec<Pair>>,
+}
+
+impl GivenPoints {
+    /// Reads them.
+    ///
+    /// # Errors
+    ///
+    /// If a file cannot be read, has no points, or has a line that is not a point.
+    fn of(options: &DistanceOptions) -> anyhow::Result<Self> {
+        let far = options.sources.far;
+        Ok(Self {
+            sources: options.sources.all()?,
+            targets: far.targets(&options.goal.target)?,
+            pairs: options.pairs.read(far)?,
+        })
+    }
+
+    /// Locates them on `mesh`. `model` is the name of the mesh in messages.
+    ///
+    /// # Errors
+    ///
+    /// If a point does not exist.
+    fn on(&self, mesh: &Mesh, model: &str) -> anyhow::Result<LocatedPoints> {
+        match &self.pairs {
+            Some(pairs) => LocatedPoints::of_pairs(mesh, pairs),
+            None => LocatedPoints::new(mesh, &self.sources, self.targets.as_deref(), model),
+        }
+    }
 }
 
 impl DistanceOptions {
@@ -187,6 +200,31 @@ impl DistanceOptions {
         }
         Ok(algorithm)
     }
+
+    /// Whether the command prints neither summaries nor progress.
+    fn is_quiet(&self) -> bool {
+        self.quiet.is_set || self.output == Path::new("-")
+    }
+
+    /// Tells the notes on `points`, and without curves also how much of the model is connected with
+    /// the sources. Says nothing with `--quiet`.
+    fn tell(&self, mesh: &Mesh, points: &LocatedPoints, curves: &[(SourceLabel, Curve)]) {
+        if self.quiet.is_set {
+            return;
+        }
+        if curves.is_empty() {
+            points.tell(mesh, self.each);
+        } else {
+            terminal::notes(&points.notes);
+        }
+    }
+
+    /// The progress bar, with one task for each distance field.
+    fn bar(&self, model: &str, algorithm: &Selection, points: &LocatedPoints) -> TaskBar {
+        let tasks = if self.each { points.sources.len() } else { 1 };
+        let row = format!("{model}: distances by {}", algorithm.label());
+        TaskBar::new(&row, tasks, !self.is_quiet())
+    }
 }
 
 /// Maximum size in bytes of the rows of a matrix that are in memory, unless a single row is larger.
@@ -196,6 +234,7 @@ const MOST_ROWS_BYTES: usize = 64 << 20;
 const NUMBER_BYTES: usize = 20;
 
 /// The kind and format of the output.
+#[derive(Clone, Copy)]
 enum DistanceOutput {
     Field(FieldFormat),
     Matrix(MatrixFormat),
@@ -284,6 +323,26 @@ struct DistanceCommand<'a> {
 }
 
 impl DistanceCommand<'_> {
+    /// Writes what the options ask for. Returns a summary of each file.
+    fn write(
+        &self,
+        form: DistanceOutput,
+        output: OutputFile,
+        curves: &[(SourceLabel, Curve)],
+    ) -> anyhow::Result<Vec<String>> {
+        let summary = match form {
+            DistanceOutput::Matrix(format) => self.matrix(format, &output)?,
+            DistanceOutput::Field(format) if !curves.is_empty() => {
+                self.of_curves(format, &output, curves)?
+            }
+            DistanceOutput::Field(format) if self.options.pairs.pairs.is_some() => {
+                self.pairs(format, &output)?
+            }
+            DistanceOutput::Field(format) => return self.fields(format, output),
+        };
+        Ok(vec![summary])
+    }
+
     /// Writes the distances from the nearest source, or with `--each` one file for each source.
     /// Returns a summary of each file.
     fn fields(&self, format: FieldFormat, output: OutputFile) -> anyhow::Result<Vec<String>> {

@@ -121,6 +121,50 @@ fn vector(text: &str) -> Result<[f64; 3], String> {
         .ok_or_else(|| "give three numbers, as in 1,0,-0.5".to_owned())
 }
 
+/// The kind of the paths of a command.
+#[derive(Clone, Copy)]
+enum PathKind {
+    /// The shortest path to each target, or to all vertices.
+    Shortest,
+    /// One path through all targets.
+    Through(Through),
+    /// The straightest line from each source.
+    Straightest { direction: [f64; 3], length: f64 },
+}
+
+impl PathKind {
+    fn of(options: &PathOptions) -> Self {
+        if let Some((direction, NotNegative(length))) = options.direction.zip(options.length) {
+            Self::Straightest { direction, length }
+        } else if options.through {
+            Self::Through(Through {
+                closed: options.closed,
+                shorten: options.shorten,
+            })
+        } else {
+            Self::Shortest
+        }
+    }
+
+    /// How paths of this kind are found, for files: shortest ones by `algorithm`.
+    fn method<'a>(&self, algorithm: &'a Selection) -> &'a str {
+        match self {
+            Self::Straightest { .. } => "straightest",
+            Self::Through(Through { shorten: true, .. }) => "locally shortest",
+            Self::Through(_) | Self::Shortest => algorithm.label(),
+        }
+    }
+
+    /// The title of a picture.
+    const fn title(&self) -> &'static str {
+        match self {
+            Self::Straightest { .. } => "Straightest lines",
+            Self::Through(Through { shorten: true, .. }) => "Locally shortest path",
+            Self::Through(_) | Self::Shortest => "Shortest paths",
+        }
+    }
+}
+
 /// Maximum number of paths for which the summary has a line each.
 const LINES: usize = 20;
 
@@ -145,7 +189,7 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
     }
     let algorithm = options.algorithm.algo.clone();
     let mut command = PathCommand {
-        options,
+        kind: PathKind::of(options),
         model: &model,
         mesh,
         points: &points,
@@ -159,7 +203,7 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
         } else {
             format.render(&PathSet {
                 model: &model.name,
-                algorithm: command.method(),
+                algorithm: command.kind.method(&command.algorithm),
                 mesh,
                 paths: &paths.found,
             })?
@@ -174,7 +218,7 @@ pub(crate) fn path(options: &PathOptions) -> anyhow::Result<Verdict> {
 
 /// Data shared by the steps of the command.
 struct PathCommand<'a> {
-    options: &'a PathOptions,
+    kind: PathKind,
     model: &'a ModelRef,
     /// The mesh of the model.
     mesh: &'a Mesh,
@@ -200,32 +244,21 @@ impl PathCommand<'_> {
 
     /// The paths that the options ask for, all of them if `keeps_all`.
     fn paths(&mut self, keeps_all: bool) -> anyhow::Result<CommandPaths> {
-        let (options, points) = (self.options, self.points);
-        if let Some((direction, length)) = options.direction.zip(options.length) {
-            let lines = straightest(self.mesh, points, direction, length.0);
-            return lines.with_context(|| self.model.path.clone());
-        }
-        let paths = if options.through {
-            let [(source, _)] = &points.sources[..] else {
-                let count = counted(points.sources.len(), "source");
-                bail!("--through: a path starts at one source, not at {count}");
-            };
-            self.one_through(source)
-        } else {
-            self.shortest(keeps_all)
+        let paths = match self.kind {
+            PathKind::Straightest { direction, length } => {
+                let lines = straightest(self.mesh, self.points, direction, length);
+                return lines.with_context(|| self.model.path.clone());
+            }
+            PathKind::Through(through) => {
+                let [(source, _)] = &self.points.sources[..] else {
+                    let count = counted(self.points.sources.len(), "source");
+                    bail!("--through: a path starts at one source, not at {count}");
+                };
+                self.one_through(through, source)
+            }
+            PathKind::Shortest => self.shortest(keeps_all),
         };
         paths.with_context(|| self.algorithm.label().to_owned())
-    }
-
-    /// How the paths are found, for files.
-    fn method(&self) -> &str {
-        if self.options.direction.is_some() {
-            "straightest"
-        } else if self.options.shorten {
-            "locally shortest"
-        } else {
-            self.algorithm.label()
-        }
     }
 
     /// The model with the paths, in the colours of the distances of all vertices, as PNG or SVG.
@@ -245,14 +278,7 @@ impl PathCommand<'_> {
             view,
             ..Scene::new(mesh, &distances)
         };
-        let title = if self.options.direction.is_some() {
-            "Straightest lines"
-        } else if self.options.shorten {
-            "Locally shortest path"
-        } else {
-            "Shortest paths"
-        };
-        scene.draw(png, &self.model.name, title)
+        scene.draw(png, &self.model.name, self.kind.title())
     }
 
     /// Warns of distances that are in doubt.
@@ -311,11 +337,11 @@ impl PathCommand<'_> {
     }
 
     /// The path from the only source through all targets.
-    fn one_through(&mut self, source: &SourceLabel) -> anyhow::Result<CommandPaths> {
-        let through = Through {
-            closed: self.options.closed,
-            shorten: self.options.shorten,
-        };
+    fn one_through(
+        &mut self,
+        through: Through,
+        source: &SourceLabel,
+    ) -> anyhow::Result<CommandPaths> {
         let points = self.points;
         let refined = &points.refined;
         let mut parts = 0;

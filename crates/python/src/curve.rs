@@ -1,6 +1,6 @@
 //! The class `Curve`, and distances from curves.
 
-use geobench_harness::exec::source::PointSpec;
+use geobench_harness::exec::point::PointSpec;
 use geobench_harness::measure::number::counted;
 use geobench_registry::check_curves;
 use geodesics::{Curve, Mesh, Stop, distances_from_curves};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use geobench_harness::exec::source::PointSpec;
+use geobench_harness::exec::point::PointSpec;
 use geobench_harness::measure::number::counted;
 use geodesics::window::precision;
 use geodesics::{DistanceField, FieldError, Path, Stop, SurfacePoint};

@@ -2,7 +2,8 @@
 
 use std::sync::{Arc, OnceLock};
 
-use geobench_harness::exec::source::{Locator, PointSpec, distinct};
+use geobench_harness::exec::point::{Locator, PointSpec};
+use geobench_harness::exec::source::distinct;
 use geodesics::mesh::Insertion;
 use geodesics::{Mesh, NearestPoint, PointError, Refined, SurfacePoint, VertexId};
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods};

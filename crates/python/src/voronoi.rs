@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::sync::Arc as Shared;
 
-use geobench_harness::exec::source::PointSpec;
+use geobench_harness::exec::point::PointSpec;
 use geobench_harness::measure::number::counted;
 use geodesics::voronoi::NO_SOURCE;
 use geodesics::{Diagram, FieldSolver, Mesh, Refined, Stop, VertexId, WindowVtp};

@@ -10,7 +10,7 @@ use geobench_export::output::{check_files, prepare_one};
 use geobench_export::paths::{FoundPath, PathFormat, PathSet};
 use geobench_export::picture::{Scene, View};
 use geobench_harness::exec::model::ModelRef;
-use geobench_harness::exec::source::PointSpec;
+use geobench_harness::exec::point::PointSpec;
 use geobench_harness::measure::number::counted;
 use geobench_harness::plan::suite::options::{NotNegative, TargetOption};
 use geobench_harness::schema::SourceLabel;

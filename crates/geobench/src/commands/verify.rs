@@ -8,7 +8,8 @@ use geobench_harness::exec::expected::{Expected, StoredDistances, stored_sources
 use geobench_harness::exec::goal::GoalSpec;
 use geobench_harness::exec::interrupt;
 use geobench_harness::exec::model::{self, ModelRef};
-use geobench_harness::exec::source::{PointSpec, SourceSpec};
+use geobench_harness::exec::point::PointSpec;
+use geobench_harness::exec::source::SourceSpec;
 use geobench_harness::exec::{Backend, Observation, Pass, Session, Step};
 use geobench_harness::measure::number::{counted, scientific};
 use geobench_harness::plan::suite::options::{

@@ -7,7 +7,8 @@ use geobench_registry::UsageError;
 use geobench_window::Goal;
 use sha2::{Digest, Sha256};
 
-use crate::exec::source::{PointSpec, TargetSpec};
+use crate::exec::point::PointSpec;
+use crate::exec::source::TargetSpec;
 use crate::measure::number::shortest;
 
 /// Maximum length of a list of targets in the name of a goal. A longer list is named by its

@@ -12,7 +12,8 @@ use geobench_window::{Counters, Goal, Observer, PhaseSampler, Solution, SolveErr
 use crate::exec::goal::GoalSpec;
 use crate::exec::limits::DecompressionLimit;
 use crate::exec::model::ModelRef;
-use crate::exec::source::{LocatedPoint, Locator, SourceSpec};
+use crate::exec::point::{LocatedPoint, Locator};
+use crate::exec::source::SourceSpec;
 use crate::exec::{Backend, Components, Failure, Observation, Pass, Refusal, Session, Step};
 use crate::measure::memory::PeakMemory;
 use crate::schema::{ModelRecord, PhaseSeconds, SourceLabel, Status};

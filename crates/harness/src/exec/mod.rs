@@ -18,6 +18,7 @@ pub mod limits;
 #[cfg(any(test, feature = "mock"))]
 pub mod mock;
 pub mod model;
+pub mod point;
 pub mod point_files;
 mod protocol;
 pub mod source;

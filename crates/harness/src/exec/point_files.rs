@@ -6,7 +6,8 @@ use std::str::FromStr;
 
 use anyhow::{anyhow, bail};
 
-use crate::exec::source::{PointSpec, SourceSpec};
+use crate::exec::point::PointSpec;
+use crate::exec::source::SourceSpec;
 use crate::usage::first_field;
 
 /// The lines of a file without comments and empty lines, each with its place in the file; and

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use geobench_mesh::Tolerance;
 
 use crate::exec::goal::GoalSpec;
-use crate::exec::source::PointSpec;
+use crate::exec::point::PointSpec;
 use crate::run::check::{self, Deviation, Disagreement};
 use crate::schema::SourceLabel;
 

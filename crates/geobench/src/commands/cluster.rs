@@ -6,6 +6,7 @@ use std::time::Duration;
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, Command, FromArgMatches};
 use geobench_export::escape::shell;
+use geobench_harness::measure::number::counted;
 use geobench_harness::plan::Plan;
 use geobench_harness::plan::suite::Plans;
 use geobench_harness::run::cluster::{
@@ -209,10 +210,7 @@ fn run_options(words: &[String]) -> anyhow::Result<RunOptions> {
 
 /// Describes the resources that each job requests.
 fn asked(resources: &Resources) -> String {
-    let cores = match resources.cores {
-        1 => "1 core".to_owned(),
-        n => format!("{n} cores"),
-    };
+    let cores = counted(resources.cores, "core");
     let memory = resources.memory_bytes.map_or_else(
         || "the partition's default memory (the plan has no --memory-limit)".to_owned(),
         |bytes| bytesize::ByteSize(bytes).display().iec().to_string(),

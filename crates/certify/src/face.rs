@@ -163,6 +163,8 @@ impl<'a> Checker<'a> {
         found
     }
 
+    /// The same, from the pieces of all `sides`. Infinite if they are too many, or too large or too
+    /// small for rounded arithmetic.
     fn violation_of_sides(
         &mut self,
         face: FaceId,
@@ -170,82 +172,116 @@ impl<'a> Checker<'a> {
         lengths: [f64; 3],
         sides: &[FaceSide; 3],
     ) -> (f64, HalfEdgeId) {
-        let size = FaceSize::of(sides, lengths);
         let nothing = (f64::INFINITY, face.half_edge(0));
-        if !SIZES.contains(&size.all) {
+        let size = FaceSize::of(sides, lengths);
+        if !SIZES.contains(&size.all) || has_too_many_pairs(sides) {
             return nothing;
         }
-        let counts = [0, 1, 2].map(|k| sides[k].pieces.len());
-        let pairs = [0, 1, 2].map(|k| counts[k].saturating_mul(counts[(k + 1) % 3]));
-        if pairs.iter().any(|&pairs| pairs > MOST_PAIRS) {
-            return nothing;
-        }
-        let margin = MARGIN * size.all;
-        let mesh = self.shared.field.mesh;
-        let off = |k: usize| (mesh.length(face.half_edge(k as u32)) - lengths[k]).abs();
-        let error = size.error(off(0) + off(1) + off(2));
-        let accepted = match self.shared.precision {
-            Arithmetic::Double => 2.0 * error,
-            Arithmetic::TwoDoubles => 0.0,
-        };
-        let corners = mesh.face_vertices(face);
-        let ball = |corner: usize| {
-            let v = corners[corner % 3];
-            (v.index(), self.shared.radii[v.index()])
+        let compared = ComparedSides {
+            face,
+            shape,
+            lengths,
+            sides,
+            corners: self.corners(face),
+            margin: MARGIN * size.all,
+            error: size.error(self.off(face, lengths)),
         };
         let mut most = (0.0_f64, face.half_edge(0));
         for k in 0..3 {
-            let mut from_side = (0.0_f64, k);
-            let mut skips_bends = false;
-            for step in [1, 2] {
-                let there = (k + step) % 3;
-                let transform = shape.transform(k, step);
-                let near = transform.rounded(TINY * margin);
-                if !near.is_finite() {
-                    return nothing;
-                }
-                let mut across = SidePair {
-                    field: self.shared.field,
-                    sides: [&sides[k], &sides[there]],
-                    half_edges: [k, there].map(|k| face.half_edge(k as u32)),
-                    exact_lengths: [k, there].map(|k| shape.lengths[k]),
-                    lengths: [k, there].map(|k| lengths[k]),
-                    transform: &transform,
-                    near,
-                    balls: [[ball(k), ball(k + 1)], [ball(there), ball(there + 1)]],
-                    margin,
-                    error,
-                    accepted,
-                    clear: self.shared.clear,
-                    excess: from_side.0,
-                    exact_left: MOST_EXACT,
-                    skips_bends: false,
-                    parts: &mut self.parts,
-                };
-                across.compare_all(&mut self.links);
-                skips_bends |= across.skips_bends;
-                if across.excess > from_side.0 {
-                    from_side = (across.excess, there);
-                }
-            }
-            // Between two points of one side, only jumps violate the condition. A path that bends
-            // at a concave kink is no shorter than one through the next piece, up to the jump at
-            // the kink.
-            let side = self.shared.field.mesh.edge_of(face.half_edge(k as u32));
-            let jump = self.shared.field.jumps[side.index()];
-            let (found, there) = from_side;
-            let violation = if skips_bends {
-                (found + jump).next_up()
-            } else {
-                greater(found, jump)
+            let Some((violation, side)) = self.violation_from(&compared, k) else {
+                return nothing;
             };
             if violation > most.0 {
-                let worst = if jump > found { k } else { there };
-                most = (violation, face.half_edge(worst as u32));
+                most = (violation, face.half_edge(side as u32));
             }
         }
         most
     }
+
+    /// The nodes of the corners of `face`, and the radii of their neighbourhoods.
+    fn corners(&self, face: FaceId) -> [(usize, f64); 3] {
+        let corners = self.shared.field.mesh.face_vertices(face);
+        corners.map(|v| (v.index(), self.shared.radii[v.index()]))
+    }
+
+    /// How much the lengths of the sides of `face` differ in the mesh from the exact ones.
+    fn off(&self, face: FaceId, lengths: [f64; 3]) -> f64 {
+        let mesh = self.shared.field.mesh;
+        let off = |k: usize| (mesh.length(face.half_edge(k as u32)) - lengths[k]).abs();
+        off(0) + off(1) + off(2)
+    }
+
+    /// An upper bound of the violations by paths from side `k`, at least 0, and the side on which
+    /// they are greatest. Adds the links. `None` if a side has no reliable image.
+    fn violation_from(&mut self, compared: &ComparedSides<'_>, k: usize) -> Option<(f64, usize)> {
+        let (face, margin, error) = (compared.face, compared.margin, compared.error);
+        let ends = |k: usize| [compared.corners[k], compared.corners[(k + 1) % 3]];
+        let (mut found, mut worst) = (0.0_f64, k);
+        let mut skips_bends = false;
+        for step in [1, 2] {
+            let there = (k + step) % 3;
+            let transform = compared.shape.transform(k, step);
+            let near = transform.rounded(TINY * margin);
+            if !near.is_finite() {
+                return None;
+            }
+            let mut across = SidePair {
+                field: self.shared.field,
+                sides: [&compared.sides[k], &compared.sides[there]],
+                half_edges: [k, there].map(|k| face.half_edge(k as u32)),
+                exact_lengths: [k, there].map(|k| compared.shape.lengths[k]),
+                lengths: [k, there].map(|k| compared.lengths[k]),
+                transform: &transform,
+                near,
+                balls: [ends(k), ends(there)],
+                margin,
+                error,
+                accepted: match self.shared.precision {
+                    Arithmetic::Double => 2.0 * error,
+                    Arithmetic::TwoDoubles => 0.0,
+                },
+                clear: self.shared.clear,
+                excess: found,
+                exact_left: MOST_EXACT,
+                skips_bends: false,
+                parts: &mut self.parts,
+            };
+            across.compare_all(&mut self.links);
+            skips_bends |= across.skips_bends;
+            if across.excess > found {
+                (found, worst) = (across.excess, there);
+            }
+        }
+        // Between two points of one side, only jumps violate the condition. A path that bends at a
+        // concave kink is no shorter than one through the next piece, up to the jump at the kink.
+        let side = self.shared.field.mesh.edge_of(face.half_edge(k as u32));
+        let jump = self.shared.field.jumps[side.index()];
+        let violation = if skips_bends {
+            (found + jump).next_up()
+        } else {
+            greater(found, jump)
+        };
+        Some((violation, if jump > found { k } else { worst }))
+    }
+}
+
+/// Whether two of `sides` have more pairs of pieces than are compared.
+fn has_too_many_pairs(sides: &[FaceSide; 3]) -> bool {
+    let count = |k: usize| sides[k % 3].pieces.len();
+    (0..3).any(|k| count(k).saturating_mul(count(k + 1)) > MOST_PAIRS)
+}
+
+/// The sides of a face that are compared with each other.
+struct ComparedSides<'a> {
+    face: FaceId,
+    shape: &'a FaceShape,
+    lengths: [f64; 3],
+    sides: &'a [FaceSide; 3],
+    /// The nodes of the corners, and the radii of their neighbourhoods.
+    corners: [(usize, f64); 3],
+    margin: f64,
+    /// See [`FaceSize::error`].
+    error: f64,
 }
 
 /// What rounding errors in a face are relative to.

@@ -267,7 +267,7 @@ points!(&Vec<P>, P: Copy + Into<SurfacePoint>);
 /// Distances, paths and isolines of a mesh, for a single query.
 pub trait Distances {
     /// Length of the shortest path over the surface from the nearest of `sources` to every vertex,
-    /// in the units of the mesh; infinite where no path leads.
+    /// in the units and the order of the vertices of the mesh; infinite where no path leads.
     ///
     /// Sets up [`VtpFast`] for this one query, which adds about a third to the time; on a mesh with
     /// [junctions](Mesh::junction) [`mmp_fast`].
@@ -278,7 +278,8 @@ pub trait Distances {
     fn distances_from(&self, sources: impl Points) -> Result<Vec<f64>, SolveError>;
 
     /// The shortest path over the surface from the nearest of `sources` to `target`; `None` if no
-    /// path leads there. The search ends when the distance of the target is final.
+    /// path leads there. The search ends when the distance of the target is final. For paths to
+    /// several targets take [`Paths`], for several queries a [`SurfaceSolver`].
     ///
     /// ```
     /// use geodesics::{Distances, Mesh};
@@ -299,8 +300,9 @@ pub trait Distances {
         target: impl Into<SurfacePoint>,
     ) -> Result<Option<Path>, PathError>;
 
-    /// The lines of points at each distance in `levels` from the nearest of `sources`. A level that
-    /// is not positive, or greater than all distances, has no lines.
+    /// The lines of points at each distance in `levels` from the nearest of `sources`: one
+    /// [`Isoline`] for each level, in their order. A level that is not positive, or greater than
+    /// all distances, has no lines.
     ///
     /// This stores all windows of MMP. It takes several times as long as distances of vertices, and
     /// much more memory: about a gigabyte for 300,000 faces. For several queries keep a

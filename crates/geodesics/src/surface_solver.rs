@@ -37,12 +37,13 @@ pub struct SurfaceSolver {
 
 impl SurfaceSolver {
     /// Sets up [`VtpFast`](crate::VtpFast), or [`mmp_fast`](crate::solvers::mmp_fast) on a mesh
-    /// with [junctions](Mesh::junction).
+    /// with [junctions](Mesh::junction); O(faces).
     pub fn new(mesh: &Mesh) -> Self {
         Self::with(mesh, usual_solver)
     }
 
-    /// Sets up another algorithm, as `|mesh| Box::new(mmp(mesh))`.
+    /// Sets up another algorithm, as `|mesh| Box::new(mmp(mesh))`. `set_up` is called again for
+    /// runs at points that the solver cannot insert.
     pub fn with(mesh: &Mesh, set_up: impl Fn(&Mesh) -> Box<dyn Solver> + Send + 'static) -> Self {
         Self {
             mesh: mesh.clone(),
@@ -51,7 +52,8 @@ impl SurfaceSolver {
         }
     }
 
-    /// Distances of all vertices from the nearest of `sources`.
+    /// Distances of all vertices from the nearest of `sources`, in the order and the units of the
+    /// mesh; infinite where no path leads.
     ///
     /// # Errors
     ///
@@ -82,8 +84,8 @@ impl SurfaceSolver {
         Ok(distances)
     }
 
-    /// Distances of `targets` from the nearest of `sources`, infinite beyond `radius`. The search
-    /// ends when all are known.
+    /// Distances of `targets`, in their order, from the nearest of `sources`; infinite beyond
+    /// `radius` and where no path leads. The search ends when all are known.
     ///
     /// # Errors
     ///
@@ -163,7 +165,8 @@ impl SurfaceSolver {
 
     /// A locally shortest path: as [`path_through`](Self::path_through), but the path leaves the
     /// points where that makes it [shorter](Path::shortened). An open path keeps its ends. A closed
-    /// one becomes a closed geodesic, or a single point if it contracts to that.
+    /// one becomes a closed geodesic, or a single point if it contracts to that. After Sharp and
+    /// Crane (2020).
     ///
     /// ```
     /// use geodesics::{Mesh, SurfaceSolver};
@@ -216,7 +219,7 @@ impl SurfaceSolver {
 
     /// The [logarithmic map](Paths::log_map) at `source`: for each vertex the point of the plane at
     /// its distance and in the direction in which a shortest path to it starts; NaN for unreachable
-    /// ones.
+    /// ones. Angles at vertices are those of Polthier and Schmies (1998).
     ///
     /// ```
     /// use geodesics::{Mesh, SurfaceSolver};

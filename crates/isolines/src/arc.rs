@@ -68,7 +68,7 @@ impl CircleArc {
         }
     }
 
-    /// Its length.
+    /// Its length, in the units of the mesh.
     pub fn length(&self) -> f64 {
         self.radius * self.angle()
     }

@@ -157,7 +157,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// Its length.
+    /// Its length, in the units of the mesh; O(arcs).
     pub fn length(&self) -> f64 {
         self.arcs.iter().map(CircleArc::length).sum()
     }
@@ -185,7 +185,7 @@ impl Line {
 }
 
 impl Isoline {
-    /// The total length of its lines.
+    /// The total length of its lines, in the units of the mesh; O(arcs).
     pub fn length(&self) -> f64 {
         // The sum of no numbers would be -0.
         self.lines
@@ -209,7 +209,8 @@ fn multiple(k: f64, step: f64) -> f64 {
 }
 
 impl DistanceField {
-    /// Computes the distances from the nearest of `sources`. Time and memory are those of MMP.
+    /// Computes the distances from the nearest of `sources` by [MMP](geobench_mmp::mmp), and keeps
+    /// its windows: time O(n² log n), space O(n²) for n faces, about n^1.5 windows in practice.
     ///
     /// # Errors
     ///
@@ -234,7 +235,8 @@ impl DistanceField {
         })
     }
 
-    /// The distances of the vertices of the mesh; infinite for unreachable vertices.
+    /// The distances of the vertices of the mesh, in their order and in the units of the mesh;
+    /// infinite for unreachable vertices.
     pub fn distances(&self) -> &[f64] {
         &self.distances[..self.mesh.vertex_count()]
     }

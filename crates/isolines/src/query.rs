@@ -64,7 +64,8 @@ impl DistanceField {
     /// The gradient of the distance at `point`: the unit vector, in space, in which the distance
     /// grows fastest, away from the source. At an edge it is that in one of the faces, at a vertex
     /// that in a face through which a shortest path comes. `None` at sources, at unreachable
-    /// points, in no face and on a mesh without positions.
+    /// points, in no face and on a mesh without positions. O(windows that enter the faces of the
+    /// point).
     ///
     /// # Errors
     ///

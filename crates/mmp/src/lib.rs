@@ -73,7 +73,7 @@ pub fn mmp(mesh: &Mesh) -> Mmp {
 
 /// Sets up the edge-based variant of [`mmp`] for `mesh`; O(faces).
 ///
-/// It stores fewer windows than [`mmp`], and does more work for each.
+/// It stores fewer windows than [`mmp`], and does more work for each. The bounds are the same.
 ///
 /// ```
 /// use geobench_mmp::mmp_edge;
@@ -108,7 +108,8 @@ pub fn mmp_from<Q: Discipline>(mesh: &Mesh, carrier: Carrier, queue: Q) -> Mmp<Q
 
 /// Sets up MMP for `mesh` with batches, the filter and eviction; O(faces).
 ///
-/// This is the fastest form, with the least memory. Its distances are those of [`mmp`].
+/// This is the fastest form, with the least memory. Its distances are those of [`mmp`]. No bound on
+/// its time is proven; space O(n²) for n faces.
 ///
 /// ```
 /// use geobench_mesh::Mesh;

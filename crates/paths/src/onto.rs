@@ -7,7 +7,7 @@ use crate::path::{Path, PathPlace, Point};
 impl Path {
     /// Maps this path on `refined` to the [original](Refined::original) mesh. Crossings of edges
     /// that the original does not have are left out. The ends may lie on its edges and inside its
-    /// faces.
+    /// faces. O(points).
     ///
     /// ```
     /// use geobench_mesh::{FaceId, Mesh};
@@ -29,6 +29,10 @@ impl Path {
     /// assert!(matches!(path.points.last().unwrap().place, PathPlace::Edge { t: 0.5, .. }));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    ///
+    /// # Panics
+    ///
+    /// If a face of the path is not one of the refined mesh.
     #[must_use]
     pub fn of_original(&self, refined: &Refined) -> Self {
         let last = self.points.len().saturating_sub(1);

@@ -32,7 +32,11 @@ pub struct Point {
 impl Point {
     /// The point at vertex `v` of `mesh`.
     ///
-    /// Its face is one of those around `v`.
+    /// Its face is one of those around `v`; it has none if `v` is isolated.
+    ///
+    /// # Panics
+    ///
+    /// If `mesh` has no such vertex.
     pub fn at_vertex(mesh: &Mesh, v: VertexId) -> Self {
         let mut barycentric = [0.0; 3];
         let corner = mesh.outgoing(v).first();
@@ -82,7 +86,8 @@ impl Point {
         }
     }
 
-    /// Position in space; `None` if `mesh` has no positions.
+    /// Position in space, in the units of the mesh; `None` if `mesh`, the mesh of the point, has no
+    /// positions.
     pub fn position(&self, mesh: &Mesh) -> Option<[f64; 3]> {
         let at = |v: VertexId| mesh.positions().get(v.index()).copied();
         let combine = |corners: &[(VertexId, f64)]| {
@@ -164,7 +169,9 @@ impl Path {
         })
     }
 
-    /// Paths that follow each other, each from the end of the one before, as one path.
+    /// Paths that follow each other, each from the end of the one before, as one path. Of no paths
+    /// the result has no points and the length 0. That each begins where the one before ends is not
+    /// checked. O(points).
     pub fn joined(paths: impl IntoIterator<Item = Self>) -> Self {
         let mut paths = paths.into_iter();
         let mut all = paths.next().unwrap_or(Self {
@@ -178,7 +185,8 @@ impl Path {
         all
     }
 
-    /// The positions of the points, in order; empty if `mesh` has no positions.
+    /// The positions of the points, in order; empty if `mesh`, the mesh of the path, has no
+    /// positions. O(points).
     pub fn polyline(&self, mesh: &Mesh) -> Vec<[f64; 3]> {
         let points = self.points.iter();
         points.filter_map(|point| point.position(mesh)).collect()

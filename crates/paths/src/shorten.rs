@@ -42,6 +42,12 @@ impl Path {
     /// `None` if an end is no vertex of `mesh`, if the path leaves the surface, or if it is
     /// `closed` and its ends differ.
     ///
+    /// Each step is that of Sharp and Crane, "You Can Find Geodesic Paths in Triangle Meshes by
+    /// Just Flipping Edges" (2020): where the angle on one side of a vertex is below π, the path
+    /// takes the shortest way across the faces on that side. The funnel algorithm of Lee and
+    /// Preparata (1984) finds that way, in O(faces crossed). The number of steps is finite, without
+    /// a known bound.
+    ///
     /// ```
     /// use geobench_mesh::Mesh;
     /// use geobench_paths::{Path, Paths};

@@ -78,6 +78,8 @@ fn unit(a: [f64; 2]) -> [f64; 2] {
 ///
 /// Shortest paths that pass no vertex are such lines, but a line need not be a shortest path.
 ///
+/// O(faces crossed).
+///
 /// ```
 /// use geobench_mesh::Mesh;
 /// use geobench_paths::line;

@@ -17,8 +17,8 @@ pub struct Through {
 
 impl Through {
     /// The path from the first of `vertices` of the refined mesh to the second, and so on, on the
-    /// original mesh. `between` finds a shortest path on the refined mesh. `None` if it finds none,
-    /// and without vertices.
+    /// original mesh. `between` finds a shortest path on the refined mesh, once for each part.
+    /// `None` if it finds none, and without vertices.
     ///
     /// # Errors
     ///

@@ -46,10 +46,11 @@ impl<'a> LabelledField<'a> {
 /// An algorithm that stores the windows from which a diagram is computed.
 pub trait FieldSolver: Send {
     /// Finds the distance and the nearest of `sources` for every vertex, and the windows from which
-    /// the [diagram](crate::Diagram) is computed.
+    /// the [diagram](crate::Diagram) is computed. Labels are indices into `sources`.
     ///
     /// # Errors
     ///
-    /// If `sources` is empty or has a vertex that does not exist.
+    /// If `sources` is empty or has a vertex that does not exist, or if the mesh has a
+    /// [junction](Mesh::junction).
     fn field(&mut self, sources: &[VertexId]) -> Result<LabelledField<'_>, SolveError>;
 }

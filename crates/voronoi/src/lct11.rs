@@ -17,6 +17,8 @@ use crate::wave::{ArrivalMode, COUNTERS, WaveState};
 /// [`WindowVtp`](crate::WindowVtp). So both algorithms leave the same windows at the borders of
 /// cells.
 ///
+/// Time O(n² log n), space O(n²) for n faces.
+///
 /// ```
 /// use geobench_mesh::{Mesh, VertexId};
 /// use geobench_voronoi::{FieldSolver, Lct11};

@@ -22,6 +22,8 @@ use crate::{
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
+/// Time O(n²) apart from the queue of vertices, space O(n²) for n faces.
+///
 /// Two steps differ from the paper:
 ///
 /// * **Rule 1.** Proposition 4.1 drops a window's whole side by comparing separating points. That
@@ -86,7 +88,8 @@ pub type Opftp = ListPropagation<NearestFace, OrderPreserving, Neighbours, OneAn
 pub type EdgeBased = ListPropagation<NearestVertex, OrderFree, Neighbours, AcrossTheFace>;
 
 /// As [`Vtp`], but compares every pair of windows, and every path to a vertex of the face (Qin et
-/// al. 2016, section 6.2, and cases 1 to 12 of section 3). Takes O(k²) for a list of k windows.
+/// al. 2016, section 6.2, and cases 1 to 12 of section 3). Takes O(k²) for a list of k windows, and
+/// O(n³) in all for n faces.
 ///
 /// Cases 8 and 10 as printed delete more than is proved. They have the form of rule 1 in [`Vtp`].
 ///

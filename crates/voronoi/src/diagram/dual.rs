@@ -117,7 +117,8 @@ impl fmt::Display for NoTriangulation {
 }
 
 impl Dual {
-    /// The dual as a triangle mesh. `corners` are the positions of the sources.
+    /// The dual as a triangle mesh. `corners` are the positions of the sources, one for each, in
+    /// their order.
     ///
     /// # Errors
     ///

@@ -35,8 +35,8 @@ const MOST_THREADS: usize = 1024;
 
 /// [`VtpFast`] on several threads, on one mesh.
 ///
-/// Distances differ from those of [`VtpFast`] by rounding only. Counts vary from
-/// run to run.
+/// Distances differ from those of [`VtpFast`] by rounding only. Counts vary from run to run. Time
+/// and space are those of [`VtpFast`], over all threads.
 ///
 /// ```
 /// use geobench_mesh::Mesh;

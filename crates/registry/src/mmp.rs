@@ -23,7 +23,7 @@ const SLACK: Parameter = Parameter::real(
     "slack",
     NearestLists::SLACK,
     0.0..=1e6,
-    "windows at most so many mean edge lengths farther than the nearest one of their half-edge are taken with it; eight heights of a face count where many faces are smaller",
+    "windows at most so many mean edge lengths farther than the nearest one of their half-edge are taken with it; fewer of a list of more than 256",
 )
 .only_with(TURN.name, &["list"]);
 

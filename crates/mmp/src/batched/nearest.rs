@@ -1,7 +1,7 @@
 //! A queue of lists, the one with the nearest window first.
 
-use geobench_mesh::{FaceId, Mesh};
-use geobench_window::queue::{CalendarQueue, Discipline, Event, EventKind, mean_edge_length};
+use geobench_mesh::Mesh;
+use geobench_window::queue::{CalendarQueue, Discipline, Event, mean_edge_length};
 use geobench_window::{Counter, Probe};
 
 /// A [`CalendarQueue`] queue of lists. The list with the nearest window is taken; its windows that
@@ -26,44 +26,19 @@ pub struct NearestLists {
     queue: CalendarQueue,
     /// How much further a due window may be, as a length.
     slack: f64,
-    /// The same for the windows that cross each face; empty if `slack` serves for all faces.
-    slack_of_faces: Vec<f64>,
-    /// The greatest label of a due window of the list that is being taken.
+    /// The label of the list that is being taken.
+    nearest: f64,
+    /// The greatest label of a due window of that list.
     due: f64,
 }
 
-/// A slack of 1 is at most this many heights of the face that is crossed.
+/// The slack of a list of more windows shrinks in proportion.
 ///
-/// Windows that are taken too early cross faces before better ones trim them, and divide at the
-/// vertices there. Where the slack spans hundreds of faces, as beside a hole with a fine rim in a
-/// plate of long triangles, a run did not end.
-const HEIGHTS: f64 = 8.0;
-
-/// The largest number of faces that decide whether each has a slack of its own.
-const SAMPLE: usize = 10_000;
-
-/// Each face has a slack of its own if heights bound it for more than one face in this many. A few
-/// small faces, as scans have them, cost less than the slack gains.
-const SMALL: usize = 16;
-
-/// The length of a slack of 1 on each face; empty if `mean`, that of an edge, serves for all.
-fn units(mesh: &Mesh, mean: f64) -> Vec<f64> {
-    let unit = |face: FaceId| {
-        let lengths = mesh.side_lengths(face);
-        let longest = lengths[0].max(lengths[1]).max(lengths[2]);
-        let height = lengths[0] * mesh.apexes(face)[0][1] / longest;
-        mean.min(HEIGHTS * height)
-    };
-    let step = mesh.face_count().div_ceil(SAMPLE).max(1);
-    let sampled = mesh.faces().step_by(step);
-    let [all, small] = sampled.fold([0, 0], |[all, small], face| {
-        [all + 1, small + usize::from(unit(face) < mean)]
-    });
-    if small * SMALL <= all {
-        return Vec::new();
-    }
-    mesh.faces().map(unit).collect()
-}
+/// Windows that are taken too early cross faces before better ones trim them, and leave gaps in
+/// which windows of other sources go on. In a fan of hundreds of needles, as beside a hole with a
+/// fine rim in a plate of long triangles, such fragments doubled at every second edge and a run did
+/// not end. Lists on scans are shorter.
+const CROWD: f64 = 256.0;
 
 impl NearestLists {
     /// Default slack. No paper has one.
@@ -72,33 +47,14 @@ impl NearestLists {
     /// little. With less, batches shrink to single windows.
     pub const SLACK: f64 = 1.0;
 
-    /// An empty queue for the lists of `mesh`; O(edges). The slack is in mean edge lengths, or in
-    /// eight heights of the face that is crossed where that is less and many faces are so small. A
-    /// negative slack and NaN count as 0.
+    /// An empty queue for the lists of `mesh`; O(edges). The slack is in mean edge lengths, and less
+    /// for a list of more than 256 windows. A negative slack and NaN count as 0.
     pub fn new(mesh: &Mesh, slack: f64) -> Self {
-        let mean = mean_edge_length(mesh);
-        let length = |unit: f64| (slack * unit).max(0.0);
         Self {
             queue: CalendarQueue::new(mesh),
-            slack: length(mean),
-            slack_of_faces: units(mesh, mean).into_iter().map(length).collect(),
+            slack: (slack * mean_edge_length(mesh)).max(0.0),
+            nearest: 0.0,
             due: 0.0,
-        }
-    }
-
-    /// How much further than its nearest window the due windows of a list may be.
-    #[inline]
-    fn slack_of(&self, event: Event) -> f64 {
-        if self.slack_of_faces.is_empty() {
-            return self.slack;
-        }
-        match event.kind() {
-            // A face that is added for a point of the surface has none.
-            EventKind::Window(h, _) => {
-                let face = h.face().index();
-                self.slack_of_faces.get(face).copied().unwrap_or(0.0)
-            }
-            EventKind::Vertex(_) => self.slack,
         }
     }
 }
@@ -114,7 +70,7 @@ impl Discipline for NearestLists {
     #[inline]
     fn pop<P: Probe>(&mut self, probe: &mut P) -> Option<(f64, Event)> {
         let (label, event) = self.queue.pop(probe)?;
-        self.due = label + self.slack_of(event);
+        (self.nearest, self.due) = (label, label + self.slack);
         Some((label, event))
     }
 
@@ -126,6 +82,12 @@ impl Discipline for NearestLists {
     #[inline]
     fn is_due(&self, label: f64) -> bool {
         label <= self.due
+    }
+
+    #[inline]
+    fn take_list(&mut self, windows: usize) {
+        let share = (CROWD / windows as f64).min(1.0);
+        self.due = self.nearest + share * self.slack;
     }
 
     #[inline]
@@ -173,24 +135,18 @@ mod tests {
         assert_eq!(lists.pop(&mut ()), None);
     }
 
-    /// Needles of a fan, a hundredth wide and five long, as beside a fine rim.
     #[test]
-    fn heights_of_many_small_faces_bound_the_slack() {
-        let rim = (0..=40).map(|i| [0.01 * f64::from(i), 0.0, 0.0]);
-        let positions = rim.chain([[0.2, 5.0, 0.0]]).collect();
-        let needles = (0..40).map(|i| [i, i + 1, 41]).collect();
-        let mesh = Mesh::from_soup(TriangleSoup::new(positions, needles))
-            .expect("a fan is a mesh")
-            .0;
+    fn the_slack_of_a_crowded_list_is_less() {
+        let mesh = Mesh::generate("grid,n=8").expect("a grid is a mesh");
         let mean = mean_edge_length(&mesh);
-        assert!(mean > 2.0);
         let mut lists = NearestLists::new(&mesh, 1.0);
-        lists.push_list(1.0, Event::window(HalfEdgeId::new(0), 0), &mut ());
-        lists.pop(&mut ());
-        assert!(lists.is_due(1.07) && !lists.is_due(1.09));
-        // A mesh of equal faces has one slack.
-        let even = Mesh::generate("grid,n=8").expect("a grid is a mesh");
-        assert!(units(&even, mean_edge_length(&even)).is_empty());
+        for (windows, share) in [(1, 1.0), (256, 1.0), (1024, 0.25)] {
+            lists.push_list(1.0, Event::window(HalfEdgeId::new(0), 0), &mut ());
+            lists.pop(&mut ());
+            lists.take_list(windows);
+            assert!(lists.is_due(1.0 + 0.99 * share * mean), "{windows}");
+            assert!(!lists.is_due(1.0 + 1.01 * share * mean), "{windows}");
+        }
     }
 
     /// A list of which nothing is due would have its turn again and again.
@@ -206,6 +162,8 @@ mod tests {
             lists.push_list(2.0, Event::window(HalfEdgeId::new(0), 0), &mut ());
             lists.pop(&mut ());
             assert!(lists.is_due(2.0), "{slack}");
+            lists.take_list(1000);
+            assert!(lists.is_due(2.0), "{slack}, many windows");
         }
     }
 }

@@ -146,6 +146,7 @@ impl<Q: Discipline> Batched<Q> {
         }
         let taken = &mut self.taken;
         taken.clear();
+        state.queue.take_list(state.store.windows(i).len());
         let is_due = |label| state.queue.is_due(label);
         let rest = (state.store).take(i, &mut taken.windows, &mut taken.levels, is_due);
         state.store.set_queued(i, rest);

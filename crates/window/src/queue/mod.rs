@@ -86,6 +86,13 @@ pub trait Discipline: Send {
         true
     }
 
+    /// Tells that the list whose event has just left the queue stores `windows` windows. May change
+    /// which of them are [due](Self::is_due).
+    #[inline]
+    fn take_list(&mut self, windows: usize) {
+        let _ = windows;
+    }
+
     /// The event that is likely to come after `skipped` others, if that is cheap to find. Its
     /// memory is prefetched.
     #[inline]

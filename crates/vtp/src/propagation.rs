@@ -71,7 +71,7 @@ fn thin(layout: &MeshLayout) -> Vec<bool> {
     } else {
         4 * layout.faces.len()
     };
-    (0..half_edges).map(|h| kept.holds(h)).collect()
+    (0..half_edges).map(|h| kept.is_beside(h)).collect()
 }
 
 impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
@@ -239,7 +239,7 @@ impl<S: Schedule, M: Merge, P: Pairs, E: Exits> ListPropagation<S, M, P, E> {
                 keep: &mut self.active.keep,
             };
             let mut offer = self.simd.run(program);
-            if self.kept.holds(h as usize) {
+            if self.kept.is_beside(h as usize) {
                 // Beside a thin face, windows may wind around a needle at less than the offer.
                 offer = self.front.least_distance(h);
             }

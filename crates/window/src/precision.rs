@@ -165,9 +165,11 @@
 //! which is less than the margin. So no window takes its own place again.
 //!
 //! This requires that a window meets what it has stored one turn before, and not only many turns
-//! later, with the rounding of all. On a needle without area it comes back to its own foot. So a
-//! stored foot leaves a later one of the same place no margin, and a window with a foot reaches to
-//! the ends of the edge to which its rays lead.
+//! later, with the rounding of all. One stored edge on each way around is enough for that, so the
+//! VTP kinds store no windows between faces of a [group](crate::trimming::KeptWindows::in_groups).
+//! On a needle without area it comes back to its own foot. So a stored foot leaves a later one of
+//! the same place no margin, and a window with a foot reaches to the ends of the edge to which its
+//! rays lead.
 //!
 //! The order matters as well. Windows narrower than the step by which they advance at each turn do
 //! not meet themselves. They are ended by a straight window that covers the edge, which must come

@@ -3,6 +3,7 @@
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Splice};
 
 use super::foot::{is_near, pieces};
+use super::groups::inner_edges;
 use super::insertion::{TrimmedList, Trimmer};
 use super::thin::ThinFaces;
 use crate::blocks::BlockLists;
@@ -36,8 +37,8 @@ use crate::window::Window;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct KeptWindows {
-    /// The list of each half-edge, by its number; `NO_LIST` if it has none, [`GATE`] for gates.
-    /// Empty if there is no list.
+    /// The list of each half-edge, by its number, with [`INNER`] if it is not in use; `NO_LIST` if
+    /// it has none, [`GATE`] for gates. Empty if there is no list.
     lists: Vec<u32>,
     /// Where gates begin in `lists`.
     first_gate: usize,
@@ -49,6 +50,10 @@ pub struct KeptWindows {
     limits: ThinFaces,
     /// The number of lists on the mesh of the set-up, and its doubt.
     own: (usize, f64),
+    /// Whether each of these lists is not in use; empty if all are.
+    inner: Vec<bool>,
+    /// The number of half-edges of the mesh of the set-up.
+    own_numbers: usize,
     doubt: f64,
     reach: f64,
     trimmer: Trimmer<Window>,
@@ -56,8 +61,11 @@ pub struct KeptWindows {
 
 const NO_LIST: u32 = u32::MAX;
 
+/// The bit of lists within groups of thin faces, which are not in use. `NO_LIST` has it as well.
+const INNER: u32 = 1 << 31;
+
 /// Gates have no list, but are [held](KeptWindows::holds), so that one test finds both.
-const GATE: u32 = NO_LIST - 1;
+const GATE: u32 = (NO_LIST & !INNER) - 1;
 
 /// What is noted about the windows that wait on a half-edge.
 #[derive(Clone, Copy, Debug, Default)]
@@ -90,8 +98,27 @@ impl KeptWindows {
         kept.kept = BlockLists::new(kept.lengths.len(), 0);
         kept.set_doubt(doubt);
         kept.own = (kept.lengths.len(), doubt);
+        kept.own_numbers = numbers;
         kept.limits = thin.without_half_edges();
         kept
+    }
+
+    /// Stores no windows between thin faces that form groups, if there are many. `mesh` and `number`
+    /// are as for [`new`](Self::new), and no window may be stored. O(faces).
+    ///
+    /// To store a window takes several times as long as to let it cross a face. Windows that are
+    /// not trimmed at one edge are at one of the next, so hardly more of them cross.
+    #[must_use]
+    pub fn in_groups(mut self, mesh: &Mesh, number: impl Fn(HalfEdgeId) -> usize) -> Self {
+        if let Some(inner) = inner_edges(mesh, &self.limits) {
+            self.inner.resize(self.lengths.len(), false);
+            for h in mesh.half_edges().filter(|h| inner[h.index()]) {
+                let list = &mut self.lists[number(h)];
+                self.inner[*list as usize] = true;
+                *list |= INNER;
+            }
+        }
+        self
     }
 
     fn add_gates(&mut self, mesh: &Mesh, numbers: usize) {
@@ -129,6 +156,7 @@ impl KeptWindows {
         } else {
             self.lists.resize(numbers, NO_LIST);
         }
+        let is_undone = numbers == self.own_numbers;
         for h in splice.faces().flat_map(FaceId::half_edges) {
             let is_at_junction = mesh.junction_side(h).is_some();
             let beside = is_at_junction || self.limits.is_beside_on(mesh, h);
@@ -142,13 +170,23 @@ impl KeptWindows {
             {
                 // A list of the set-up stays: storing windows where no face is thin does no harm.
                 let i = number(h);
-                match self.lengths.get_mut(self.lists[i] as usize) {
-                    Some(length) => *length = mesh.length(h),
+                let list = self.lists[i] & !INNER;
+                match self.lengths.get_mut(list as usize) {
+                    Some(length) => {
+                        *length = mesh.length(h);
+                        // Parts of a split face are in no group.
+                        let is_inner = self.inner.get(list as usize) == Some(&true);
+                        self.lists[i] = if is_undone && is_inner {
+                            list | INNER
+                        } else {
+                            list
+                        };
+                    }
                     None if beside => self.add(i, mesh.length(h)),
                     None => self.lists[i] = NO_LIST,
                 }
             }
-            if is_at_junction || self.limits.is_thin_on(mesh, h) {
+            if is_at_junction || self.limits.is_thin(mesh, h.face()) {
                 doubt = doubt.max(MARGIN * mesh.length(h));
             }
         }
@@ -191,6 +229,13 @@ impl KeptWindows {
     /// Whether windows that arrive at half-edge number `h` are stored, or `h` is a gate.
     #[inline]
     pub fn holds(&self, h: usize) -> bool {
+        self.lists.get(h).is_some_and(|&list| list & INNER == 0)
+    }
+
+    /// Whether half-edge number `h` is [held](Self::holds), or lies [within a
+    /// group](Self::in_groups) of thin faces.
+    #[inline]
+    pub fn is_beside(&self, h: usize) -> bool {
         self.lists.get(h).is_some_and(|&list| list != NO_LIST)
     }
 

@@ -8,6 +8,7 @@
 mod compare;
 mod contender;
 mod foot;
+mod groups;
 mod insertion;
 mod kept;
 mod overlap;

@@ -50,6 +50,8 @@ const TIP: f64 = 0.35;
 pub struct ThinFaces {
     /// Whether the face on either side is thin, by number of half-edge; empty if no face is thin.
     beside: Vec<bool>,
+    /// The number of thin faces of the mesh of the set-up.
+    count: usize,
     doubt: f64,
     has_tip: bool,
     limits: ThinLimits,
@@ -101,6 +103,7 @@ impl ThinFaces {
         for face in mesh.faces().filter(|&face| limits.is_thin(mesh, face)) {
             let gates = mesh.junction_sides().len();
             thin.beside.resize(numbers + gates, false);
+            thin.count += 1;
             for h in face.half_edges() {
                 thin.doubt = thin.doubt.max(MARGIN * mesh.length(h));
                 for h in mesh.along_edge(h) {
@@ -165,9 +168,14 @@ impl ThinFaces {
         is_beside_thin(mesh, h, self.limits)
     }
 
-    /// Whether the face of `h` is thin, as [`is_beside_on`](Self::is_beside_on).
-    pub(super) fn is_thin_on(&self, mesh: &Mesh, h: HalfEdgeId) -> bool {
-        self.limits.is_thin(mesh, h.face())
+    /// The number of thin faces of the mesh of the set-up.
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Whether `face` is thin, as [`is_beside_on`](Self::is_beside_on).
+    pub(super) fn is_thin(&self, mesh: &Mesh, face: FaceId) -> bool {
+        self.limits.is_thin(mesh, face)
     }
 
     /// The limits alone.
@@ -210,13 +218,13 @@ fn is_beside_thin(mesh: &Mesh, h: HalfEdgeId, limits: ThinLimits) -> bool {
 }
 
 /// Height of the face of `h`, relative to its longest edge.
-fn relative_height(mesh: &Mesh, h: HalfEdgeId) -> f64 {
+pub(super) fn relative_height(mesh: &Mesh, h: HalfEdgeId) -> f64 {
     let longest = longest_side(mesh, h);
     mesh.length(h) * mesh.apex(h)[1] / (longest * longest)
 }
 
 /// Length of the longest side of the face of `h`.
-fn longest_side(mesh: &Mesh, h: HalfEdgeId) -> f64 {
+pub(super) fn longest_side(mesh: &Mesh, h: HalfEdgeId) -> f64 {
     let lengths = [h, h.next(), h.prev()].map(|h| mesh.length(h));
     lengths.into_iter().fold(0.0, f64::max)
 }

@@ -83,6 +83,7 @@ impl<const N: usize> FaceShapes<N> {
 pub(crate) fn measure<const N: usize>(corners: &[[[f64; N]; 3]; 3]) -> FaceShapes<N> {
     let mut shapes = FaceShapes::default();
     let mut projections = [[0.0; N]; 3];
+    #[allow(clippy::needless_range_loop)] // It is the place in all arrays.
     for i in 0..N {
         let [a, b, c] = [
             column(&corners[0], i),

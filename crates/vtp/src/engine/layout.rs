@@ -646,9 +646,12 @@ mod tests {
                     by_distance,
                     ..
                 } = layout;
-                let kept = |h| match stored {
-                    true => layout.kept.holds(h),
-                    false => layout.kept.is_beside(h),
+                let kept = |h| {
+                    if stored {
+                        layout.kept.holds(h)
+                    } else {
+                        layout.kept.is_beside(h)
+                    }
                 };
                 let kept: Vec<bool> = (0..4 * faces.len()).map(kept).collect();
                 let angles = ring_rows.ranges().map(|row| &angles[row]);

@@ -6,8 +6,8 @@ use super::thin::{ThinFaces, longest_side, relative_height};
 
 /// The largest number of faces in a group.
 ///
-/// On prisms of thin quads windows are stored on one of eight long edges, diagonals included, and up
-/// to 6 % more of them cross than with every edge stored. Larger groups gain little.
+/// On prisms of thin quads windows are stored on one of eight long edges, diagonals included. Up to
+/// 6 % more of them cross than with every edge stored. Larger groups gain little.
 const LARGEST: u8 = 8;
 
 /// Groups are made if at least one face in this many may be in one. A few thin faces, as scans have
@@ -17,8 +17,8 @@ const MANY: usize = 8;
 /// Height of a face, relative to its longest side, below which it is in no group.
 ///
 /// A window whose source is within 1e-6 of an edge, in edge lengths, [is near](super::is_near) it,
-/// and gaps beside it are closed where it is stored. The corners of faces in groups are ten times as
-/// far.
+/// and gaps beside it are closed where it is stored. The corners of faces in groups are ten times
+/// as far.
 const LEAST: f64 = 1e-5;
 
 /// The edges within groups of thin faces of `mesh`, by half-edge; `None` if there are no groups.

@@ -103,7 +103,7 @@ impl KeptWindows {
         kept
     }
 
-    /// Stores no windows between thin faces that form groups, if there are many. `mesh` and `number`
+    /// Stores no windows within groups of thin faces, if many faces are thin. `mesh` and `number`
     /// are as for [`new`](Self::new), and no window may be stored. O(faces).
     ///
     /// To store a window takes several times as long as to let it cross a face. Windows that are

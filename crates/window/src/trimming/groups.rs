@@ -1,4 +1,4 @@
-//! Groups of thin faces, between which no windows need be stored.
+//! Groups of thin faces, within which no windows need be stored.
 
 use geobench_mesh::{FaceId, HalfEdgeId, Mesh};
 
@@ -138,7 +138,7 @@ mod tests {
         assert!(short.clone().count() == 32 && short.clone().all(|h| stored(&h)));
     }
 
-    /// Two groups of eight, or one that is not closed.
+    /// A group is a tree, so that it does not close around a tube however few sides this has.
     #[test]
     fn each_way_around_leads_over_a_stored_edge() {
         for sides in 3..9 {

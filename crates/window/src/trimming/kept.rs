@@ -83,8 +83,9 @@ impl KeptWindows {
         let mut kept = Self::default();
         let thin = ThinFaces::of(mesh, numbers, &number);
         let mut doubt = thin.doubt();
-        let none = thin.is_empty() && !mesh.has_junctions();
-        for h in mesh.half_edges().take_while(|_| !none) {
+        // Most meshes have neither, and then no half-edge is looked at.
+        let are_some = !thin.is_empty() || mesh.has_junctions();
+        for h in mesh.half_edges().take_while(|_| are_some) {
             let is_at_junction = mesh.junction_side(h).is_some();
             if is_at_junction {
                 doubt = doubt.max(MARGIN * mesh.length(h));

@@ -71,6 +71,7 @@ mod length;
 mod level;
 mod repair;
 mod shape;
+mod side_pair;
 
 use std::collections::HashSet;
 use std::ops::Range;

@@ -2,7 +2,7 @@
 
 use geobench_mesh::FaceId;
 
-use crate::face::ChainLink;
+use crate::side_pair::ChainLink;
 
 /// For each node, the greatest sum of violations on a chain of links that ends in it.
 ///

@@ -17,21 +17,7 @@ use crate::ball::Ball;
 use crate::field::{EdgeField, FaceSide};
 use crate::interval::greater;
 use crate::shape::FaceShape;
-use crate::side_pair::{Parts, SidePair};
-
-/// A link of a chain: segments across a face between two nodes, of which a shortest path may take
-/// one.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ChainLink {
-    /// The node that it leaves: a piece, or a vertex with its neighbourhood.
-    pub(crate) from: u32,
-    /// The node at which it arrives.
-    pub(crate) to: u32,
-    pub(crate) face: FaceId,
-    /// An upper bound of `d(y) - d(x) - |xy|` for the points x and y of the two nodes; minus the
-    /// detour.
-    pub(crate) excess: f32,
-}
+use crate::side_pair::{ChainLink, MOST_LINKS, Parts, SidePair};
 
 /// More than the error of rounded arithmetic, as a fraction of the *size* of a face. The size is
 /// the greatest distance on its sides plus their lengths.
@@ -48,10 +34,6 @@ pub(crate) const MARGIN: f64 = 1e-11;
 
 /// Sizes of faces for which no square overflows, or underflows by more than the margin covers.
 pub(crate) const SIZES: std::ops::Range<f64> = 1e-130..1e130;
-
-/// The greatest number of links that are kept, 16 bytes each. With more, violations are added up by
-/// distance instead of along chains.
-pub(crate) const MOST_LINKS: usize = 1 << 26;
 
 /// Greatest number of pairs of pieces of two sides that are compared; with more, nothing is proven
 /// for the face. On scans a face has some hundred pairs.

@@ -81,12 +81,13 @@ use geobench_mesh::{FaceId, HalfEdgeId, Mesh, Tolerance, VertexId, threads, tole
 use boundary::windows_from_inside;
 use chains::greatest_sums;
 use envelope::{EnvelopeBuilder, EnvelopePiece, GAP, piece};
-use face::{Arithmetic, ChainLink, Checker, FaceChecks};
+use face::{Arithmetic, Checker, FaceChecks};
 use field::{EdgeField, Envelopes};
 use interval::lesser;
 use jump::sum_of_jumps;
 use level::below;
 use repair::{REPAIR, repair};
+use side_pair::ChainLink;
 
 pub use envelope::WindowData;
 pub use length::PathPoint;

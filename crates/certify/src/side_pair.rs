@@ -1,13 +1,30 @@
 //! The Lipschitz condition between two sides of a face, piece by piece.
 
-use geobench_mesh::HalfEdgeId;
+use geobench_mesh::{FaceId, HalfEdgeId};
 
 use crate::ball::Ball;
 use crate::difference::{CLOSE, Chord, Distance, RoundedDistance, peak};
-use crate::face::{ChainLink, MOST_LINKS};
 use crate::field::{EdgeField, ExactPiece, FaceSide, SidePiece};
 use crate::interval::greater;
 use crate::shape::{Border, LeastDistance, RoundedTransform, SideTransform, excess};
+
+/// A link of a chain: segments across a face between two nodes, of which a shortest path may take
+/// one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChainLink {
+    /// The node that it leaves: a piece, or a vertex with its neighbourhood.
+    pub(crate) from: u32,
+    /// The node at which it arrives.
+    pub(crate) to: u32,
+    pub(crate) face: FaceId,
+    /// An upper bound of `d(y) - d(x) - |xy|` for the points x and y of the two nodes; minus the
+    /// detour.
+    pub(crate) excess: f32,
+}
+
+/// The greatest number of links that are kept, 16 bytes each. With more, violations are added up by
+/// distance instead of along chains.
+pub(crate) const MOST_LINKS: usize = 1 << 26;
 
 /// Whether the slope of the distance decreases where `left` ends and `right` begins. Then no
 /// shortest path bends there: moving the bend into one of the two pieces makes the path shorter.
